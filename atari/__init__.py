@@ -1,0 +1,35 @@
+"""Every ALE game as a Gymnasium environment.
+
+`import atari` registers every ID these games have had; `gymnasium.make("ALE/Breakout-v5")` or `atari.make("breakout")`
+makes one. `atari.games` describes the games, `atari.wrappers` preprocesses, `atari.roms` finds the ROM files.
+"""
+
+import sys
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from atari import cores
+from atari.actions import Action
+from atari.catalog import games
+from atari.env import AtariEnv
+from atari.game import Game
+from atari.registration import explain, make, register_all
+
+if TYPE_CHECKING:
+    from atari import roms, wrappers
+
+__version__ = "0.1.0"
+__all__ = ["Action", "AtariEnv", "Game", "cores", "explain", "games", "make", "roms", "wrappers"]
+
+# `atari/games/` holds data files, no module: without this, `import atari.games` would put an empty namespace package
+# in the place of the mapping.
+sys.modules["atari.games"] = games  # type: ignore[assignment]
+
+register_all()
+
+
+def __getattr__(name: str) -> Any:
+    """Import `atari.wrappers` and `atari.roms` when they are first used, to keep `import atari` quick."""
+    if name in ("roms", "wrappers"):
+        return import_module(f"atari.{name}")
+    raise AttributeError(f"module 'atari' has no attribute {name!r}")

@@ -1,0 +1,280 @@
+"""`AleCore`: ale-py behind the `Core` interface, guarded.
+
+ale-py ends the process on a missing or foreign ROM, crashes on a call before loading, hangs or fails obscurely on
+wrong values, and restores less than it saves. Here everything is checked before ale-py sees it, and a snapshot is a
+journal that is played again, which is exact for every game.
+"""
+
+import hashlib
+from dataclasses import asdict, dataclass
+from os import PathLike
+from typing import Any
+
+import ale_py
+import numpy as np
+from ale_py import ALEInterface, ALEState, LoggerMode
+
+from atari import snapshot
+from atari.catalog import games
+from atari.cores import options as door
+from atari.cores.journal import Journal
+from atari.cores.options import CoreOptions
+from atari.cores.protocol import ByteArray
+from atari.game import Game
+from atari.roms import find
+
+ALEInterface.setLoggerMode(LoggerMode.Error)  # process-wide: no banner, no line per load
+
+
+@dataclass(frozen=True)
+class AleState:
+    """What `AleCore.clone_state` returns: ale-py's state, and the hash of the ROM it belongs to."""
+
+    rom_md5: str
+    state: ALEState
+
+
+class AleCore:
+    """A game played by ale-py. See `Core` for the methods.
+
+    Args:
+        game: id of a playable game, for example "pong".
+        seed: of ALE's generator (sticky actions), 0 .. 2**32 - 1. ale-py cannot use 2**32 - 1; it becomes 2**32 - 2.
+        repeat_action_probability: with which the previous action is repeated, each frame.
+        mode, difficulty: among `games[game].modes` and `.difficulties`; None is the default.
+        frame_skip: frames for each `act`.
+        max_num_frames_per_episode: frames after which an episode is truncated; 0 is never.
+        sound: produce samples for `audio()`.
+        rom: path of the ROM file; None searches (see `atari.roms`).
+
+    Raises:
+        TypeError, ValueError: an argument is wrong, or the ROM file is not of this game.
+        FileNotFoundError: there is no ROM file.
+    """
+
+    name = "ale"
+
+    def __init__(
+        self,
+        game: str,
+        *,
+        seed: int = 0,
+        repeat_action_probability: float = 0.25,
+        mode: int | None = None,
+        difficulty: int | None = None,
+        frame_skip: int = 1,
+        max_num_frames_per_episode: int = 0,
+        sound: bool = False,
+        rom: str | PathLike[str] | None = None,
+    ) -> None:
+        self.game: Game = games.find(game)
+        self._options = CoreOptions.check(
+            self.game,
+            repeat_action_probability=repeat_action_probability,
+            mode=mode,
+            difficulty=difficulty,
+            frame_skip=frame_skip,
+            max_num_frames_per_episode=max_num_frames_per_episode,
+            sound=sound,
+        )
+        self._seed = door.check_integer("seed", seed, 0, door.SEED_LIMIT - 1)
+        self._rom = find(self.game.id, rom)
+        self.sound = self._options.sound
+        # What ale-py's states leave out is set anew by a reset, but for the sound generator and the variables that
+        # the rules of two games keep; with those, only the journal since loading is complete.
+        kept = self.game.rules is not None and bool(self.game.rules.kept_over_reset)
+        self._sound_or_rules_outlive_reset = self.sound or kept
+        self._ale: Any = ALEInterface()
+        self._ale.setFloat("repeat_action_probability", self._options.repeat_action_probability)
+        self._ale.setInt("frame_skip", self._options.frame_skip)
+        self._ale.setInt("max_num_frames_per_episode", self._options.max_num_frames_per_episode)
+        self._ale.setBool("sound_obs", self.sound)
+        self._load()
+
+    def seed(self, seed: int) -> None:
+        """Start over with this seed. ale-py takes its seed from loading, so this loads the game again."""
+        self._seed = door.check_integer("seed", seed, 0, door.SEED_LIMIT - 1)
+        self._load()
+
+    def reset(self) -> None:
+        """Start a new game."""
+        if not self._sound_or_rules_outlive_reset:
+            self._journal = Journal(self._ale.cloneSystemState().serialize())
+        self._ale.reset_game()
+        if self._journal is not None:
+            self._journal.reset()
+
+    def act(self, action: int, strength: float = 1.0) -> int:
+        """Play `frame_skip` frames of an action and return the reward."""
+        if action.__class__ is not int or not 0 <= action <= 17:
+            action = door.check_action(action)
+        if strength != 1.0:
+            strength = door.check_strength(strength)
+        reward: int = self._ale.act(action, strength)
+        if self._journal is not None:
+            self._journal.act(action, strength)
+        return reward
+
+    @property
+    def lives(self) -> int:
+        """Lives left."""
+        return int(self._ale.lives())
+
+    @property
+    def game_over(self) -> bool:
+        """Whether the game has ended by its own rules."""
+        return bool(self._ale.game_over(with_truncation=False))
+
+    @property
+    def truncated(self) -> bool:
+        """Whether the episode has reached its frame limit."""
+        return bool(self._ale.game_truncated())
+
+    @property
+    def frame_number(self) -> int:
+        """Frames played since loading."""
+        return int(self._ale.getFrameNumber())
+
+    @property
+    def episode_frame_number(self) -> int:
+        """Frames played since the last reset."""
+        return int(self._ale.getEpisodeFrameNumber())
+
+    def ram(self, out: ByteArray | None = None) -> ByteArray:
+        """The 128 bytes of RAM."""
+        return _filled(self._ale.getRAM, (128,), out)
+
+    def set_ram(self, index: int, value: int) -> None:
+        """Write one byte of RAM."""
+        index, value = door.check_poke(index, value)
+        self._ale.setRAM(index, value)
+        if self._journal is not None:
+            self._journal.poke(index, value)
+
+    def screen(self, out: ByteArray | None = None) -> ByteArray:
+        """(height, 160) palette indices."""
+        return _filled(self._ale.getScreen, self.game.screen.shape, out)
+
+    def screen_rgb(self, out: ByteArray | None = None) -> ByteArray:
+        """(height, 160, 3) red, green, blue."""
+        return _filled(self._ale.getScreenRGB, (*self.game.screen.shape, 3), out)
+
+    def screen_grayscale(self, out: ByteArray | None = None) -> ByteArray:
+        """(height, 160) luminance."""
+        return _filled(self._ale.getScreenGrayscale, self.game.screen.shape, out)
+
+    def audio(self, out: ByteArray | None = None) -> ByteArray:
+        """(512,) samples of the last act."""
+        return _filled(self._ale.getAudio, (512,), out)
+
+    def clone_state(self, include_rng: bool = False) -> AleState:
+        """ale-py's own state: quick to restore, but without picture, held action and sound (`snapshot` has all)."""
+        return AleState(self.game.rom.md5, self._ale.cloneState(include_rng=include_rng))
+
+    def restore_state(self, state: AleState) -> None:
+        """Continue from a state of `clone_state`.
+
+        As in ale-py, the picture stays that of before until the next act, the held action stays, and the generator
+        of sticky actions goes on unless the state includes it. What ale-py leaves out cannot be saved either, so
+        `snapshot` raises from here to the next reset (with `sound`, to the next `seed`).
+        """
+        if not isinstance(state, AleState):
+            raise TypeError(f"restore_state takes what clone_state returned, got {type(state).__name__}")
+        if state.rom_md5 != self.game.rom.md5:
+            raise ValueError(f"the state is of another game than {self.game.id}")
+        self._ale.restoreState(state.state)
+        self._journal = None
+
+    def snapshot(self) -> bytes:
+        """The whole state: the calls since the last reset (with `sound`, since loading).
+
+        Its cost grows with the length of the episode: about a byte for each act.
+
+        Raises:
+            RuntimeError: `restore_state` was called, after which ale-py's machine cannot be saved completely.
+        """
+        if self._journal is None:
+            until = "seed()" if self._sound_or_rules_outlive_reset else "reset()"
+            raise RuntimeError(
+                f"after restore_state(), a complete snapshot is possible again only after {until}: ale-py's states "
+                "leave out part of the machine; use snapshot() and restore() throughout instead"
+            )
+        facts = {**self._facts(), "seed": self._seed}
+        journal = {"base": self._journal.base, "events": bytes(self._journal.events)}
+        return snapshot.pack(facts, {**journal, "digest": self._digest()})
+
+    def restore(self, data: bytes) -> None:
+        """Continue from a snapshot by loading the game and playing the calls again (as slow as they were).
+
+        Raises:
+            TypeError, ValueError: not a snapshot, damaged, or of another game, core, ale-py or other options.
+            RuntimeError: ale-py did not arrive at the state that was saved.
+        """
+        facts, blobs = snapshot.unpack(data)
+        snapshot.require(facts, self._facts())
+        self._seed = facts["seed"]
+        self._load()
+        self._journal = Journal(blobs["base"], bytearray(blobs["events"]))
+        if self._journal.base:
+            self._ale.restoreSystemState(ALEState(self._journal.base))
+        for event, first, second in self._journal.replay():
+            if event == "act":
+                self._ale.act(first, second)
+            elif event == "reset":
+                self._ale.reset_game()
+            else:
+                self._ale.setRAM(first, int(second))
+        if self._digest() != blobs["digest"]:
+            raise RuntimeError(f"ale-py did not reproduce this snapshot of {self.game.id}; please report it")
+
+    def close(self) -> None:
+        """Release the emulator."""
+        self._ale = _Closed()
+
+    def _load(self) -> None:
+        """Load the ROM, which also resets ale-py's counters and generators, and start an empty journal."""
+        seed = min(self._seed, door.SEED_LIMIT - 2)  # -1, as int32, would be the clock
+        self._ale.setInt("random_seed", seed if seed < 2**31 else seed - 2**32)
+        self._ale.loadROM(self._rom)
+        if self._options.mode is not None:
+            self._ale.setMode(self._options.mode)
+        if self._options.difficulty is not None:
+            self._ale.setDifficulty(self._options.difficulty)
+        self._journal: Journal | None = Journal()
+
+    def _facts(self) -> dict[str, Any]:
+        """What must agree for a snapshot to make sense here."""
+        return {
+            "core": self.name,
+            "game": self.game.id,
+            "rom": self.game.rom.md5,
+            "ale-py": ale_py.__version__,
+            **asdict(self._options),
+        }
+
+    def _digest(self) -> bytes:
+        """A hash of what can be seen of the machine."""
+        digest = hashlib.blake2b(digest_size=16)
+        for array in (self.ram(), self.screen(), self.audio()):
+            digest.update(array.tobytes())
+        digest.update(f"{self.lives} {self.frame_number} {self.episode_frame_number}".encode())
+        return digest.digest()
+
+
+class _Closed:
+    """Stands in for the emulator of a closed core."""
+
+    def __getattr__(self, name: str) -> Any:
+        raise RuntimeError("this core is closed; make a new one")
+
+
+def _filled(getter: Any, shape: tuple[int, ...], out: ByteArray | None) -> ByteArray:
+    """The array that `getter` makes, or `out` filled by it after checking that it fits."""
+    if out is None:
+        array: ByteArray = getter()
+        return array
+    good = isinstance(out, np.ndarray) and out.dtype == np.uint8 and out.shape == shape
+    if not (good and out.flags.c_contiguous and out.flags.writeable):
+        raise ValueError(f"out must be a writable C-contiguous uint8 array of shape {shape}")
+    getter(out)
+    return out

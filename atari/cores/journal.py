@@ -1,0 +1,57 @@
+"""What has happened to an emulator since a known point, so that it can be made to happen again.
+
+ale-py's own states leave out part of the machine: the picture, the held (sticky) action, the sound generator, the
+chip's unfinished frame. A journal leaves out nothing: it holds a starting point from which ale-py is exact (a fresh
+load, or a state directly before a reset) and every call since. Playing it again gives the same machine.
+"""
+
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+# Events: one byte for an action of full strength (0..17), else a code and its arguments.
+_ACT_WITH_STRENGTH = 0x40
+_RESET = 0x41
+_POKE = 0x42
+_STRENGTH = struct.Struct("<f")
+
+
+@dataclass
+class Journal:
+    """The calls since `base`, a serialised ale-py state with generators (empty: since the game was loaded)."""
+
+    base: bytes = b""
+    events: bytearray = field(default_factory=bytearray)
+
+    def act(self, action: int, strength: float) -> None:
+        """Note a call of `act`."""
+        if strength == 1.0:
+            self.events.append(action)
+        else:
+            self.events += bytes((_ACT_WITH_STRENGTH, action)) + _STRENGTH.pack(strength)
+
+    def reset(self) -> None:
+        """Note a reset."""
+        self.events.append(_RESET)
+
+    def poke(self, index: int, value: int) -> None:
+        """Note a write to RAM."""
+        self.events += bytes((_POKE, index, value))
+
+    def replay(self) -> Iterator[tuple[str, int, float]]:
+        """The events in order, as ("act", action, strength), ("reset", 0, 0) or ("poke", index, value)."""
+        events, i = self.events, 0
+        while i < len(events):
+            code = events[i]
+            if code == _RESET:
+                yield "reset", 0, 0.0
+                i += 1
+            elif code == _POKE:
+                yield "poke", events[i + 1], events[i + 2]
+                i += 3
+            elif code == _ACT_WITH_STRENGTH:
+                yield "act", events[i + 1], _STRENGTH.unpack_from(events, i + 2)[0]
+                i += 6
+            else:
+                yield "act", code, 1.0
+                i += 1

@@ -1,0 +1,351 @@
+"""`AtariEnv`: one Atari 2600 game as a Gymnasium environment.
+
+Options, defaults, observations, rewards and random streams are those of ale-py's environment of the same name
+(Machado et al. 2018, "Revisiting the Arcade Learning Environment"); equality to the byte is a test.
+"""
+
+import copy
+import math
+import operator
+from os import PathLike
+from typing import Any, Literal
+
+import gymnasium
+import numpy as np
+from gymnasium import logger, spaces
+
+from atari import snapshot
+from atari.actions import PLAYER_ACTIONS, Action
+from atari.ale_view import AleView
+from atari.catalog import games
+from atari.cores import CORES, ByteArray, Core
+from atari.cores.options import check_integer
+from atari.game import Game
+from atari.rendering import Window
+
+ObsType = Literal["rgb", "grayscale", "ram"]
+RenderMode = Literal["human", "rgb_array", "rgb_array_list"]
+
+_OBS_TYPES = ("rgb", "grayscale", "ram")
+_RENDER_MODES = ("human", "rgb_array", "rgb_array_list")
+
+
+class AtariEnv(gymnasium.Env[Any, Any]):
+    """A game of the Atari 2600.
+
+    Args:
+        game: id such as "breakout"; `atari.games` has them all.
+        mode: game mode, one of `atari.games[game].modes`; None is the default mode.
+        difficulty: one of `atari.games[game].difficulties`; None is ALE's default, 0.
+        obs_type: "rgb" is (height, 160, 3), "grayscale" (height, 160), "ram" (128,); all uint8.
+        frameskip: emulated frames a step, or (low, high) for a random number within low..high-1 each step.
+        repeat_action_probability: of repeating the previous action, drawn each frame ("sticky actions").
+        full_action_space: all legal actions (18 in nearly all games) instead of those the game uses.
+        continuous: actions are (radius, angle, fire), a joystick as three float32 (Farebrother and Castro 2024, "CALE").
+        continuous_action_threshold: how far the stick must be moved, or fire pressed, to count.
+        max_num_frames_per_episode: emulated frames after which an episode is truncated; None is never.
+        render_mode: "human" shows a window (extra `play`), "rgb_array" returns the screen from `render`,
+            "rgb_array_list" the screens since the last `render`, one a step.
+        sound_obs: observations become {"image": ..., "sound": (512,) uint8 samples of the step's last frame}.
+        core: the emulator: "ale" is ale-py.
+        rom: path of the ROM file; None searches (see `atari.roms`).
+
+    Raises:
+        TypeError, ValueError: an option is of the wrong kind or not offered by the game.
+        FileNotFoundError: no ROM file of the game was found.
+        gymnasium.error.DependencyNotInstalled: render_mode "human" without pygame-ce.
+        gymnasium.error.Error: render_mode "human" where there is no display.
+
+    `reset` and `step` return, with `info`: `lives`, `episode_frame_number` and `frame_number` (emulated frames since
+    the last seeded reset); after a seeded `reset` also `seeds`, the two words drawn from the seed.
+    Rewards are floats, the sum over the step's frames, not clipped.
+    """
+
+    core: Core
+    """The emulator core."""
+
+    def __init__(
+        self,
+        game: str,
+        mode: int | None = None,
+        difficulty: int | None = None,
+        obs_type: ObsType = "rgb",
+        frameskip: int | tuple[int, int] = 4,
+        repeat_action_probability: float = 0.25,
+        full_action_space: bool = False,
+        continuous: bool = False,
+        continuous_action_threshold: float = 0.5,
+        max_num_frames_per_episode: int | None = None,
+        render_mode: RenderMode | None = None,
+        sound_obs: bool = False,
+        *,
+        core: str = "ale",
+        rom: str | PathLike[str] | None = None,
+    ) -> None:
+        self._options = {key: value for key, value in locals().items() if key not in ("self", "__class__")}
+        self.game: Game = games.find(game)
+        self._obs_type = _check_name("obs_type", obs_type, _OBS_TYPES)
+        self._frameskip = _check_frameskip(frameskip)
+        if core not in CORES:
+            raise ValueError(f"core must be one of {', '.join(map(repr, CORES))}, got {core!r}")
+        if render_mode is not None:
+            _check_name("render_mode", render_mode, _RENDER_MODES)
+        self.render_mode = render_mode
+        threshold = float(continuous_action_threshold)
+        if not 0.0 <= threshold <= 1.0:
+            raise ValueError(f"continuous_action_threshold must be within 0..1, got {continuous_action_threshold!r}")
+        self._threshold = np.float32(threshold)
+        self.continuous = bool(continuous)
+
+        seeds = self._seed_generators(None)
+        self.core = CORES[core](
+            game,
+            seed=seeds[1],
+            repeat_action_probability=repeat_action_probability,
+            mode=mode,
+            difficulty=difficulty,
+            max_num_frames_per_episode=0 if max_num_frames_per_episode is None else max_num_frames_per_episode,
+            sound=sound_obs,
+            rom=rom,
+        )
+        every = full_action_space or continuous
+        self._action_set: tuple[Action, ...] = self.game.legal_actions if every else self.game.minimal_actions
+        self.action_space = self._make_action_space()
+        self.observation_space = self._make_observation_space()
+        self.metadata = {"render_modes": list(_RENDER_MODES), "render_fps": self._steps_per_second()}
+        self._window = Window(self.game, self.metadata["render_fps"]) if render_mode == "human" else None
+        self._frames: list[ByteArray] = []
+        self._phase: Literal["new", "playing", "over", "warned"] = "new"
+
+    @property
+    def ale(self) -> AleView:
+        """The core under the method names of ale-py's `ALEInterface`, which many wrappers expect."""
+        return AleView(self)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Start a new episode; with `seed`, also restart all generators. `options` are ignored."""
+        super().reset(seed=seed)
+        seeds: dict[str, Any] = {}
+        if seed is not None:
+            words = self._seed_generators(seed)
+            self.core.seed(words[1])
+            seeds = {"seeds": tuple(np.uint32(word) for word in words)}
+        self.core.reset()
+        self._phase = "playing"
+        self._frames.clear()
+        self._show()
+        return self._observation(), {**self._info(), **seeds}
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """Play `frameskip` frames.
+
+        Args:
+            action: index into the action set, or with `continuous` a float array (radius, angle, fire).
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset.
+            TypeError, ValueError: the action is not in the action space.
+        """
+        number, strength = self._continuous_action(action) if self.continuous else (self._discrete_action(action), 1.0)
+        reward = self.play_frames(number, self._draw_frameskip(), strength)
+        self._show()
+        return self._observation(), reward, self.core.game_over, self.core.truncated, self._info()
+
+    def play_frames(self, action: int, frames: int, strength: float = 1.0) -> float:
+        """Play frames with an ALE action number and return the reward, without making an observation.
+
+        What `step` does beneath observation and frame skip; wrappers that look at a part of the frames only
+        (`atari.wrappers.DqnPreprocessing`) call it instead of `step`.
+        """
+        if self._phase != "playing":
+            self._check_phase()
+        act = self.core.act
+        reward = 0.0
+        for _ in range(frames):
+            reward += act(action, strength)
+        if self.core.game_over or self.core.truncated:
+            self._phase = "over" if self._phase == "playing" else self._phase
+        return reward
+
+    def render(self) -> Any:
+        """The screen (height, 160, 3), a list of such screens, or None, according to the render mode."""
+        if self.render_mode == "rgb_array":
+            return self.core.screen_rgb()
+        if self.render_mode == "rgb_array_list":
+            frames, self._frames = self._frames, []
+            return frames
+        if self.render_mode == "human":
+            return None  # step and reset have shown it
+        raise gymnasium.error.Error(
+            "render() needs a render mode; make the environment with render_mode='rgb_array' or 'human'"
+        )
+
+    def close(self) -> None:
+        """Release the emulator and the window."""
+        if self._window is not None:
+            self._window.close()
+            self._window = None
+        self.core.close()
+
+    def get_action_meanings(self) -> list[str]:
+        """The names of the actions, in the order of the action space."""
+        return [action.name for action in self._action_set]
+
+    def get_keys_to_action(self) -> dict[tuple[str, ...], int]:
+        """Which keys stand for which action, for `gymnasium.utils.play`: w a s d to move, space for fire, e for none."""
+        if self.continuous:
+            raise AttributeError("keys stand for discrete actions; this environment was made with continuous=True")
+        return {_keys(action): index for index, action in enumerate(self._action_set)}
+
+    def clone_state(self, include_rng: bool = False) -> Any:
+        """The emulator's state, in memory; as ale-py's, without the picture. See `snapshot` for a complete one."""
+        return self.core.clone_state(include_rng=include_rng)
+
+    def restore_state(self, state: Any) -> None:
+        """Continue from a state of `clone_state`."""
+        self.core.restore_state(state)
+        self._phase = "playing"
+
+    def snapshot(self) -> bytes:
+        """The whole environment as portable bytes: game, picture, sound, held action, all generators.
+
+        An environment made with the same options, also in another process, continues from it exactly.
+        """
+        facts = {"of": "AtariEnv", "phase": self._phase, "np_random": self.np_random.bit_generator.state}
+        return snapshot.pack(facts, {"core": self.core.snapshot()})
+
+    def restore(self, data: bytes) -> None:
+        """Continue from a snapshot.
+
+        Raises:
+            TypeError, ValueError: not a snapshot, damaged, or of another game, core or other options.
+        """
+        facts, blobs = snapshot.unpack(data)
+        snapshot.require(facts, {"of": "AtariEnv"})
+        self.core.restore(blobs["core"])
+        self.np_random.bit_generator.state = facts["np_random"]
+        self._phase = facts["phase"]
+        self._frames.clear()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickling and copying keep the position in the game."""
+        return {"options": self._options, "snapshot": self.snapshot(), "spec": copy.deepcopy(self.spec)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        AtariEnv.__init__(self, **state["options"])
+        self.restore(state["snapshot"])
+        self.spec = state["spec"]
+
+    def _seed_generators(self, seed: int | None) -> tuple[int, int]:
+        """Seed `np_random` and return the two words of the seed; the second one is the emulator's."""
+        words = np.random.SeedSequence(seed).generate_state(2)
+        first, second = int(words[0]), int(words[1])
+        self.np_random = np.random.Generator(np.random.PCG64(np.random.SeedSequence(first)))
+        return first, second
+
+    def _make_action_space(self) -> spaces.Space[Any]:
+        if self.continuous:
+            low, high = np.array([0, -np.pi, 0], np.float32), np.array([1, np.pi, 1], np.float32)
+            return spaces.Box(low, high, dtype=np.float32)
+        return spaces.Discrete(len(self._action_set))
+
+    def _make_observation_space(self) -> spaces.Space[Any]:
+        rows, columns = self.game.screen.shape
+        shape = {"rgb": (rows, columns, 3), "grayscale": (rows, columns), "ram": (128,)}[self._obs_type]
+        image = spaces.Box(0, 255, shape, np.uint8)
+        if not self.core.sound:
+            return image
+        return spaces.Dict({"image": image, "sound": spaces.Box(0, 255, (512,), np.uint8)})
+
+    def _steps_per_second(self) -> float:
+        """How many steps make a second of play, so that a video of one frame a step has the right speed."""
+        skip = self._frameskip if isinstance(self._frameskip, int) else (sum(self._frameskip) - 1) / 2
+        return self.game.screen.frame_rate / skip
+
+    def _draw_frameskip(self) -> int:
+        if isinstance(self._frameskip, int):
+            return self._frameskip
+        return int(self.np_random.integers(*self._frameskip))
+
+    def _discrete_action(self, action: Any) -> int:
+        try:
+            index = operator.index(action)
+        except TypeError:
+            raise TypeError(
+                f"an action is an integer within 0..{len(self._action_set) - 1}, got {action!r}"
+            ) from None
+        if not 0 <= index < len(self._action_set):
+            raise ValueError(f"action {index} is not within 0..{len(self._action_set) - 1} ({self.game.id})")
+        return int(self._action_set[index])
+
+    def _continuous_action(self, action: Any) -> tuple[int, float]:
+        """The ALE action and the strength of (radius, angle, fire), computed in float32 as in CALE."""
+        try:
+            radius, angle, fire = np.asarray(action, dtype=np.float32)
+        except (TypeError, ValueError):
+            raise TypeError(f"a continuous action is three floats (radius, angle, fire), got {action!r}") from None
+        pi = np.float32(math.pi)
+        if not (0.0 <= radius <= 1.0 and -pi <= angle <= pi and 0.0 <= fire <= 1.0):
+            raise ValueError(
+                f"a continuous action is radius 0..1, angle -pi..pi, fire 0..1, got ({radius}, {angle}, {fire})"
+            )
+        x, y = radius * np.cos(angle), radius * np.sin(angle)
+        horizontal = int(x > self._threshold) - int(x < -self._threshold)
+        vertical = int(y > self._threshold) - int(y < -self._threshold)
+        return _ACTION_BY_MOTION[vertical, horizontal, bool(fire > self._threshold)], float(radius)
+
+    def _observation(self) -> Any:
+        if self._obs_type == "rgb":
+            image = self.core.screen_rgb()
+        elif self._obs_type == "ram":
+            image = self.core.ram()
+        else:
+            image = self.core.screen_grayscale()
+        return {"image": image, "sound": self.core.audio()} if self.core.sound else image
+
+    def _info(self) -> dict[str, Any]:
+        core = self.core
+        return {
+            "lives": core.lives,
+            "episode_frame_number": core.episode_frame_number,
+            "frame_number": core.frame_number,
+        }
+
+    def _show(self) -> None:
+        if self._window is not None:
+            self._window.show(self.core.screen_rgb())
+        elif self.render_mode == "rgb_array_list":
+            self._frames.append(self.core.screen_rgb())
+
+    def _check_phase(self) -> None:
+        """Refuse a step before the first reset, and warn once about a step after the end."""
+        if self._phase == "new":
+            raise gymnasium.error.ResetNeeded("call env.reset() before the first env.step()")
+        if self._phase == "over":
+            self._phase = "warned"
+            logger.warn("env.step() was called after the episode had ended; nothing happens until env.reset()")
+
+
+_ACTION_BY_MOTION = {(action.vertical, action.horizontal, action.fire): int(action) for action in PLAYER_ACTIONS}
+
+
+def _keys(action: Action) -> tuple[str, ...]:
+    keys = ({1: "w", -1: "s"}.get(action.vertical), {1: "d", -1: "a"}.get(action.horizontal))
+    return tuple(key for key in (*keys, " " if action.fire else None) if key) or ("e",)
+
+
+def _check_name(name: str, value: Any, choices: tuple[str, ...]) -> str:
+    if value not in choices:
+        raise ValueError(f"{name} must be one of {', '.join(map(repr, choices))}, got {value!r}")
+    return str(value)
+
+
+def _check_frameskip(frameskip: Any) -> int | tuple[int, int]:
+    if not isinstance(frameskip, (tuple, list)):
+        return check_integer("frameskip", frameskip, 1, 10_000)
+    if len(frameskip) != 2:
+        raise ValueError(f"a frameskip range is (low, high), got {frameskip!r}")
+    low, high = (check_integer("frameskip", bound, 1, 10_000) for bound in frameskip)
+    if low >= high:
+        raise ValueError(f"a frameskip range (low, high) skips low..high-1 frames and needs low < high, got {frameskip!r}")
+    return low, high

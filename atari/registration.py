@@ -1,0 +1,210 @@
+"""Every environment ID in the history of these games, as a table of families.
+
+Sources: the registrations of OpenAI Gym 0.1-0.26 (v0 and v4) and of ale-py 0.7-0.12 (v5). An ID is a stem
+(`MsPacman`) with a family's prefix, suffix and version; the family says everything else.
+"""
+
+import difflib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import ale_py.registration  # noqa: F401 - registers its IDs on import; ours must come after, to take their place
+import gymnasium
+from gymnasium.envs.registration import EnvSpec
+
+from atari.catalog import games
+
+LEGACY_GAMES: tuple[str, ...] = tuple(
+    """adventure air_raid alien amidar assault asterix asteroids atlantis bank_heist battle_zone beam_rider berzerk
+    bowling boxing breakout carnival centipede chopper_command crazy_climber defender demon_attack double_dunk
+    elevator_action enduro fishing_derby freeway frostbite gopher gravitar hero ice_hockey jamesbond journey_escape
+    kangaroo krull kung_fu_master montezuma_revenge ms_pacman name_this_game phoenix pitfall pong pooyan private_eye
+    qbert riverraid road_runner robotank seaquest skiing solaris space_invaders star_gunner tennis time_pilot
+    tutankham up_n_down venture video_pinball wizard_of_wor yars_revenge zaxxon""".split()
+)
+"""The 62 games that have v0 and v4 IDs."""
+
+MAX_FRAMES = 108_000
+"""Emulated frames after which every registered environment truncates an episode: half an hour of play."""
+
+
+@dataclass(frozen=True)
+class Family:
+    """The IDs that differ only in the game: `<prefix><stem><suffix>-v<version>`."""
+
+    prefix: str
+    suffix: str
+    version: int
+    obs_type: str
+    frameskip: int | tuple[int, int]
+    repeat_action_probability: float
+
+    def id(self, game: str) -> str:
+        """The ID of a game in this family."""
+        return f"{self.prefix}{stem(game)}{self.suffix}-v{self.version}"
+
+    def games(self) -> tuple[str, ...]:
+        """The games this family has."""
+        return tuple(game.id for game in games.playable()) if self.version == 5 else LEGACY_GAMES
+
+    def options(self, game: str) -> dict[str, Any]:
+        """The options of `AtariEnv` that the ID of this game stands for."""
+        frameskip = self.frameskip
+        if game == "space_invaders" and self.suffix.endswith("Deterministic"):
+            frameskip = 3  # with 4, its blinking shots would be invisible
+        options = {
+            "game": game,
+            "obs_type": self.obs_type,
+            "repeat_action_probability": self.repeat_action_probability,
+            "full_action_space": False,
+            "frameskip": frameskip,
+            "max_num_frames_per_episode": MAX_FRAMES,
+        }
+        if self.obs_type == "rgb":
+            del options["obs_type"]  # the default; ale-py's specs do not name it, and its vector entry point refuses it
+        return options
+
+
+def _families() -> Iterator[Family]:
+    for ram, obs_type in (("", "rgb"), ("-ram", "ram")):
+        for speed, frameskip in (("", (2, 5)), ("Deterministic", 4), ("NoFrameskip", 1)):
+            for version, probability in ((0, 0.25), (4, 0.0)):
+                yield Family("", ram + speed, version, obs_type, frameskip, probability)
+        yield Family("ALE/", ram, 5, obs_type, 4, 0.25)
+
+
+FAMILIES: tuple[Family, ...] = tuple(_families())
+
+
+def stem(game: str) -> str:
+    """The name of a game inside an ID: `ms_pacman` -> `MsPacman`, `tic_tac_toe_3d` -> `TicTacToe3D`."""
+    return game.title().replace("_", "")
+
+
+@cache
+def ids() -> dict[str, tuple[Family, str]]:
+    """Every ID, with its family and game."""
+    return {family.id(game): (family, game) for family in FAMILIES for game in family.games()}
+
+
+def register_all() -> None:
+    """Put every ID into Gymnasium's registry, taking the place of ale-py's where it has the same one."""
+    for env_id, (family, game) in ids().items():
+        # Not gymnasium.register(), which warns when it replaces an ID.
+        vector = "ale_py.vector_env:AtariVectorEnv" if env_id.startswith("ALE/") and family.obs_type == "rgb" else None
+        gymnasium.registry[env_id] = EnvSpec(
+            id=env_id,
+            entry_point="atari.env:AtariEnv",
+            kwargs=family.options(game),
+            vector_entry_point=vector,
+        )
+
+
+def resolve(env_id: str) -> tuple[Family, str]:
+    """The family and game of an ID.
+
+    Raises:
+        gymnasium.error.NameNotFound: there is no such ID; the text suggests the right one.
+    """
+    if env_id in ids():
+        return ids()[env_id]
+    raise gymnasium.error.NameNotFound(f"there is no environment {env_id!r}; {_suggestion(env_id)}")
+
+
+def make(game_or_id: str, **options: Any) -> gymnasium.Env[Any, Any]:
+    """Make an environment of a game or a registered ID, as `gymnasium.make` would.
+
+    Args:
+        game_or_id: a game ("breakout", which means "ALE/Breakout-v5") or an ID ("Breakout-ram-v4").
+        **options: those of `AtariEnv`, and those of `gymnasium.make`, such as `max_episode_steps`.
+
+    Raises:
+        gymnasium.error.NameNotFound: no such ID; the text suggests the right one.
+        ValueError: no such game; the text suggests the nearest.
+    """
+    if not isinstance(game_or_id, str):
+        raise TypeError(f"make() takes a game such as 'breakout' or an ID such as 'ALE/Breakout-v5', got {game_or_id!r}")
+    if "-v" not in game_or_id and "/" not in game_or_id:
+        env_id = f"ALE/{stem(games.find(game_or_id).id)}-v5"
+    else:
+        family, game = resolve(game_or_id)
+        env_id = family.id(game)
+    return gymnasium.make(env_id, **options)
+
+
+def explain(env_id: str) -> str:
+    """What an ID means, in words, and how its siblings differ from it.
+
+    Raises:
+        gymnasium.error.NameNotFound: there is no such ID; the text suggests the right one.
+    """
+    family, game_id = resolve(env_id)
+    game = games[game_id]
+    options = family.options(game_id)
+    siblings = [other for other in FAMILIES if other != family and game_id in other.games()]
+    width = max(len(other.id(game_id)) for other in (*siblings, family))
+    lines = [
+        f"{env_id}: {game.title}",
+        f"  observation   {_obs_text(family, game_id)}",
+        f"  frame skip    {_skip_text(options['frameskip'])}",
+        f"  sticky        {_sticky_text(family.repeat_action_probability)}",
+        f"  actions       {len(game.minimal_actions)}, those the game uses: "
+        + " ".join(action.name for action in game.minimal_actions),
+        f"  limit         truncated after {MAX_FRAMES} emulated frames ({MAX_FRAMES / 3600:.0f} minutes of play at 60 a second)",
+        f"  mode          {game.default_mode} of {', '.join(map(str, game.modes))}; "
+        f"difficulty 0 of {', '.join(map(str, game.difficulties))}",
+        "  siblings",
+        *(f"    {other.id(game_id):{width}}  {_difference(family, other, game_id)}" for other in siblings),
+    ]
+    return "\n".join(lines)
+
+
+def _obs_text(family: Family, game: str) -> str:
+    rows = games[game].screen.height
+    return "the 128 bytes of RAM, uint8" if family.obs_type == "ram" else f"RGB screen ({rows}, 160, 3), uint8"
+
+
+def _skip_text(frameskip: int | tuple[int, int]) -> str:
+    if isinstance(frameskip, tuple):
+        low, high = frameskip
+        return f"random, {low} to {high - 1} frames a step"
+    return "none, 1 frame a step" if frameskip == 1 else f"{frameskip} frames a step"
+
+
+def _sticky_text(probability: float) -> str:
+    return f"the previous action repeats with probability {probability} each frame" if probability else "no"
+
+
+def _difference(family: Family, other: Family, game: str) -> str:
+    """What is different in `other`, in a few words."""
+    words = []
+    if other.obs_type != family.obs_type:
+        words.append("RAM" if other.obs_type == "ram" else "RGB screen")
+    skip = other.options(game)["frameskip"]
+    if skip != family.options(game)["frameskip"]:
+        words.append(f"frame skip: {_skip_text(skip)}")
+    if other.repeat_action_probability != family.repeat_action_probability:
+        words.append("sticky actions" if other.repeat_action_probability else "no sticky actions")
+    return "; ".join(words) or "the same"
+
+
+def _suggestion(env_id: str) -> str:
+    """The cure for the mistakes people make with IDs: wrong prefix, version, case, or spelling."""
+    wanted = _skeleton(env_id)
+    candidates = [known for known in ids() if _skeleton(known) == wanted]
+    version, namespace = env_id.rpartition("-v")[2], env_id.lower().startswith("ale/")
+    closest = [c for c in candidates if c.endswith(f"-v{version}") or (namespace and c.startswith("ALE/"))]
+    if candidates:
+        return f"did you mean {' or '.join(map(repr, closest or candidates))}?"
+    near = difflib.get_close_matches(env_id.lower(), {known.lower(): known for known in ids()}, n=1, cutoff=0.6)
+    original = {known.lower(): known for known in ids()}
+    return f"did you mean {original[near[0]]!r}?" if near else "see `atari list --ids` for all of them"
+
+
+def _skeleton(env_id: str) -> str:
+    """An ID without what people get wrong: namespace, version, case and punctuation."""
+    name = env_id.lower().removeprefix("ale/").removeprefix("atari:")
+    name = name.rpartition("-v")[0] if "-v" in name else name
+    return "".join(letter for letter in name if letter.isalnum())

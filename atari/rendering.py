@@ -1,0 +1,56 @@
+"""The window of `render_mode="human"`, through pygame-ce (extra `play`)."""
+
+import os
+from typing import Any
+
+import gymnasium
+
+from atari.cores.protocol import ByteArray
+from atari.game import Game
+
+_SCALE = 3
+
+
+class Window:
+    """A window that shows the screen of a game at its own speed, with the console's 2:1 pixels.
+
+    Raises:
+        gymnasium.error.DependencyNotInstalled: pygame-ce is not installed.
+        gymnasium.error.Error: there is no display.
+    """
+
+    def __init__(self, game: Game, frames_per_second: float) -> None:
+        os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
+        try:
+            import pygame
+        except ImportError:
+            raise gymnasium.error.DependencyNotInstalled(
+                "render_mode='human' needs pygame-ce: pip install 'atari-envs[play]'; "
+                "render_mode='rgb_array' needs nothing"
+            ) from None
+        self._pygame: Any = pygame
+        size = (2 * game.screen.width * _SCALE // 2, game.screen.height * _SCALE // 2)
+        try:
+            pygame.display.init()
+            self._surface = pygame.display.set_mode(size)
+        except pygame.error as error:
+            raise gymnasium.error.Error(
+                f"render_mode='human' needs a display and found none ({error}); "
+                "use render_mode='rgb_array' to get the screen as an array"
+            ) from None
+        pygame.display.set_caption(game.title)
+        self._clock = pygame.time.Clock()
+        self._rate = frames_per_second
+
+    def show(self, rgb: ByteArray) -> None:
+        """Show one (height, 160, 3) screen and wait until it is time for the next."""
+        pygame = self._pygame
+        pygame.event.pump()
+        image = pygame.surfarray.make_surface(rgb.swapaxes(0, 1))
+        self._surface.blit(pygame.transform.scale(image, self._surface.get_size()), (0, 0))
+        pygame.display.flip()
+        self._clock.tick(self._rate)
+
+    def close(self) -> None:
+        """Close the window."""
+        self._pygame.display.quit()

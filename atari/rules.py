@@ -1,0 +1,187 @@
+"""The language of game rules: where reward, lives and the end of a game live in RAM.
+
+A rule is a small expression over the 128 bytes of the console's RAM, written in the syntax of Python and
+restricted to integers (`atari/games/SCHEMA.md` is the grammar for people). This module reads the `[rules]` table of
+a game file, checks every expression against the grammar, and keeps the result as data; a core evaluates it.
+"""
+
+import ast
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from atari.actions import PLAYER_ACTIONS
+
+# The helper calls and the smallest and largest number of arguments each takes.
+HELPERS: Mapping[str, tuple[int, int]] = {
+    "bcd": (1, 8),  # binary-coded decimal digits at these addresses, least significant first
+    "s8": (1, 1),  # the low eight bits as a signed number
+    "count": (3, 16),  # how many of the bytes lo..hi equal one of the values
+    "same": (2, 2),  # whether all bytes lo..hi are equal
+    "pos_sum": (2, 2),  # sum of the positive (signed) bytes lo..hi
+    "neg_sum": (2, 2),  # sum of the magnitudes of the negative bytes lo..hi
+    "rng": (0, 0),  # the next 32-bit word of the environment's generator
+}
+MEMORIES = ("ram", "xram")
+OUTPUTS = ("reward", "terminal", "lives")
+
+_OPERATORS = (
+    ast.BinOp, ast.UnaryOp, ast.BoolOp, ast.Compare, ast.IfExp,
+    ast.Add, ast.Sub, ast.Mult, ast.FloorDiv, ast.Mod, ast.BitAnd, ast.BitOr, ast.BitXor, ast.LShift, ast.RShift,
+    ast.USub, ast.Invert, ast.Not, ast.And, ast.Or,
+    ast.Eq, ast.NotEq, ast.Lt, ast.LtE, ast.Gt, ast.GtE,
+    ast.Load, ast.Expression,
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Operation:
+    """One step of selecting a mode at reset, such as pressing SELECT until a byte of RAM equals the mode."""
+
+    op: Literal[
+        "set", "press_select", "press_select_until", "soft_reset", "act", "act_until", "repeat_until", "repeat"
+    ]
+    var: str | None = None
+    value: str | None = None
+    frames: str | None = None
+    until: str | None = None
+    max: int | None = None
+    action: str | None = None
+    times: str | None = None
+    do: tuple["Operation", ...] = ()
+
+
+@dataclass(frozen=True)
+class Rules:
+    """How reward, lives and the end of a game follow from RAM, and how a reset selects the mode.
+
+    `step` holds `(name, expression)` pairs, evaluated from first to last after every emulated frame; the names in
+    `state` persist from frame to frame, all others live for one evaluation; `reward`, `terminal` and `lives` are
+    the outputs.
+    """
+
+    lives_initial: int
+    state: Mapping[str, int]
+    step: tuple[tuple[str, str], ...]
+    mode_select: tuple[Operation, ...] = ()
+    kept_over_reset: tuple[str, ...] = field(default=())
+
+    def expression(self, name: str) -> str:
+        """The last expression assigned to `name`, for example `expression("reward")`."""
+        return next((source for target, source in reversed(self.step) if target == name), name)
+
+
+# The keys of each mode_select operation: those it needs, and those it may have.
+_OPERATION_KEYS: Mapping[str, tuple[set[str], set[str]]] = {
+    "set": ({"var", "value"}, set()),
+    "press_select": ({"frames"}, set()),
+    "press_select_until": ({"frames", "until"}, {"max"}),
+    "soft_reset": (set(), set()),
+    "act": ({"action", "times"}, set()),
+    "act_until": ({"action", "until"}, set()),
+    "repeat_until": ({"do", "until"}, set()),
+    "repeat": ({"do", "times"}, set()),
+}
+
+
+def parse_rules(table: Mapping[str, Any]) -> Rules:
+    """Read and check a `[rules]` table.
+
+    Raises:
+        ValueError: a key is missing or unknown, or an expression is outside the grammar; the text says which.
+    """
+    unknown = set(table) - {"lives_initial", "state", "step", "mode_select", "kept_over_reset"}
+    if unknown:
+        raise ValueError(f"[rules] has no key {sorted(unknown)[0]!r}")
+    missing = {"lives_initial", "state", "step"} - set(table)
+    if missing:
+        raise ValueError(f"[rules] needs the key {sorted(missing)[0]!r}")
+    state = dict(table["state"])
+    step = _parse_step(table["step"], state)
+    for name in OUTPUTS:
+        if name not in state and name not in dict(step):
+            raise ValueError(f"[rules] step never assigns {name!r}")
+    for name in table.get("kept_over_reset", ()):
+        if name not in state:
+            raise ValueError(f"[rules] kept_over_reset names {name!r}, which is not in state")
+    return Rules(
+        lives_initial=int(table["lives_initial"]),
+        state=state,
+        step=step,
+        mode_select=_parse_operations(table.get("mode_select", ()), {*state, "mode"}),
+        kept_over_reset=tuple(table.get("kept_over_reset", ())),
+    )
+
+
+def check_expression(source: str, names: Iterable[str], where: str) -> ast.Expression:
+    """Parse one expression and check it against the grammar; `names` are the variables in scope.
+
+    Raises:
+        ValueError: `source` is no expression of this language; the text says where and what is wrong.
+    """
+    try:
+        tree = ast.parse(source.strip(), mode="eval")
+    except SyntaxError as error:
+        raise ValueError(f"{where}: {source!r} is not an expression: {error.msg}") from None
+    scope = set(names)
+    for node in ast.walk(tree):
+        problem = _problem(node, scope)
+        if problem:
+            raise ValueError(f"{where}: in {source!r}, {problem}")
+    return tree
+
+
+def _problem(node: ast.AST, scope: set[str]) -> str | None:
+    """What is wrong with one node of an expression, or None."""
+    if isinstance(node, ast.Constant):
+        return None if type(node.value) is int else f"{node.value!r} is not an integer"
+    if isinstance(node, ast.Name):
+        known = node.id in scope or node.id in HELPERS or node.id in MEMORIES
+        return None if known else f"the name {node.id!r} is not defined before this line"
+    if isinstance(node, ast.Subscript):
+        good = isinstance(node.value, ast.Name) and node.value.id in MEMORIES
+        return None if good else "only ram[...] and xram[...] can be indexed"
+    if isinstance(node, ast.Call):
+        if not isinstance(node.func, ast.Name) or node.func.id not in HELPERS or node.keywords:
+            return f"{ast.unparse(node.func)}() is not one of the helpers {', '.join(HELPERS)}"
+        low, high = HELPERS[node.func.id]
+        return None if low <= len(node.args) <= high else f"{node.func.id}() has {len(node.args)} arguments"
+    return None if isinstance(node, _OPERATORS) else f"{type(node).__name__} is not part of the language"
+
+
+def _parse_step(text: str, state: Mapping[str, int]) -> tuple[tuple[str, str], ...]:
+    """Split `name = expression` lines, checking each expression with the names defined before it."""
+    lines = []
+    scope = set(state)
+    for number, line in enumerate(text.strip().splitlines(), 1):
+        name, equals, source = (part.strip() for part in line.partition("="))
+        if not equals or not name.isidentifier():
+            raise ValueError(f"[rules] step, line {number}: expected 'name = expression', got {line!r}")
+        check_expression(source, scope, f"[rules] step, line {number}")
+        scope.add(name)
+        lines.append((name, source))
+    return tuple(lines)
+
+
+def _parse_operations(tables: Iterable[Mapping[str, Any]], scope: set[str]) -> tuple[Operation, ...]:
+    operations = []
+    for table in tables:
+        keys = dict(table)
+        op = keys.pop("op", None)
+        if op not in _OPERATION_KEYS:
+            raise ValueError(f"[rules] mode_select: unknown operation {op!r}")
+        required, optional = _OPERATION_KEYS[op]
+        if not required <= set(keys) <= required | optional:
+            raise ValueError(f"[rules] mode_select: {op} takes the keys {sorted(required | optional)}")
+        for key in ("value", "frames", "until", "times"):
+            if key in keys:
+                keys[key] = str(keys[key])
+                check_expression(keys[key], scope, f"[rules] mode_select, {op} {key}")
+        if "action" in keys and keys["action"] not in {action.name for action in PLAYER_ACTIONS}:
+            raise ValueError(f"[rules] mode_select: unknown action {keys['action']!r}")
+        if "do" in keys:
+            keys["do"] = _parse_operations(keys["do"], scope)
+        if op == "set":
+            scope.add(keys["var"])
+        operations.append(Operation(op=op, **keys))
+    return tuple(operations)
