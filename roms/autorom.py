@@ -1,0 +1,80 @@
+"""Downloading the ROM files with AutoROM, the Farama Foundation's installer, which asks for a licence first.
+
+Rarely needed, for ale-py's wheel brings the files along. AutoROM writes what it fetched to a temporary folder, from
+which only files with the right content are taken over.
+"""
+
+import contextlib
+import io
+import sys
+import tarfile
+import tempfile
+import zlib
+from pathlib import Path
+from typing import TextIO
+
+from gymnasium.error import DependencyNotInstalled
+
+from atari.roms.importing import ImportReport, import_from
+
+
+def install(accept_license: bool = False) -> ImportReport:
+    """Download the ROM files with AutoROM and import them into `path()`.
+
+    Args:
+        accept_license: you own a licence to the ROM files, so AutoROM need not ask; otherwise it asks on the terminal.
+
+    Raises:
+        gymnasium.error.DependencyNotInstalled: AutoROM, the extra `roms`, is missing.
+        PermissionError: the licence was declined.
+        ConnectionError: the download failed, as it does on a machine that is offline.
+    """
+    try:
+        from AutoROM import AutoROM
+    except ImportError as error:
+        raise DependencyNotInstalled(
+            "AutoROM is needed to download ROM files; install it with `pip install 'atari-envs[roms]'`"
+        ) from error
+    with tempfile.TemporaryDirectory() as folder:
+        heard = _Listener(sys.stdout)
+        try:
+            with contextlib.redirect_stdout(heard):
+                AutoROM.main(accept_license, None, folder, True)
+        except RuntimeError as error:  # click's Abort: Ctrl-C, or nobody there to answer
+            raise _declined() from error
+        except (OSError, ValueError, EOFError, zlib.error, tarfile.TarError) as error:
+            raise _failed(repr(error)) from error
+        if not any(Path(folder).iterdir()):
+            # AutoROM returns in silence if its question is denied, and after a word if the download fails.
+            raise _declined() if heard.text.rstrip().endswith(":") else _failed(heard.last_words())
+        return import_from(folder)
+
+
+def _declined() -> PermissionError:
+    return PermissionError("the licence of the ROM files was not accepted, so nothing was installed")
+
+
+def _failed(reason: str) -> ConnectionError:
+    return ConnectionError(
+        f"AutoROM could not download the ROM files, which needs the internet (it says: {reason}); "
+        "offline, use the files in ale-py's wheel, or `atari roms import` on files you have"
+    )
+
+
+class _Listener(io.TextIOBase):
+    """Passes on what is printed, and remembers it."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+        self.text = ""
+
+    def write(self, text: str) -> int:
+        self.text += text
+        return self._stream.write(text)
+
+    def flush(self) -> None:
+        self._stream.flush()
+
+    def last_words(self) -> str:
+        """The last line, without a question in it: what ends the line of a question is typed, not printed."""
+        return self.text.strip().rpartition("\n")[2].rpartition("]: ")[2]

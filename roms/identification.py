@@ -1,0 +1,142 @@
+"""Which game a file is, and if it is none: what is the matter with it and which game it comes nearest to.
+
+The images of the known games lie on this machine, in ale-py's wheel, so an unknown file can be compared with each of
+them: is it a piece of one, does it contain one, how many bytes differ?
+"""
+
+import hashlib
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from atari.catalog import games
+from atari.game import Game
+from atari.roms.image import md5, read_image
+from atari.roms.places import lookup
+
+# Fewer bytes than this are found in several games by chance, or by the zeros that many begin with.
+_SHORTEST_PIECE = 64
+
+# Two different games share at most an eighth of their bytes, but for Atlantis and its sequel.
+_NEAR = 0.3
+
+
+@dataclass(frozen=True)
+class Identification:
+    """What a file is. `str()` of it is a sentence.
+
+    `size`, `md5` and `sha256` are those of the image, after unpacking. `game` is the game whose ROM it is, else None;
+    then `nearest` is the game it resembles, if any. `verdict` is the sentence without its subject.
+    """
+
+    name: str
+    size: int
+    md5: str
+    sha256: str
+    game: Game | None
+    nearest: Game | None
+    verdict: str
+
+    def __str__(self) -> str:
+        return f"{self.name} {self.verdict}"
+
+
+def identify(file: str | os.PathLike[str]) -> Identification:
+    """Say which game a ROM file is, by its content, or what is wrong with it.
+
+    Raises:
+        FileNotFoundError, IsADirectoryError, PermissionError: the file cannot be read.
+        ValueError: it is no regular file, has more bytes than any cartridge (512 KiB), is damaged gzip, or a zip
+            archive.
+    """
+    image = read_image(Path(file))
+    return recognise(str(file), image, {} if by_content(image) else known_images())
+
+
+def by_content(image: bytes) -> Game | None:
+    """The game whose ROM has exactly these bytes."""
+    wanted = md5(image)
+    return next((game for game in games.values() if game.rom.md5 == wanted), None)
+
+
+def known_images() -> dict[str, bytes]:
+    """The images of all games whose files are found on this machine, by game id."""
+    files = {game.id: lookup(game) for game in games.values()}
+    return {game_id: read_image(file) for game_id, file in files.items() if file}
+
+
+def recognise(name: str, image: bytes, known: Mapping[str, bytes]) -> Identification:
+    """Identify an image; one of no game is compared with the `known` ones."""
+    game = by_content(image)
+    nearest, verdict = (None, f"is {game.title}") if game else _describe(image, known)
+    digest = hashlib.sha256(image).hexdigest()
+    return Identification(name, len(image), md5(image), digest, game, nearest, verdict)
+
+
+def _describe(image: bytes, known: Mapping[str, bytes]) -> tuple[Game | None, str]:
+    """The nearest game and what is the matter, for an image of no game."""
+    size = f"{len(image):,} bytes"
+    if not image:
+        return None, "is empty"
+    if len(set(image)) == 1:
+        return None, f"is no game: its {size} are all {image[0]:#04x}"
+    return (
+        _piece(image, known)
+        or _overdump(image, known)
+        or _similar(image, known)
+        or (None, f"is unknown: its {size} are near to no known game")
+    )
+
+
+def _piece(image: bytes, known: Mapping[str, bytes]) -> tuple[Game, str] | None:
+    """A file cut short: all of it is found in the image of a game, or of several that share it."""
+    wholes = [game for game, whole in known.items() if len(image) >= _SHORTEST_PIECE and image in whole]
+    if not wholes:
+        return None
+    # Those that begin with it come first: files are cut at the end far more often than at the front.
+    wholes.sort(key=lambda game: not known[game].startswith(image))
+    whole = known[wholes[0]]
+    titles = " or ".join(games[game].title for game in wholes[:3])
+    where = "first" if whole.startswith(image) else "last" if whole.endswith(image) else "middle"
+    return games[wholes[0]], f"is {titles} cut short: only the {where} {len(image):,} of {len(whole):,} bytes"
+
+
+def _overdump(image: bytes, known: Mapping[str, bytes]) -> tuple[Game, str] | None:
+    """A whole game and more: repeated, or with bytes before or after it."""
+    inside = [game for game, whole in known.items() if whole in image]
+    if not inside:
+        return None
+    nearest = max(inside, key=lambda game: len(known[game]))
+    whole, title = known[nearest], games[nearest].title
+    times, rest = divmod(len(image), len(whole))
+    if not rest and image == whole * times:
+        return games[nearest], f"is {title} repeated {times} times: {len(image):,} bytes instead of {len(whole):,}"
+    before = image.find(whole)
+    after = len(image) - len(whole) - before
+    extra = " and ".join(f"{n:,} bytes {side}" for n, side in ((before, "before"), (after, "after")) if n)
+    return games[nearest], f"is {title} with {extra} it that do not belong to it"
+
+
+def _similar(image: bytes, known: Mapping[str, bytes]) -> tuple[Game, str] | None:
+    """The game with the largest share of equal bytes, if it is large enough to mean something."""
+    equal = {game: _equal_bytes(image, whole) for game, whole in known.items()}
+    shares = {game: equal[game] / max(len(image), len(whole)) for game, whole in known.items()}
+    best = max(shares, key=shares.__getitem__, default=None)
+    if best is None or shares[best] < _NEAR:
+        return None
+    nearest, size, same = games[best], len(known[best]), equal[best]
+    if len(image) == size:
+        fault = f"{size - same:,} of {size:,} bytes differ"
+    else:
+        fault = f"{same:,} of its {size:,} bytes are here, in a file of {len(image):,}"
+    return nearest, f"is unknown, and nearest to {nearest.title}: {fault}"
+
+
+def _equal_bytes(one: bytes, other: bytes) -> int:
+    """How many bytes are equal, with the two laid over each other at their starts or, if that is more, their ends."""
+    shorter, longer = sorted((np.frombuffer(one, np.uint8), np.frombuffer(other, np.uint8)), key=len)
+    n = len(shorter)
+    return int(max(np.count_nonzero(shorter == longer[:n]), np.count_nonzero(shorter == longer[-n:])))

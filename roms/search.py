@@ -1,0 +1,138 @@
+"""Finding the ROM file of a game, for an emulator to load.
+
+ale-py ends the whole process on a file it does not know, so `find` never returns one: it reads the file it is about
+to return and compares the hash, each time. That takes some tens of microseconds, for every environment made.
+"""
+
+import hashlib
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from atari.catalog import games
+from atari.game import Game
+from atari.roms.identification import identify, known_images, recognise
+from atari.roms.image import md5, read_image
+from atari.roms.places import folders, holds, lookup, misleads, path, store, usual_files
+
+
+def find(game: str, path: str | os.PathLike[str] | None = None) -> Path:
+    """The absolute path of a file that holds the ROM of `game`, checked by its content.
+
+    Args:
+        game: id of a game, for example "breakout".
+        path: the file to use; None searches `folders()`.
+
+    A file that is named as another game would be played by ale-py under that game's rules. It is copied to your own
+    folder under its right name, and the copy is returned.
+
+    Raises:
+        TypeError: `game` or `path` is of the wrong kind.
+        ValueError: there is no such game, or the file is not its ROM; the text says what the file is.
+        FileNotFoundError: there is no file at `path`, or the search found none.
+        IsADirectoryError, PermissionError: the file cannot be read, or not be copied if its name misleads.
+    """
+    known = _game(game)
+    if path is None:
+        file = lookup(known)
+        if file is None:
+            places = ", ".join(map(str, folders()))
+            raise FileNotFoundError(
+                f"no ROM file of {known.title} (MD5 {known.rom.md5}) in {places}; "
+                f"set ATARI_ROMS to a folder that has it, or run `atari roms import` on that folder"
+            )
+    else:
+        file = Path(path).absolute()
+        _check(known, file)
+    return _rightly_named(known, file) if misleads(file, known) else file
+
+
+def installed() -> dict[str, Path]:
+    """The file that the search finds for each game that has one, by game id."""
+    files = {game.id: lookup(game) for game in games.values()}
+    return {game_id: file for game_id, file in files.items() if file}
+
+
+@dataclass(frozen=True)
+class Check:
+    """What `verify` found out about the ROM of a game.
+
+    `status` is "ok" if `file`, the one that would be used, is right in MD5 and SHA-256; "missing" if no folder has
+    one; "wrong" if there is only a file of the game's name with another content. `md5` and `sha256` are those of the
+    unpacked `file`. `note` tells of a file of the game's name that is passed over because it is not this game, also
+    where the status is "ok"; else it is empty.
+    """
+
+    game: str
+    status: Literal["ok", "missing", "wrong"]
+    file: Path | None
+    md5: str | None
+    sha256: str | None
+    note: str
+
+
+def verify(game: str | None = None) -> dict[str, Check]:
+    """Check the files that would be used, of one game or of all, by game id.
+
+    Raises:
+        TypeError, ValueError: `game` is not the id of a game.
+    """
+    return {known.id: _verify(known) for known in (games.values() if game is None else [_game(game)])}
+
+
+def _verify(game: Game) -> Check:
+    file = lookup(game)
+    note = _passed_over(game, file)
+    if file is None:
+        return Check(game.id, "wrong" if note else "missing", None, None, None, note)
+    image = read_image(file)
+    sha256 = hashlib.sha256(image).hexdigest()
+    if sha256 == game.rom.sha256:
+        return Check(game.id, "ok", file, md5(image), sha256, note)
+    note = f"{file} has the MD5 of {game.title} but another SHA-256, so it was forged; remove it"
+    return Check(game.id, "wrong", file, md5(image), sha256, note)
+
+
+def _passed_over(game: Game, used: Path | None) -> str:
+    """A sentence on the first file with the game's name, in the folders up to that of `used`, that is not the game."""
+    for folder in folders():
+        for file in usual_files(folder, game):
+            if file == used:
+                return ""
+            if os.path.lexists(file) and not holds(file, game):
+                try:
+                    return str(identify(file))
+                except (OSError, ValueError) as error:
+                    return str(error)
+        if used and used.parent == folder:
+            break
+    return ""
+
+
+def _game(game: str) -> Game:
+    if not isinstance(game, str):
+        raise TypeError(f"a game is named by a string such as 'breakout', got {game!r}")
+    if game not in games:
+        raise ValueError(games.unknown(game))
+    return games[game]
+
+
+def _check(game: Game, file: Path) -> None:
+    image = read_image(file)
+    if md5(image) != game.rom.md5:
+        fault = recognise(str(file), image, known_images())
+        raise ValueError(f"the ROM of {game.title} is needed, but {fault}; without a path, the file is searched for")
+
+
+def _rightly_named(game: Game, file: Path) -> Path:
+    copy = path() / f"{game.id}.bin"
+    if holds(copy, game):
+        return copy
+    try:
+        return store(game, read_image(file))
+    except OSError as error:
+        raise PermissionError(
+            f"{file} is {game.title}, but named as another game, and no copy can be made at {copy} "
+            f"({error.strerror}); rename it to {copy.name}"
+        ) from error

@@ -1,0 +1,64 @@
+"""A user's folder of the test's own, and the ROM files in ale-py's wheel as material."""
+
+import os
+from pathlib import Path
+from typing import Any
+
+import ale_py
+import pytest
+
+
+@pytest.fixture(autouse=True)
+def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The user's own folder of ROM files, which does not exist yet; and no `ATARI_ROMS`."""
+    monkeypatch.delenv("ATARI_ROMS", raising=False)
+    monkeypatch.setattr("atari.roms.places.user_data_path", lambda *names, **options: tmp_path / "data")
+    return tmp_path / "data" / "roms"
+
+
+@pytest.fixture
+def bare(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An ale-py without ROM files."""
+    monkeypatch.setattr("atari.roms.places._ale_py_folders", lambda: ())
+
+
+@pytest.fixture
+def collection(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder that `ATARI_ROMS` names."""
+    folder = tmp_path / "collection"
+    folder.mkdir()
+    monkeypatch.setenv("ATARI_ROMS", str(folder))
+    return folder
+
+
+@pytest.fixture(scope="session")
+def shipped() -> Path:
+    """The folder of ROM files in ale-py's wheel."""
+    return Path(ale_py.__file__).parent / "roms"
+
+
+@pytest.fixture(scope="session")
+def pong(shipped: Path) -> bytes:
+    return (shipped / "pong.bin").read_bytes()
+
+
+@pytest.fixture(scope="session")
+def breakout(shipped: Path) -> bytes:
+    return (shipped / "breakout.bin").read_bytes()
+
+
+@pytest.fixture
+def unreadable(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A file that must not be opened, also where the tests run as root, who may open everything."""
+    file = tmp_path / "locked.bin"
+    file.write_bytes(b"?")
+    really_open, really_access = Path.open, os.access
+
+    def open_unless_locked(self: Path, *arguments: Any, **options: Any) -> Any:
+        if self == file:
+            raise PermissionError(13, "Permission denied", str(self))
+        return really_open(self, *arguments, **options)
+
+    monkeypatch.setattr(Path, "open", open_unless_locked)
+    monkeypatch.setattr(os, "access", lambda path, mode: Path(path) != file and really_access(path, mode))
+    return file
