@@ -1,0 +1,188 @@
+"""`atari demo`: a random agent plays a game on the preprocessing of DQN, and a video of it is written.
+
+The agent sees what a DQN sees, four 84x84 screens a step; the video shows what the console draws, every emulated
+frame of it. A spectator between the environment and its core sees both the frames that are skipped and the true score.
+"""
+
+import argparse
+import math
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, closing, contextmanager, nullcontext
+from pathlib import Path
+from threading import Event
+from typing import TYPE_CHECKING, Any
+
+import gymnasium
+from tqdm import tqdm
+
+import atari
+from atari.catalog import games
+from atari.cli.command import add_command, print_json
+from atari.cores import Core
+from atari.game import Game
+from atari.recording import VideoWriter, frame_rate
+
+if TYPE_CHECKING:
+    from atari.cli.command import Commands
+
+_PRESET = "dqn2015"
+_FRAMES_PER_STEP = 4  # of this preset
+
+
+def add_commands(commands: "Commands") -> None:
+    """Add the command of this file."""
+    parser = add_command(commands, "demo", _demo, "let a random agent play a game, and write a video of it")
+    parser.add_argument("game", metavar="GAME", nargs="?", default="breakout", help="default: breakout")
+    length = parser.add_mutually_exclusive_group()
+    length.add_argument("--steps", type=_number(int, 1), default=1000, metavar="N", help="of the agent (default: 1000)")
+    length.add_argument("--seconds", type=_number(float, 0.1), metavar="S", help="of play at the console's speed")
+    parser.add_argument("--seed", type=_number(int, 0), default=0, metavar="N", help="of game and agent (default: 0)")
+    video = parser.add_mutually_exclusive_group()
+    video.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="the video, replaced if there (default: videos/GAME-SEED.mp4)"
+    )
+    video.add_argument("--no-video", action="store_true", help="write no video")
+
+
+def _demo(args: argparse.Namespace) -> int:
+    game = games.find(args.game)
+    steps = args.steps
+    if args.seconds is not None:
+        steps = math.ceil(args.seconds * frame_rate(game) / _FRAMES_PER_STEP)
+    output = None if args.no_video else args.output or Path("videos", f"{game.id}-{args.seed}.mp4")
+    env: Any = atari.make(game.id, preset=_PRESET)
+    with closing(env), _ctrl_c_noticed() as interrupted, _open_video(output, game) as video:
+        env.unwrapped.core = spectator = _Spectator(env.unwrapped.core, video)
+        env.action_space.seed(args.seed)
+        env.reset(seed=args.seed)
+        start = time.perf_counter()
+        played = _play(env, steps, interrupted)
+        elapsed = time.perf_counter() - start
+    if played < steps:
+        kept = f"; the video up to there is {output.resolve()}" if output else ""
+        raise KeyboardInterrupt(f"after {played:,} of {steps:,} steps{kept}")
+    result = {
+        "game": game.id,
+        "preset": _PRESET,
+        "seed": args.seed,
+        "steps": steps,
+        "frames": spectator.frames,
+        "elapsed_seconds": elapsed,
+        "steps_per_second": steps / elapsed,
+        "frames_per_second": spectator.frames / elapsed,
+        "scores": spectator.scores,
+        "video": output and output.resolve(),
+    }
+    print_json(result) if args.json else print(_summary(game, result))
+    return 0
+
+
+def _play(env: gymnasium.Env[Any, Any], steps: int, interrupted: Event) -> int:
+    """Play at random and return the number of steps, which is smaller than `steps` if interrupted."""
+    for step in _progress(steps):
+        if interrupted.is_set():
+            return step
+        _, _, terminated, truncated, _ = env.step(env.action_space.sample())
+        if terminated or truncated:
+            env.reset()
+    return steps
+
+
+class _Spectator:
+    """A core that is watched while it is played: it counts frames and points and shows each frame to a video."""
+
+    def __init__(self, core: Core, video: VideoWriter | None) -> None:
+        self._core = core
+        self._video = video
+        self.frames = 0
+        self.scores: list[int] = []  # of each game, the last of which may be unfinished
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._core, name)
+
+    def reset(self) -> None:
+        self._core.reset()
+        self.scores.append(0)
+
+    def act(self, action: int, strength: float = 1.0) -> int:
+        before = self._core.frame_number
+        reward = self._core.act(action, strength)
+        if self._core.frame_number != before:  # nothing is played after the end
+            self.frames += 1
+            self.scores[-1] += reward
+            if self._video is not None:
+                self._video.write(self._core.screen_rgb())
+        return reward
+
+
+def _open_video(output: Path | None, game: Game) -> AbstractContextManager[VideoWriter | None]:
+    if output is None:
+        return nullcontext()
+    try:
+        return VideoWriter(output, game.screen.shape, frame_rate(game))
+    except gymnasium.error.DependencyNotInstalled as error:
+        raise gymnasium.error.DependencyNotInstalled(f"{error}; or play without a video: --no-video") from None
+
+
+@contextmanager
+def _ctrl_c_noticed() -> Iterator[Event]:
+    """Turn Ctrl-C into an event, so that it ends the play between two steps and tears no frame; a second one acts."""
+    interrupted = Event()
+
+    def notice(*_: object) -> None:
+        interrupted.set()
+        signal.signal(signal.SIGINT, before)
+
+    before = signal.signal(signal.SIGINT, notice)
+    try:
+        yield interrupted
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _progress(steps: int) -> Iterator[int]:
+    """Count the steps, with a progress bar on a terminal, with a line for each tenth elsewhere."""
+    plain = not sys.stderr.isatty()
+    tenth = math.ceil(steps / 10)
+    start = time.perf_counter()
+    for step in tqdm(range(steps), unit=" steps", disable=plain):
+        if plain and step and step % tenth == 0:
+            speed = step / (time.perf_counter() - start)
+            print(f"{step:,} of {steps:,} steps, {speed:,.0f} steps/s", file=sys.stderr)
+        yield step
+
+
+def _summary(game: Game, result: dict[str, Any]) -> str:
+    scores = result["scores"]
+    mean = sum(scores) / len(scores)
+    return "\n".join(
+        [
+            f"{game.title}: a random agent on the preset {_PRESET}, seed {result['seed']}",
+            f"  played  {result['steps']:,} steps, {result['frames']:,} frames, in {result['elapsed_seconds']:.1f} s",
+            f"  speed   {result['steps_per_second']:,.0f} steps/s, {result['frames_per_second']:,.0f} frames/s"
+            + (", writing the video included" if result["video"] else ""),
+            f"  games   {len(scores)} begun; score {mean:,.1f} on average, {max(scores):,} at best",
+            f"  video   {result['video'] or 'none'}",
+        ]
+    )
+
+
+def _number(kind: type[int] | type[float], low: float) -> Callable[[str], float]:
+    """A type for argparse: numbers of at least `low`."""
+
+    def parse(text: str) -> float:
+        try:
+            number = kind(text)
+        except ValueError:
+            number = math.nan
+        if not low <= number < math.inf:
+            raise argparse.ArgumentTypeError(f"{text!r} is not {_KINDS[kind]} of at least {low}")
+        return number
+
+    return parse
+
+
+_KINDS = {int: "a whole number", float: "a number"}

@@ -1,0 +1,103 @@
+"""`atari roms`: which ROM files there are, whether they are right, and how to add some."""
+
+import argparse
+import contextlib
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from atari import roms
+from atari.catalog import games
+from atari.cli.command import add_command, print_error, print_json, print_table
+
+if TYPE_CHECKING:
+    from atari.cli.command import Commands
+
+_REJECTED_SHOWN = 20  # a folder of all there is for the console holds thousands of files that are no ALE game
+
+
+def add_commands(commands: "Commands") -> None:
+    """Add the commands of this file."""
+    group = commands.add_parser(
+        "roms",
+        help="list, check, identify and add ROM files",
+        description="ROM files: ale-py's wheel carries those of every game, so nothing needs to be set up.",
+        epilog="They are searched for in the folders that ATARI_ROMS names, in your own, and in ale-py's.",
+        allow_abbrev=False,
+    )
+    subcommands = group.add_subparsers(metavar="COMMAND", required=True)
+    add_command(subcommands, "list", _list, "show the file that is used for each game")
+    parser = add_command(subcommands, "verify", _verify, "check the files that are used, by size and hashes")
+    parser.add_argument("games", nargs="*", metavar="GAME", help="default: all games")
+    parser = add_command(subcommands, "identify", _identify, "say which game a file is, by its content")
+    parser.add_argument("files", nargs="+", type=Path, metavar="FILE")
+    parser = add_command(subcommands, "import", _import, "copy the ROM files of known games to your own folder")
+    parser.add_argument("source", type=Path, metavar="PATH", help="a folder, a zip archive or a file")
+    parser = add_command(subcommands, "install", _install, "download the ROM files with AutoROM (extra 'roms')")
+    parser.add_argument("--accept-license", action="store_true", help="do not ask; you own a licence to the ROM files")
+
+
+def _list(args: argparse.Namespace) -> int:
+    installed = roms.installed()
+    files = {game: installed.get(game) for game in games}
+    print_json(files) if args.json else print_table((game, file or "missing") for game, file in files.items())
+    return 0
+
+
+def _verify(args: argparse.Namespace) -> int:
+    checks: dict[str, roms.Check] = {}
+    for game in args.games or [None]:
+        checks.update(roms.verify(game))
+    right = sum(check.status == "ok" for check in checks.values())
+    if args.json:
+        print_json(checks)
+    else:
+        print_table((check.game, check.status, check.file or "", check.note) for check in checks.values())
+        print(f"{right} of {len(checks)} ROM files are right")
+    return 0 if right == len(checks) else 1
+
+
+def _identify(args: argparse.Namespace) -> int:
+    found = []
+    for file in args.files:
+        try:
+            found.append(roms.identify(file))
+        except (OSError, ValueError) as error:  # one bad file of many does not hide the others
+            print_error(error)
+    if args.json:
+        print_json([_identification(each) for each in found])
+    else:
+        print("".join(f"{each}\n" for each in found), end="")
+    return 0 if len(found) == len(args.files) and all(each.game for each in found) else 1
+
+
+def _identification(found: roms.Identification) -> dict[str, Any]:
+    facts = {name: getattr(found, name) for name in ("name", "size", "md5", "sha256", "verdict")}
+    return {**facts, "game": found.game and found.game.id, "nearest": found.nearest and found.nearest.id}
+
+
+def _import(args: argparse.Namespace) -> int:
+    return _report(roms.import_from(args.source), args.json)
+
+
+def _install(args: argparse.Namespace) -> int:
+    # AutoROM asks its question on stdout, which belongs to the result.
+    with contextlib.redirect_stdout(sys.stderr):
+        report = roms.install(accept_license=args.accept_license)
+    return _report(report, args.json)
+
+
+def _report(report: roms.ImportReport, json: bool) -> int:
+    """Show what was imported; it is a failure if nothing was of use."""
+    if json:
+        print_json(report)
+    else:
+        for word, files in (("imported", report.imported), ("already there", report.present)):
+            print(f"{word}: {len(files)} games" + (f" ({', '.join(files)})" if files else ""))
+        print(f"not taken: {len(report.rejected)} files")
+        for sentence in report.rejected[:_REJECTED_SHOWN]:
+            print(f"  {sentence}")
+        if len(report.rejected) > _REJECTED_SHOWN:
+            print(f"  ... and {len(report.rejected) - _REJECTED_SHOWN} more (all with --json)")
+        print(f"your folder: {roms.path()}")
+    return 0 if report.imported or report.present else 1

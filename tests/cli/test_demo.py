@@ -1,0 +1,185 @@
+"""`atari demo`: plays, tells, and leaves a video that shows every frame it played."""
+
+import json
+import re
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import av
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import atari
+from atari.cli import main
+from atari.cli.demo import _Spectator
+from atari.cores import AleCore
+from atari.recording import VideoWriter, frame_rate
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def demo_json(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
+    assert main(["demo", *words, "--json"]) == 0
+    result: dict[str, Any] = json.loads(capsys.readouterr().out)
+    return result
+
+
+def decode(path: Path) -> list[npt.NDArray[np.uint8]]:
+    with av.open(str(path)) as container:
+        return [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
+
+
+def test_writes_a_video_of_breakout_and_says_where(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["demo", "--steps", "30"]) == 0
+    captured = capsys.readouterr()
+    path = folder / "videos" / "breakout-0.mp4"
+    assert captured.out.startswith("Breakout: a random agent on the preset dqn2015, seed 0\n")
+    assert captured.out.endswith(f"  video   {path.resolve()}\n")
+    assert re.search(r"played  30 steps, \d+ frames", captured.out)
+    assert re.search(r"speed   [\d,]+ steps/s, [\d,]+ frames/s", captured.out)
+    assert "27 of 30 steps" in captured.err
+    with av.open(str(path)) as container:
+        (stream,) = container.streams
+        assert stream.codec_context.name == "h264"
+        assert (stream.width, stream.height) == (640, 420)
+        assert stream.average_rate == frame_rate(atari.games["breakout"])
+
+
+def test_video_has_every_emulated_frame_in_colour(capsys: pytest.CaptureFixture[str]) -> None:
+    result = demo_json(capsys, "breakout", "--steps", "20", "--seed", "3", "-o", "a/b.mp4")
+    assert result["video"] == str(Path("a/b.mp4").resolve())
+    assert result["steps"] == 20
+    assert 20 * 4 < result["frames"] <= 20 * 4 + 30  # the no-ops at the start are played too
+    pictures = decode(Path("a/b.mp4"))
+    assert len(pictures) == result["frames"]
+    red_row, blue_row = pictures[-1][2 * 60, 4 * 80], pictures[-1][2 * 90, 4 * 80]
+    assert np.abs(red_row.astype(int) - (200, 72, 72)).max() < 16
+    assert np.abs(blue_row.astype(int) - (66, 72, 200)).max() < 16
+
+
+def test_a_pal_game_has_its_own_size_and_rate(capsys: pytest.CaptureFixture[str]) -> None:
+    result = demo_json(capsys, "air_raid", "--steps", "5")
+    with av.open(result["video"]) as container:
+        stream = container.streams.video[0]
+        assert (stream.width, stream.height) == (640, 500)
+        assert stream.average_rate == frame_rate(atari.games["air_raid"])
+        assert stream.frames == result["frames"]
+
+
+def test_the_same_seed_plays_the_same(capsys: pytest.CaptureFixture[str]) -> None:
+    facts = [demo_json(capsys, "pong", "--steps", "150", "--no-video", "--seed", seed) for seed in "114"]
+    assert facts[0]["video"] is None
+    assert [facts[0][key] for key in ("frames", "scores")] == [facts[1][key] for key in ("frames", "scores")]
+    assert facts[0]["frames"] != facts[2]["frames"]
+
+
+def test_the_score_is_the_games_and_not_the_clipped_reward(capsys: pytest.CaptureFixture[str]) -> None:
+    (score,) = demo_json(capsys, "ms_pacman", "--steps", "100", "--no-video")["scores"]
+    assert score >= 50
+    assert score % 10 == 0  # a dot is 10 points, and 1 after clipping
+
+
+def test_games_are_counted_and_not_lives(capsys: pytest.CaptureFixture[str]) -> None:
+    result = demo_json(capsys, "breakout", "--steps", "600", "--no-video")
+    assert 2 <= len(result["scores"]) <= 5  # of five lives each
+
+
+def test_seconds_are_those_of_the_console(capsys: pytest.CaptureFixture[str]) -> None:
+    assert demo_json(capsys, "pong", "--seconds", "2", "--no-video")["steps"] == 30
+    assert demo_json(capsys, "air_raid", "--seconds", "2", "--no-video")["steps"] == 25
+
+
+def test_no_video_makes_no_file(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["demo", "--steps", "3", "--no-video"]) == 0
+    assert capsys.readouterr().out.endswith("  video   none\n")
+    assert not list(folder.iterdir())
+
+
+def test_the_spectator_films_what_is_played_and_nothing_after_the_end(folder: Path) -> None:
+    core = AleCore("breakout", max_num_frames_per_episode=6)
+    with VideoWriter(folder / "a.mp4", core.game.screen.shape, 60) as video:
+        spectator = _Spectator(core, video)
+        spectator.reset()
+        assert [spectator.act(1) for _ in range(9)] == [0] * 9
+    assert (spectator.frames, video.frames, spectator.scores) == (6, 6, [0])
+    assert spectator.truncated
+    assert np.array_equal(spectator.ram(), core.ram())
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["--steps", "0"], "'0' is not a whole number of at least 1"),
+        (["--steps", "1.5"], "'1.5' is not a whole number of at least 1"),
+        (["--seconds", "nan"], "'nan' is not a number of at least 0.1"),
+        (["--seconds", "inf"], "'inf' is not a number of at least 0.1"),
+        (["--seed", "-1"], "'-1' is not a whole number of at least 0"),
+        (["--steps", "5", "--seconds", "5"], "not allowed with argument"),
+        (["--no-video", "-o", "a.mp4"], "not allowed with argument"),
+    ],
+)
+def test_wrong_usage(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["demo", *words]) == 2
+    assert text in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["breakuot"], "there is no game 'breakuot'; did you mean 'breakout'?"),
+        (["combat"], "'combat' is a two-player cartridge"),
+        (["-o", "a.avi"], "must end in '.mp4', got 'a.avi'"),
+        (["-o", "occupied/a.mp4"], "occupied"),
+        (["-o", "folder.mp4"], "Is a directory: folder.mp4"),
+    ],
+)
+def test_what_cannot_be_done_is_refused_before_playing(
+    words: list[str], text: str, folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (folder / "occupied").touch()
+    (folder / "folder.mp4").mkdir()
+    monkeypatch.setattr("atari.cli.demo._play", lambda *_: pytest.fail("it played"))
+    assert main(["demo", *words]) == 1
+    captured = capsys.readouterr()
+    assert captured.err.startswith("atari: error: ")
+    assert text in captured.err
+    assert captured.err.count("\n") == 1
+    assert sorted(path.name for path in folder.iterdir()) == ["folder.mp4", "occupied"]
+
+
+def test_without_pyav_it_names_the_extra_and_the_way_without(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "av", None)
+    assert main(["demo", "--steps", "3"]) == 1
+    err = capsys.readouterr().err
+    assert "pip install 'atari-envs[video]'" in err
+    assert "--no-video" in err
+    assert not list(folder.iterdir())
+    assert main(["demo", "--steps", "3", "--no-video"]) == 0
+
+
+def test_ctrl_c_ends_it_with_a_playable_video(folder: Path) -> None:
+    command = [sys.executable, "-m", "atari", "demo", "--steps", "2000", "-o", "a.mp4"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stderr is not None
+        assert process.stderr.readline().startswith("200 of 2,000 steps")
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=120)
+    assert process.returncode == 130
+    assert out == ""
+    line = err.splitlines()[-1]
+    told = re.fullmatch(r"atari: interrupted after ([\d,]+) of 2,000 steps; the video up to there is (.+)", line)
+    assert told is not None, err
+    assert told[2] == str((folder / "a.mp4").resolve())
+    steps = int(told[1].replace(",", ""))
+    assert 200 <= steps < 2000
+    assert len(decode(folder / "a.mp4")) > 4 * 200

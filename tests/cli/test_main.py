@@ -1,0 +1,128 @@
+"""The command line as a whole: exit codes, help, errors, pipes."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import gymnasium
+import pytest
+
+import atari
+from atari.cli import demo, main
+
+COMMANDS = [
+    ["list"], ["info"], ["explain"], ["demo"], ["roms"],
+    ["roms", "list"], ["roms", "verify"], ["roms", "identify"], ["roms", "import"], ["roms", "install"],
+]  # fmt: skip
+
+
+def run(*words: str, **options: object) -> "subprocess.CompletedProcess[str]":
+    command = [sys.executable, "-m", "atari", *words]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False, **options)  # type: ignore[call-overload,no-any-return]
+
+
+def test_version(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == f"atari-envs {atari.__version__}\n"
+
+
+def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--help"]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("usage: atari [-h] [--version] COMMAND")
+    assert {command[0] for command in COMMANDS} <= set(out.split())
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
+def test_each_command_has_help(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([*command, "--help"]) == 0
+    captured = capsys.readouterr()
+    assert captured.out.startswith(f"usage: atari {' '.join(command)}")
+    assert captured.err == ""
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        ([], "arguments are required: COMMAND"),
+        (["roms"], "arguments are required: COMMAND"),
+        (["play"], "invalid choice: 'play'"),
+        (["list", "breakout"], "unrecognized arguments: breakout"),
+        (["info"], "arguments are required: GAME"),
+        (["explain"], "arguments are required: ID"),
+        (["list", "--i"], "unrecognized arguments: --i"),
+        (["roms", "identify"], "arguments are required: FILE"),
+    ],
+)
+def test_wrong_usage_is_2(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(words) == 2
+    captured = capsys.readouterr()
+    assert text in captured.err
+    assert captured.out == ""
+
+
+@pytest.mark.parametrize(
+    ("error", "line"),
+    [
+        (ValueError("a\nb  c"), "a b c"),
+        (FileNotFoundError(2, "No such file or directory", "x.bin"), "No such file or directory: x.bin"),
+        (OSError(28, "No space left on device"), "No space left on device"),
+        (PermissionError("x.bin may not be read"), "x.bin may not be read"),
+        (gymnasium.error.NameNotFound("there is no such thing"), "there is no such thing"),
+        (RuntimeError("broken"), "broken"),
+    ],
+)
+def test_errors_of_the_library_are_one_line_and_1(
+    error: Exception, line: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr(demo, "_play", fail)
+    assert main(["demo", "--no-video"]) == 1
+    captured = capsys.readouterr()
+    assert captured.err == f"atari: error: {line}\n"
+    assert captured.out == ""
+
+
+def test_a_bug_shows_its_traceback(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(demo, "_play", lambda *_: 1 // 0)
+    with pytest.raises(ZeroDivisionError):
+        main(["demo", "--no-video"])
+
+
+def test_ctrl_c_is_130(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(demo, "_play", interrupt)
+    assert main(["demo", "--no-video"]) == 130
+    assert capsys.readouterr().err == "atari: interrupted\n"
+
+
+def test_python_m_atari_is_the_command_line(tmp_path: Path) -> None:
+    listed = run("list", "--ids", cwd=tmp_path)
+    assert (listed.returncode, listed.stderr) == (0, "")
+    assert "ALE/Breakout-v5" in listed.stdout.splitlines()
+    unknown = run("info", "breakuot", cwd=tmp_path)
+    assert (unknown.returncode, unknown.stdout) == (1, "")
+    assert unknown.stderr == "atari: error: there is no game 'breakuot'; did you mean 'breakout'?\n"
+    usage = run("info", cwd=tmp_path)
+    assert usage.returncode == 2
+    assert usage.stderr.startswith("usage: atari info")
+
+
+@pytest.mark.parametrize("words", [["list", "--ids"], ["info", "pong", "--json"], ["--help"], ["roms", "list"]])
+def test_a_reader_that_has_gone_ends_the_command_quietly(words: list[str]) -> None:
+    reader, writer = os.pipe()
+    os.close(reader)
+    command = [sys.executable, "-m", "atari", *words]
+    result = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, timeout=120, check=False)
+    os.close(writer)
+    assert (result.returncode, result.stderr) == (0, b"")
+
+
+def test_import_atari_imports_neither_command_line_nor_pyav() -> None:
+    program = "import sys, atari; sys.exit(bool({'atari.cli', 'atari.recording', 'av'} & set(sys.modules)))"
+    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
