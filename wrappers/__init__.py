@@ -1,1 +1,40 @@
-"""Wrappers."""
+"""The classic wrappers of Atari environments, one file an idea, and presets made of them.
+
+`preset(env, "baselines")` and its siblings reproduce well-known implementations; `DqnPreprocessing` does the usual in
+one pass; the rest are single steps to combine. All are picklable, and `gymnasium.make(env.spec)` makes them again.
+
+Gymnasium has wrappers of some of these names. None is taken over as it is: its reward and picture wrappers keep
+lambdas, which cannot be pickled, and its stack copies each frame twice.
+"""
+
+from atari.wrappers.clip_reward import ClipReward
+from atari.wrappers.dqn_preprocessing import DqnPreprocessing
+from atari.wrappers.episodic_life import EpisodicLife
+from atari.wrappers.fire_reset import FireReset
+from atari.wrappers.frame_skip import FrameSkip
+from atari.wrappers.frame_stack import FrameStack, LazyStack
+from atari.wrappers.grayscale import Grayscale
+from atari.wrappers.noop_reset import NoopReset
+from atari.wrappers.presets import PRESETS, Preset, preset, preset_options
+from atari.wrappers.ram_observation import RamObservation
+from atari.wrappers.resize import Resize
+from atari.wrappers.sticky_actions import StickyActions
+
+__all__ = [
+    "PRESETS",
+    "ClipReward",
+    "DqnPreprocessing",
+    "EpisodicLife",
+    "FireReset",
+    "FrameSkip",
+    "FrameStack",
+    "Grayscale",
+    "LazyStack",
+    "NoopReset",
+    "Preset",
+    "RamObservation",
+    "Resize",
+    "StickyActions",
+    "preset",
+    "preset_options",
+]

@@ -1,0 +1,279 @@
+"""Every observation is computed a second time, frame by frame and without cleverness, and compared."""
+
+import cv2
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import data_equivalence
+from gymnasium.wrappers import RecordEpisodeStatistics, TimeLimit
+
+from atari import AtariEnv, wrappers
+from atari.wrappers import DqnPreprocessing, EpisodicLife, FireReset, NoopReset
+
+ACTIONS = [1, 2, 3, 0, 2, 2, 1, 3, 3, 0, 1, 2] * 3
+
+
+class Through(gymnasium.Wrapper):
+    """Does nothing, but `DqnPreprocessing` around it cannot know that."""
+
+    def step(self, action):
+        return self.env.step(action)
+
+
+def small(picture, size=(84, 84)):
+    return cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
+
+
+def gray_of_rgb(picture):
+    return cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY)
+
+
+def play(env: AtariEnv, action, frames=4):
+    """The gray screens and RGB screens of these frames, and their rewards."""
+    gray, rgb, rewards = [], [], []
+    for _ in range(frames):
+        _, reward, terminated, truncated, _ = env.step(action)
+        gray.append(env.core.screen_grayscale())
+        rgb.append(env.core.screen_rgb())
+        rewards.append(reward)
+        if terminated or truncated:
+            break
+    return gray, rgb, rewards
+
+
+PICTURES = {
+    "default": ({}, lambda gray, rgb: small(np.maximum(*gray[-2:]))),
+    "not pooled": ({"max_pool": False}, lambda gray, rgb: small(gray[-1])),
+    "every frame": ({"frame_skip": 1}, lambda gray, rgb: small(gray[-1])),
+    "two frames": ({"frame_skip": 2}, lambda gray, rgb: small(np.maximum(*gray))),
+    "pooled as RGB": ({"pool_rgb": True}, lambda gray, rgb: small(gray_of_rgb(np.maximum(*rgb[-2:])))),
+    "colour": ({"grayscale": False}, lambda gray, rgb: small(np.maximum(*rgb[-2:]))),
+    "tall": ({"screen_size": (84, 110)}, lambda gray, rgb: small(np.maximum(*gray[-2:]), (84, 110))),
+    "full size": ({"screen_size": (160, 210)}, lambda gray, rgb: np.maximum(*gray[-2:])),
+    "Gymnasium": ({"end_frames": "gymnasium"}, lambda gray, rgb: small(np.maximum(*gray[-2:]))),
+    "Baselines": ({"end_frames": "baselines"}, lambda gray, rgb: small(np.maximum(*gray[-2:]))),
+    "EnvPool": ({"end_frames": "envpool"}, lambda gray, rgb: small(np.maximum(*gray[-2:]))),
+}
+
+
+@pytest.mark.parametrize("name", PICTURES)
+@pytest.mark.parametrize("game", ["seaquest", "breakout"])
+def test_pictures_stacks_and_rewards(game_env, game, name):
+    arguments, picture = PICTURES[name]
+    env, raw = DqnPreprocessing(game_env(game), **arguments), game_env(game)
+    observation, info = env.reset(seed=0)
+    assert info == raw.reset(seed=0)[1]
+    stack = [picture([raw.core.screen_grayscale()] * 2, [raw.core.screen_rgb()] * 2)] * 4
+    assert env.observation_space.shape == np.shape(stack)
+    np.testing.assert_array_equal(observation, stack)
+    for action in ACTIONS:
+        observation, reward, terminated, truncated, info = env.step(action)
+        gray, rgb, rewards = play(raw, action, env.frame_skip)
+        stack = [*stack[1:], picture(gray, rgb)]
+        np.testing.assert_array_equal(observation, stack)
+        assert (reward, terminated, truncated, info) == (sum(rewards), False, False, raw._info())
+
+
+def test_zero_padding(game_env):
+    env = DqnPreprocessing(game_env("pong"), padding_type="zero")
+    for _ in range(2):
+        observation, _ = env.reset(seed=0)
+        assert [int(picture.max()) > 0 for picture in observation] == [False, False, False, True]
+        observation = env.step(0)[0]
+        assert [int(picture.max()) > 0 for picture in observation] == [False, False, True, True]
+
+
+def test_without_a_stack(game_env):
+    env, stacked = DqnPreprocessing(game_env("pong"), stack_size=None), DqnPreprocessing(game_env("pong"))
+    assert env.observation_space.shape == (84, 84)
+    np.testing.assert_array_equal(env.reset(seed=0)[0], stacked.reset(seed=0)[0][-1])
+    for action in ACTIONS:
+        np.testing.assert_array_equal(env.step(action)[0], stacked.step(action)[0][-1])
+
+
+# What is shown when the second step is cut short after `played` frames: f are the frames of that step, p those of the
+# step before it.
+def pooled(*frames):
+    return np.maximum.reduce(frames)
+
+
+SHOWN_AT_THE_END = {
+    "last": lambda f, p: {1: f[0], 2: f[1], 3: f[2], 4: pooled(f[2], f[3])},
+    "gymnasium": lambda f, p: {1: pooled(*p), 2: pooled(*p), 3: pooled(*p), 4: pooled(f[2], *p)},
+    "baselines": lambda f, p: {1: pooled(*p), 2: pooled(*p), 3: pooled(f[2], p[1]), 4: pooled(f[2], f[3])},
+    "envpool": lambda f, p: {1: pooled(*p), 2: pooled(*p), 3: f[2], 4: pooled(f[2], f[3])},
+}
+
+
+@pytest.mark.parametrize("played", [1, 2, 3, 4])
+@pytest.mark.parametrize("layer", [lambda env: env, Through], ids=["direct", "through"])
+def test_the_end_inside_a_skip(game_env, played, layer):
+    raw = game_env("seaquest")
+    raw.reset(seed=0)
+    previous, cut = (play(raw, 3)[0] for _ in range(2))
+    expected = {mode: shown(cut, previous[2:])[played] for mode, shown in SHOWN_AT_THE_END.items()}
+    assert len({picture.tobytes() for picture in expected.values()}) == {1: 2, 2: 2, 3: 3, 4: 2}[played]
+    for mode, picture in expected.items():
+        env = DqnPreprocessing(layer(game_env("seaquest", max_num_frames_per_episode=4 + played)), end_frames=mode)
+        env.reset(seed=0)
+        assert env.step(3)[2:4] == (False, False)
+        observation, _, terminated, truncated, info = env.step(3)
+        assert (terminated, truncated, info["episode_frame_number"]) == (False, True, 4 + played)
+        np.testing.assert_array_equal(observation[-1], small(picture))
+
+
+@pytest.mark.parametrize("name", wrappers.PRESETS)
+def test_driving_the_emulator_and_going_through_wrappers_give_the_same(game_env, name):
+    for game, limit in (("breakout", None), ("bank_heist", 403)):
+        options = {**wrappers.preset_options(name), "max_num_frames_per_episode": limit}
+        direct = wrappers.preset(game_env(game, **options), name, episodic_life=True)
+        through = wrappers.preset(Through(game_env(game, **options)), name, episodic_life=True)
+        rng = np.random.default_rng(1)
+        results = [direct.reset(seed=5), through.reset(seed=5)]
+        assert data_equivalence(*results, exact=True)
+        ends = 0
+        for _ in range(250):
+            action = int(rng.integers(direct.action_space.n))
+            results = [direct.step(action), through.step(action)]
+            assert data_equivalence(*results, exact=True)
+            if results[0][2] or results[0][3]:
+                ends += 1
+                assert data_equivalence(direct.reset(), through.reset(), exact=True)
+        assert ends > 1
+        assert direct.unwrapped.snapshot() == through.unwrapped.snapshot()
+
+
+def test_actions_with_strength(game_env):
+    env, raw = DqnPreprocessing(game_env("pong", continuous=True)), game_env("pong", continuous=True)
+    env.reset(seed=0)
+    raw.reset(seed=0)
+    for angle in np.linspace(-3, 3, 20, dtype=np.float32):
+        action = np.array([0.7, angle, 1.0], np.float32)
+        observation = env.step(action)[0]
+        np.testing.assert_array_equal(observation[-1], small(np.maximum(*play(raw, action)[0][-2:])))
+
+
+@pytest.mark.parametrize("layer", [lambda env: env, Through], ids=["direct", "through"])
+def test_max_frames(game_env, layer):
+    env = DqnPreprocessing(NoopReset(layer(game_env("pong"))), max_frames=10)
+    for _ in range(2):
+        env.reset(options={"noops": 7})
+        flags = [env.step(0)[2:4] for _ in range(3)]
+        assert flags == [(False, False), (False, False), (False, True)]
+        assert env.unwrapped.core.episode_frame_number == 17
+
+
+@pytest.mark.parametrize("layer", [lambda env: env, Through], ids=["direct", "through"])
+def test_a_life_lost_beneath_ends_the_skip_at_that_frame(game_env, layer):
+    env = DqnPreprocessing(EpisodicLife(layer(game_env("breakout")), "continue"))
+    frame = lose_a_life(env)
+    assert frame % 4 == 1, "the frame after which a seeded game has lost its first life"
+    held = env.step(0)[4]["episode_frame_number"]
+    assert held == frame + 4
+
+
+@pytest.mark.parametrize("layer", [lambda env: env, Through], ids=["direct", "through"])
+def test_seamless_lives_play_the_skip_to_its_end_and_keep_the_stack(game_env, layer):
+    arguments = {"seamless_lives": True, "max_frames": 1000}
+    env = DqnPreprocessing(FireReset(EpisodicLife(layer(game_env("breakout")), "continue")), **arguments)
+    frame = lose_a_life(env)
+    assert frame % 4 == 1, "one of FIRE, and whole skips"
+    before = env.step(0)[0]
+    env.env.env.life_lost = True
+    after, info = env.reset()
+    assert info["episode_frame_number"] == frame + 5
+    np.testing.assert_array_equal(after[:3], before[1:])
+    assert not env.step(0)[3]
+
+
+def lose_a_life(env):
+    """Play until the first life is lost; the frame at which the step ended."""
+    env.reset(seed=0)
+    lives = env.unwrapped.core.lives
+    for step in range(200):
+        _, _, terminated, truncated, info = env.step(1 if step == 0 else 2)
+        assert not truncated
+        assert terminated == (info["lives"] < lives)
+        if terminated:
+            return info["episode_frame_number"]
+    raise AssertionError("no life was lost")
+
+
+def test_the_limit_ends_the_game_for_episodic_life_beneath(game_env):
+    env = DqnPreprocessing(EpisodicLife(game_env("breakout"), "continue"), max_frames=300)
+    env.reset(seed=0)
+    env.step(1)
+    truncated = False
+    lost = 0
+    while not truncated:
+        _, _, terminated, truncated, _ = env.step(2)
+        if terminated and not truncated:
+            lost += 1
+            env.reset()
+    assert lost >= 1
+    assert env.unwrapped.core.lives < 5
+    assert env.reset()[1]["lives"] == 5
+
+
+def test_wrappers_beneath_are_respected(game_env):
+    env = DqnPreprocessing(RecordEpisodeStatistics(TimeLimit(game_env("pong"), 10)))
+    env.reset(seed=0)
+    assert [env.step(0)[3] for _ in range(2)] == [False, False]
+    *_, truncated, info = env.step(0)
+    assert truncated
+    assert info["episode"]["l"] == 10
+
+
+def test_rendering_sees_every_frame(game_env):
+    env = DqnPreprocessing(game_env("pong", render_mode="rgb_array_list"))
+    env.reset(seed=0)
+    env.step(0)
+    env.step(0)
+    frames = env.render()
+    assert len(frames) == 9
+    np.testing.assert_array_equal(frames[-1], env.unwrapped.core.screen_rgb())
+
+
+def test_step_needs_a_reset_and_an_action_of_the_space(game_env):
+    env = DqnPreprocessing(game_env("pong"))
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.step(0)
+    env.reset(seed=0)
+    state = env.unwrapped.snapshot()
+    with pytest.raises(ValueError, match=r"action 6 is not within 0..5"):
+        env.step(6)
+    with pytest.raises(TypeError, match="an action is an integer"):
+        env.step("UP")
+    assert env.unwrapped.snapshot() == state
+
+
+@pytest.mark.parametrize(
+    ("options", "arguments", "error", "text"),
+    [
+        ({"obs_type": "ram"}, {}, ValueError, r"works on pixels.*obs_type='rgb' \(not 'ram'\)"),
+        ({"sound_obs": True}, {}, ValueError, "sound_obs=False"),
+        ({"frameskip": 4}, {}, ValueError, "AtariEnv beneath it already plays 4 a step.*frameskip=1"),
+        ({}, {"frame_skip": 0}, ValueError, "frame_skip must be within 1"),
+        ({}, {"screen_size": 0}, ValueError, "screen_size must be within 1"),
+        ({}, {"screen_size": (84, 84, 84)}, ValueError, r"an integer or \(width, height\)"),
+        ({}, {"screen_size": 84.5}, TypeError, "screen_size must be an integer"),
+        ({}, {"stack_size": 0}, ValueError, "stack_size must be within 1"),
+        ({}, {"max_frames": 0}, ValueError, "max_frames must be within 1"),
+        ({}, {"padding_type": "first"}, ValueError, "padding_type must be 'reset' or 'zero'"),
+        (
+            {},
+            {"pool_rgb": True, "end_frames": "envpool"},
+            ValueError,
+            "end_frames='last' or 'baselines', got 'envpool'",
+        ),
+        ({}, {"end_frames": "stale"}, ValueError, "'last', 'gymnasium', 'baselines', 'envpool', got 'stale'"),
+    ],
+)
+def test_refuses(game_env, options, arguments, error, text):
+    with pytest.raises(error, match=text):
+        DqnPreprocessing(game_env("pong", **options), **arguments)
+
+
+def test_refuses_other_environments(scripted):
+    with pytest.raises(TypeError, match=r"DqnPreprocessing reads the emulator of an atari.AtariEnv.*atari.make"):
+        DqnPreprocessing(scripted())

@@ -1,0 +1,120 @@
+import pytest
+
+from atari.wrappers import EpisodicLife
+
+
+def lives(t):
+    """Three lives; one is lost at frame 3, one at 6, the last at 9, and the game is over at 12."""
+    return 3 - t // 3 if t < 9 else 0
+
+
+def episode(env, steps=20):
+    """Frame numbers at which an episode ended, and what the flags were."""
+    for _ in range(steps):
+        _, _, terminated, truncated, info = env.step(2)
+        if terminated or truncated:
+            return info["frame"], terminated, truncated
+    raise AssertionError("no end")
+
+
+@pytest.fixture
+def env(scripted):
+    return scripted(lives=lives, ends=12)
+
+
+def test_ends_at_each_lost_life_and_goes_on_with_a_noop(env):
+    env = EpisodicLife(env)
+    env.reset(seed=0)
+    assert episode(env) == (3, True, False)
+    observation, info = env.reset()
+    assert info["frame"] == 4
+    assert observation.max() == 4
+    assert env.unwrapped.actions[-1] == 0
+    assert episode(env) == (6, True, False)
+    env.reset()
+    assert episode(env) == (12, True, False), "the loss of the last life is not an end, the end of the game is"
+    _, info = env.reset()
+    assert info["frame"] == 0
+    assert len(env.unwrapped.resets) == 2
+
+
+def test_continue_plays_nothing(env):
+    env = EpisodicLife(env, "continue")
+    env.reset()
+    episode(env)
+    observation, info = env.reset()
+    assert info["frame"] == 3
+    assert observation.max() == 3
+    assert env.same_game
+    assert episode(env) == (6, True, False)
+
+
+def test_new_game_starts_anew(env):
+    env = EpisodicLife(env, "new_game")
+    env.reset()
+    assert episode(env) == (3, True, False)
+    assert env.reset()[1]["frame"] == 0
+    assert not env.same_game
+    assert episode(env) == (3, True, False)
+
+
+def test_last_life(env):
+    env = EpisodicLife(env, "continue", last_life=True)
+    env.reset()
+    ends = []
+    for _ in range(4):
+        ends.append(episode(env)[0])
+        env.reset()
+    assert ends == [3, 6, 9, 12]
+    assert env.unwrapped.frame == 0
+
+
+@pytest.mark.parametrize("arguments", [{"seed": 5}, {"options": {"new_game": True}}])
+def test_a_new_game_can_be_asked_for(env, arguments):
+    env = EpisodicLife(env)
+    env.reset()
+    episode(env)
+    assert env.life_lost
+    assert env.reset(**arguments)[1]["frame"] == 0
+    assert not env.life_lost
+    assert episode(env) == (3, True, False)
+
+
+def test_a_reset_in_the_middle_starts_a_new_game(env):
+    env = EpisodicLife(env)
+    env.reset()
+    env.step(2)
+    assert env.reset()[1]["frame"] == 0
+
+
+def test_truncation_ends_the_game_too(scripted):
+    env = EpisodicLife(scripted(lives=lives, limit=3))
+    env.reset()
+    assert episode(env) == (3, True, True)
+    assert env.reset()[1]["frame"] == 0
+
+
+def test_a_noop_that_ends_the_game_is_followed_by_a_new_one(scripted):
+    env = EpisodicLife(scripted(lives=lives, ends=4))
+    env.reset()
+    assert episode(env) == (3, True, False)
+    assert env.reset()[1]["frame"] == 0
+    assert not env.same_game
+
+
+def test_an_extra_life_is_no_loss(scripted):
+    env = EpisodicLife(scripted(lives=lambda t: {0: 2, 1: 3, 2: 3}.get(t, 2)))
+    env.reset()
+    assert episode(env) == (3, True, False)
+
+
+def test_games_without_lives(scripted):
+    env = EpisodicLife(scripted(ends=5))
+    env.reset()
+    assert episode(env) == (5, True, False)
+    assert env.reset()[1]["frame"] == 0
+
+
+def test_refuses(scripted):
+    with pytest.raises(ValueError, match=r"on_reset must be one of 'noop', 'continue', 'new_game', got 'fire'"):
+        EpisodicLife(scripted(), "fire")

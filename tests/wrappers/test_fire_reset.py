@@ -1,0 +1,71 @@
+import numpy as np
+import pytest
+
+from atari.wrappers import FireReset
+
+
+def test_presses_fire_once(scripted):
+    env = FireReset(scripted())
+    observation, info = env.reset(seed=1)
+    assert env.unwrapped.actions == [1]
+    assert env.unwrapped.resets == [(1, None)]
+    assert info["frame"] == 1
+    np.testing.assert_array_equal(observation, np.ones((6, 4)))
+
+
+def test_fire_is_found_by_its_name(scripted):
+    env = FireReset(scripted(meanings=["NOOP", "UP", "FIRE"]))
+    env.reset()
+    assert env.unwrapped.actions == [2]
+
+
+def test_games_without_fire_are_left_alone(scripted):
+    env = FireReset(scripted(meanings=["NOOP", "UP"]), then_action_2=True)
+    _, info = env.reset()
+    assert env.unwrapped.actions == []
+    assert info["frame"] == 0
+
+
+def test_then_action_2(scripted):
+    env = FireReset(scripted(), then_action_2=True)
+    _, info = env.reset()
+    assert env.unwrapped.actions == [1, 2]
+    assert info["frame"] == 2
+
+
+def test_resets_again_if_fire_ends_the_episode_and_shows_the_new_one(scripted):
+    env = FireReset(scripted(ends=2), then_action_2=True)
+    observation, info = env.reset()
+    assert len(env.unwrapped.resets) == 2
+    assert info["frame"] == 0
+    assert observation.max() == 0
+
+
+def test_starts_breakout(game_env):
+    env = FireReset(game_env("breakout"))
+    env.reset(seed=0)
+    for _ in range(10):
+        env.step(0)
+    with_fire = env.unwrapped.core.ram()
+    still = game_env("breakout")
+    still.reset(seed=0)
+    for _ in range(11):
+        still.step(0)
+    ball_y = 101
+    assert still.core.ram()[ball_y] == 0, "no ball before FIRE"
+    assert with_fire[ball_y] != 0
+
+
+def test_presses_the_button_of_a_stick(game_env):
+    env = FireReset(game_env("breakout", continuous=True))
+    discrete = FireReset(game_env("breakout"))
+    env.reset(seed=0)
+    discrete.reset(seed=0)
+    np.testing.assert_array_equal(env.unwrapped.core.ram(), discrete.unwrapped.core.ram())
+
+
+def test_refuses_action_2_where_there_is_none(scripted, game_env):
+    with pytest.raises(ValueError, match="at least three discrete actions"):
+        FireReset(scripted(meanings=["NOOP", "FIRE"]), then_action_2=True)
+    with pytest.raises(ValueError, match="at least three discrete actions"):
+        FireReset(game_env("breakout", continuous=True), then_action_2=True)

@@ -1,0 +1,102 @@
+import gymnasium
+import numpy as np
+import pytest
+
+from atari.wrappers import NoopReset
+
+
+def number_of_noops(env, seed):
+    before = len(env.unwrapped.actions)
+    env.reset(seed=seed)
+    return len(env.unwrapped.actions) - before
+
+
+@pytest.mark.parametrize(("arguments", "low", "high"), [({}, 1, 30), ({"noop_max": 5, "noop_min": 3}, 3, 5)])
+def test_draws_from_the_environments_generator_as_gymnasium_does(scripted, arguments, low, high):
+    env = NoopReset(scripted(), **arguments)
+    expected = [int(np.random.Generator(np.random.PCG64(seed)).integers(low, high + 1)) for seed in range(20)]
+    assert [number_of_noops(env, seed) for seed in range(20)] == expected
+    assert len(set(expected)) > 2
+
+
+def test_returns_what_the_last_noop_gave(scripted):
+    env = NoopReset(scripted())
+    observation, info = env.reset(options={"noops": 7})
+    assert env.unwrapped.actions == [0] * 7
+    np.testing.assert_array_equal(observation, np.full((6, 4), 7))
+    assert info == {"lives": 0, "frame": 7}
+
+
+def test_the_number_can_be_chosen_and_zero_is_none(scripted):
+    env = NoopReset(scripted())
+    observation, info = env.reset(options={"noops": 0})
+    assert env.unwrapped.actions == []
+    assert info["frame"] == 0
+    assert observation.max() == 0
+    env.reset(options={"noops": 100})
+    assert len(env.unwrapped.actions) == 100
+
+
+def test_noop_max_zero_draws_nothing(scripted):
+    env = NoopReset(scripted(), noop_max=0)
+    env.reset(seed=1)
+    assert env.unwrapped.actions == []
+    assert env.np_random.bit_generator.state == np.random.PCG64(1).state
+
+
+def test_fire_counts_as_one_of_the_noops(scripted):
+    with_fire = NoopReset(scripted(), noop_min=0, fire_counts=True)
+    without = NoopReset(scripted(meanings=["NOOP", "UP"]), noop_min=0, fire_counts=True)
+    drawn = [int(np.random.Generator(np.random.PCG64(seed)).integers(0, 31)) for seed in range(40)]
+    assert 0 in drawn
+    assert [number_of_noops(with_fire, seed) for seed in range(40)] == [max(n - 1, 0) for n in drawn]
+    assert [number_of_noops(without, seed) for seed in range(40)] == drawn
+
+
+@pytest.mark.parametrize("end", ["ends", "limit"])
+def test_an_episode_that_ends_meanwhile_is_started_again(scripted, end):
+    env = NoopReset(scripted(**{end: 4}))
+    observation, info = env.reset(seed=9, options={"noops": 6})
+    assert env.unwrapped.resets == [(9, {"noops": 6})] * 2
+    assert info["frame"] == 2
+    assert observation.max() == 2
+
+
+def test_is_what_gymnasium_does_to_a_game(game_env):
+    """Gymnasium's wrapper around the same environment starts at the same frame, whatever the seed."""
+    env = game_env("pong")
+    ours = NoopReset(env)
+    theirs = gymnasium.wrappers.AtariPreprocessing(game_env("pong"), screen_size=84)
+    for seed in range(5):
+        frame = ours.reset(seed=seed)[1]["frame_number"]
+        assert frame == theirs.reset(seed=seed)[1]["frame_number"]
+
+
+def test_does_nothing_with_a_stick_at_rest(game_env):
+    env = NoopReset(game_env("pong", continuous=True))
+    still = game_env("pong")
+    env.reset(seed=0, options={"noops": 20})
+    still.reset(seed=0)
+    for _ in range(20):
+        still.step(0)
+    np.testing.assert_array_equal(env.unwrapped.core.ram(), still.core.ram())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "text"),
+    [
+        ({"noop_max": -1}, ValueError, "noop_max must be within 0"),
+        ({"noop_max": 2.5}, TypeError, "noop_max must be an integer"),
+        ({"noop_max": 3, "noop_min": 4}, ValueError, "noop_min must be within 0..3, got 4"),
+    ],
+)
+def test_refuses(scripted, arguments, error, text):
+    with pytest.raises(error, match=text):
+        NoopReset(scripted(), **arguments)
+
+
+def test_refuses_a_wrong_number_before_the_reset(scripted):
+    env = NoopReset(scripted())
+    with pytest.raises(ValueError, match="noops must be within 0"):
+        env.reset(options={"noops": -1})
+    assert env.unwrapped.resets == []

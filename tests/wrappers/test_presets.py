@@ -1,0 +1,257 @@
+"""Presets beside the implementations they are named after, byte for byte, and the rules about options and names.
+
+Gymnasium and ale-py are here; the other implementations are compared in `tests/peers`.
+"""
+
+import ale_py
+import cv2
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.wrappers import AtariPreprocessing, FrameStackObservation
+
+from atari import Action, games
+from atari.wrappers import PRESETS, ClipReward, DqnPreprocessing, EpisodicLife, NoopReset, preset, preset_options
+
+# Lives lost, several ends of game, no FIRE (ms_pacman, bank_heist), lives at 0 before the end (bank_heist, frogger), a
+# screen of 214 lines (carnival) and of 250 (pacman).
+GAMES = ["breakout", "ms_pacman", "bank_heist", "frogger", "carnival", "pacman"]
+INFO = ("lives", "episode_frame_number", "frame_number")
+
+
+@pytest.mark.parametrize("game", GAMES)
+@pytest.mark.parametrize(
+    ("episodic_life", "probability", "limit", "steps"),
+    [(False, 0.0, None, 400), (True, 0.25, None, 400), (True, 0.25, 402, 250)],
+)
+def test_gymnasium(game_env, game, episodic_life, probability, limit, steps):
+    options = {"repeat_action_probability": probability, "max_num_frames_per_episode": limit}
+    theirs = FrameStackObservation(
+        AtariPreprocessing(ale_py.AtariEnv(game, frameskip=1, **options), terminal_on_life_loss=episodic_life), 4
+    )
+    ours = preset(game_env(game, **options), "gymnasium", episodic_life=episodic_life)
+    assert ours.observation_space == theirs.observation_space
+    rng = np.random.default_rng(7)
+    expected, info = theirs.reset(seed=7)
+    observation, own_info = ours.reset(seed=7)
+    ends = 0
+    for _ in range(steps):
+        np.testing.assert_array_equal(observation, expected)
+        assert [own_info[key] for key in INFO] == [info[key] for key in INFO]
+        action = int(rng.integers(ours.action_space.n))
+        expected, *signals, info = theirs.step(action)
+        observation, *own_signals, own_info = ours.step(action)
+        assert own_signals == signals
+        if signals[1] or signals[2]:
+            ends += 1
+            np.testing.assert_array_equal(observation, expected)
+            expected, info = theirs.reset()
+            observation, own_info = ours.reset()
+    assert ends > 0 or not (episodic_life or limit)
+
+
+@pytest.mark.parametrize("game", GAMES)
+@pytest.mark.parametrize(
+    ("episodic_life", "probability", "limit", "steps"),
+    [(False, 0.0, 108_000, 400), (True, 0.25, 108_000, 400), (False, 0.25, 403, 250)],
+)
+def test_ale_vector(game_env, game, episodic_life, probability, limit, steps):
+    theirs = ale_py.AtariVectorEnv(
+        game, 1, episodic_life=episodic_life, repeat_action_probability=probability, max_num_frames_per_episode=limit
+    )
+    env = game_env(game, **{**preset_options("ale_vector"), "repeat_action_probability": probability})
+    ours = limited(env, "ale_vector", limit, episodic_life=episodic_life)
+    env.reset()
+    before = env.core.episode_frame_number + ("FIRE" in env.get_action_meanings())
+
+    def reset(info):
+        """A start as theirs, whose no-ops follow from the frame number."""
+        return ours.reset(options={"noops": max(int(info["episode_frame_number"][0]) - before, 0)})
+
+    rng = np.random.default_rng(7)
+    expected, info = theirs.reset(seed=11)
+    env.core.seed(11)  # their seeds are the emulator's own
+    observation, own_info = reset(info)
+    ended = False
+    ends = 0
+    for _ in range(steps):
+        np.testing.assert_array_equal(observation, expected[0])
+        assert [own_info[key] for key in INFO] == [info[key][0] for key in INFO]
+        action = int(rng.integers(env.action_space.n))
+        expected, *signals, info = theirs.step(np.array([action]))
+        if ended:  # this step of theirs was the reset
+            ends += 1
+            observation, own_info = reset(info)
+            own_signals = [0, False, False]
+        else:
+            observation, *own_signals, own_info = ours.step(action)
+        assert own_signals == [signal[0] for signal in signals]
+        ended = own_signals[1] or own_signals[2]
+    assert ends > 0 or game == "carnival" or not (episodic_life or limit < 1000)
+
+
+def limited(env, name, limit, **changes):
+    """A preset with another `max_frames`, to reach it soon."""
+    wrapped = preset(env, name, **changes)
+    wrapped.set_wrapper_attr("_max_frames", limit)
+    return wrapped
+
+
+@pytest.mark.parametrize(("name", "low", "high"), [("ale_vector", 0, 29), ("envpool", 1, 30)])
+def test_fire_is_one_of_the_noops(game_env, name, low, high):
+    drawn = {seed: drawn_noops(game_env("ms_pacman"), seed, low, high) for seed in range(5)}
+    without_fire, with_fire = preset(game_env("ms_pacman"), name), preset(game_env("breakout"), name)
+    for seed, noops in drawn.items():
+        assert without_fire.reset(seed=seed)[1]["episode_frame_number"] == noops
+        assert with_fire.reset(seed=seed)[1]["episode_frame_number"] == max(noops, 1)
+
+
+def drawn_noops(env, seed, low, high):
+    """What a seeded environment draws first."""
+    env.reset(seed=seed)
+    return int(env.np_random.integers(low, high + 1))
+
+
+class TestProtocols:
+    """What the publications say, where no program is the measure."""
+
+    def test_dqn2015(self, game_env):
+        env, raw = preset(game_env("seaquest"), "dqn2015"), game_env("seaquest")
+        observation, _ = env.reset(seed=1, options={"noops": 9})
+        raw.reset(seed=1)
+        for _ in range(9):
+            raw.step(0)
+        assert [picture.any() for picture in observation] == [False, False, False, True]
+        np.testing.assert_array_equal(observation[3], luminance(raw.core.screen_rgb()))
+        for action in (2, 5, 3, 4) * 5:
+            screens = [raw.step(action)[0] for _ in range(4)]
+            observation = env.step(action)[0]
+            np.testing.assert_array_equal(observation[3], luminance(np.maximum(*screens[2:])))
+
+    def test_dqn2015_after_a_lost_life(self, game_env):
+        env = preset(game_env("breakout"), "dqn2015")
+        env.reset(seed=1)
+        frame = play_until_the_end(env)
+        assert env.unwrapped.core.lives == 4
+        assert not env.unwrapped.core.game_over
+        _, info = env.reset(options={"noops": 12})
+        assert info["episode_frame_number"] == frame + 12
+
+    @pytest.mark.parametrize("name", ["dopamine", "atari100k"])
+    def test_a_new_episode_in_the_same_game_shows_the_screen_alone(self, game_env, name):
+        env = preset(game_env("breakout", **preset_options(name)), name, episodic_life=True)
+        env.reset(seed=1)
+        frame = play_until_the_end(env)
+        observation, info = env.reset()
+        assert info["episode_frame_number"] == frame
+        assert [picture.any() for picture in observation] == [False, False, False, True]
+
+    def test_machado2018(self, game_env):
+        env = preset(game_env("breakout", **preset_options("machado2018")), "machado2018")
+        assert env.action_space.n == 18
+        env.reset(seed=1)
+        assert env.unwrapped.core.episode_frame_number == 0
+        play_until_the_end(env)
+        assert env.unwrapped.core.game_over
+
+    @pytest.mark.parametrize("name", PRESETS)
+    def test_rewards(self, game_env, name):
+        """Invaders are worth 5 to 30, clipped 1."""
+        env = preset(game_env("space_invaders", **preset_options(name)), name, episodic_life=False)
+        env.reset(seed=1)
+        rng = np.random.default_rng(0)
+        highest = max(env.step(int(rng.integers(env.action_space.n)))[1] for _ in range(150))
+        assert highest == 1.0 if PRESETS[name].clip_reward else highest >= 5.0
+
+
+def luminance(rgb):
+    return cv2.resize(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY), (84, 84), interpolation=cv2.INTER_AREA)
+
+
+def play_until_the_end(env):
+    for step in range(3000):
+        _, _, terminated, truncated, info = env.step(1 if step % 10 == 0 else 2)
+        assert not truncated
+        if terminated:
+            return info["episode_frame_number"]
+    raise AssertionError("no end")
+
+
+def test_switches_for_training_and_evaluation(game_env):
+    def kinds(**changes):
+        env = preset(game_env("breakout"), "baselines", **changes)
+        found = []
+        while isinstance(env, gymnasium.Wrapper):
+            found.append(type(env))
+            env = env.env
+        return found
+
+    assert EpisodicLife in kinds()
+    assert ClipReward in kinds()
+    assert not {EpisodicLife, ClipReward} & set(kinds(episodic_life=False, clip_reward=False))
+    assert {DqnPreprocessing, NoopReset} <= set(kinds(episodic_life=False, clip_reward=False))
+
+
+def test_every_game_has_the_actions_that_baselines_presses():
+    """Action 2 after FIRE: `preset` would raise for a game with fewer."""
+    assert all(len(game.minimal_actions) > 2 for game in games.playable() if Action.FIRE in game.minimal_actions)
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "text"),
+    [
+        ("baselines", {"frameskip": 4}, r"'baselines' needs .* frameskip=1, and this one has 4; make it with atari"),
+        ("gymnasium", {"frameskip": (2, 5)}, r"needs .* frameskip=1, and this one has \(2, 5\)"),
+        ("dqn2015", {"repeat_action_probability": 0.25}, r"needs .* repeat_action_probability=0.0, and .* has 0.25"),
+        ("dqn2015", {"full_action_space": True}, r"needs .* full_action_space=False, and this one has True"),
+        (
+            "machado2018",
+            {"repeat_action_probability": 0.25},
+            r"full_action_space=True, and this one has False; make it with atari.AtariEnv\('pong', frameskip=1, "
+            r"repeat_action_probability=0.25, full_action_space=True, max_num_frames_per_episode=108000\)",
+        ),
+        ("dopamine", {}, r"repeat_action_probability=0.25, and this one has 0.0"),
+        ("atari100k", {"repeat_action_probability": 0.1}, r"repeat_action_probability=0.0, and this one has 0.1"),
+    ],
+)
+def test_an_environment_that_does_not_fit(game_env, name, options, text):
+    with pytest.raises(ValueError, match=text):
+        preset(game_env("pong", **options), name)
+
+
+def test_the_set_of_actions_counts_not_the_option(game_env):
+    assert len(games["boxing"].minimal_actions) == 18
+    preset(game_env("boxing", full_action_space=False, repeat_action_probability=0.25), "machado2018")
+    preset(game_env("boxing", full_action_space=True), "dqn2015")
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("baseline", r"there is no preset 'baseline'; did you mean 'baselines'\?"),
+        ("Dopamine", r"did you mean 'dopamine'\?"),
+        ("machado", r"did you mean 'machado2018'\?"),
+        (
+            "???",
+            r"see the list \(dqn2015, machado2018, baselines, gymnasium, dopamine, atari100k, envpool, ale_vector\)",
+        ),
+        (None, r"there is no preset None"),
+    ],
+)
+def test_an_unknown_name(game_env, name, text):
+    with pytest.raises(ValueError, match=text):
+        preset(game_env("pong"), name)
+    with pytest.raises(ValueError, match=text):
+        preset_options(name)
+
+
+def test_other_environments_and_ram(game_env, scripted):
+    with pytest.raises(TypeError, match=r"reads the emulator of an atari.AtariEnv"):
+        preset(scripted(), "gymnasium")
+    with pytest.raises(ValueError, match="works on pixels"):
+        preset(game_env("pong", obs_type="ram"), "gymnasium")
+
+
+def test_options_are_a_copy(game_env):
+    preset_options("dqn2015")["frameskip"] = 4
+    assert preset_options("dqn2015")["frameskip"] == 1

@@ -1,0 +1,43 @@
+"""Two frames pooled as RGB and made gray, without ever being RGB.
+
+A frame is palette indices, so the gray value of two pooled pixels is a matter of two indices, and a table has them all.
+Most pixels of successive frames are the same: those are looked up by one index, which OpenCV does quickly, and only
+the others by two. This takes a third of the time of reading two RGB screens, taking their maximum and converting it.
+"""
+
+from functools import cache
+
+import cv2
+import numpy as np
+
+from atari.cores import ByteArray
+from atari.wrappers._palettes import PALETTES
+
+
+class RgbPool:
+    """Pools frames of palette indices of a TV format. The result is OpenCV's gray of the maximum of their colours."""
+
+    def __init__(self, tv_format: str) -> None:
+        self._of_pair = _gray_of_pairs(tv_format)
+        self._of_one = np.ascontiguousarray(self._of_pair.diagonal())
+
+    def gray(self, frame: ByteArray, out: ByteArray) -> ByteArray:
+        """The gray values of one frame."""
+        cv2.LUT(frame, self._of_one, dst=out)
+        return out
+
+    def pooled(self, early: ByteArray, late: ByteArray, out: ByteArray) -> ByteArray:
+        """The gray values of two frames, pooled."""
+        self.gray(late, out)
+        early, late = early.ravel(), late.ravel()
+        differing = np.flatnonzero(early != late)
+        out.ravel()[differing] = self._of_pair[early[differing], late[differing]]
+        return out
+
+
+@cache
+def _gray_of_pairs(tv_format: str) -> ByteArray:
+    """(256, 256): the gray value of the maximum of two colours."""
+    palette = PALETTES[tv_format]
+    table: ByteArray = cv2.cvtColor(np.maximum(palette[:, None], palette[None]), cv2.COLOR_RGB2GRAY)  # type: ignore[assignment]
+    return table

@@ -1,0 +1,30 @@
+"""`ClipReward`: keep rewards within -1..1, so that one learning rate fits all games (Mnih et al. 2015)."""
+
+from typing import Any, SupportsFloat
+
+import gymnasium
+from gymnasium.utils import RecordConstructorArgs
+
+from atari.wrappers._checks import Environment
+
+
+class ClipReward(gymnasium.RewardWrapper[Any, Any], RecordConstructorArgs):
+    """Clip each reward to `min_reward`..`max_reward`; the result is a Python float.
+
+    Scores are whole numbers, for which clipping to -1..1 and taking the sign (as Baselines does) are the same.
+    Gymnasium's `ClipReward` computes the same, but keeps a lambda and so cannot be pickled.
+
+    Raises:
+        ValueError: `min_reward` is not less than `max_reward`.
+    """
+
+    def __init__(self, env: Environment, min_reward: float = -1.0, max_reward: float = 1.0) -> None:
+        if not min_reward < max_reward:
+            raise ValueError(f"min_reward must be less than max_reward, got {min_reward} and {max_reward}")
+        RecordConstructorArgs.__init__(self, min_reward=min_reward, max_reward=max_reward)
+        super().__init__(env)
+        self._min, self._max = float(min_reward), float(max_reward)
+
+    def reward(self, reward: SupportsFloat) -> float:
+        """The reward, clipped."""
+        return min(max(float(reward), self._min), self._max)

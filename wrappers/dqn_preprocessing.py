@@ -1,0 +1,276 @@
+"""`DqnPreprocessing`: from the emulator's frames to what a deep Q-network sees, in one pass.
+
+Repeat the action, take the maximum of the last two frames, make it gray, scale it down, stack it (Mnih et al. 2015). As
+separate wrappers each frame would become an RGB observation that nobody looks at. Here the frames are played without
+observations, at most two are read from the emulator, and the result is written where it is returned.
+
+Implementations agree on the idea and differ in details, mostly in what is shown when an episode ends inside a skip;
+`atari.wrappers.preset` has the parameters of each.
+"""
+
+from typing import Any, Literal, get_args
+
+import cv2
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from gymnasium.utils import RecordConstructorArgs
+from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker
+
+from atari.cores import ByteArray
+from atari.cores.options import check_integer
+from atari.env import AtariEnv
+from atari.wrappers._checks import Environment, layers, require_atari, require_pixels, require_single_frames
+from atari.wrappers._rgb_pool import RgbPool
+from atari.wrappers.episodic_life import EpisodicLife
+from atari.wrappers.frame_stack import Padding, check_padding
+
+EndFrames = Literal["last", "gymnasium", "baselines", "envpool"]
+
+# Layers whose `step` need not be called for each frame: checks, and the one whose part is played here.
+_TRANSPARENT = (OrderEnforcing, PassiveEnvChecker, EpisodicLife)
+
+
+class DqnPreprocessing(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+    """Frame skip, max-pooling, grayscale, resizing and frame stack.
+
+    Observations are (stack_size, rows, columns) uint8, with `grayscale=False` (stack_size, rows, columns, 3), with
+    `stack_size=None` without the first axis; each is a new array. The oldest frame comes first. Rewards are summed.
+
+    Wrappers that only act at a reset (`NoopReset`, `FireReset`) and `EpisodicLife` can sit beneath without a cost. If
+    any other wrapper beneath changes `step`, or each frame is rendered, frames are played through it, which
+    is slower and gives the same. Pictures are always the emulator's: wrappers beneath that change observations are
+    not seen.
+
+    Args:
+        env: an `AtariEnv` that plays one frame a step, possibly wrapped.
+        frame_skip: frames for each action.
+        screen_size: side of the square picture, or (width, height), as Gymnasium's `AtariPreprocessing` has it.
+        stack_size: pictures in an observation; None is one without an axis for it.
+        grayscale: False keeps red, green and blue.
+        max_pool: show the maximum of the last two frames of a skip; False shows the last one.
+        pool_rgb: pool red, green and blue, and make them gray with OpenCV afterwards (Baselines, DQN 2015), instead of
+            pooling ALE's gray values. Goes with `end_frames` "last" and "baselines".
+        padding_type: before the first picture of an episode, "reset" repeats it, "zero" is black.
+        end_frames: what is shown when the episode ends inside a skip.
+            "last": the frame it ended with;
+            "gymnasium": not that frame; what the previous step showed, or its maximum with this skip's last but one
+            (Gymnasium, ale-py's vector environment);
+            "baselines": that frame if it is one of the skip's last two, pooled with what was last in the other's place
+            (Baselines, Stable-Baselines3, Dopamine);
+            "envpool": that frame if it is one of the skip's last two, else what the previous step showed.
+        seamless_lives: a life lost beneath (`EpisodicLife`) neither cuts the skip short nor clears the stack at the
+            reset that follows (EnvPool).
+        max_frames: truncate after so many frames, not counting those of wrappers beneath; None is never.
+
+    Raises:
+        TypeError, ValueError: an argument is of the wrong kind or out of range; the environment is no `AtariEnv`, gives
+            RAM, or skips frames already.
+    """
+
+    def __init__(
+        self,
+        env: Environment,
+        frame_skip: int = 4,
+        screen_size: int | tuple[int, int] = 84,
+        stack_size: int | None = 4,
+        *,
+        grayscale: bool = True,
+        max_pool: bool = True,
+        pool_rgb: bool = False,
+        padding_type: Padding = "reset",
+        end_frames: EndFrames = "last",
+        seamless_lives: bool = False,
+        max_frames: int | None = None,
+    ) -> None:
+        self._atari = require_atari(env, "DqnPreprocessing")
+        require_pixels(env, "DqnPreprocessing")
+        require_single_frames(env, "DqnPreprocessing")
+        frame_skip = check_integer("frame_skip", frame_skip, 1, 10_000)
+        self._size = _check_size(screen_size)
+        if stack_size is not None:
+            stack_size = check_integer("stack_size", stack_size, 1, 10_000)
+        if max_frames is not None:
+            max_frames = check_integer("max_frames", max_frames, 1, 2**31)
+        check_padding(padding_type)
+        if end_frames not in get_args(EndFrames):
+            raise ValueError(
+                f"end_frames must be one of {', '.join(map(repr, get_args(EndFrames)))}, got {end_frames!r}"
+            )
+        if pool_rgb and end_frames not in ("last", "baselines"):
+            raise ValueError(f"pool_rgb goes with end_frames='last' or 'baselines', got {end_frames!r}")
+        RecordConstructorArgs.__init__(
+            self,
+            frame_skip=frame_skip,
+            screen_size=screen_size,
+            stack_size=stack_size,
+            grayscale=grayscale,
+            max_pool=max_pool,
+            pool_rgb=pool_rgb,
+            padding_type=padding_type,
+            end_frames=end_frames,
+            seamless_lives=seamless_lives,
+            max_frames=max_frames,
+        )
+        super().__init__(env)
+        self.frame_skip = frame_skip
+        self._max_frames = max_frames
+        self._frames_read = 2 if max_pool and frame_skip > 1 else 1
+        self._pads_zero = padding_type == "zero"
+        self._end_frames = end_frames
+        self._seamless = seamless_lives
+        self._direct = _can_drive_directly(env, self._atari)
+        self._life = next((layer for layer in layers(env) if isinstance(layer, EpisodicLife)), None)
+
+        screen = self._atari.game.screen
+        self._rgb_pool = RgbPool(screen.format) if pool_rgb and grayscale else None
+        self._grayscale = grayscale
+        # What is read from the emulator: gray values, colours, or palette indices to be pooled as colours.
+        raw = screen.shape if grayscale else (*screen.shape, 3)
+        self._early: ByteArray = np.zeros(raw, np.uint8)  # the last frame but one of a skip
+        self._late: ByteArray = np.zeros(raw, np.uint8)  # the last one
+        self._pooled: ByteArray = np.zeros(raw, np.uint8)
+        self._stacked = stack_size is not None
+        picture = (self._size[1], self._size[0]) if grayscale else (self._size[1], self._size[0], 3)
+        self._stack: ByteArray = np.zeros((stack_size or 1, *picture), np.uint8)
+        self._frames_played = 0
+        self._frame_number = 0
+        self._info: dict[str, Any] = {}
+        self.observation_space = spaces.Box(0, 255, self._stack.shape if self._stacked else picture, np.uint8)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Reset; the observation is the screen as the wrappers beneath have left it.
+
+        Args:
+            seed: of the environment.
+            options: for the wrappers beneath: "noops" (`NoopReset`), "new_game" (`EpisodicLife`).
+        """
+        if self._max_frames is not None and self._frames_played >= self._max_frames:
+            options = {**(options or {}), "new_game": True}  # EpisodicLife beneath does not know of this limit
+        _, info = self.env.reset(seed=seed, options=options)
+        same_game = self._life is not None and self._life.same_game
+        if not same_game:
+            self._frames_played = 0
+        fill = not (same_game and self._seamless)
+        if same_game and self._atari.core.frame_number == self._frame_number:
+            observation = self._push(None, fill)
+        else:
+            shown, other = (self._late, self._early) if self._end_frames == "gymnasium" else (self._early, self._late)
+            self._read(shown)
+            other.fill(0)
+            observation = self._push(self._single(shown), fill)
+        return observation, {**info, **self._atari._info()}
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """Play the action until the skip or the episode ends."""
+        play = self._play_direct if self._direct else self._play_through
+        move = self._move(action) if self._direct else action
+        seamless = self._life if self._seamless else None
+        total = 0.0
+        left = self.frame_skip
+        ended = False
+        while left and not ended:
+            reward, terminated, truncated = play(move)
+            total += reward
+            left -= 1
+            if seamless is not None and seamless.life_lost:
+                terminated = False  # it is told when the skip has been played
+            if self._max_frames is not None:
+                self._frames_played += 1
+                truncated = truncated or (self._frames_played >= self._max_frames and not terminated)
+            ended = terminated or truncated
+            if left < self._frames_read and not (ended and self._end_frames == "gymnasium"):
+                self._read(self._early if left else self._late)
+        if seamless is not None and seamless.life_lost:
+            terminated = not truncated
+        observation = self._push(self._picture(whole=left == 0))
+        info = self._atari._info() if self._direct else self._info
+        self._frame_number = info["frame_number"]
+        return observation, total, terminated, truncated, info
+
+    def _move(self, action: Any) -> tuple[int, float]:
+        """The ALE action and its strength that an action of the environment stands for."""
+        if self._atari.continuous:
+            return self._atari._continuous_action(action)
+        return self._atari._discrete_action(action), 1.0
+
+    def _play_direct(self, move: tuple[int, float]) -> tuple[float, bool, bool]:
+        """Play a frame on the emulator."""
+        reward = self._atari.play_frames(move[0], 1, move[1])
+        core = self._atari.core
+        terminated, truncated = core.game_over, core.truncated
+        if self._life is not None:
+            terminated = self._life.observe(core.lives, terminated, truncated)
+        return reward, terminated, truncated
+
+    def _play_through(self, action: Any) -> tuple[float, bool, bool]:
+        """Play a frame through the wrappers beneath."""
+        _, reward, terminated, truncated, self._info = self.env.step(action)
+        return float(reward), terminated, truncated
+
+    def _read(self, out: ByteArray) -> None:
+        """Fill `out` with the screen."""
+        core = self._atari.core
+        if self._rgb_pool is not None:
+            core.screen(out)
+        elif self._grayscale:
+            core.screen_grayscale(out)
+        else:
+            core.screen_rgb(out)
+
+    def _picture(self, whole: bool) -> ByteArray:
+        """The frame to be shown after a skip; `whole` says whether it was played to its end."""
+        early, late, pooled = self._early, self._late, self._pooled
+        if self._end_frames == "last" and not whole:
+            self._read(late)
+            return self._single(late)
+        if self._frames_read == 1:
+            return self._single(late)
+        if self._end_frames == "gymnasium":
+            return np.maximum(late, early, out=late)  # in place: a stale picture is this one again
+        if self._end_frames == "envpool":
+            return np.maximum(early, late, out=early) if whole else early
+        if self._rgb_pool is not None:
+            return self._rgb_pool.pooled(early, late, pooled)
+        return np.maximum(early, late, out=pooled)
+
+    def _single(self, frame: ByteArray) -> ByteArray:
+        """The picture of one frame."""
+        return frame if self._rgb_pool is None else self._rgb_pool.gray(frame, self._pooled)
+
+    def _push(self, picture: ByteArray | None, fill: bool = False) -> ByteArray:
+        """Make a picture small and put it on the stack, or, with `fill`, begin a stack with it.
+
+        None is the last picture again.
+        """
+        stack = np.empty_like(self._stack)
+        if picture is None:
+            stack[-1] = self._stack[-1]
+        else:
+            cv2.resize(picture, self._size, dst=stack[-1], interpolation=cv2.INTER_AREA)
+        if not fill:
+            stack[:-1] = self._stack[1:]
+        else:
+            stack[:-1] = 0 if self._pads_zero else stack[-1]
+        self._stack = stack
+        observation: ByteArray = stack.copy() if self._stacked else stack[0]
+        return observation
+
+
+def _check_size(screen_size: Any) -> tuple[int, int]:
+    """`screen_size` as (width, height)."""
+    pair = screen_size if isinstance(screen_size, (tuple, list)) else (screen_size, screen_size)
+    if len(pair) != 2:
+        raise ValueError(f"screen_size must be an integer or (width, height), got {screen_size!r}")
+    width, height = (check_integer("screen_size", length, 1, 10_000) for length in pair)
+    return width, height
+
+
+def _can_drive_directly(env: Environment, atari: AtariEnv) -> bool:
+    """Whether calling `step` of everything beneath for each frame would do no more than playing the frame."""
+    plain = all(
+        type(layer).step is gymnasium.Wrapper.step or type(layer) in _TRANSPARENT
+        for layer in layers(env)
+        if layer is not atari
+    )
+    return plain and type(atari).step is AtariEnv.step and atari.render_mode in (None, "rgb_array")

@@ -1,0 +1,85 @@
+"""`EpisodicLife`: a lost life ends the episode.
+
+Learning to avoid the loss of a life is easier when it ends the return (Mnih et al. 2015). What the next reset does is
+where implementations differ, see `on_reset`. It can sit around a frame skip, as in OpenAI's Baselines, or beneath
+`DqnPreprocessing`, which then ends the skip at the frame in which the life is lost.
+"""
+
+from typing import Any, Literal, get_args
+
+import gymnasium
+from gymnasium.utils import RecordConstructorArgs
+
+from atari.wrappers._checks import Environment, noop_action
+
+OnReset = Literal["noop", "continue", "new_game"]
+
+
+class EpisodicLife(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+    """Terminate when a life is lost.
+
+    A reset after a lost life goes on with the same game, so that all of the game is seen; a seeded one, and
+    `reset(options={"new_game": True})`, start a new game. Lives are `info["lives"]`; games without lives are
+    unaffected.
+
+    Args:
+        env: the environment.
+        on_reset: after a lost life, a reset
+            "noop": plays one step of NOOP (Baselines, Stable-Baselines3);
+            "continue": plays nothing and returns the last observation again (EnvPool and DQN 2015 play no-ops then: put
+            `NoopReset` around this);
+            "new_game": starts a new game nevertheless (Gymnasium, ale-py's vector environment).
+        last_life: also end when the last life is lost but the game is not over yet, as Gymnasium does; some games
+            (Bank Heist, Frogger) go on for a while with no life left.
+
+    Raises:
+        ValueError: `on_reset` is none of these.
+    """
+
+    def __init__(self, env: Environment, on_reset: OnReset = "noop", *, last_life: bool = False) -> None:
+        if on_reset not in get_args(OnReset):
+            raise ValueError(f"on_reset must be one of {', '.join(map(repr, get_args(OnReset)))}, got {on_reset!r}")
+        RecordConstructorArgs.__init__(self, on_reset=on_reset, last_life=last_life)
+        super().__init__(env)
+        self._on_reset = on_reset
+        self._last_life = last_life
+        self._lives = 0
+        self._last: tuple[Any, dict[str, Any]] = (None, {})
+        self.life_lost = False
+        """Whether a life has been lost since the last reset, and the game goes on."""
+        self.same_game = False
+        """Whether the last reset went on with the same game."""
+
+    def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+        """Step; terminated also if it cost a life."""
+        observation, reward, terminated, truncated, info = self.env.step(action)
+        self._last = observation, info
+        return observation, reward, self.observe(info["lives"], terminated, truncated), truncated, info
+
+    def observe(self, lives: int, terminated: bool, truncated: bool) -> bool:
+        """Take note of what a step or a frame has led to; whether it terminated the episode."""
+        lost = lives < self._lives and (lives > 0 or self._last_life)
+        self._lives = lives
+        self.life_lost = (self.life_lost or lost) and not (terminated or truncated)
+        return terminated or lost
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Go on with the same game if a life was lost, else start a new one.
+
+        Args:
+            seed: of the environment; with a seed, a new game is started.
+            options: with "new_game" true, a new game is started; all are handed on.
+        """
+        new_game = seed is not None or self._on_reset == "new_game" or (options or {}).get("new_game", False)
+        self.same_game = self.life_lost and not new_game
+        self.life_lost = False
+        if self.same_game and self._on_reset == "continue":
+            observation, info = self._last
+            return observation, dict(info)
+        if self.same_game:
+            observation, _, terminated, truncated, info = self.env.step(noop_action(self.env))
+            self.same_game = not (terminated or truncated)
+        if not self.same_game:
+            observation, info = self.env.reset(seed=seed, options=options)
+        self._lives = info["lives"]
+        return observation, info

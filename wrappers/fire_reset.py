@@ -1,0 +1,54 @@
+"""`FireReset`: press FIRE at the start of each episode.
+
+Some games, Breakout among them, stand still until FIRE is pressed, and an agent that never finds it learns nothing.
+"""
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from gymnasium.utils import RecordConstructorArgs
+
+from atari.wrappers._checks import Environment
+
+
+class FireReset(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+    """After a reset, play one step of FIRE. Games without a FIRE action are left as they are.
+
+    If the episode ends meanwhile, the environment is reset once more.
+
+    Args:
+        env: the environment; around a frame skip, FIRE is held for the whole skip.
+        then_action_2: play one step of action 2 of the action set after it, whatever that is in the game, as
+            OpenAI's Baselines and Stable-Baselines3 do.
+
+    Raises:
+        ValueError: `then_action_2` with fewer than three actions or a continuous action space.
+    """
+
+    def __init__(self, env: Environment, *, then_action_2: bool = False) -> None:
+        RecordConstructorArgs.__init__(self, then_action_2=then_action_2)
+        super().__init__(env)
+        self._actions: list[Any] = []
+        meanings = env.get_wrapper_attr("get_action_meanings")()
+        if "FIRE" in meanings:
+            discrete = isinstance(env.action_space, spaces.Discrete)
+            self._actions.append(meanings.index("FIRE") if discrete else np.array([0, 0, 1], np.float32))
+            if then_action_2:
+                if not discrete or len(meanings) < 3:
+                    raise ValueError(
+                        f"then_action_2 needs at least three discrete actions, got {env.action_space}; "
+                        "use full_action_space=True or then_action_2=False"
+                    )
+                self._actions.append(2)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Reset, then press FIRE."""
+        observation, info = self.env.reset(seed=seed, options=options)
+        for action in self._actions:
+            observation, _, terminated, truncated, step_info = self.env.step(action)
+            info.update(step_info)
+            if terminated or truncated:
+                observation, info = self.env.reset(seed=seed, options=options)
+        return observation, info

@@ -1,0 +1,55 @@
+"""`FrameSkip`: repeat each action for several frames.
+
+The console draws 60 frames a second, more than an agent needs to look at. Because many games draw some objects only in
+every other frame, the maximum over the last two frames is shown (Mnih et al. 2015).
+"""
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.utils import RecordConstructorArgs
+
+from atari.cores.options import check_integer
+from atari.wrappers._checks import Environment, require_pixels, require_single_frames
+
+
+class FrameSkip(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+    """Play each action for `frame_skip` steps and sum the rewards.
+
+    The observation is the maximum, pixel by pixel, of the last two that were played, also when the episode ends inside
+    the skip. (`DqnPreprocessing` does this, and what follows it, faster.)
+
+    Args:
+        env: an environment that plays one frame a step.
+        frame_skip: steps for each action, 1 or more.
+        max_pool: False shows the last observation alone; the choice for RAM.
+
+    Raises:
+        TypeError, ValueError: `frame_skip` is no integer or less than 1; the environment already skips frames; the
+            observations are no pixels and `max_pool` is true.
+    """
+
+    def __init__(self, env: Environment, frame_skip: int = 4, max_pool: bool = True) -> None:
+        frame_skip = check_integer("frame_skip", frame_skip, 1, 10_000)
+        require_single_frames(env, "FrameSkip")
+        if max_pool:
+            require_pixels(env, "FrameSkip(max_pool=True)")
+        RecordConstructorArgs.__init__(self, frame_skip=frame_skip, max_pool=max_pool)
+        super().__init__(env)
+        self.frame_skip = frame_skip
+        self._max_pool = max_pool
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """Play the action until the skip or the episode ends."""
+        previous: Any = None
+        current: Any = None
+        total = 0.0
+        for _ in range(self.frame_skip):
+            previous = current
+            current, reward, terminated, truncated, info = self.env.step(action)
+            total += float(reward)
+            if terminated or truncated:
+                break
+        observation = np.maximum(previous, current) if self._max_pool and previous is not None else current
+        return observation, total, terminated, truncated, info

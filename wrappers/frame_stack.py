@@ -1,0 +1,130 @@
+"""`FrameStack`: show the last few observations at once, so that an agent sees motion.
+
+A stack of four differs from the one before in a single frame. A replay memory that keeps stacks as arrays holds each
+frame four times, eight with the next observations; `lazy` stacks hold it once.
+"""
+
+from collections import deque
+from typing import Any, Literal
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+from gymnasium import spaces
+from gymnasium.utils import RecordConstructorArgs
+
+from atari.cores.options import check_integer
+from atari.wrappers._checks import Environment
+
+Padding = Literal["reset", "zero"]
+Array = npt.NDArray[Any]
+
+
+class FrameStack(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+    """Observations become (stack_size, *shape), the oldest first.
+
+    Each is a new array, as Gymnasium demands of environments, into which the frames are copied. With `lazy` no frame is
+    ever copied: an observation is a `LazyStack`, which refers to frames and becomes an array when NumPy asks for one.
+    (Gymnasium's `FrameStackObservation` copies each frame twice and has no lazy stacks.)
+
+    Args:
+        env: an environment of Box observations.
+        stack_size: how many, 1 or more.
+        padding_type: what stands before the first observation of an episode: "reset" repeats it, "zero" is black.
+        lazy: observations are `LazyStack`s.
+
+    Raises:
+        TypeError: the observations are no Box, or `stack_size` is no integer.
+        ValueError: `stack_size` is less than 1, or `padding_type` unknown.
+    """
+
+    def __init__(
+        self, env: Environment, stack_size: int = 4, padding_type: Padding = "reset", *, lazy: bool = False
+    ) -> None:
+        space = env.observation_space
+        if not isinstance(space, spaces.Box):
+            raise TypeError(f"FrameStack stacks the arrays of a Box space, got {space}; put it beneath other wrappers")
+        stack_size = check_integer("stack_size", stack_size, 1, 10_000)
+        check_padding(padding_type)
+        RecordConstructorArgs.__init__(self, stack_size=stack_size, padding_type=padding_type, lazy=lazy)
+        super().__init__(env)
+        low, high = (np.repeat(bound[None], stack_size, axis=0) for bound in (space.low, space.high))
+        self.observation_space = spaces.Box(low, high, dtype=space.dtype)
+        self._padding = None if padding_type == "reset" else np.zeros(space.shape, space.dtype)
+        self.stack_size = stack_size
+        self._lazy = lazy
+        self._frames: deque[Array] = deque(maxlen=stack_size)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Reset and begin a new stack."""
+        observation, info = self.env.reset(seed=seed, options=options)
+        padding = observation if self._padding is None else self._padding
+        self._frames.extend([padding] * self.stack_size)
+        return self._push(observation), info
+
+    def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+        """Step and stack the observation."""
+        observation, reward, terminated, truncated, info = self.env.step(action)
+        return self._push(observation), reward, terminated, truncated, info
+
+    def _push(self, frame: Array) -> "Array | LazyStack":
+        self._frames.append(frame)
+        return LazyStack(tuple(self._frames)) if self._lazy else np.stack(self._frames)
+
+
+class LazyStack:
+    """A stack of frames that becomes an array when NumPy asks for one.
+
+    `np.asarray(stack)`, `stack[-1]`, `len(stack)` and `==` work as on the array (stack_size, *shape). Stacks share the
+    frames they have in common, also when they are pickled together; frames are read-only.
+    """
+
+    __slots__ = ("frames",)
+
+    def __init__(self, frames: tuple[Array, ...]) -> None:
+        for frame in frames:
+            frame.flags.writeable = False  # it is part of other stacks too
+        self.frames = frames
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """(stack_size, *shape of a frame)."""
+        return (len(self.frames), *self.frames[0].shape)
+
+    @property
+    def ndim(self) -> int:
+        """Number of axes."""
+        return 1 + self.frames[0].ndim
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """That of the frames."""
+        return self.frames[0].dtype
+
+    def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> Array:
+        if copy is False:
+            raise ValueError("a LazyStack has no array yet; np.asarray(stack) makes one, copy=False cannot")
+        return np.stack(self.frames).astype(dtype or self.dtype, copy=False)
+
+    def __len__(self) -> int:
+        return len(self.frames)
+
+    def __getitem__(self, index: Any) -> Array:
+        if isinstance(index, int):
+            return self.frames[index]
+        array: Array = np.asarray(self)[index]
+        return array
+
+    def __eq__(self, other: object) -> Any:
+        return np.asarray(self) == np.asarray(other)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        return f"LazyStack(shape={self.shape}, dtype={self.dtype})"
+
+
+def check_padding(padding_type: Any) -> None:
+    """Refuse what is no `padding_type`."""
+    if padding_type not in ("reset", "zero"):
+        raise ValueError(f"padding_type must be 'reset' or 'zero', got {padding_type!r}")

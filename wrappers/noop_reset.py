@@ -1,0 +1,64 @@
+"""`NoopReset`: start each episode with a random number of no-ops.
+
+The console starts every game alike; a few idle frames make the starts differ (Mnih et al. 2015, "Human-level control
+through deep reinforcement learning", methods: up to 30).
+"""
+
+from typing import Any
+
+import gymnasium
+from gymnasium.utils import RecordConstructorArgs
+
+from atari.cores.options import check_integer
+from atari.wrappers._checks import Environment, noop_action
+
+
+class NoopReset(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+    """After a reset, play between `noop_min` and `noop_max` steps of NOOP.
+
+    The number is drawn from `env.unwrapped.np_random` as Gymnasium's and Stable-Baselines3's wrappers draw it, so a
+    seed means the same starts; `reset(options={"noops": n})` sets it instead. If the episode ends meanwhile, the
+    environment is reset and the rest is played. With `noop_max=0` nothing is drawn or played.
+
+    Args:
+        env: without frame skip, a step is one frame.
+        noop_max: at most so many, 0 or more.
+        noop_min: at least so many, 0..noop_max.
+        fire_counts: play one less in games with a FIRE action, because FIRE, pressed by `FireReset`, counts as one
+            of them (EnvPool, ale-py's vector environment).
+
+    Raises:
+        TypeError, ValueError: `noop_max` or `noop_min` is no integer or out of range.
+    """
+
+    def __init__(self, env: Environment, noop_max: int = 30, noop_min: int = 1, *, fire_counts: bool = False) -> None:
+        noop_max = check_integer("noop_max", noop_max, 0, 100_000)
+        noop_min = min(noop_min, noop_max) if noop_max == 0 else check_integer("noop_min", noop_min, 0, noop_max)
+        RecordConstructorArgs.__init__(self, noop_max=noop_max, noop_min=noop_min, fire_counts=fire_counts)
+        super().__init__(env)
+        self.noop_max, self.noop_min = noop_max, noop_min
+        self._fires = int(fire_counts and "FIRE" in env.get_wrapper_attr("get_action_meanings")())
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Reset, then do nothing for a while.
+
+        Args:
+            seed: of the environment, from which the number of no-ops is drawn too.
+            options: "noops" is the number of no-ops, 0 or more; the rest is the environment's.
+        """
+        forced = (options or {}).get("noops")
+        if forced is not None:
+            forced = check_integer("noops", forced, 0, 100_000)
+        observation, info = self.env.reset(seed=seed, options=options)
+        noop = noop_action(self.env)
+        for _ in range(self._draw() if forced is None else forced):
+            observation, _, terminated, truncated, step_info = self.env.step(noop)
+            info.update(step_info)
+            if terminated or truncated:
+                observation, info = self.env.reset(seed=seed, options=options)
+        return observation, info
+
+    def _draw(self) -> int:
+        if self.noop_max == 0:
+            return 0
+        return int(self.unwrapped.np_random.integers(self.noop_min, self.noop_max + 1)) - self._fires

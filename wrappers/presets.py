@@ -1,0 +1,270 @@
+"""The preprocessing of well-known implementations and protocols, by name.
+
+They all follow Mnih et al. 2015 and all differ: in the no-ops, the FIRE, what a lost life means, how frames are pooled,
+what is shown when an episode ends inside a skip. Scores move with such details. The table `PRESETS` has them.
+"""
+
+import difflib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import gymnasium
+
+from atari.wrappers._checks import Environment, require_atari
+from atari.wrappers.clip_reward import ClipReward
+from atari.wrappers.dqn_preprocessing import DqnPreprocessing
+from atari.wrappers.episodic_life import EpisodicLife
+from atari.wrappers.fire_reset import FireReset
+from atari.wrappers.frame_stack import FrameStack
+from atari.wrappers.noop_reset import NoopReset
+
+Layer = tuple[type[gymnasium.Wrapper[Any, Any, Any, Any]], Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
+class Preset:
+    """What a preset puts around an environment.
+
+    `options` are those of `AtariEnv` that go with it, of which `required` must hold; `layers` are wrappers and their
+    arguments, from the inside out. `EpisodicLife` and `ClipReward` have their places in them, and are left out unless
+    `episodic_life` and `clip_reward` are true or asked for.
+    """
+
+    source: str
+    options: Mapping[str, Any]
+    layers: tuple[Layer, ...]
+    episodic_life: bool
+    clip_reward: bool
+    required: tuple[str, ...] = ()
+
+
+_MAX_FRAMES = 108_000  # half an hour of play
+
+PRESETS: Mapping[str, Preset] = MappingProxyType(
+    {
+        "dqn2015": Preset(
+            source="Mnih et al. 2015, and its code, alewrap: RGB pooled, then luminance, averaged to 84x84",
+            options={
+                "frameskip": 1,
+                "repeat_action_probability": 0.0,
+                "full_action_space": False,
+                "max_num_frames_per_episode": _MAX_FRAMES,
+            },
+            required=("repeat_action_probability", "full_action_space"),
+            layers=(
+                (EpisodicLife, {"on_reset": "continue", "last_life": True}),
+                (NoopReset, {"noop_max": 30}),
+                (DqnPreprocessing, {"pool_rgb": True, "padding_type": "zero", "end_frames": "last"}),
+                (ClipReward, {}),
+            ),
+            episodic_life=True,
+            clip_reward=True,
+        ),
+        "machado2018": Preset(
+            source="Machado et al. 2018, with the 4 frames a step and 108,000 frames that later users of it take",
+            options={
+                "frameskip": 1,
+                "repeat_action_probability": 0.25,
+                "full_action_space": True,
+                "max_num_frames_per_episode": _MAX_FRAMES,
+            },
+            required=("repeat_action_probability", "full_action_space"),
+            layers=(
+                (EpisodicLife, {"on_reset": "continue", "last_life": True}),
+                (DqnPreprocessing, {"padding_type": "zero", "end_frames": "last"}),
+                (ClipReward, {}),
+            ),
+            episodic_life=False,
+            clip_reward=False,
+        ),
+        "baselines": Preset(
+            source="Stable-Baselines3 2: AtariWrapper, VecFrameStack(4); after OpenAI's Baselines",
+            options={"frameskip": 1, "repeat_action_probability": 0.0, "max_num_frames_per_episode": _MAX_FRAMES},
+            layers=(
+                (NoopReset, {"noop_max": 30}),
+                (DqnPreprocessing, {"stack_size": None, "pool_rgb": True, "end_frames": "baselines"}),
+                (EpisodicLife, {"on_reset": "noop"}),
+                (FireReset, {"then_action_2": True}),
+                (FrameStack, {"stack_size": 4, "padding_type": "zero"}),
+                (ClipReward, {}),
+            ),
+            episodic_life=True,
+            clip_reward=True,
+        ),
+        "gymnasium": Preset(
+            source="Gymnasium 1: AtariPreprocessing, FrameStackObservation(4)",
+            options={"frameskip": 1},
+            layers=(
+                (EpisodicLife, {"on_reset": "new_game", "last_life": True}),
+                (NoopReset, {"noop_max": 30}),
+                (DqnPreprocessing, {"padding_type": "reset", "end_frames": "gymnasium"}),
+                (ClipReward, {}),
+            ),
+            episodic_life=False,
+            clip_reward=False,
+        ),
+        "dopamine": Preset(
+            source="Dopamine 4: AtariPreprocessing, with the stack, the clipping and the 27,000 steps of its runner",
+            options={
+                "frameskip": 1,
+                "repeat_action_probability": 0.25,
+                "full_action_space": False,
+                "max_num_frames_per_episode": _MAX_FRAMES,
+            },
+            required=("repeat_action_probability", "full_action_space"),
+            layers=(
+                (EpisodicLife, {"on_reset": "continue", "last_life": True}),
+                (DqnPreprocessing, {"padding_type": "zero", "end_frames": "baselines"}),
+                (ClipReward, {}),
+            ),
+            episodic_life=False,
+            clip_reward=True,
+        ),
+        "atari100k": Preset(
+            source="the Atari 100k benchmark as in Dopamine's data-efficient Rainbow",
+            options={
+                "frameskip": 1,
+                "repeat_action_probability": 0.0,
+                "full_action_space": False,
+                "max_num_frames_per_episode": _MAX_FRAMES,
+            },
+            required=("repeat_action_probability", "full_action_space"),
+            layers=(
+                (EpisodicLife, {"on_reset": "continue", "last_life": True}),
+                (DqnPreprocessing, {"padding_type": "zero", "end_frames": "last"}),
+                (ClipReward, {}),
+            ),
+            episodic_life=True,
+            clip_reward=True,
+        ),
+        "envpool": Preset(
+            source="EnvPool 1.2, its Atari environments with their defaults",
+            options={"frameskip": 1, "repeat_action_probability": 0.0, "max_num_frames_per_episode": None},
+            layers=(
+                (EpisodicLife, {"on_reset": "continue"}),
+                (NoopReset, {"noop_max": 30, "fire_counts": True}),
+                (FireReset, {}),
+                (
+                    DqnPreprocessing,
+                    {
+                        "padding_type": "reset",
+                        "end_frames": "envpool",
+                        "seamless_lives": True,
+                        "max_frames": _MAX_FRAMES,
+                    },
+                ),
+                (ClipReward, {}),
+            ),
+            episodic_life=False,
+            clip_reward=False,
+        ),
+        "ale_vector": Preset(
+            source="ale-py 0.12, its AtariVectorEnv with one environment and its defaults",
+            options={"frameskip": 1, "repeat_action_probability": 0.0, "max_num_frames_per_episode": None},
+            layers=(
+                (EpisodicLife, {"on_reset": "new_game"}),
+                (FireReset, {}),
+                (NoopReset, {"noop_min": 0, "noop_max": 29, "fire_counts": True}),
+                (
+                    DqnPreprocessing,
+                    {"padding_type": "zero", "end_frames": "gymnasium", "max_frames": _MAX_FRAMES},
+                ),
+                (ClipReward, {}),
+            ),
+            episodic_life=False,
+            clip_reward=True,
+        ),
+    }
+)
+"""Every preset by name."""
+
+
+def preset(
+    env: Environment, name: str, *, episodic_life: bool | None = None, clip_reward: bool | None = None
+) -> Environment:
+    """Put the preprocessing of an implementation or a protocol around an `AtariEnv`.
+
+    Observations are (4, 84, 84) uint8, the oldest picture first; actions are played for 4 frames.
+
+    ============= ============= ============= ============ ============= ===== ======= ===================
+    name          no-ops        FIRE          lost life    gray          clip  padding end inside a skip
+    ============= ============= ============= ============ ============= ===== ======= ===================
+    dqn2015       1-30          no            continues    of pooled RGB yes   zero    last frame
+    machado2018   no            no            (continues)  ALE's         no    zero    last frame
+    baselines     1-30          after, and 2  a NOOP step  of pooled RGB yes   zero    as Baselines
+    gymnasium     1-30          no            (new game)   ALE's         no    first   previous pictures
+    dopamine      no            no            (continues)  ALE's         yes   zero    as Baselines
+    atari100k     no            no            continues    ALE's         yes   zero    last frame
+    envpool       1-30, FIRE in after         (continues)  ALE's         no    first   as EnvPool
+    ale_vector    0-29, FIRE in before        (new game)   ALE's         yes   zero    previous pictures
+    ============= ============= ============= ============ ============= ===== ======= ===================
+
+    "lost life" says what a reset after one does; in brackets: by default a lost life does not end the episode. "clip"
+    is clipping the reward to -1..1.
+
+    baselines, gymnasium, dopamine, envpool and ale_vector give the same bytes as these implementations, from the same
+    start (`reset(options={"noops": n})` chooses one) and with the same seeds of sticky actions. The other three are
+    protocols; no one program defines them, and they are built from the publications (`PRESETS[name].source`).
+
+    Args:
+        env: made with the options `preset_options(name)`: `frameskip=1` always, and, where a protocol prescribes them,
+            its sticky actions and its action set.
+        name: one of the names above.
+        episodic_life: whether a lost life ends the episode; None is as the implementation does by default. For
+            evaluation: False.
+        clip_reward: whether rewards are clipped; None is as the implementation does by default. For evaluation: False.
+
+    Raises:
+        TypeError: `env` is no `AtariEnv`.
+        ValueError: there is no such preset (the nearest is suggested), or the environment does not fit; the text says
+            how to make it.
+    """
+    chosen = _find(name)
+    _require_options(env, name)
+    optional = {
+        EpisodicLife: chosen.episodic_life if episodic_life is None else episodic_life,
+        ClipReward: chosen.clip_reward if clip_reward is None else clip_reward,
+    }
+    for wrapper, arguments in chosen.layers:
+        if optional.get(wrapper, True):
+            env = wrapper(env, **arguments)
+    return env
+
+
+def preset_options(name: str) -> dict[str, Any]:
+    """The options of `AtariEnv` with which to make an environment for a preset.
+
+    Raises:
+        ValueError: there is no such preset; the nearest is suggested.
+    """
+    return dict(_find(name).options)
+
+
+def _find(name: Any) -> Preset:
+    if name in PRESETS:
+        return PRESETS[name]
+    near = difflib.get_close_matches(str(name).lower(), PRESETS, n=1, cutoff=0.4)
+    hint = f"did you mean {near[0]!r}?" if near else "see the list"
+    raise ValueError(f"there is no preset {name!r}; {hint} ({', '.join(PRESETS)})")
+
+
+def _require_options(env: Environment, name: str) -> None:
+    atari = require_atari(env, f"preset {name!r}")
+    chosen = _find(name)
+    wanted_actions = "legal_actions" if chosen.options.get("full_action_space") else "minimal_actions"
+    fits = {
+        "frameskip": atari._frameskip == 1,
+        "repeat_action_probability": atari._options["repeat_action_probability"]
+        == chosen.options.get("repeat_action_probability"),
+        # The set counts, not the option: in some games both sets are the same.
+        "full_action_space": atari._action_set == getattr(atari.game, wanted_actions),
+    }
+    for option in ("frameskip", *chosen.required):
+        if not fits[option]:
+            arguments = ", ".join(f"{key}={value!r}" for key, value in chosen.options.items())
+            raise ValueError(
+                f"preset {name!r} needs an environment made with {option}={chosen.options[option]!r}, and this one has "
+                f"{atari._options[option]!r}; make it with atari.AtariEnv({atari.game.id!r}, {arguments})"
+            )

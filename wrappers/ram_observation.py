@@ -1,0 +1,39 @@
+"""`RamObservation`: the 128 bytes of RAM beside the pixels."""
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from gymnasium.utils import RecordConstructorArgs
+
+from atari.wrappers._checks import Environment, require_atari
+
+
+class RamObservation(gymnasium.ObservationWrapper[Any, Any, Any], RecordConstructorArgs):
+    """Observations become `{"image": what they were, "ram": (128,) uint8}`.
+
+    The RAM is that of the moment of the observation. With `sound_obs`, "ram" joins "image" and "sound". Put it outside
+    of the wrappers that work on pixels; `atari.games[game].ram_labels` says what the bytes mean.
+
+    Raises:
+        TypeError: the environment is no `AtariEnv`.
+        ValueError: the observations are RAM already.
+    """
+
+    def __init__(self, env: Environment) -> None:
+        self._atari = require_atari(env, "RamObservation")
+        ram = spaces.Box(0, 255, (128,), np.uint8)
+        if env.observation_space == ram:
+            raise ValueError("the observations are RAM already; make the environment with obs_type='rgb' to have both")
+        RecordConstructorArgs.__init__(self)
+        super().__init__(env)
+        space = env.observation_space
+        self._with_sound = isinstance(space, spaces.Dict)
+        parts = space.spaces if isinstance(space, spaces.Dict) else {"image": space}
+        self.observation_space = spaces.Dict({**parts, "ram": ram})
+
+    def observation(self, observation: Any) -> dict[str, Any]:
+        """The observation with the RAM beside it."""
+        parts = observation if self._with_sound else {"image": observation}
+        return {**parts, "ram": self._atari.core.ram()}

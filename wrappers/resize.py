@@ -1,0 +1,43 @@
+"""`Resize`: scale pictures down, to 84x84 since the first deep Q-network (Mnih et al. 2013)."""
+
+from typing import Any
+
+import cv2
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from gymnasium.utils import RecordConstructorArgs
+
+from atari.cores import ByteArray
+from atari.cores.options import check_integer
+from atari.wrappers._checks import Environment, require_pixels
+
+
+class Resize(gymnasium.ObservationWrapper[Any, Any, Any], RecordConstructorArgs):
+    """Scale pictures to `shape` by averaging areas (OpenCV's INTER_AREA).
+
+    The same as Gymnasium's `ResizeObservation`, which cannot be pickled.
+
+    Args:
+        env: an environment of pictures (rows, columns) or (rows, columns, colours).
+        shape: (rows, columns) of the result.
+
+    Raises:
+        TypeError, ValueError: the observations are no pictures, or `shape` is not two integers of 1 or more.
+    """
+
+    def __init__(self, env: Environment, shape: tuple[int, int] = (84, 84)) -> None:
+        source = require_pixels(env, "Resize")
+        if not isinstance(shape, (tuple, list)) or len(shape) != 2:
+            raise TypeError(f"shape must be two integers (rows, columns), got {shape!r}")
+        rows, columns = (check_integer("shape", length, 1, 10_000) for length in shape)
+        RecordConstructorArgs.__init__(self, shape=(rows, columns))
+        super().__init__(env)
+        self._size = columns, rows
+        self._shape = (rows, columns, *source[2:])
+        self.observation_space = spaces.Box(0, 255, self._shape, np.uint8)
+
+    def observation(self, observation: ByteArray) -> ByteArray:
+        """The scaled picture."""
+        small: ByteArray = cv2.resize(observation, self._size, interpolation=cv2.INTER_AREA)  # type: ignore[assignment]
+        return small.reshape(self._shape)  # OpenCV drops an axis of one colour

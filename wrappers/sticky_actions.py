@@ -1,0 +1,54 @@
+"""`StickyActions`: now and then the console repeats the previous action instead of the one chosen.
+
+Without this an agent can learn a sequence of button presses by heart (Machado et al. 2018, "Revisiting the Arcade
+Learning Environment", section 5). `AtariEnv` does it inside the emulator, frame by frame, with
+`repeat_action_probability`; this wrapper is for environments that do not, and draws as Stable-Baselines3's does.
+"""
+
+from typing import Any
+
+import gymnasium
+from gymnasium.utils import RecordConstructorArgs
+
+from atari.cores.options import check_probability
+from atari.env import AtariEnv
+from atari.wrappers._checks import Environment, noop_action
+
+
+class StickyActions(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+    """With some probability, play the action of the previous step again.
+
+    An episode starts with NOOP as the previous action. One number is drawn from `np_random` each step, so without frame
+    skip beneath it is drawn for each frame, as in ALE. (Gymnasium's `StickyAction` never repeats at the first step.)
+
+    Args:
+        env: the environment.
+        repeat_action_probability: of repeating, 0..1.
+
+    Raises:
+        TypeError, ValueError: no probability, or the environment's actions are sticky already.
+    """
+
+    def __init__(self, env: Environment, repeat_action_probability: float = 0.25) -> None:
+        repeat_action_probability = check_probability("repeat_action_probability", repeat_action_probability)
+        inner = env.unwrapped
+        if isinstance(inner, AtariEnv) and inner._options["repeat_action_probability"] > 0:
+            raise ValueError(
+                f"the actions of {inner.game.id} are sticky already (probability "
+                f"{inner._options['repeat_action_probability']}); make it with repeat_action_probability=0.0"
+            )
+        RecordConstructorArgs.__init__(self, repeat_action_probability=repeat_action_probability)
+        super().__init__(env)
+        self._probability = repeat_action_probability
+        self._action = noop_action(env)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Reset; the previous action becomes NOOP."""
+        self._action = noop_action(self.env)
+        return self.env.reset(seed=seed, options=options)
+
+    def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+        """Play this action, or the previous one again."""
+        if self.np_random.random() >= self._probability:
+            self._action = action
+        return self.env.step(self._action)
