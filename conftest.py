@@ -6,6 +6,8 @@ import subprocess
 import sys
 import sysconfig
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
 from sybil import Example, Sybil
 from sybil.parsers.markdown import CodeBlockParser, PythonCodeBlockParser
@@ -20,21 +22,22 @@ def run_atari_commands(example: Example) -> None:
             subprocess.run([sys.executable, str(command), *words[1:]], check=True, timeout=300)
 
 
-def enter_folder(namespace: dict[str, object], tmp_path: Path) -> None:
+def enter_folder(namespace: dict[str, Any]) -> None:
     """Run the blocks of a document in an empty folder."""
-    namespace["folder"] = os.getcwd()
-    os.chdir(tmp_path)
+    namespace["came_from"] = Path.cwd()
+    namespace["folder"] = TemporaryDirectory()
+    os.chdir(namespace["folder"].name)
 
 
-def leave_folder(namespace: dict[str, object]) -> None:
+def leave_folder(namespace: dict[str, Any]) -> None:
     """Go back to where the tests run."""
-    os.chdir(str(namespace["folder"]))
+    os.chdir(namespace["came_from"])
+    namespace["folder"].cleanup()
 
 
 pytest_collect_file = Sybil(
     parsers=[PythonCodeBlockParser(), CodeBlockParser("bash", run_atari_commands)],
     patterns=["README.md", "CONTRIBUTING.md", "docs/**/*.md", "atari/games/SCHEMA.md"],
-    fixtures=["tmp_path"],
-    setup=lambda namespace: enter_folder(namespace, namespace["tmp_path"]),
+    setup=enter_folder,
     teardown=leave_folder,
 ).pytest()

@@ -6,6 +6,7 @@ like. This view offers those names on any core, with the core's checks, so that 
 
 from typing import TYPE_CHECKING
 
+from atari.actions import Action
 from atari.cores.protocol import ByteArray
 
 if TYPE_CHECKING:
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 class AleView:
     """The part of ale-py's `ALEInterface` that concerns a running game; see its documentation for each method."""
 
-    # ruff: noqa: D102, N802 - the names are ale-py's, one line each
+    # ruff: noqa: D102 - the names are ale-py's, one line each
 
     def __init__(self, env: "AtariEnv") -> None:
         self._core = env.core
@@ -65,11 +66,11 @@ class AleView:
     def getAudio(self, buffer: ByteArray | None = None) -> ByteArray:
         return self._core.audio(buffer)
 
-    def getMinimalActionSet(self) -> list[int]:
-        return [int(action) for action in self._core.game.minimal_actions]
+    def getMinimalActionSet(self) -> list[Action]:
+        return list(self._core.game.minimal_actions)
 
-    def getLegalActionSet(self) -> list[int]:
-        return [int(action) for action in self._core.game.legal_actions]
+    def getLegalActionSet(self) -> list[Action]:
+        return list(self._core.game.legal_actions)
 
     def getAvailableModes(self) -> list[int]:
         return list(self._core.game.modes)

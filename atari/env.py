@@ -19,7 +19,7 @@ from atari.actions import PLAYER_ACTIONS, Action
 from atari.ale_view import AleView
 from atari.catalog import games
 from atari.cores import CORES, ByteArray, Core
-from atari.cores.options import check_integer
+from atari.cores.options import check_integer, check_probability
 from atari.game import Game
 from atari.rendering import Window
 
@@ -41,7 +41,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         frameskip: emulated frames a step, or (low, high) for a random number within low..high-1 each step.
         repeat_action_probability: of repeating the previous action, drawn each frame ("sticky actions").
         full_action_space: all legal actions (18 in nearly all games) instead of those the game uses.
-        continuous: actions are (radius, angle, fire), a joystick as three float32 (Farebrother and Castro 2024, "CALE").
+        continuous: actions are (radius, angle, fire), three float32 (Farebrother and Castro 2024, "CALE").
         continuous_action_threshold: how far the stick must be moved, or fire pressed, to count.
         max_num_frames_per_episode: emulated frames after which an episode is truncated; None is never.
         render_mode: "human" shows a window (extra `play`), "rgb_array" returns the screen from `render`,
@@ -60,6 +60,9 @@ class AtariEnv(gymnasium.Env[Any, Any]):
     the last seeded reset); after a seeded `reset` also `seeds`, the two words drawn from the seed.
     Rewards are floats, the sum over the step's frames, not clipped.
     """
+
+    metadata: dict[str, Any] = {"render_modes": list(_RENDER_MODES), "render_fps": 15.0}  # noqa: RUF012
+    """What Gymnasium wants to know of the class; an environment has its own, with the rate of its steps."""
 
     core: Core
     """The emulator core."""
@@ -86,15 +89,11 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         self.game: Game = games.find(game)
         self._obs_type = _check_name("obs_type", obs_type, _OBS_TYPES)
         self._frameskip = _check_frameskip(frameskip)
-        if core not in CORES:
-            raise ValueError(f"core must be one of {', '.join(map(repr, CORES))}, got {core!r}")
+        _check_name("core", core, tuple(CORES))
         if render_mode is not None:
             _check_name("render_mode", render_mode, _RENDER_MODES)
         self.render_mode = render_mode
-        threshold = float(continuous_action_threshold)
-        if not 0.0 <= threshold <= 1.0:
-            raise ValueError(f"continuous_action_threshold must be within 0..1, got {continuous_action_threshold!r}")
-        self._threshold = np.float32(threshold)
+        self._threshold = np.float32(check_probability("continuous_action_threshold", continuous_action_threshold))
         self.continuous = bool(continuous)
 
         seeds = self._seed_generators(None)
@@ -112,7 +111,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         self._action_set: tuple[Action, ...] = self.game.legal_actions if every else self.game.minimal_actions
         self.action_space = self._make_action_space()
         self.observation_space = self._make_observation_space()
-        self.metadata = {"render_modes": list(_RENDER_MODES), "render_fps": self._steps_per_second()}
+        self.metadata = {**self.metadata, "render_fps": self._steps_per_second()}
         self._window = Window(self.game, self.metadata["render_fps"]) if render_mode == "human" else None
         self._frames: list[ByteArray] = []
         self._phase: Literal["new", "playing", "over", "warned"] = "new"
@@ -192,7 +191,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         return [action.name for action in self._action_set]
 
     def get_keys_to_action(self) -> dict[tuple[str, ...], int]:
-        """Which keys stand for which action, for `gymnasium.utils.play`: w a s d to move, space for fire, e for none."""
+        """Which keys stand for which action, for `gymnasium.utils.play`: w a s d, space for fire, e for none."""
         if self.continuous:
             raise AttributeError("keys stand for discrete actions; this environment was made with continuous=True")
         return {_keys(action): index for index, action in enumerate(self._action_set)}
@@ -271,9 +270,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         try:
             index = operator.index(action)
         except TypeError:
-            raise TypeError(
-                f"an action is an integer within 0..{len(self._action_set) - 1}, got {action!r}"
-            ) from None
+            raise TypeError(f"an action is an integer within 0..{len(self._action_set) - 1}, got {action!r}") from None
         if not 0 <= index < len(self._action_set):
             raise ValueError(f"action {index} is not within 0..{len(self._action_set) - 1} ({self.game.id})")
         return int(self._action_set[index])
@@ -281,9 +278,13 @@ class AtariEnv(gymnasium.Env[Any, Any]):
     def _continuous_action(self, action: Any) -> tuple[int, float]:
         """The ALE action and the strength of (radius, angle, fire), computed in float32 as in CALE."""
         try:
-            radius, angle, fire = np.asarray(action, dtype=np.float32)
+            with np.errstate(over="ignore"):
+                motion = np.asarray(action, dtype=np.float32)
         except (TypeError, ValueError):
-            raise TypeError(f"a continuous action is three floats (radius, angle, fire), got {action!r}") from None
+            motion = None
+        if motion is None or motion.shape != (3,):
+            raise TypeError(f"a continuous action is three floats (radius, angle, fire), got {action!r}")
+        radius, angle, fire = motion
         pi = np.float32(math.pi)
         if not (0.0 <= radius <= 1.0 and -pi <= angle <= pi and 0.0 <= fire <= 1.0):
             raise ValueError(
@@ -347,5 +348,5 @@ def _check_frameskip(frameskip: Any) -> int | tuple[int, int]:
         raise ValueError(f"a frameskip range is (low, high), got {frameskip!r}")
     low, high = (check_integer("frameskip", bound, 1, 10_000) for bound in frameskip)
     if low >= high:
-        raise ValueError(f"a frameskip range (low, high) skips low..high-1 frames and needs low < high, got {frameskip!r}")
+        raise ValueError(f"a frameskip range (low, high) is low..high-1 frames and needs low < high, got {frameskip!r}")
     return low, high

@@ -3,15 +3,17 @@
 `atari/games/SCHEMA.md` documents the files. Nothing in the package knows a game by name: a new game is a new file.
 """
 
+import re
 import sys
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import MISSING, dataclass, fields
 from pathlib import Path
-from types import MappingProxyType
-from typing import Any, Literal
+from types import MappingProxyType, UnionType
+from typing import Any, Literal, TypeVar, get_args, get_origin
 
 from atari.actions import PLAYER_ACTIONS, Action
-from atari.rules import Rules, parse_rules
+from atari.frozen import FrozenDict
+from atari.rules import LABEL_ADDRESSES, Rules, check_expression, parse_rules
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -144,57 +146,82 @@ def load_game(path: Path) -> Game:
     """
     try:
         return parse_game(path.stem, tomllib.loads(path.read_text(encoding="utf-8")))
-    except (ValueError, KeyError, TypeError) as error:
-        fault = f"the key {error} is missing" if isinstance(error, KeyError) else error
-        raise ValueError(f"{path}: {fault}") from error
+    except (ValueError, TypeError, AttributeError) as error:
+        raise ValueError(f"{path}: {error}") from error
 
 
 def parse_game(game_id: str, table: Mapping[str, Any]) -> Game:
-    """Make a `Game` of the parsed content of a game file."""
-    _check_keys(
-        table, "the file", "title players notes rom screen controllers actions settings rules ram".split()
-    )
-    rules = parse_rules(table["rules"]) if "rules" in table else None
-    actions = table["actions"] if rules else {"minimal": [], "legal": [], "starting": []}
-    settings = table["settings"] if rules else {"modes": [], "default_mode": 0, "difficulties": []}
-    if rules and settings["default_mode"] not in settings["modes"]:
-        raise ValueError(f"[settings] default_mode {settings['default_mode']} is not one of the modes")
-    if not set(_actions(actions["minimal"])) <= set(_actions(actions["legal"])):
-        raise ValueError("[actions] a minimal action is not legal")
-    controllers = dict(table["controllers"])
-    if "paddle_range" in controllers:
-        controllers["paddle_range"] = tuple(controllers["paddle_range"])
+    """Make a `Game` of the parsed content of a game file.
+
+    Raises:
+        ValueError: the content is not a game; the text says where and what is expected.
+    """
+    playing = ("actions", "settings", "rules")
+    needed = playing if any(key in table for key in playing) else ()
+    _check_keys(table, "the file", ("title", "players", "notes", "rom", "screen", "controllers", *needed), ("ram",))
+    _check_value("title", table["title"], str)
+    _check_value("players", table["players"], int)
+    _check_value("notes", table["notes"], tuple[str, ...])
     return Game(
         id=game_id,
         title=table["title"],
         players=table["players"],
-        rom=Rom(**table["rom"]),
+        rom=_rom(table["rom"]),
         screen=_screen(table["screen"]),
-        controllers=Controllers(**controllers),
-        minimal_actions=_actions(actions["minimal"]),
-        legal_actions=_actions(actions["legal"]),
-        starting_actions=_actions(actions["starting"]),
-        modes=tuple(settings["modes"]),
-        default_mode=settings["default_mode"],
-        difficulties=tuple(settings["difficulties"]),
-        rules=rules,
-        ram_labels=MappingProxyType(
-            {name: _ram_label(name, label) for name, label in table.get("ram", {}).items()}
-        ),
+        controllers=_build(Controllers, table["controllers"], "[controllers]"),
+        **_play(table) if "rules" in table else _NO_PLAY,
+        ram_labels=FrozenDict((name, _ram_label(name, label)) for name, label in table.get("ram", {}).items()),
         notes=tuple(table["notes"]),
     )
 
 
-def _check_keys(table: Mapping[str, Any], where: str, allowed: list[str]) -> None:
-    unknown = set(table) - set(allowed)
-    if unknown:
-        raise ValueError(f"{where} has no key {sorted(unknown)[0]!r} (expected {', '.join(allowed)})")
+# What stands in for the tables [actions], [settings] and [rules] of a game without single-player rules.
+_NO_PLAY: Mapping[str, Any] = {
+    "minimal_actions": (),
+    "legal_actions": (),
+    "starting_actions": (),
+    "modes": (),
+    "default_mode": 0,
+    "difficulties": (),
+    "rules": None,
+}
+
+
+def _play(table: Mapping[str, Any]) -> dict[str, Any]:
+    """The fields of a `Game` that come from [actions], [settings] and [rules]."""
+    actions, settings = table["actions"], table["settings"]
+    _check_keys(actions, "[actions]", ("minimal", "legal", "starting"))
+    minimal, legal, starting = (_actions(actions[key]) for key in ("minimal", "legal", "starting"))
+    if not set(minimal) <= set(legal):
+        raise ValueError("[actions] a minimal action is not legal")
+    _check_keys(settings, "[settings]", ("modes", "default_mode", "difficulties"))
+    for key in ("modes", "difficulties"):
+        _check_value(f"[settings] {key}", settings[key], tuple[int, ...])
+    if settings["default_mode"] not in settings["modes"]:
+        raise ValueError(f"[settings] default_mode {settings['default_mode']} is not one of the modes")
+    if not settings["difficulties"] or not set(settings["difficulties"]) <= {0, 1, 2, 3}:
+        raise ValueError(f"[settings] difficulties {settings['difficulties']} are not among 0, 1, 2, 3")
+    return {
+        "minimal_actions": minimal,
+        "legal_actions": legal,
+        "starting_actions": starting,
+        "modes": tuple(settings["modes"]),
+        "default_mode": settings["default_mode"],
+        "difficulties": tuple(settings["difficulties"]),
+        "rules": parse_rules(table["rules"]),
+    }
+
+
+def _rom(table: Mapping[str, Any]) -> Rom:
+    rom = _build(Rom, table, "[rom]")
+    for name, value, digits in (("md5", rom.md5, 32), ("sha256", rom.sha256, 64)):
+        if not re.fullmatch(f"[0-9a-f]{{{digits}}}", value):
+            raise ValueError(f"[rom] {name} must be {digits} hexadecimal digits in lower case, got {value!r}")
+    return rom
 
 
 def _screen(table: Mapping[str, Any]) -> Screen:
-    screen = Screen(**table)
-    if screen.format not in TV_FRAME_RATES:
-        raise ValueError(f"[screen] format {screen.format!r} is not one of {', '.join(TV_FRAME_RATES)}")
+    screen = _build(Screen, table, "[screen]")
     if not 1 <= screen.height <= 256:
         raise ValueError(f"[screen] height {screen.height} is not within 1..256")
     return screen
@@ -210,7 +237,53 @@ def _actions(names: "Literal['all'] | list[str]") -> tuple[Action, ...]:
 
 
 def _ram_label(name: str, table: Mapping[str, Any]) -> RamLabel:
-    label = RamLabel(name=name, **{**table, "sources": tuple(table["sources"])})
-    if not 0 <= label.index <= 127:
-        raise ValueError(f"[ram] {name}: index {label.index} is not within 0..127")
+    where = f"[ram] {name}"
+    label = _build(RamLabel, {"name": name, **table}, where)
+    if label.index not in LABEL_ADDRESSES:
+        raise ValueError(f"{where}: index {label.index} is not within 0..127")
+    for expression in (label.transform, label.visible):
+        if expression is not None:
+            check_expression(expression, {"v"}, where, LABEL_ADDRESSES)
     return label
+
+
+T = TypeVar("T")
+
+
+def _build(kind: type[T], table: Mapping[str, Any], where: str) -> T:
+    """Make a dataclass of a table whose keys are its fields, after checking keys and types."""
+    required = [field.name for field in fields(kind) if field.default is MISSING]  # type: ignore[arg-type]
+    optional = [field.name for field in fields(kind) if field.default is not MISSING]  # type: ignore[arg-type]
+    _check_keys(table, where, required, optional)
+    for field in fields(kind):  # type: ignore[arg-type]
+        if field.name in table:
+            _check_value(f"{where} {field.name}", table[field.name], field.type)
+    return kind(**{key: tuple(value) if isinstance(value, list) else value for key, value in table.items()})
+
+
+def _check_keys(table: Mapping[str, Any], where: str, required: Iterable[str], optional: Iterable[str] = ()) -> None:
+    allowed = (*required, *optional)
+    for key in table:
+        if key not in allowed:
+            raise ValueError(f"{where} has no key {key!r} (expected {', '.join(allowed)})")
+    for key in required:
+        if key not in table:
+            raise ValueError(f"{where} needs the key {key!r}")
+
+
+def _check_value(where: str, value: Any, kind: Any) -> None:
+    if not _fits(value, kind):
+        text = kind.__name__ if isinstance(kind, type) else str(kind).replace("typing.", "")
+        raise ValueError(f"{where} must be {text}, got {value!r}")
+
+
+def _fits(value: Any, kind: Any) -> bool:
+    """Whether a TOML value is of the type that a field is annotated with."""
+    if get_origin(kind) is Literal:
+        return value in get_args(kind)
+    if isinstance(kind, UnionType):
+        return any(_fits(value, option) for option in get_args(kind))
+    if get_origin(kind) is tuple:
+        kinds = get_args(kind) if get_args(kind)[-1] is not ... else get_args(kind)[:1] * len(value)
+        return isinstance(value, list) and len(value) == len(kinds) and all(map(_fits, value, kinds))
+    return type(value) is kind

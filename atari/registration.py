@@ -113,11 +113,13 @@ def resolve(env_id: str) -> tuple[Family, str]:
     raise gymnasium.error.NameNotFound(f"there is no environment {env_id!r}; {_suggestion(env_id)}")
 
 
-def make(game_or_id: str, **options: Any) -> gymnasium.Env[Any, Any]:
+def make(game_or_id: str, *, preset: str | None = None, **options: Any) -> gymnasium.Env[Any, Any]:
     """Make an environment of a game or a registered ID, as `gymnasium.make` would.
 
     Args:
         game_or_id: a game ("breakout", which means "ALE/Breakout-v5") or an ID ("Breakout-ram-v4").
+        preset: name of a preprocessing, such as "dqn2015" (see `atari.wrappers.preset`); the options of the
+            environment that it prescribes are set, unless given.
         **options: those of `AtariEnv`, and those of `gymnasium.make`, such as `max_episode_steps`.
 
     Raises:
@@ -125,13 +127,18 @@ def make(game_or_id: str, **options: Any) -> gymnasium.Env[Any, Any]:
         ValueError: no such game; the text suggests the nearest.
     """
     if not isinstance(game_or_id, str):
-        raise TypeError(f"make() takes a game such as 'breakout' or an ID such as 'ALE/Breakout-v5', got {game_or_id!r}")
+        raise TypeError(f"make() takes a game ('breakout') or an ID ('ALE/Breakout-v5'), got {game_or_id!r}")
     if "-v" not in game_or_id and "/" not in game_or_id:
         env_id = f"ALE/{stem(games.find(game_or_id).id)}-v5"
     else:
-        family, game = resolve(game_or_id)
-        env_id = family.id(game)
-    return gymnasium.make(env_id, **options)
+        resolve(game_or_id)
+        env_id = game_or_id
+    if preset is None:
+        return gymnasium.make(env_id, **options)
+    from atari import wrappers  # here, because it takes OpenCV along
+
+    env = gymnasium.make(env_id, **{**wrappers.preset_options(preset), **options})
+    return wrappers.preset(env, preset)
 
 
 def explain(env_id: str) -> str:
@@ -152,7 +159,7 @@ def explain(env_id: str) -> str:
         f"  sticky        {_sticky_text(family.repeat_action_probability)}",
         f"  actions       {len(game.minimal_actions)}, those the game uses: "
         + " ".join(action.name for action in game.minimal_actions),
-        f"  limit         truncated after {MAX_FRAMES} emulated frames ({MAX_FRAMES / 3600:.0f} minutes of play at 60 a second)",
+        f"  limit         truncated after {MAX_FRAMES} frames of the emulator, half an hour of play",
         f"  mode          {game.default_mode} of {', '.join(map(str, game.modes))}; "
         f"difficulty 0 of {', '.join(map(str, game.difficulties))}",
         "  siblings",

@@ -77,8 +77,9 @@ class AleCore:
             max_num_frames_per_episode=max_num_frames_per_episode,
             sound=sound,
         )
-        self._seed = door.check_integer("seed", seed, 0, door.SEED_LIMIT - 1)
+        seed = door.check_integer("seed", seed, 0, door.SEED_LIMIT - 1)
         self._rom = find(self.game.id, rom)
+        self._journal: Journal | None
         self.sound = self._options.sound
         # What ale-py's states leave out is set anew by a reset, but for the sound generator and the variables that
         # the rules of two games keep; with those, only the journal since loading is complete.
@@ -89,12 +90,11 @@ class AleCore:
         self._ale.setInt("frame_skip", self._options.frame_skip)
         self._ale.setInt("max_num_frames_per_episode", self._options.max_num_frames_per_episode)
         self._ale.setBool("sound_obs", self.sound)
-        self._load()
+        self._load(seed)
 
     def seed(self, seed: int) -> None:
         """Start over with this seed. ale-py takes its seed from loading, so this loads the game again."""
-        self._seed = door.check_integer("seed", seed, 0, door.SEED_LIMIT - 1)
-        self._load()
+        self._load(door.check_integer("seed", seed, 0, door.SEED_LIMIT - 1))
 
     def reset(self) -> None:
         """Start a new game."""
@@ -108,7 +108,7 @@ class AleCore:
         """Play `frame_skip` frames of an action and return the reward."""
         if action.__class__ is not int or not 0 <= action <= 17:
             action = door.check_action(action)
-        if strength != 1.0:
+        if strength.__class__ is not float or strength != 1.0:
             strength = door.check_strength(strength)
         reward: int = self._ale.act(action, strength)
         if self._journal is not None:
@@ -212,18 +212,19 @@ class AleCore:
         """
         facts, blobs = snapshot.unpack(data)
         snapshot.require(facts, self._facts())
-        self._seed = facts["seed"]
-        self._load()
-        self._journal = Journal(blobs["base"], bytearray(blobs["events"]))
-        if self._journal.base:
-            self._ale.restoreSystemState(ALEState(self._journal.base))
-        for event, first, second in self._journal.replay():
+        journal = Journal(blobs["base"], bytearray(blobs["events"]))
+        events = list(journal.replay())  # all of them, before anything changes
+        self._load(facts["seed"])
+        if journal.base:
+            self._ale.restoreSystemState(ALEState(journal.base))
+        for event, first, second in events:
             if event == "act":
                 self._ale.act(first, second)
             elif event == "reset":
                 self._ale.reset_game()
             else:
                 self._ale.setRAM(first, int(second))
+        self._journal = journal
         if self._digest() != blobs["digest"]:
             raise RuntimeError(f"ale-py did not reproduce this snapshot of {self.game.id}; please report it")
 
@@ -231,16 +232,18 @@ class AleCore:
         """Release the emulator."""
         self._ale = _Closed()
 
-    def _load(self) -> None:
+    def _load(self, seed: int) -> None:
         """Load the ROM, which also resets ale-py's counters and generators, and start an empty journal."""
-        seed = min(self._seed, door.SEED_LIMIT - 2)  # -1, as int32, would be the clock
-        self._ale.setInt("random_seed", seed if seed < 2**31 else seed - 2**32)
-        self._ale.loadROM(self._rom)
+        rom = find(self.game.id, self._rom)  # checked anew: ale-py ends the process if the file has gone or changed
+        self._seed = seed
+        word = min(seed, door.SEED_LIMIT - 2)  # -1, as int32, would be the clock
+        self._ale.setInt("random_seed", word if word < 2**31 else word - 2**32)
+        self._ale.loadROM(rom)
         if self._options.mode is not None:
             self._ale.setMode(self._options.mode)
         if self._options.difficulty is not None:
             self._ale.setDifficulty(self._options.difficulty)
-        self._journal: Journal | None = Journal()
+        self._journal = Journal()
 
     def _facts(self) -> dict[str, Any]:
         """What must agree for a snapshot to make sense here."""

@@ -9,6 +9,8 @@ import struct
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from atari.actions import PLAYER_ACTIONS
+
 # Events: one byte for an action of full strength (0..17), else a code and its arguments.
 _ACT_WITH_STRENGTH = 0x40
 _RESET = 0x41
@@ -39,7 +41,11 @@ class Journal:
         self.events += bytes((_POKE, index, value))
 
     def replay(self) -> Iterator[tuple[str, int, float]]:
-        """The events in order, as ("act", action, strength), ("reset", 0, 0) or ("poke", index, value)."""
+        """The events in order, as ("act", action, strength), ("reset", 0, 0) or ("poke", index, value).
+
+        Raises:
+            ValueError: the events are none that this class has written.
+        """
         events, i = self.events, 0
         while i < len(events):
             code = events[i]
@@ -52,6 +58,8 @@ class Journal:
             elif code == _ACT_WITH_STRENGTH:
                 yield "act", events[i + 1], _STRENGTH.unpack_from(events, i + 2)[0]
                 i += 6
-            else:
+            elif code < len(PLAYER_ACTIONS):
                 yield "act", code, 1.0
                 i += 1
+            else:
+                raise ValueError(f"the snapshot's journal holds an unknown event, {code:#04x}")

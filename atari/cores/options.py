@@ -30,7 +30,7 @@ class CoreOptions:
     def check(cls, game: Game, **options: Any) -> "CoreOptions":
         """Check options given by a user against what `game` offers."""
         probability = options["repeat_action_probability"]
-        return cls(
+        checked = cls(
             repeat_action_probability=check_probability("repeat_action_probability", probability),
             mode=_check_choice("mode", options["mode"], game.modes, game),
             difficulty=_check_choice("difficulty", options["difficulty"], game.difficulties, game),
@@ -40,6 +40,9 @@ class CoreOptions:
             ),
             sound=bool(options["sound"]),
         )
+        if game.rules is not None and game.rules.selection_frames:
+            _check_selection(game, game.rules.selection_frames, checked)
+        return checked
 
 
 def check_integer(name: str, value: Any, low: int, high: int) -> int:
@@ -81,7 +84,12 @@ def check_action(action: Any) -> int:
 
 def check_strength(strength: Any) -> float:
     """`strength` as a finite float that cannot overflow a paddle's position."""
-    number = float(strength)
+    try:
+        number = None if isinstance(strength, str) else float(strength)
+    except (TypeError, ValueError):
+        number = None
+    if number is None:
+        raise TypeError(f"strength must be a number, got {strength!r}")
     if not abs(number) <= 1000.0:  # written so that NaN fails too
         raise ValueError(f"strength must be finite and at most 1000 in magnitude, got {number}")
     return number
@@ -90,6 +98,21 @@ def check_strength(strength: Any) -> float:
 def check_poke(index: Any, value: Any) -> tuple[int, int]:
     """The arguments of `set_ram` as two ints."""
     return check_integer("index", index, 0, 127), check_integer("value", value, 0, 255)
+
+
+def _check_selection(game: Game, frames: int, options: CoreOptions) -> None:
+    """Refuse options with which a reset that selects the mode by playing would go on for ever.
+
+    The bounds are where ale-py always came to an end in thousands of resets.
+    """
+    because = f"{game.id} selects its mode at reset by playing, which may never end with"
+    if options.repeat_action_probability > 0.7:
+        raise ValueError(f"{because} repeat_action_probability above 0.7, got {options.repeat_action_probability}")
+    if options.frame_skip > 4:
+        raise ValueError(f"{because} frame_skip above 4, got {options.frame_skip}")
+    needed, limit = frames * options.frame_skip, options.max_num_frames_per_episode
+    if 0 < limit < needed:
+        raise ValueError(f"{because} max_num_frames_per_episode below {needed}, got {limit}")
 
 
 def _check_choice(name: str, value: Any, choices: tuple[int, ...], game: Game) -> int | None:

@@ -1,0 +1,661 @@
+"""The contract of `atari.cores.Core` as tests, which every core passes.
+
+A core's own test file subclasses `CoreContract`, names its class in `core_type`, and pytest runs everything below
+on it. A test here may use nothing that is not in `atari/cores/protocol.py`.
+"""
+
+import hashlib
+import inspect
+import json
+import random
+import subprocess
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import atari
+from atari import snapshot
+from atari.cores import AleCore, Core
+
+PICTURES = {"screen": (), "screen_rgb": (3,), "screen_grayscale": ()}
+ARRAYS = ["ram", "screen", "screen_rgb", "screen_grayscale", "audio"]
+FIRE, RIGHT, LEFT = 1, 3, 4
+
+# Games of different kinds: paddles, PAL, a state that ale-py's own saving misses, rules that remember over a reset,
+# a cartridge with RAM, resets that draw random numbers.
+SNAPSHOT_GAMES = ["breakout", "adventure", "qbert", "video_checkers", "klax", "double_dunk"]
+
+
+def shape_of(core: Core, array: str) -> tuple[int, ...]:
+    if array in PICTURES:
+        return (*core.game.screen.shape, *PICTURES[array])
+    return {"ram": (128,), "audio": (512,)}[array]
+
+
+def visible(core: Core) -> tuple[Any, ...]:
+    """Everything that can be seen of a core."""
+    arrays = tuple(getattr(core, name)().tobytes() for name in ARRAYS)
+    return (*arrays, core.lives, core.game_over, core.truncated, core.frame_number, core.episode_frame_number)
+
+
+def play(core: Core, actions: Iterable[int]) -> list[tuple[Any, ...]]:
+    """What a core shows after each action, with the reward."""
+    return [(core.act(action), *visible(core)) for action in actions]
+
+
+def some_actions(core: Core, count: int, seed: int = 0) -> list[int]:
+    return [int(action) for action in random.Random(seed).choices(core.game.minimal_actions, k=count)]
+
+
+@contextmanager
+def unchanged(core: Core) -> Iterator[None]:
+    """The block, which is expected to be refused, leaves the core as it was, hidden state included."""
+    seen, saved = visible(core), core.snapshot()
+    yield
+    assert visible(core) == seen
+    assert core.snapshot() == saved
+
+
+class CoreContract:
+    """Subclass this with the class of a core."""
+
+    core_type: type[AleCore]
+
+    def make(self, game: str = "breakout", *, reset: bool = True, **options: Any) -> Core:
+        core = self.core_type(game, **options)
+        if reset:
+            core.reset()
+        return core
+
+    # The options a core is made with.
+
+    def test_it_knows_its_game_and_has_a_name_in_cores(self) -> None:
+        core = self.make("pong")
+        assert core.game is atari.games["pong"]
+        assert atari.cores.CORES[core.name] is self.core_type
+        assert core.sound is False
+
+    def test_it_is_ready_when_constructed(self) -> None:
+        core = self.make(reset=False)
+        assert (core.lives, core.game_over, core.frame_number) == (5, False, 0)
+        assert core.screen().any()
+        core.act(0)
+        assert core.frame_number == 1
+
+    @pytest.mark.parametrize(
+        ("option", "value", "error", "text"),
+        [
+            ("seed", -1, ValueError, "seed must be within 0..4294967295, got -1"),
+            ("seed", 2**32, ValueError, "seed must be within 0..4294967295"),
+            ("seed", 1.5, TypeError, "seed must be an integer within 0..4294967295, got 1.5"),
+            ("seed", None, TypeError, "seed must be an integer"),
+            ("seed", True, TypeError, "seed must be an integer"),
+            ("repeat_action_probability", -0.1, ValueError, "repeat_action_probability must be within 0..1, got -0.1"),
+            ("repeat_action_probability", 1.01, ValueError, "must be within 0..1, got 1.01"),
+            ("repeat_action_probability", float("nan"), TypeError, "must be a number within 0..1, got nan"),
+            ("repeat_action_probability", "0.5", TypeError, "must be a number within 0..1, got '0.5'"),
+            ("repeat_action_probability", None, TypeError, "must be a number within 0..1, got None"),
+            ("mode", 1, ValueError, "breakout has no mode 1; it has 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44"),
+            ("mode", "0", TypeError, "mode must be an integer or None, got '0'"),
+            ("difficulty", 2, ValueError, "breakout has no difficulty 2; it has 0, 1"),
+            ("difficulty", 0.0, TypeError, "difficulty must be an integer or None, got 0.0"),
+            ("frame_skip", 0, ValueError, "frame_skip must be within 1..10000, got 0"),
+            ("frame_skip", "4", TypeError, "frame_skip must be an integer within 1..10000, got '4'"),
+            ("max_num_frames_per_episode", -1, ValueError, "must be within 0..2147483647, got -1"),
+            ("max_num_frames_per_episode", 1.0, TypeError, "must be an integer within 0..2147483647, got 1.0"),
+        ],
+    )
+    def test_a_wrong_option_is_refused(self, option: str, value: Any, error: type[Exception], text: str) -> None:
+        with pytest.raises(error) as caught:
+            self.make(**{option: value})
+        assert text in str(caught.value)
+
+    @pytest.mark.parametrize(
+        ("game", "error", "text"),
+        [
+            ("brekout", ValueError, "there is no game 'brekout'; did you mean 'breakout'?"),
+            ("warlords", ValueError, "'warlords' is a two-player cartridge without single-player rules"),
+            (7, TypeError, "a game is named by a string such as 'breakout', got 7"),
+        ],
+    )
+    def test_a_wrong_game_is_refused(self, game: Any, error: type[Exception], text: str) -> None:
+        with pytest.raises(error) as caught:
+            self.make(game)
+        assert text in str(caught.value)
+
+    @pytest.mark.parametrize(
+        ("options", "text"),
+        [
+            ({"repeat_action_probability": 1.0}, "repeat_action_probability above 0.7, got 1.0"),
+            ({"max_num_frames_per_episode": 10}, "max_num_frames_per_episode below 250, got 10"),
+            ({"max_num_frames_per_episode": 600, "frame_skip": 4}, "max_num_frames_per_episode below 1000, got 600"),
+            ({"frame_skip": 5}, "frame_skip above 4, got 5"),
+        ],
+    )
+    def test_options_that_would_never_let_a_reset_end_are_refused(self, options: dict[str, Any], text: str) -> None:
+        with pytest.raises(ValueError, match=r"double_dunk selects its mode at reset by playing, which may") as caught:
+            self.make("double_dunk", **options)
+        assert str(caught.value).endswith(text)
+
+    def test_a_mode_is_in_force_from_the_first_reset(self) -> None:
+        """Breakout keeps its game number in this byte."""
+        assert self.make(mode=8).ram()[0x32] == 8
+        assert self.make().ram()[0x32] == 0
+
+    @pytest.mark.parametrize(("difficulty", "width"), [(0, 16), (1, 12)])
+    def test_a_difficulty_makes_another_game(self, difficulty: int, width: int) -> None:
+        """In Breakout it is the width of the paddle, in the row between two walls of eight pixels."""
+        row = self.make(difficulty=difficulty).screen()[190]
+        assert np.count_nonzero(row[8:-8]) == width
+
+    # What it shows.
+
+    @pytest.mark.parametrize("game", ["breakout", "adventure", "journey_escape"])
+    @pytest.mark.parametrize("array", ARRAYS)
+    def test_arrays_have_their_shape_and_belong_to_the_caller(self, game: str, array: str) -> None:
+        core = self.make(game)
+        first = getattr(core, array)()
+        assert (first.shape, first.dtype) == (shape_of(core, array), np.uint8)
+        assert first.flags.c_contiguous
+        expected = first.copy()
+        first += 1
+        assert np.array_equal(getattr(core, array)(), expected)
+
+    @pytest.mark.parametrize("array", ARRAYS)
+    def test_out_is_filled_and_returned(self, array: str) -> None:
+        core = self.make(sound=True)
+        core.act(FIRE)
+        out = np.full(shape_of(core, array), 77, np.uint8)
+        assert getattr(core, array)(out) is out
+        assert np.array_equal(out, getattr(core, array)())
+        assert getattr(core, array)(out=out) is out
+
+    @pytest.mark.parametrize("array", ARRAYS)
+    @pytest.mark.parametrize("fault", ["shape", "size", "dtype", "read-only", "strided", "list"])
+    def test_an_out_that_does_not_fit_is_refused(self, array: str, fault: str) -> None:
+        core = self.make()
+        shape = shape_of(core, array)
+        good = np.full(shape, 77, np.uint8)
+        bad = {
+            "shape": good.reshape(1, *shape),
+            "size": good[1:],
+            "dtype": good.astype(np.int8),
+            "read-only": good.copy(),
+            "strided": np.full((2 * shape[0], *shape[1:]), 77, np.uint8)[::2],
+            "list": good.tolist(),
+        }[fault]
+        if fault == "read-only":
+            bad.flags.writeable = False
+        with pytest.raises(ValueError, match="out must be a writable C-contiguous uint8 array of shape"):
+            getattr(core, array)(bad)
+        assert np.all(np.asarray(bad) == 77)
+
+    def test_the_three_pictures_show_the_same(self) -> None:
+        """Each palette index has one colour and one luminance, and the luminance is that of the colour."""
+        core = self.make("seaquest")
+        core.act(0)
+        index, gray = core.screen().ravel(), core.screen_grayscale().ravel()
+        rgb = core.screen_rgb().reshape(-1, 3)
+        everything = np.column_stack([index, gray, rgb])
+        assert len(np.unique(everything, axis=0)) == len(np.unique(index)) > 5
+        assert np.array_equal(gray, np.floor(rgb @ [0.2989, 0.587, 0.114] + 0.5).astype(np.uint8))
+
+    def test_sound_is_zero_unless_asked_for(self) -> None:
+        core = self.make("seaquest")
+        core.act(FIRE)
+        assert not core.audio().any()
+
+    def test_sound_moves_around_128(self) -> None:
+        core = self.make("seaquest", sound=True)
+        assert core.sound is True
+        for _ in range(10):
+            core.act(FIRE)
+        assert core.audio().min() >= 128
+        assert len(np.unique(core.audio())) > 1
+
+    # Playing.
+
+    def test_rewards_follow_the_score_in_ram(self) -> None:
+        core = self.make(repeat_action_probability=0.0)
+        core.set_ram(0x4D, 0x25)
+        assert core.act(0) == 25
+        assert core.act(0) == 0
+
+    def test_lives_and_the_end_follow_ram(self) -> None:
+        core = self.make()
+        core.set_ram(0x39, 2)
+        core.act(0)
+        assert (core.lives, core.game_over) == (2, False)
+        core.set_ram(0x39, 0)
+        core.act(0)
+        assert (core.lives, core.game_over, core.truncated) == (0, True, False)
+
+    def test_nothing_happens_after_the_end_until_a_reset(self) -> None:
+        core = self.make()
+        core.set_ram(0x39, 0)
+        core.act(0)
+        before = visible(core)
+        assert core.act(FIRE) == 0
+        assert visible(core) == before
+        core.reset()
+        assert (core.lives, core.game_over, core.episode_frame_number) == (5, False, 0)
+        assert core.frame_number == 1
+
+    def test_counters_count_frames(self) -> None:
+        core = self.make(frame_skip=3)
+        for _ in range(4):
+            core.act(0)
+        assert (core.frame_number, core.episode_frame_number) == (12, 12)
+        core.reset()
+        assert (core.frame_number, core.episode_frame_number) == (12, 0)
+        core.act(0)
+        assert (core.frame_number, core.episode_frame_number) == (15, 3)
+
+    def test_truncation_at_the_frame_limit(self) -> None:
+        core = self.make("pong", max_num_frames_per_episode=10, frame_skip=4)
+        seen = []
+        for _ in range(4):
+            core.act(0)
+            seen.append((core.episode_frame_number, core.truncated, core.game_over))
+        assert seen == [(4, False, False), (8, False, False), (10, True, False), (10, True, False)]
+        core.reset()
+        assert (core.truncated, core.episode_frame_number) == (False, 0)
+
+    def test_without_a_limit_nothing_is_truncated(self) -> None:
+        core = self.make("pong", frame_skip=100)
+        for _ in range(5):
+            core.act(0)
+        assert core.truncated is False
+
+    def test_frame_skip_is_as_many_single_frames(self) -> None:
+        one, four = self.make("seaquest", seed=3), self.make("seaquest", seed=3, frame_skip=4)
+        for action in some_actions(one, 30):
+            assert sum(one.act(action) for _ in range(4)) == four.act(action)
+            assert np.array_equal(one.ram(), four.ram())
+            assert np.array_equal(one.screen(), four.screen())
+
+    def test_actions_that_the_game_forbids_are_no_ops(self) -> None:
+        skier, idler = self.make("skiing"), self.make("skiing")
+        assert FIRE not in skier.game.legal_actions
+        assert play(skier, [FIRE] * 20) == play(idler, [0] * 20)
+
+    def test_strength_scales_the_paddle(self) -> None:
+        """At half strength it takes twice as long; the game keeps the place of its paddle in RAM."""
+        places = []
+        for strength, frames in ((1.0, 8), (0.5, 16), (0.5, 8)):
+            core = self.make(repeat_action_probability=0.0)
+            for _ in range(frames):
+                core.act(LEFT, strength)
+            play(core, [0] * 10)
+            places.append(int(core.ram()[72]))
+        assert places[0] == places[1] < places[2]
+
+    def test_set_ram_shows_at_once(self) -> None:
+        core = self.make()
+        before = core.ram()
+        core.set_ram(127, 255)
+        core.set_ram(0, np.uint8(7))
+        after = core.ram()
+        assert (after[127], after[0]) == (255, 7)
+        assert np.array_equal(after[1:127], before[1:127])
+
+    # Chance.
+
+    def test_the_same_seed_gives_the_same_game(self) -> None:
+        first, second = self.make("seaquest", seed=11), self.make("seaquest", seed=11)
+        actions = some_actions(first, 60)
+        assert play(first, actions) == play(second, actions)
+
+    def test_another_seed_gives_another_game(self) -> None:
+        first, second = self.make("seaquest", seed=11), self.make("seaquest", seed=12)
+        actions = some_actions(first, 60)
+        assert play(first, actions) != play(second, actions)
+
+    @pytest.mark.parametrize("seed", [0, 2**31, 2**32 - 1])
+    def test_seeding_starts_over_as_if_made_with_that_seed(self, seed: int) -> None:
+        used, new = self.make(seed=5, mode=4, difficulty=1), self.make(seed=seed, mode=4, difficulty=1)
+        play(used, some_actions(used, 30))
+        used.seed(seed)
+        used.reset()
+        actions = some_actions(used, 60)
+        assert play(used, actions) == play(new, actions)
+
+    @pytest.mark.parametrize("seed", [-1, 2**32, 0.5, "1", None])
+    def test_a_wrong_seed_is_refused(self, seed: Any) -> None:
+        core = self.make()
+        with unchanged(core), pytest.raises((ValueError, TypeError), match=r"^seed must be"):
+            core.seed(seed)
+
+    def test_without_stickiness_every_action_counts(self) -> None:
+        first, second = (self.make("seaquest", seed=seed, repeat_action_probability=0.0) for seed in (1, 2))
+        actions = some_actions(first, 60)
+        assert play(first, actions) == play(second, actions)
+
+    def test_with_full_stickiness_no_action_counts(self) -> None:
+        stuck, idle = (self.make("seaquest", repeat_action_probability=1.0) for _ in range(2))
+        assert play(stuck, some_actions(stuck, 60)) == play(idle, [0] * 60)
+
+    def test_sticky_actions_repeat_as_often_as_said(self) -> None:
+        """FIRE serves the ball in Breakout, unless the no-op before it is repeated."""
+        core = self.make(repeat_action_probability=0.25)
+        served = 0
+        for _ in range(400):
+            core.reset()
+            no_ball = core.ram()[101]
+            core.act(FIRE)
+            served += core.ram()[101] != no_ball
+        assert served == pytest.approx(300, abs=40)  # four and a half standard deviations
+
+    # Snapshots.
+
+    @pytest.mark.parametrize("sound", [False, True])
+    @pytest.mark.parametrize("game", SNAPSHOT_GAMES)
+    def test_a_snapshot_continues_exactly_in_the_same_core_and_in_a_new_one(self, game: str, sound: bool) -> None:
+        core = self.make(game, seed=4, sound=sound)
+        play(core, some_actions(core, 40))
+        core.reset()
+        play(core, some_actions(core, 25, seed=1))
+        saved, seen = core.snapshot(), visible(core)
+        actions = some_actions(core, 30, seed=2)
+        expected = play(core, actions)
+        other = self.make(game, seed=99, sound=sound, reset=False)
+        for target in (core, other):
+            target.restore(saved)
+            assert visible(target) == seen
+            assert target.snapshot() == saved
+            assert play(target, actions) == expected
+
+    def test_a_snapshot_continues_exactly_in_another_process(self, tmp_path: Path) -> None:
+        options: dict[str, Any] = {"sound": True, "mode": 2, "frame_skip": 2}
+        core = self.make("space_invaders", seed=8, **options)
+        play(core, some_actions(core, 50))
+        (tmp_path / "saved").write_bytes(core.snapshot())
+        actions = some_actions(core, 40, seed=1)
+        program = "\n".join(
+            [
+                inspect.getsource(visible),
+                inspect.getsource(play),
+                "core = CORES[sys.argv[1]]('space_invaders', **json.loads(sys.argv[2]))",
+                "core.restore(Path('saved').read_bytes())",
+                "print(hashlib.sha256(repr(play(core, json.loads(sys.argv[3]))).encode()).hexdigest())",
+            ]
+        )
+        header = (
+            "import hashlib, json, sys\nfrom collections.abc import Iterable\nfrom pathlib import Path\n"
+            f"from typing import Any\nfrom atari.cores import CORES, Core\nARRAYS = {ARRAYS}\n"
+        )
+        command = [sys.executable, "-c", header + program, core.name, json.dumps(options), json.dumps(actions)]
+        result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+        assert result.stdout.strip() == hashlib.sha256(repr(play(core, actions)).encode()).hexdigest()
+
+    @pytest.mark.parametrize("moment", ["made", "reset", "poked", "paddle", "truncated", "over"])
+    def test_a_snapshot_of_any_moment_continues_exactly(self, moment: str) -> None:
+        core = self.make(reset=False, max_num_frames_per_episode=60, seed=1)
+        if moment != "made":
+            core.reset()
+        if moment == "poked":
+            core.set_ram(0x39, 3)
+        if moment == "paddle":
+            for _ in range(10):
+                core.act(RIGHT, 0.3)
+        if moment == "truncated":
+            play(core, [0] * 70)
+        if moment == "over":
+            core.set_ram(0x39, 0)
+            play(core, [0] * 5)
+        saved = core.snapshot()
+        expected = play(core, some_actions(core, 20))
+        core.restore(saved)
+        assert play(core, some_actions(core, 20)) == expected
+
+    def test_taking_a_snapshot_does_not_disturb(self) -> None:
+        watched, left_alone = self.make("seaquest"), self.make("seaquest")
+        actions = some_actions(watched, 40)
+        for action in actions:
+            watched.snapshot()
+            watched.act(action)
+        play(left_alone, actions)
+        assert visible(watched) == visible(left_alone)
+
+    def test_a_snapshot_can_be_restored_again_and_again(self) -> None:
+        core = self.make("seaquest")
+        saved = core.snapshot()
+        traces = []
+        for _ in range(3):
+            core.restore(saved)
+            traces.append(play(core, some_actions(core, 20)))
+        assert traces[0] == traces[1] == traces[2]
+
+    def test_after_a_restore_a_reset_is_that_of_the_snapshot(self) -> None:
+        """A reset may depend on what came before it, RAM and generators included."""
+        first, second = self.make("double_dunk", seed=1), self.make("double_dunk", seed=2)
+        play(first, some_actions(first, 30))
+        second.restore(first.snapshot())
+        first.reset()
+        second.reset()
+        assert visible(first) == visible(second)
+
+    @pytest.mark.parametrize("damage", ["empty", "random", "no header", "half", "one byte short", "one byte more"])
+    def test_a_damaged_snapshot_is_refused(self, damage: str) -> None:
+        core = self.make()
+        good = core.snapshot()
+        bad = {
+            "empty": b"",
+            "random": random.Random(0).randbytes(500),
+            "no header": good[8:],
+            "half": good[: len(good) // 2],
+            "one byte short": good[:-1],
+            "one byte more": good + b"\0",
+        }[damage]
+        with unchanged(core), pytest.raises(ValueError, match="snapshot"):
+            core.restore(bad)
+
+    def test_a_snapshot_cut_anywhere_is_refused(self) -> None:
+        core = self.make(reset=False)
+        good = core.snapshot()
+        with unchanged(core):
+            for length in range(len(good)):
+                with pytest.raises(ValueError, match="snapshot"):
+                    core.restore(good[:length])
+
+    def test_a_snapshot_with_any_one_bit_flipped_is_refused(self) -> None:
+        core = self.make(reset=False)
+        core.act(FIRE)
+        good = core.snapshot()
+        with unchanged(core):
+            for place in range(len(good)):
+                bad = bytearray(good)
+                bad[place] ^= 1 << place % 8
+                with pytest.raises(ValueError, match="snapshot"):
+                    core.restore(bytes(bad))
+
+    @pytest.mark.parametrize("data", ["text", bytearray(b"ATARISNP"), memoryview(b"ATARISNP"), None, 3])
+    def test_a_snapshot_that_is_not_bytes_is_refused(self, data: Any) -> None:
+        core = self.make()
+        with unchanged(core), pytest.raises(TypeError, match="a snapshot is bytes as snapshot\\(\\) returned them"):
+            core.restore(data)
+
+    @pytest.mark.parametrize(
+        ("game", "options", "text"),
+        [
+            ("pong", {}, "taken with game = 'pong', but this environment has 'breakout'"),
+            ("breakout", {"mode": 4}, "taken with mode = 4, but this environment has None"),
+            ("breakout", {"difficulty": 1}, "taken with difficulty = 1"),
+            ("breakout", {"frame_skip": 2}, "taken with frame_skip = 2"),
+            ("breakout", {"sound": True}, "taken with sound = True"),
+            ("breakout", {"repeat_action_probability": 0.0}, "taken with repeat_action_probability = 0.0"),
+            ("breakout", {"max_num_frames_per_episode": 99}, "taken with max_num_frames_per_episode = 99"),
+        ],
+    )
+    def test_a_snapshot_of_another_game_or_other_options_is_refused(
+        self, game: str, options: dict[str, Any], text: str
+    ) -> None:
+        core, other = self.make(), self.make(game, **options)
+        with (
+            unchanged(core),
+            pytest.raises(ValueError, match="restore it into one made with the same options") as error,
+        ):
+            core.restore(other.snapshot())
+        assert text in str(error.value)
+
+    def test_a_snapshot_of_another_core_is_refused(self) -> None:
+        core = self.make()
+        facts, blobs = snapshot.unpack(core.snapshot())
+        with unchanged(core), pytest.raises(ValueError, match="taken with core = 'another'"):
+            core.restore(snapshot.pack({**facts, "core": "another"}, blobs))
+
+    def test_a_snapshot_of_another_format_version_is_refused(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        core = self.make()
+        with monkeypatch.context() as patch:
+            patch.setattr(snapshot, "VERSION", 999)
+            future = core.snapshot()
+        with unchanged(core), pytest.raises(ValueError, match=r"format version 999, this release .* reads version 1"):
+            core.restore(future)
+
+    # States in memory.
+
+    @pytest.mark.parametrize("game", ["breakout", "seaquest"])
+    def test_a_cloned_state_brings_the_game_back(self, game: str) -> None:
+        core = self.make(game, repeat_action_probability=0.0)
+        play(core, some_actions(core, 40))
+        state, ram = core.clone_state(), core.ram()
+        numbers = (core.lives, core.frame_number, core.episode_frame_number)
+        actions = some_actions(core, 30, seed=1)
+        expected = [(core.act(action), core.ram().tobytes(), core.lives) for action in actions]
+        core.restore_state(state)
+        assert np.array_equal(core.ram(), ram)
+        assert (core.lives, core.frame_number, core.episode_frame_number) == numbers
+        assert [(core.act(action), core.ram().tobytes(), core.lives) for action in actions] == expected
+
+    def test_a_cloned_state_has_the_generator_only_if_asked(self) -> None:
+        core = self.make("seaquest", seed=1)
+        core.act(0)
+        without, with_rng = core.clone_state(), core.clone_state(include_rng=True)
+        traces = {}
+        for name, state in (("first", with_rng), ("again", with_rng), ("goes on", without)):
+            core.restore_state(state)
+            # An action with a held one before it is what the generator decides about.
+            traces[name] = [(core.act(action), core.ram().tobytes()) for action in [0, *some_actions(core, 60)]]
+        assert traces["first"] == traces["again"] != traces["goes on"]
+
+    @pytest.mark.parametrize("state", [None, b"", "state", object()])
+    def test_a_state_of_another_kind_is_refused(self, state: Any) -> None:
+        core = self.make()
+        with unchanged(core), pytest.raises(TypeError, match="restore_state takes what clone_state returned"):
+            core.restore_state(state)
+
+    def test_a_state_of_another_game_is_refused(self) -> None:
+        core, other = self.make(), self.make("pong")
+        with unchanged(core), pytest.raises(ValueError, match="the state is of another game than breakout"):
+            core.restore_state(other.clone_state())
+
+    # Wrong calls.
+
+    @pytest.mark.parametrize(
+        ("action", "error"),
+        [
+            (-1, ValueError),
+            (18, ValueError),
+            (40, ValueError),
+            (2**70, ValueError),
+            (atari.Action.RESET, ValueError),
+            (1.0, TypeError),
+            (float("nan"), TypeError),
+            ("1", TypeError),
+            (None, TypeError),
+            ([1], TypeError),
+            (np.float32(1), TypeError),
+        ],
+    )
+    def test_what_is_no_action_is_refused(self, action: Any, error: type[Exception]) -> None:
+        core = self.make()
+        with unchanged(core), pytest.raises(error, match=r"0\.\.17"):
+            core.act(action)
+
+    @pytest.mark.parametrize("action", [3, np.int64(3), np.uint8(3), np.array(3), atari.Action.RIGHT])
+    def test_an_action_is_any_kind_of_integer(self, action: Any) -> None:
+        core, expected = self.make(), self.make()
+        assert play(core, [action] * 5) == play(expected, [3] * 5)
+
+    @pytest.mark.parametrize(
+        ("strength", "error", "text"),
+        [
+            (float("nan"), ValueError, "strength must be finite and at most 1000 in magnitude, got nan"),
+            (float("inf"), ValueError, "strength must be finite"),
+            (1e9, ValueError, "strength must be finite"),
+            ("1", TypeError, "strength must be a number, got '1'"),
+            (None, TypeError, "strength must be a number, got None"),
+            ([1.0], TypeError, "strength must be a number"),
+            (np.ones(2), TypeError, "strength must be a number"),
+        ],
+    )
+    def test_what_is_no_strength_is_refused(self, strength: Any, error: type[Exception], text: str) -> None:
+        core = self.make()
+        with unchanged(core), pytest.raises(error) as caught:
+            core.act(RIGHT, strength)
+        assert text in str(caught.value)
+
+    @pytest.mark.parametrize(
+        ("index", "value", "text"),
+        [
+            (-1, 0, "index must be within 0..127, got -1"),
+            (128, 0, "index must be within 0..127, got 128"),
+            (0.0, 0, "index must be an integer within 0..127, got 0.0"),
+            (0, 256, "value must be within 0..255, got 256"),
+            (0, -1, "value must be within 0..255, got -1"),
+            (0, None, "value must be an integer within 0..255, got None"),
+        ],
+    )
+    def test_a_wrong_poke_is_refused(self, index: Any, value: Any, text: str) -> None:
+        core = self.make()
+        with unchanged(core), pytest.raises((ValueError, TypeError)) as caught:
+            core.set_ram(index, value)
+        assert str(caught.value) == text
+
+    @pytest.mark.parametrize(
+        "use",
+        [
+            lambda core: core.seed(1),
+            lambda core: core.reset(),
+            lambda core: core.act(0),
+            lambda core: core.lives,
+            lambda core: core.game_over,
+            lambda core: core.truncated,
+            lambda core: core.frame_number,
+            lambda core: core.episode_frame_number,
+            lambda core: core.ram(),
+            lambda core: core.screen(),
+            lambda core: core.screen_rgb(),
+            lambda core: core.screen_grayscale(),
+            lambda core: core.audio(),
+            lambda core: core.set_ram(0, 0),
+            lambda core: core.snapshot(),
+            lambda core: core.clone_state(),
+        ],
+    )
+    def test_a_closed_core_refuses_everything(self, use: Callable[[Core], Any]) -> None:
+        core = self.make()
+        core.close()
+        with pytest.raises(RuntimeError, match="this core is closed; make a new one"):
+            use(core)
+
+    def test_a_closed_core_does_not_take_back_a_state(self) -> None:
+        core = self.make()
+        saved, state = core.snapshot(), core.clone_state()
+        core.close()
+        with pytest.raises(RuntimeError, match="this core is closed"):
+            core.restore(saved)
+        with pytest.raises(RuntimeError, match="this core is closed"):
+            core.restore_state(state)
+
+    def test_closing_twice_is_fine(self) -> None:
+        core = self.make()
+        core.close()
+        core.close()
+        with pytest.raises(RuntimeError, match="this core is closed"):
+            core.act(0)

@@ -1,0 +1,593 @@
+"""`AtariEnv`, but for what `conformance/` compares with ale-py over all games."""
+
+import copy
+import hashlib
+import inspect
+import pickle
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import ale_py.env
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.wrappers import FrameStackObservation
+
+import atari
+from atari import Action, AtariEnv, snapshot
+
+
+@contextmanager
+def unchanged(env: AtariEnv) -> Iterator[None]:
+    """The block, which is expected to be refused, leaves the environment as it was."""
+    before = env.snapshot()
+    yield
+    assert env.snapshot() == before
+
+
+def started(game: str = "breakout", *, seed: int = 0, **options: Any) -> AtariEnv:
+    env = AtariEnv(game, **options)
+    env.reset(seed=seed)
+    return env
+
+
+def over(env: AtariEnv) -> AtariEnv:
+    """The game of Breakout with its last ball lost."""
+    env.core.set_ram(0x39, 0)
+    env.step(0)
+    return env
+
+
+def play(env: gymnasium.Env[Any, Any], steps: int, seed: int = 0) -> list[tuple[Any, ...]]:
+    rng = np.random.default_rng(seed)
+    actions = [int(action) for action in rng.integers(4, size=steps)]
+    return [comparable(env.step(action)) for action in actions]
+
+
+def comparable(result: tuple[Any, ...]) -> tuple[Any, ...]:
+    observation, *rest = result
+    pixels = observation if isinstance(observation, dict) else {"image": observation}
+    return ({key: value.tobytes() for key, value in pixels.items()}, *rest)
+
+
+# Options.
+
+
+def test_options_and_defaults_are_those_of_ale_py() -> None:
+    ours = inspect.signature(AtariEnv).parameters.values()
+    theirs = inspect.signature(ale_py.env.AtariEnv).parameters.values()
+    same = [(option.name, option.default) for option in ours if option.kind is not option.KEYWORD_ONLY]
+    assert same == [(option.name, option.default) for option in theirs]
+    assert [option.name for option in ours if option.kind is option.KEYWORD_ONLY] == ["core", "rom"]
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "error", "text"),
+    [
+        ("game", "brekout", ValueError, "there is no game 'brekout'; did you mean 'breakout'?"),
+        ("game", "combat", ValueError, "'combat' is a two-player cartridge without single-player rules"),
+        ("game", None, TypeError, "a game is named by a string such as 'breakout', got None"),
+        ("mode", 5, ValueError, "breakout has no mode 5; it has 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44"),
+        ("mode", "4", TypeError, "mode must be an integer or None, got '4'"),
+        ("difficulty", 3, ValueError, "breakout has no difficulty 3; it has 0, 1"),
+        ("obs_type", "image", ValueError, "obs_type must be one of 'rgb', 'grayscale', 'ram', got 'image'"),
+        ("obs_type", ["rgb"], ValueError, "obs_type must be one of 'rgb', 'grayscale', 'ram', got ['rgb']"),
+        ("frameskip", 0, ValueError, "frameskip must be within 1..10000, got 0"),
+        ("frameskip", -4, ValueError, "frameskip must be within 1..10000, got -4"),
+        ("frameskip", "4", TypeError, "frameskip must be an integer within 1..10000, got '4'"),
+        ("frameskip", 4.0, TypeError, "frameskip must be an integer within 1..10000, got 4.0"),
+        ("frameskip", True, TypeError, "frameskip must be an integer within 1..10000, got True"),
+        ("frameskip", (3, 3), ValueError, "needs low < high, got (3, 3)"),
+        ("frameskip", (5, 2), ValueError, "needs low < high, got (5, 2)"),
+        ("frameskip", (0, 3), ValueError, "frameskip must be within 1..10000, got 0"),
+        ("frameskip", (2,), ValueError, "a frameskip range is (low, high), got (2,)"),
+        ("frameskip", (2, "5"), TypeError, "frameskip must be an integer within 1..10000, got '5'"),
+        ("repeat_action_probability", -0.25, ValueError, "repeat_action_probability must be within 0..1, got -0.25"),
+        ("repeat_action_probability", 1.5, ValueError, "repeat_action_probability must be within 0..1, got 1.5"),
+        ("repeat_action_probability", float("nan"), TypeError, "must be a number within 0..1, got nan"),
+        ("repeat_action_probability", "0.25", TypeError, "must be a number within 0..1, got '0.25'"),
+        ("continuous_action_threshold", 1.5, ValueError, "continuous_action_threshold must be within 0..1, got 1.5"),
+        ("continuous_action_threshold", None, TypeError, "must be a number within 0..1, got None"),
+        ("max_num_frames_per_episode", -1, ValueError, "must be within 0..2147483647, got -1"),
+        ("max_num_frames_per_episode", 99.5, TypeError, "must be an integer within 0..2147483647, got 99.5"),
+        ("render_mode", "ansi", ValueError, "must be one of 'human', 'rgb_array', 'rgb_array_list', got 'ansi'"),
+        ("core", "stella", ValueError, "core must be one of 'ale', got 'stella'"),
+        ("core", [], ValueError, "core must be one of 'ale', got []"),
+    ],
+)
+def test_a_wrong_option_is_refused(option: str, value: Any, error: type[Exception], text: str) -> None:
+    with pytest.raises(error) as caught:
+        AtariEnv(**{"game": "breakout", option: value})
+    assert text in str(caught.value)
+
+
+def test_an_unknown_option_is_refused() -> None:
+    with pytest.raises(TypeError, match="unexpected keyword argument 'frame_skip'"):
+        AtariEnv("breakout", frame_skip=4)  # type: ignore[call-arg]
+
+
+def test_a_rom_path_that_is_a_folder_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(IsADirectoryError):
+        AtariEnv("breakout", rom=tmp_path)
+
+
+def test_a_rom_file_of_another_game_is_refused() -> None:
+    with pytest.raises(ValueError, match="Pong"):
+        AtariEnv("breakout", rom=Path(ale_py.__file__).parent / "roms" / "pong.bin")
+
+
+# Observations, rewards, info.
+
+
+@pytest.mark.parametrize(("obs_type", "shape"), [("rgb", (250, 160, 3)), ("grayscale", (250, 160)), ("ram", (128,))])
+def test_observations_are_what_the_core_shows(obs_type: Any, shape: tuple[int, ...]) -> None:
+    env = AtariEnv("adventure", obs_type=obs_type)
+    observation, _ = env.reset(seed=0)
+    shown = {"rgb": env.core.screen_rgb, "grayscale": env.core.screen_grayscale, "ram": env.core.ram}[obs_type]
+    assert env.observation_space == gymnasium.spaces.Box(0, 255, shape, np.uint8)
+    assert np.array_equal(observation, shown())
+    observation, *_ = env.step(1)
+    assert np.array_equal(observation, shown())
+
+
+def test_an_observation_is_not_overwritten_by_the_next() -> None:
+    env = started("pong")
+    first = env.step(2)[0]
+    kept = first.copy()
+    for _ in range(5):
+        env.step(2)
+    assert np.array_equal(first, kept)
+
+
+def test_sound_comes_beside_the_picture() -> None:
+    env = started("seaquest", sound_obs=True, obs_type="grayscale")
+    observation, *_ = env.step(1)
+    assert list(observation) == ["image", "sound"]
+    assert np.array_equal(observation["image"], env.core.screen_grayscale())
+    assert np.array_equal(observation["sound"], env.core.audio())
+    assert observation["sound"].shape == (512,)
+    assert observation in env.observation_space
+
+
+def test_info_counts_lives_and_frames() -> None:
+    env = AtariEnv("breakout", frameskip=3)
+    _, info = env.reset(seed=1)
+    assert {key: info[key] for key in info if key != "seeds"} == {
+        "lives": 5,
+        "episode_frame_number": 0,
+        "frame_number": 0,
+    }
+    assert env.step(0)[4] == {"lives": 5, "episode_frame_number": 3, "frame_number": 3}
+    assert env.reset()[1] == {"lives": 5, "episode_frame_number": 0, "frame_number": 3}
+    assert env.reset(seed=1)[1]["frame_number"] == 0
+
+
+def test_a_seeded_reset_reports_the_words_of_the_seed() -> None:
+    info = AtariEnv("pong").reset(seed=5)[1]
+    assert info["seeds"] == (16823399, 2940995229)
+    assert all(type(word) is np.uint32 for word in info["seeds"])
+
+
+def test_the_reward_is_the_float_sum_over_the_frames() -> None:
+    env = started(repeat_action_probability=0.0)
+    env.core.set_ram(0x4D, 0x12)
+    reward = env.step(0)[1]
+    assert (reward, type(reward)) == (12.0, float)
+
+
+def test_the_end_of_the_game_is_terminated_not_truncated() -> None:
+    env = started()
+    env.core.set_ram(0x39, 0)
+    assert env.step(0)[2:4] == (True, False)
+
+
+def test_the_frame_limit_is_truncated_not_terminated() -> None:
+    env = started(max_num_frames_per_episode=10)
+    assert [env.step(0)[2:4] for _ in range(3)] == [(False, False), (False, False), (False, True)]
+    assert env.core.episode_frame_number == 10
+
+
+def test_no_limit_by_default() -> None:
+    env = started("pong", frameskip=5000)
+    assert env.step(0)[3] is False
+
+
+def test_the_same_seed_gives_the_same_episode() -> None:
+    assert play(started(seed=3), 50) == play(started(seed=3), 50)
+
+
+def test_another_seed_gives_another_episode() -> None:
+    assert play(started("seaquest", seed=3), 50) != play(started("seaquest", seed=4), 50)
+
+
+def test_without_a_seed_no_two_environments_are_alike() -> None:
+    first, second = AtariEnv("seaquest"), AtariEnv("seaquest")
+    first.reset()
+    second.reset()
+    assert play(first, 80) != play(second, 80)
+
+
+@pytest.mark.parametrize("seed", [-1, 1.5, "1"])
+def test_a_wrong_seed_is_refused(seed: Any) -> None:
+    env = started()
+    with unchanged(env), pytest.raises(gymnasium.error.Error, match="Seed must be"):
+        env.reset(seed=seed)
+
+
+def test_options_of_reset_are_ignored() -> None:
+    first, second = AtariEnv("pong"), AtariEnv("pong")
+    assert np.array_equal(first.reset(seed=1, options={"any": "thing"})[0], second.reset(seed=1)[0])
+
+
+def test_a_frameskip_range_is_drawn_each_step() -> None:
+    env = started(frameskip=(2, 5))
+    seen = []
+    for _ in range(60):
+        before = env.core.frame_number
+        env.step(0)
+        seen.append(env.core.frame_number - before)
+    assert set(seen) == {2, 3, 4}
+
+
+@pytest.mark.parametrize(
+    ("game", "frameskip", "rate"), [("pong", 4, 15.0), ("pong", 1, 60.0), ("pong", (2, 5), 20.0), ("pacman", 4, 12.5)]
+)
+def test_render_fps_is_the_true_rate_of_steps(game: str, frameskip: Any, rate: float) -> None:
+    assert AtariEnv(game, frameskip=frameskip).metadata["render_fps"] == rate
+
+
+# Actions.
+
+
+def test_the_actions_are_those_the_game_uses() -> None:
+    env = AtariEnv("breakout")
+    assert env.action_space == gymnasium.spaces.Discrete(4)
+    assert env.get_action_meanings() == ["NOOP", "FIRE", "RIGHT", "LEFT"]
+
+
+def test_full_action_space_is_all_that_are_legal() -> None:
+    assert AtariEnv("breakout", full_action_space=True).get_action_meanings() == [Action(n).name for n in range(18)]
+    assert AtariEnv("skiing", full_action_space=True).action_space == gymnasium.spaces.Discrete(9)
+
+
+def test_keys_stand_for_actions() -> None:
+    assert AtariEnv("pong").get_keys_to_action() == {
+        ("e",): 0,
+        (" ",): 1,
+        ("d",): 2,
+        ("a",): 3,
+        ("d", " "): 4,
+        ("a", " "): 5,
+    }
+    keys = AtariEnv("seaquest").get_keys_to_action()
+    assert keys["w", "d", " "] == 14
+    assert len(keys) == 18
+
+
+def test_there_are_no_keys_for_continuous_actions() -> None:
+    with pytest.raises(AttributeError, match="this environment was made with continuous=True"):
+        AtariEnv("pong", continuous=True).get_keys_to_action()
+
+
+@pytest.mark.parametrize(
+    ("action", "error", "text"),
+    [
+        (4, ValueError, "action 4 is not within 0..3 (breakout)"),
+        (-1, ValueError, "action -1 is not within 0..3 (breakout)"),
+        (2**70, ValueError, "is not within 0..3"),
+        (1.0, TypeError, "an action is an integer within 0..3, got 1.0"),
+        ("FIRE", TypeError, "an action is an integer within 0..3, got 'FIRE'"),
+        (None, TypeError, "an action is an integer within 0..3, got None"),
+        ([1], TypeError, "an action is an integer within 0..3, got [1]"),
+        (np.array([1]), TypeError, "an action is an integer within 0..3"),
+        (float("nan"), TypeError, "an action is an integer within 0..3, got nan"),
+    ],
+)
+def test_what_is_no_action_is_refused(action: Any, error: type[Exception], text: str) -> None:
+    env = started(frameskip=(2, 5))
+    with unchanged(env), pytest.raises(error) as caught:
+        env.step(action)
+    assert text in str(caught.value)
+
+
+@pytest.mark.parametrize("action", [2, np.int64(2), np.uint8(2), np.array(2)])
+def test_an_action_is_any_kind_of_integer(action: Any) -> None:
+    assert comparable(started().step(action)) == comparable(started().step(2))
+
+
+@pytest.mark.parametrize(
+    ("action", "number"),
+    [
+        ([0.0, 0.0, 0.0], Action.NOOP),
+        ([0.0, 0.0, 1.0], Action.FIRE),
+        ([1.0, 0.0, 0.0], Action.RIGHT),
+        ([1.0, np.pi / 2, 0.0], Action.UP),
+        ([1.0, np.pi, 0.0], Action.LEFT),
+        ([1.0, -np.pi / 2, 0.0], Action.DOWN),
+        ([1.0, np.pi / 4, 0.0], Action.UPRIGHT),
+        ([1.0, -3 * np.pi / 4, 0.6], Action.DOWNLEFTFIRE),
+        ([0.5, 0.0, 0.5], Action.NOOP),
+        ([0.51, 0.0, 0.51], Action.RIGHTFIRE),
+        ([0.7, np.pi / 4, 0.0], Action.NOOP),
+    ],
+)
+def test_a_continuous_action_is_the_nearest_of_the_18(
+    action: Any, number: Action, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Beyond the threshold, 0.5, in the horizontal, the vertical, and for the button."""
+    env = started("breakout", continuous=True)
+    played = spy(env, monkeypatch)
+    env.step(np.array(action, np.float32))
+    assert played == [(number, np.float32(action[0]))] * 4
+
+
+def test_the_threshold_says_how_far_the_stick_must_go(monkeypatch: pytest.MonkeyPatch) -> None:
+    env = started("breakout", continuous=True, continuous_action_threshold=0.1)
+    played = spy(env, monkeypatch)
+    env.step([0.2, 0.0, 0.2])
+    assert [action for action, _ in played] == [Action.RIGHTFIRE] * 4
+
+
+def spy(env: AtariEnv, monkeypatch: pytest.MonkeyPatch) -> list[tuple[int, float]]:
+    """What the core is told to play, in place of playing it."""
+    played: list[tuple[int, float]] = []
+
+    def act(action: int, strength: float = 1.0) -> int:
+        played.append((action, strength))
+        return 0
+
+    monkeypatch.setattr(env.core, "act", act)
+    return played
+
+
+@pytest.mark.parametrize(
+    ("action", "error", "text"),
+    [
+        ([0.5, 0.0, float("nan")], ValueError, "radius 0..1, angle -pi..pi, fire 0..1, got (0.5, 0.0, nan)"),
+        ([1.5, 0.0, 0.0], ValueError, "got (1.5, 0.0, 0.0)"),
+        ([-0.5, 0.0, 0.0], ValueError, "got (-0.5, 0.0, 0.0)"),
+        ([0.5, 4.0, 0.0], ValueError, "got (0.5, 4.0, 0.0)"),
+        ([0.5, 0.0, float("inf")], ValueError, "got (0.5, 0.0, inf)"),
+        ([1e300, 0.0, 0.0], ValueError, "got (inf, 0.0, 0.0)"),
+        ([0.5, 0.0], TypeError, "a continuous action is three floats (radius, angle, fire), got [0.5, 0.0]"),
+        (np.zeros((3, 2)), TypeError, "a continuous action is three floats"),
+        (["a", 0, 0], TypeError, "a continuous action is three floats"),
+        (2, TypeError, "a continuous action is three floats (radius, angle, fire), got 2"),
+        (None, TypeError, "a continuous action is three floats (radius, angle, fire), got None"),
+    ],
+)
+def test_what_is_no_continuous_action_is_refused(action: Any, error: type[Exception], text: str) -> None:
+    env = started(continuous=True)
+    with unchanged(env), pytest.raises(error) as caught:
+        env.step(action)
+    assert text in str(caught.value)
+
+
+def test_play_frames_is_step_without_observation() -> None:
+    first, second = started("seaquest", seed=1), started("seaquest", seed=1)
+    for action in (1, 2, 17, 5):
+        assert first.play_frames(action, 4) == second.step(action)[1]
+    assert first.snapshot() == second.snapshot()
+
+
+# The order of calls.
+
+
+@pytest.mark.parametrize("call", [lambda env: env.step(0), lambda env: env.play_frames(0, 4)])
+def test_a_step_before_the_first_reset_raises(call: Any) -> None:
+    env = AtariEnv("pong")
+    with unchanged(env), pytest.raises(gymnasium.error.ResetNeeded, match=r"call env\.reset\(\) before the first"):
+        call(env)
+
+
+def test_a_step_after_the_end_warns_once_and_does_nothing() -> None:
+    env = over(started())
+    frames = env.core.frame_number
+    with pytest.warns(UserWarning, match=r"env\.step\(\) was called after the episode had ended") as warnings:
+        results = [env.step(1) for _ in range(3)]
+    assert len(warnings) == 1
+    assert [(result[1], result[2], result[3]) for result in results] == [(0.0, True, False)] * 3
+    assert env.core.frame_number == frames
+
+
+def test_the_next_episode_warns_again() -> None:
+    env = over(started())
+    with pytest.warns(UserWarning, match="after the episode had ended"):
+        env.step(0)
+    env.reset()
+    assert env.step(0)[2] is False
+    over(env)
+    with pytest.warns(UserWarning, match="after the episode had ended"):
+        env.step(0)
+
+
+def test_a_step_after_truncation_stays_truncated() -> None:
+    env = started(max_num_frames_per_episode=4)
+    env.step(0)
+    with pytest.warns(UserWarning, match="after the episode had ended"):
+        assert env.step(0)[1:4] == (0.0, False, True)
+
+
+def test_closing_twice_is_fine_and_nothing_goes_on_after_it() -> None:
+    env = started()
+    env.close()
+    env.close()
+    with pytest.raises(RuntimeError, match="this core is closed; make a new one"):
+        env.step(0)
+    with pytest.raises(RuntimeError, match="this core is closed; make a new one"):
+        env.reset()
+
+
+# Snapshots and copies.
+
+
+def test_a_snapshot_brings_everything_back() -> None:
+    env = started("seaquest", frameskip=(2, 5), sound_obs=True)
+    play(env, 30)
+    saved = env.snapshot()
+    expected = play(env, 40, seed=1)
+    env.restore(saved)
+    assert env.snapshot() == saved
+    assert play(env, 40, seed=1) == expected
+
+
+def test_a_snapshot_goes_on_in_another_environment_also_over_a_reset() -> None:
+    env, other = started("seaquest", frameskip=(2, 5)), AtariEnv("seaquest", frameskip=(2, 5))
+    play(env, 30)
+    other.restore(env.snapshot())
+    assert play(other, 20) == play(env, 20)
+    assert np.array_equal(other.reset()[0], env.reset()[0])
+    assert play(other, 20) == play(env, 20)
+
+
+def test_what_is_seen_may_differ_between_snapshot_and_restore() -> None:
+    """Pixels of a game that was played from RAM, for instance."""
+    player, watcher = started("pong", obs_type="ram"), AtariEnv("pong", render_mode="rgb_array")
+    play(player, 30)
+    watcher.restore(player.snapshot())
+    assert np.array_equal(watcher.render(), player.core.screen_rgb())
+
+
+def test_a_restored_environment_knows_whether_it_was_reset() -> None:
+    fresh, env = AtariEnv("pong"), started("pong")
+    env.restore(fresh.snapshot())
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.step(0)
+
+
+def test_a_restored_environment_knows_that_the_episode_is_over() -> None:
+    env = AtariEnv("breakout")
+    env.restore(over(started()).snapshot())
+    with pytest.warns(UserWarning, match="after the episode had ended"):
+        env.step(0)
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"game": "pong"}, "taken with game = 'pong', but this environment has 'breakout'"),
+        ({"mode": 4}, "taken with mode = 4"),
+        ({"difficulty": 1}, "taken with difficulty = 1"),
+        ({"repeat_action_probability": 0.5}, "taken with repeat_action_probability = 0.5"),
+        ({"max_num_frames_per_episode": 7}, "taken with max_num_frames_per_episode = 7"),
+        ({"sound_obs": True}, "taken with sound = True"),
+    ],
+)
+def test_a_snapshot_of_another_kind_of_environment_is_refused(options: dict[str, Any], text: str) -> None:
+    env, other = started(), started(**options)
+    with unchanged(env), pytest.raises(ValueError, match="the snapshot was taken with") as error:
+        env.restore(other.snapshot())
+    assert text in str(error.value)
+
+
+def test_a_snapshot_of_a_core_is_not_one_of_an_environment() -> None:
+    env = started()
+    with unchanged(env), pytest.raises(ValueError, match="the snapshot was taken with of = None"):
+        env.restore(env.core.snapshot())
+
+
+@pytest.mark.parametrize("data", [b"", b"garbage", "text", None])
+def test_what_is_no_snapshot_is_refused(data: Any) -> None:
+    env = started()
+    with unchanged(env), pytest.raises((ValueError, TypeError), match="snapshot"):
+        env.restore(data)
+
+
+def test_a_damaged_snapshot_is_refused() -> None:
+    env = started()
+    good = env.snapshot()
+    with unchanged(env):
+        for place in range(0, len(good), 97):
+            bad = bytearray(good)
+            bad[place] ^= 0x10
+            with pytest.raises(ValueError, match="snapshot"):
+                env.restore(bytes(bad))
+            with pytest.raises(ValueError, match="snapshot"):
+                env.restore(good[:place])
+
+
+def test_a_snapshot_of_another_version_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    env = started()
+    with monkeypatch.context() as patch:
+        patch.setattr(snapshot, "VERSION", 2)
+        future = env.snapshot()
+    with (
+        unchanged(env),
+        pytest.raises(ValueError, match="format version 2, this release of atari-envs reads version 1"),
+    ):
+        env.restore(future)
+
+
+@pytest.mark.parametrize("duplicate", [copy.deepcopy, copy.copy, lambda env: pickle.loads(pickle.dumps(env))])
+def test_copies_keep_the_position_and_go_their_own_way(duplicate: Any) -> None:
+    env = started("seaquest", frameskip=(2, 5), obs_type="grayscale")
+    play(env, 30)
+    other = duplicate(env)
+    assert other.snapshot() == env.snapshot()
+    expected = play(env, 20)
+    assert play(other, 20) == expected
+    play(other, 5)
+    assert other.core.frame_number > env.core.frame_number
+
+
+def test_a_pickle_goes_on_in_another_process(tmp_path: Path) -> None:
+    env = started("pong", obs_type="ram", frameskip=(2, 5))
+    play(env, 30)
+    (tmp_path / "env").write_bytes(pickle.dumps(env))
+    program = (
+        "import hashlib, pickle\nenv = pickle.load(open('env', 'rb'))\n"
+        "steps = [env.step(action)[0].tobytes() for action in [0, 1, 2, 3] * 10]\n"
+        "print(hashlib.sha256(b''.join(steps)).hexdigest())"
+    )
+    result = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True)
+    steps = [env.step(action)[0].tobytes() for action in [0, 1, 2, 3] * 10]
+    assert result.stdout.strip() == hashlib.sha256(b"".join(steps)).hexdigest()
+
+
+def test_a_copy_keeps_the_spec() -> None:
+    env = gymnasium.make("Pong-ramNoFrameskip-v4").unwrapped
+    assert copy.deepcopy(env).spec == pickle.loads(pickle.dumps(env)).spec == env.spec
+    assert env.spec is not None
+    assert env.spec.id == "Pong-ramNoFrameskip-v4"
+
+
+def test_a_wrapped_environment_can_be_copied_too() -> None:
+    env = FrameStackObservation(gymnasium.make("ALE/Seaquest-v5"), 3)
+    env.reset(seed=0)
+    play(env, 20)
+    other = copy.deepcopy(env)
+    assert play(other, 20) == play(env, 20)
+
+
+def test_a_cloned_state_brings_the_game_back() -> None:
+    env = started("breakout", repeat_action_probability=0.0, obs_type="ram")
+    play(env, 30)
+    state = env.clone_state()
+    expected = play(env, 30)
+    env.restore_state(state)
+    assert play(env, 30) == expected
+
+
+def test_a_cloned_state_can_leave_the_end_of_an_episode() -> None:
+    env = started("breakout")
+    state = env.clone_state()
+    over(env)
+    env.restore_state(state)
+    assert env.step(0)[2] is False
+
+
+def test_what_is_no_state_is_refused() -> None:
+    env = started()
+    with unchanged(env), pytest.raises(TypeError, match="restore_state takes what clone_state returned, got bytes"):
+        env.restore_state(env.snapshot())
+
+
+def test_the_core_is_within_reach() -> None:
+    env = gymnasium.make("ALE/Pong-v5").unwrapped
+    assert isinstance(env, AtariEnv)
+    assert isinstance(env.core, atari.cores.AleCore)
+    assert env.core.game is env.game is atari.games["pong"]

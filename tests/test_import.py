@@ -1,0 +1,79 @@
+"""What `import atari` does, and what it does not do: each test looks at a fresh interpreter."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+
+def run(program: str, folder: Path, *options: str) -> str:
+    """What a program prints; anything on standard error fails, and with `-W error` so does any warning."""
+    command = [sys.executable, *options, "-c", program]
+    result = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert (result.returncode, result.stderr) == (0, "")
+    return result.stdout
+
+
+@pytest.mark.parametrize(
+    "imports",
+    ["import atari", "import ale_py, atari", "import atari, ale_py", "import gymnasium, ale_py; import atari, ale_py"],
+)
+def test_importing_prints_and_warns_nothing(imports: str, tmp_path: Path) -> None:
+    assert run(imports, tmp_path, "-W", "error") == ""
+
+
+@pytest.mark.parametrize("imports", ["import ale_py, atari", "import atari, ale_py"])
+def test_in_either_order_the_ids_are_ours(imports: str, tmp_path: Path) -> None:
+    program = (
+        f"{imports}\nimport gymnasium\ngymnasium.register_envs(ale_py)\n"
+        "ids = ('ALE/Breakout-v5', 'Breakout-v4', 'BreakoutNoFrameskip-v4')\n"
+        "print(*{type(gymnasium.make(env_id).unwrapped).__module__ for env_id in ids})"
+    )
+    assert run(program, tmp_path, "-W", "error") == "atari.env\n"
+
+
+def test_heavy_packages_stay_out(tmp_path: Path) -> None:
+    heavy = "{'cv2', 'av', 'pygame', 'torch', 'matplotlib', 'AutoROM', 'tqdm'}"
+    assert run(f"import sys, atari\nprint(sorted({heavy} & set(sys.modules)))", tmp_path) == "[]\n"
+
+
+@pytest.mark.parametrize(
+    "imports",
+    [
+        "import atari.games; games = atari.games",
+        "from atari import games",
+        "import atari; import atari.games as games",
+        "import importlib; games = importlib.import_module('atari.games')",
+    ],
+)
+def test_games_stays_the_mapping_however_it_is_imported(imports: str, tmp_path: Path) -> None:
+    assert run(f"{imports}\nprint(games['pong'].title, len(games))", tmp_path) == "Pong 108\n"
+
+
+def test_the_parts_are_there_when_asked_for(tmp_path: Path) -> None:
+    program = "import atari\nprint(atari.wrappers.__name__, atari.roms.__name__, atari.cores.__name__)"
+    assert run(program, tmp_path) == "atari.wrappers atari.roms atari.cores\n"
+
+
+def test_a_name_that_is_not_there_raises(tmp_path: Path) -> None:
+    program = "import atari\ntry:\n    atari.rom\nexcept AttributeError as error:\n    print(error)"
+    assert run(program, tmp_path) == "module 'atari' has no attribute 'rom'\n"
+
+
+def test_everything_in_all_is_there(tmp_path: Path) -> None:
+    program = "import atari\nprint([name for name in atari.__all__ if not hasattr(atari, name)])"
+    assert run(program, tmp_path) == "[]\n"
+
+
+def test_making_and_playing_prints_nothing(tmp_path: Path) -> None:
+    program = (
+        "import gymnasium, atari\nenv = gymnasium.make('ALE/Breakout-v5')\nenv.reset(seed=0)\n"
+        "for _ in range(50): env.step(env.action_space.sample())\nenv.close()"
+    )
+    assert run(program, tmp_path, "-W", "error") == ""
+
+
+def test_gymnasium_imports_the_package_by_the_module_prefix(tmp_path: Path) -> None:
+    program = "import gymnasium\nprint(gymnasium.make('atari:Pong-ram-v4').reset(seed=0)[0].shape)"
+    assert run(program, tmp_path, "-W", "error") == "(128,)\n"
