@@ -109,9 +109,9 @@ def test_pal_games_run_at_50_frames_a_second() -> None:
 
 def test_the_mapping_is_read_only() -> None:
     assert isinstance(atari.games, Mapping)
-    with pytest.raises(TypeError, match="does not support item assignment"):
+    with pytest.raises(TypeError, match="item assignment"):
         atari.games["new"] = atari.games["pong"]  # type: ignore[index]
-    with pytest.raises(TypeError, match="does not support item deletion"):
+    with pytest.raises(TypeError, match="item deletion"):
         del atari.games["pong"]  # type: ignore[attr-defined]
 
 
@@ -119,10 +119,10 @@ def test_a_game_is_frozen() -> None:
     game = atari.games["breakout"]
     with pytest.raises(dataclasses.FrozenInstanceError):
         game.title = "Breakin"  # type: ignore[misc]
-    with pytest.raises(TypeError, match="does not support item assignment"):
+    with pytest.raises(TypeError, match="item assignment"):
         game.ram_labels["ball_x"] = game.ram_labels["ball_y"]  # type: ignore[index]
     assert game.rules is not None
-    with pytest.raises(TypeError, match="does not support item assignment"):
+    with pytest.raises(TypeError, match="item assignment"):
         game.rules.state["score"] = 9  # type: ignore[index]
 
 

@@ -188,7 +188,7 @@ def test_explain_says_what_an_id_means() -> None:
         "  frame skip    3 frames a step",
         "  sticky        no",
         "  actions       6, those the game uses: NOOP FIRE RIGHT LEFT RIGHTFIRE LEFTFIRE",
-        "  limit         truncated after 108000 emulated frames (30 minutes at 60 a second)",
+        "  limit         truncated after 108000 frames of the emulator, half an hour of play",
         "  mode          0 of 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15; difficulty 0 of 0, 1",
         "  siblings",
     ]

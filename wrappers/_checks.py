@@ -7,6 +7,7 @@ import gymnasium
 import numpy as np
 from gymnasium import spaces
 
+from atari.actions import Action
 from atari.env import AtariEnv
 
 Environment = gymnasium.Env[Any, Any]
@@ -70,6 +71,20 @@ def require_single_frames(env: Environment, wrapper: str) -> None:
                 )
 
 
+def has_noop(env: Environment) -> bool:
+    """Whether doing nothing is one of the actions: not in the minimal sets of Backgammon and Video Checkers."""
+    return not isinstance(env.action_space, spaces.Discrete) or "NOOP" in env.get_wrapper_attr("get_action_meanings")()
+
+
 def noop_action(env: Environment) -> Any:
     """The action that does nothing: index 0, or the stick at rest of a continuous action space."""
     return 0 if isinstance(env.action_space, spaces.Discrete) else np.zeros(3, np.float32)
+
+
+def step_noop(env: Environment) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+    """A step of doing nothing; where that is no action, the emulator is told directly, for a frame."""
+    if has_noop(env):
+        return env.step(noop_action(env))
+    atari = require_atari(env, "a NOOP")
+    reward = atari.play_frames(Action.NOOP, 1)
+    return atari._observation(), reward, atari.core.game_over, atari.core.truncated, atari._info()

@@ -118,24 +118,26 @@ class DqnPreprocessing(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorA
         self._frames_read = 2 if max_pool and frame_skip > 1 else 1
         self._pads_zero = padding_type == "zero"
         self._end_frames = end_frames
-        self._seamless = seamless_lives
         self._direct = _can_drive_directly(env, self._atari)
         self._life = next((layer for layer in layers(env) if isinstance(layer, EpisodicLife)), None)
-
-        screen = self._atari.game.screen
-        self._rgb_pool = RgbPool(screen.format) if pool_rgb and grayscale else None
+        self._seamless_life = self._life if seamless_lives else None
+        self._frames_played = 0
+        self._frame_number = 0
+        self._info: dict[str, Any] = {}
         self._grayscale = grayscale
-        # What is read from the emulator: gray values, colours, or palette indices to be pooled as colours.
-        raw = screen.shape if grayscale else (*screen.shape, 3)
+        self._rgb_pool = RgbPool(self._atari.game.screen.format) if pool_rgb and grayscale else None
+        self._make_buffers(stack_size)
+
+    def _make_buffers(self, stack_size: int | None) -> None:
+        """Arrays for what is read from the emulator (gray values, palette indices or colours) and what is returned."""
+        colours = () if self._grayscale else (3,)
+        raw = (*self._atari.game.screen.shape, *colours)
         self._early: ByteArray = np.zeros(raw, np.uint8)  # the last frame but one of a skip
         self._late: ByteArray = np.zeros(raw, np.uint8)  # the last one
         self._pooled: ByteArray = np.zeros(raw, np.uint8)
         self._stacked = stack_size is not None
-        picture = (self._size[1], self._size[0]) if grayscale else (self._size[1], self._size[0], 3)
+        picture = (self._size[1], self._size[0], *colours)
         self._stack: ByteArray = np.zeros((stack_size or 1, *picture), np.uint8)
-        self._frames_played = 0
-        self._frame_number = 0
-        self._info: dict[str, Any] = {}
         self.observation_space = spaces.Box(0, 255, self._stack.shape if self._stacked else picture, np.uint8)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
@@ -151,7 +153,7 @@ class DqnPreprocessing(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorA
         same_game = self._life is not None and self._life.same_game
         if not same_game:
             self._frames_played = 0
-        fill = not (same_game and self._seamless)
+        fill = not same_game or self._seamless_life is None
         if same_game and self._atari.core.frame_number == self._frame_number:
             observation = self._push(None, fill)
         else:
@@ -165,7 +167,7 @@ class DqnPreprocessing(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorA
         """Play the action until the skip or the episode ends."""
         play = self._play_direct if self._direct else self._play_through
         move = self._move(action) if self._direct else action
-        seamless = self._life if self._seamless else None
+        seamless = self._seamless_life
         total = 0.0
         left = self.frame_skip
         ended = False

@@ -10,7 +10,7 @@ from typing import Any, Literal, get_args
 import gymnasium
 from gymnasium.utils import RecordConstructorArgs
 
-from atari.wrappers._checks import Environment, noop_action
+from atari.wrappers._checks import Environment, step_noop
 
 OnReset = Literal["noop", "continue", "new_game"]
 
@@ -77,7 +77,7 @@ class EpisodicLife(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs)
             observation, info = self._last
             return observation, dict(info)
         if self.same_game:
-            observation, _, terminated, truncated, info = self.env.step(noop_action(self.env))
+            observation, _, terminated, truncated, info = step_noop(self.env)
             self.same_game = not (terminated or truncated)
         if not self.same_game:
             observation, info = self.env.reset(seed=seed, options=options)

@@ -10,7 +10,7 @@ import gymnasium
 from gymnasium.utils import RecordConstructorArgs
 
 from atari.cores.options import check_integer
-from atari.wrappers._checks import Environment, noop_action
+from atari.wrappers._checks import Environment, step_noop
 
 
 class NoopReset(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
@@ -50,9 +50,8 @@ class NoopReset(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
         if forced is not None:
             forced = check_integer("noops", forced, 0, 100_000)
         observation, info = self.env.reset(seed=seed, options=options)
-        noop = noop_action(self.env)
         for _ in range(self._draw() if forced is None else forced):
-            observation, _, terminated, truncated, step_info = self.env.step(noop)
+            observation, _, terminated, truncated, step_info = step_noop(self.env)
             info.update(step_info)
             if terminated or truncated:
                 observation, info = self.env.reset(seed=seed, options=options)

@@ -205,8 +205,10 @@ def preset(
     is clipping the reward to -1..1.
 
     baselines, gymnasium, dopamine, envpool and ale_vector give the same bytes as these implementations, from the same
-    start (`reset(options={"noops": n})` chooses one) and with the same seeds of sticky actions. The other three are
-    protocols; no one program defines them, and they are built from the publications (`PRESETS[name].source`).
+    start (`reset(options={"noops": n})` chooses one) and with the same seeds of sticky actions, but in two corners: if
+    FIRE at the start ends an episode, Stable-Baselines3 shows that end and this the start of the next; and EnvPool
+    calls a game over in the last step of its limit a truncation. The other three are protocols; no one program defines
+    them, and they are built from the publications (`PRESETS[name].source`).
 
     Args:
         env: made with the options `preset_options(name)`: `frameskip=1` always, and, where a protocol prescribes them,

@@ -12,7 +12,7 @@ from gymnasium.utils import RecordConstructorArgs
 
 from atari.cores.options import check_probability
 from atari.env import AtariEnv
-from atari.wrappers._checks import Environment, noop_action
+from atari.wrappers._checks import Environment, has_noop, noop_action
 
 
 class StickyActions(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
@@ -26,7 +26,7 @@ class StickyActions(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs
         repeat_action_probability: of repeating, 0..1.
 
     Raises:
-        TypeError, ValueError: no probability, or the environment's actions are sticky already.
+        TypeError, ValueError: no probability; the environment's actions are sticky already, or NOOP is not among them.
     """
 
     def __init__(self, env: Environment, repeat_action_probability: float = 0.25) -> None:
@@ -36,6 +36,11 @@ class StickyActions(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs
             raise ValueError(
                 f"the actions of {inner.game.id} are sticky already (probability "
                 f"{inner._options['repeat_action_probability']}); make it with repeat_action_probability=0.0"
+            )
+        if not has_noop(env):
+            raise ValueError(
+                "StickyActions starts an episode with NOOP, which is no action of this game; make the environment with "
+                "full_action_space=True, or with repeat_action_probability instead of this wrapper"
             )
         RecordConstructorArgs.__init__(self, repeat_action_probability=repeat_action_probability)
         super().__init__(env)

@@ -5,7 +5,8 @@ from pathlib import Path
 import ale_py
 import numpy as np
 import pytest
-from core_contract import CoreContract, play, some_actions, unchanged, visible
+from core_contract import CoreContract
+from core_tools import play, some_actions, unchanged, visible
 
 from atari.cores import AleCore
 

@@ -82,6 +82,19 @@ def test_does_nothing_with_a_stick_at_rest(game_env):
     np.testing.assert_array_equal(env.unwrapped.core.ram(), still.core.ram())
 
 
+@pytest.mark.parametrize("game", ["backgammon", "video_checkers"])
+def test_does_nothing_where_that_is_no_action(game_env, game):
+    env, full = NoopReset(game_env(game)), game_env(game, full_action_space=True)
+    assert "NOOP" not in env.unwrapped.get_action_meanings()
+    observation, info = env.reset(seed=0, options={"noops": 20})
+    full.reset(seed=0)
+    for _ in range(20):
+        expected, *_, expected_info = full.step(0)
+    np.testing.assert_array_equal(observation, expected)
+    np.testing.assert_array_equal(env.unwrapped.core.ram(), full.core.ram())
+    assert {key: info[key] for key in expected_info} == expected_info
+
+
 @pytest.mark.parametrize(
     ("arguments", "error", "text"),
     [

@@ -1,0 +1,46 @@
+"""What the contracts of cores have in common: making a core, playing it, and seeing everything of it."""
+
+import random
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from atari.cores import AleCore, Core
+
+ARRAYS = ["ram", "screen", "screen_rgb", "screen_grayscale", "audio"]
+
+
+class Maker:
+    """A core's test class names the class of the core."""
+
+    core_type: type[AleCore]
+
+    def make(self, game: str = "breakout", *, reset: bool = True, **options: Any) -> Core:
+        core = self.core_type(game, **options)
+        if reset:
+            core.reset()
+        return core
+
+
+def visible(core: Core) -> tuple[Any, ...]:
+    """Everything that can be seen of a core."""
+    arrays = tuple(getattr(core, name)().tobytes() for name in ARRAYS)
+    return (*arrays, core.lives, core.game_over, core.truncated, core.frame_number, core.episode_frame_number)
+
+
+def play(core: Core, actions: Iterable[int]) -> list[tuple[Any, ...]]:
+    """What a core shows after each action, with the reward."""
+    return [(core.act(action), *visible(core)) for action in actions]
+
+
+def some_actions(core: Core, count: int, seed: int = 0) -> list[int]:
+    return [int(action) for action in random.Random(seed).choices(core.game.minimal_actions, k=count)]
+
+
+@contextmanager
+def unchanged(core: Core) -> Iterator[None]:
+    """The block, which is expected to be refused, leaves the core as it was, hidden state included."""
+    seen, saved = visible(core), core.snapshot()
+    yield
+    assert visible(core) == seen
+    assert core.snapshot() == saved
