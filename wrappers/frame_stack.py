@@ -69,7 +69,7 @@ class FrameStack(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
 
     def _push(self, frame: Array) -> "Array | LazyStack":
         self._frames.append(frame)
-        return LazyStack(tuple(self._frames)) if self._lazy else np.stack(self._frames)
+        return LazyStack(tuple(self._frames)) if self._lazy else np.array(self._frames)
 
 
 class LazyStack:
