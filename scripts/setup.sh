@@ -14,7 +14,16 @@ find_python() {
   return 1
 }
 
+check_compiler() {
+  for compiler in "${CXX:-}" c++ g++ clang++; do
+    [ -n "$compiler" ] && command -v "$compiler" >/dev/null 2>&1 || continue
+    echo 'int main() {}' | "$compiler" -std=c++20 -x c++ -fsyntax-only - 2>/dev/null && return
+  done
+  fail "A C++20 compiler is missing; install GCC 10 or Clang 12, or newer (Debian: apt install g++)."
+}
+
 set_up() {
+  check_compiler
   local python
   python=$(find_python) || fail "Python 3.10 or newer is missing; install python3 (Debian: apt install python3)."
   if [ ! -x "$VENV/bin/python" ]; then

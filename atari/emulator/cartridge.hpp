@@ -1,0 +1,37 @@
+// Cartridges: the ROM image, how it is recognised, and what its bank switching does.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "state.hpp"
+
+namespace atari {
+
+enum class CartridgeType : uint8_t { k2K, k4K, kF8, kF8Swapped, kF6, kF4, kF8SC, kF6SC, kF4SC, kFASC, kE0, kE7, kFE,
+                                     kDPC, k3F, k3E, kUA, kCV, kMB };
+
+// An image and its type; immutable, so that all machines that run the game can share it.
+class Cartridge {
+  public:
+    // `type` is a name such as "F8", or empty to recognise it by size and signature.
+    // Throws std::invalid_argument if the image is of no supported type, or too short for the type asked for.
+    Cartridge(std::vector<uint8_t> image, const std::string& type);
+
+    CartridgeType type() const { return type_; }
+    std::string type_name() const;
+    size_t ram_size() const;     // bytes of RAM on the cartridge
+    size_t random_bytes() const; // bytes of it filled from the machine's generator at each reset
+    const uint8_t* image() const { return image_.data(); }
+    size_t size() const { return image_.size(); }
+
+    // Whether reads of $1000-$1FBF and all writes have no effect beyond the value: the usual case.
+    bool plain_below_hotspots() const { return type_ <= CartridgeType::kF4; }
+
+  private:
+    std::vector<uint8_t> image_;
+    CartridgeType type_;
+};
+
+}  // namespace atari

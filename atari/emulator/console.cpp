@@ -1,0 +1,136 @@
+#include "console.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+namespace atari {
+
+Console::Console(std::shared_ptr<const Cartridge> cartridge, const ConsoleConfig& config)
+    : cart_ram_(cartridge->ram_size()), pictures_{}, cartridge_(std::move(cartridge)), config_(config) {
+    const CartridgeType type = cartridge_->type();
+    watches_tia_ = type == CartridgeType::k3F || type == CartridgeType::k3E || type == CartridgeType::kUA;
+}
+
+void Console::construct() {
+    m_ = Machine{};
+    std::fill(cart_ram_.begin(), cart_ram_.end(), uint8_t{0});
+    for (uint8_t& byte : m_.riot.ram) byte = static_cast<uint8_t>(machine_word());
+    m_.random_words += 1;  // the timer's first value, which the reset replaces
+    m_.cart.random = 1;
+    for (int k : {0, 1}) m_.sound.p4[k] = m_.sound.p5[k] = 1;
+    m_.inputs.switches = 0x3f;
+}
+
+void Console::reset() {
+    rebase_cycles();
+    Riot& riot = m_.riot;
+    riot.timer = static_cast<uint8_t>(25 + machine_word() % 75);
+    riot.shift = 6;
+    riot.set_at = riot.irq_at = 0;
+    riot.read_after_expiry = false;
+    riot.ddr_a = 0;
+    reset_tia();
+    reset_cartridge();
+    m_.cpu = Cpu{};
+    m_.cpu.sp = 0xff;
+    m_.cpu.last_access_was_read = true;
+    const uint8_t low = read(0xfffc);
+    m_.cpu.pc = static_cast<uint16_t>(low | read(0xfffd) << 8);
+}
+
+// Makes the present cycle number 0. Pure bookkeeping: all stamps move along.
+void Console::rebase_cycles() {
+    const uint32_t cycles = m_.cycles, clocks = 3 * m_.cycles;
+    const auto move = [](int32_t& stamp, uint32_t by) { stamp = static_cast<int32_t>(static_cast<uint32_t>(stamp) - by); };
+    move(m_.riot.set_at, cycles);
+    move(m_.riot.irq_at, cycles);
+    Tia& t = m_.tia;
+    for (int32_t* stamp : {&t.frame_start, &t.draw_start, &t.draw_stop, &t.drawn_to, &t.pending, &t.vsync_done, &t.last_hmove})
+        move(*stamp, clocks);
+    move(t.dump_off_cycle, cycles);
+    move(m_.cart.stamp, cycles);
+    m_.cycles = 0;
+}
+
+int Console::scan_lines() const { return static_cast<int>(clocks_since(m_.tia.frame_start) / 228); }
+
+void Console::run_frame() {
+    Tia& t = m_.tia;
+    if (!t.partial) start_frame();
+    t.partial = true;  // until a write ends the frame
+    run_cpu();
+    catch_up();
+    t.current_line = scan_lines();
+    if (t.partial) {
+        if (!t.greyed) grey_rest();
+        t.greyed = true;
+    } else {
+        t.last_line_count = t.current_line;
+        t.greyed = false;
+    }
+}
+
+size_t Console::state_size() const { return sizeof(Machine) + cart_ram_.size() + 2 * kFrameBytes; }
+
+void Console::save(uint8_t* out) const {
+    std::memcpy(out, &m_, sizeof m_);
+    out += sizeof m_;
+    std::copy(cart_ram_.begin(), cart_ram_.end(), out);
+    out += cart_ram_.size();
+    for (const auto& picture : pictures_) {
+        std::memcpy(out, picture, kFrameBytes);
+        out += kFrameBytes;
+    }
+}
+
+namespace {
+
+// Whether every index in a machine is within the array it is used for. Anything else cannot do harm.
+bool sound_indices(const Machine& m, const Cartridge& cartridge) {
+    const Tia& t = m.tia;
+    const size_t banks = cartridge.type() == CartridgeType::k3F || cartridge.type() == CartridgeType::k3E
+                             ? cartridge.size() / 2048
+                             : std::max<size_t>(1, cartridge.size() / 4096);
+    bool good = m.cart.bank < banks;
+    for (uint8_t slice : m.cart.slice) good &= slice < (cartridge.type() == CartridgeType::k3E ? 32 : 8);
+    for (uint16_t counter : m.cart.counter) good &= counter < 2048;
+    for (uint8_t position : t.pos) good &= position < kScreenWidth;
+    good &= t.current <= 1 && t.m0_variant <= kOff && t.ark_counter < 4;
+    good &= t.to_line_end >= 0 && t.to_line_end <= 228 && t.write_pos >= 0 && t.write_pos <= kFrameBytes;
+    good &= t.playfield < 1u << 20;
+    good &= m.riot.shift <= 10;
+    good &= m.random_words < MachineRandom::kFurthest;
+    for (int32_t resistance : m.inputs.resistance) good &= resistance >= 0;
+    good &= std::abs(m.cart.fraction) <= 1.0;
+    for (uint8_t nibble : t.hm) good &= nibble < 16;
+    // Not `pending`: drawing stops at draw_stop, and a program that ends no frame may leave any clock there.
+    for (int32_t clock : {t.draw_start, t.draw_stop, t.drawn_to}) good &= clock > -(1 << 30) && clock < 1 << 30;
+    if (!good) return false;
+    // The pixels still to be drawn must fit into the picture.
+    const int32_t left = t.draw_stop - t.drawn_to;
+    const int32_t lines_behind = left > t.to_line_end ? (left - t.to_line_end + 227) / 228 : 0;
+    return left <= 0 || t.write_pos + std::min(kScreenWidth, t.to_line_end) + lines_behind * kScreenWidth <= kFrameBytes;
+}
+
+}  // namespace
+
+bool Console::load(const uint8_t* in) {
+    Machine machine;
+    std::memcpy(&machine, in, sizeof machine);
+    if (!sound_indices(machine, *cartridge_)) return false;
+    m_ = machine;
+    in += sizeof machine;
+    std::copy_n(in, cart_ram_.size(), cart_ram_.begin());
+    in += cart_ram_.size();
+    for (auto& picture : pictures_) {
+        std::memcpy(picture, in, kFrameBytes);
+        in += kFrameBytes;
+    }
+    stale_ = 0x3f;
+    map_segments();
+    return true;
+}
+
+}  // namespace atari

@@ -1,0 +1,250 @@
+// `_emulator.Console`: the bare console, bound for tests and for looking inside. It is driven by hand, access by access
+// or instruction by instruction, without game, rules or seed. Nothing here is used while games are played.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "console.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace atari {
+namespace {
+
+using Array = nb::ndarray<nb::numpy, uint8_t, nb::c_contig, nb::device::cpu>;
+using Flags = std::pair<bool, bool>;
+
+void make(Console* self, nb::bytes image, const std::string& cartridge, int first_line, int height, bool pal,
+          bool hmove_blanks, Flags paddles, bool swap_ports, bool swap_paddles) {
+    if (first_line < 0 || height < 1 || first_line + height > kFrameRows)
+        throw nb::value_error("the picture must lie within 300 lines");
+    const auto* bytes = static_cast<const uint8_t*>(image.data());
+    auto plugged = std::make_shared<const Cartridge>(std::vector<uint8_t>(bytes, bytes + image.size()), cartridge);
+    const ConsoleConfig config{first_line, height, pal, hmove_blanks, {paddles.first, paddles.second}, swap_ports, swap_paddles};
+    new (self) Console(std::move(plugged), config);
+    self->construct();
+    self->reset();
+}
+
+nb::bytes as_bytes(const uint8_t* data, size_t size) { return nb::bytes(data, size); }
+
+template <typename Item>
+nb::list as_list(const Item* items, size_t count) {
+    nb::list list;
+    for (size_t i = 0; i < count; ++i) list.append(static_cast<int>(items[i]));
+    return list;
+}
+
+template <typename Item, size_t count>
+nb::list as_list(const Item (&items)[count]) {
+    return as_list(items, count);
+}
+
+nb::object as_array(const uint8_t* data, std::initializer_list<size_t> shape) {
+    size_t size = 1;
+    for (size_t extent : shape) size *= extent;
+    auto* copy = new uint8_t[size];
+    nb::capsule owner(copy, [](void* memory) noexcept { delete[] static_cast<uint8_t*>(memory); });
+    std::copy_n(data, size, copy);
+    return nb::cast(Array(copy, shape.size(), shape.begin(), owner));
+}
+
+nb::dict registers(const Console& console) {
+    const Cpu& cpu = console.machine().cpu;
+    nb::dict dict;
+    dict["a"] = cpu.a;
+    dict["x"] = cpu.x;
+    dict["y"] = cpu.y;
+    dict["sp"] = cpu.sp;
+    dict["pc"] = cpu.pc;
+    const std::pair<const char*, Flag> flags[6] = {{"n", cpu.n}, {"v", cpu.v}, {"d", cpu.d},
+                                                   {"i", cpu.i}, {"z", cpu.z}, {"c", cpu.c}};
+    for (const auto& [name, flag] : flags) dict[name] = static_cast<bool>(flag);
+    return dict;
+}
+
+void set_registers(Console& console, nb::kwargs changes) {
+    Cpu cpu = console.machine().cpu;
+    const std::pair<const char*, uint8_t*> bytes[4] = {{"a", &cpu.a}, {"x", &cpu.x}, {"y", &cpu.y}, {"sp", &cpu.sp}};
+    const std::pair<const char*, Flag*> flags[6] = {{"n", &cpu.n}, {"v", &cpu.v}, {"d", &cpu.d},
+                                                    {"i", &cpu.i}, {"z", &cpu.z}, {"c", &cpu.c}};
+    for (auto [key, value] : changes) {
+        const auto name = nb::cast<std::string>(key);
+        bool good = name == "pc" && nb::try_cast(value, cpu.pc);
+        for (const auto& [known, byte] : bytes) good |= name == known && nb::try_cast(value, *byte);
+        bool on = false;
+        for (const auto& [known, flag] : flags) {
+            if (name != known || !nb::try_cast(value, on)) continue;
+            *flag = on;
+            good = true;
+        }
+        if (!good) throw nb::value_error(("there is no register '" + name + "', or the value does not fit it").c_str());
+    }
+    console.raw_machine().cpu = cpu;
+}
+
+// The registers and latches of the chips that programs cannot read back, by the names in state.hpp.
+nb::dict state(const Console& console) {
+    const Machine& m = console.machine();
+    const Tia& t = m.tia;
+    nb::dict riot, tia, cart, all;
+    riot["timer"] = m.riot.timer;
+    riot["shift"] = m.riot.shift;
+    riot["ddr_a"] = m.riot.ddr_a;
+    riot["set_at"] = m.riot.set_at;
+    riot["irq_at"] = m.riot.irq_at;
+    riot["read_after_expiry"] = static_cast<bool>(m.riot.read_after_expiry);
+
+    tia["frame_start"] = t.frame_start;
+    tia["last_hmove"] = t.last_hmove;
+    tia["last_line_count"] = t.last_line_count;
+    tia["current_line"] = t.current_line;
+    tia["playfield"] = t.playfield;
+    tia["collisions"] = t.collisions;
+    tia["vblank"] = t.vblank;
+    tia["ctrlpf"] = t.ctrlpf;
+    tia["nusiz"] = as_list(t.nusiz);
+    tia["colour"] = as_list(t.colour);
+    tia["grp"] = as_list(t.grp);
+    tia["old_grp"] = as_list(t.old_grp);
+    tia["hm"] = as_list(t.hm);
+    tia["pos"] = as_list(t.pos);
+    tia["refp"] = as_list(t.refp);
+    tia["vdelp"] = as_list(t.vdelp);
+    tia["enam"] = as_list(t.enam);
+    tia["resmp"] = as_list(t.resmp);
+    tia["skip_first"] = as_list(t.skip_first);
+    tia["m0_variant"] = static_cast<int>(t.m0_variant);
+    tia["ark_counter"] = t.ark_counter;
+    const std::pair<const char*, Flag> flags[9] = {
+        {"enabl", t.enabl}, {"old_enabl", t.old_enabl}, {"vdelbl", t.vdelbl}, {"pf_mirror", t.pf_mirror},
+        {"hmove_blank", t.hmove_blank}, {"cosmic_ark", t.cosmic_ark}, {"dump_on", t.dump_on}, {"partial", t.partial},
+        {"greyed", t.greyed}};
+    for (const auto& [name, flag] : flags) tia[name] = static_cast<bool>(flag);
+
+    cart["bank"] = m.cart.bank;
+    cart["slice"] = as_list(m.cart.slice);
+    cart["top"] = as_list(m.cart.top);
+    cart["bottom"] = as_list(m.cart.bottom);
+    cart["flag"] = as_list(m.cart.flag);
+    cart["counter"] = as_list(m.cart.counter);
+    cart["music"] = as_list(m.cart.music);
+    cart["random"] = m.cart.random;
+    cart["fraction"] = m.cart.fraction;
+
+    all["cycles"] = m.cycles;
+    all["bus"] = m.bus;
+    all["stop"] = static_cast<bool>(m.cpu.stop);
+    all["jammed"] = static_cast<bool>(m.cpu.jammed);
+    all["random_words"] = m.random_words;
+    all["riot"] = riot;
+    all["tia"] = tia;
+    all["cart"] = cart;
+    return all;
+}
+
+nb::object picture(Console& console) {
+    console.catch_up();
+    return as_array(console.picture(), {static_cast<size_t>(console.config().height), kScreenWidth});
+}
+
+void set_positions(Console& console, std::array<int, 5> positions) {
+    for (int position : positions)
+        if (position < 0 || position >= kScreenWidth) throw nb::value_error("a position is within 0..159");
+    std::copy_n(positions.begin(), 5, console.raw_machine().tia.pos);
+}
+
+void set_ram(Console& console, nb::bytes ram) {
+    if (ram.size() != 128) throw nb::value_error("RAM has 128 bytes");
+    std::copy_n(static_cast<const uint8_t*>(ram.data()), 128, console.raw_machine().riot.ram);
+}
+
+void set_inputs(Console& console, int switches, std::array<int, 2> sticks, std::array<bool, 2> fire,
+                std::array<int32_t, 4> resistances, std::array<bool, 4> paddle_fire) {
+    for (int32_t resistance : resistances)
+        if (resistance < 0) throw nb::value_error("a resistance is not negative");
+    Inputs inputs{};
+    inputs.switches = static_cast<uint8_t>(switches);
+    for (size_t i = 0; i < 2; ++i) {
+        inputs.stick[i] = static_cast<uint8_t>(sticks[i] & 15);
+        inputs.fire[i] = fire[i];
+    }
+    for (size_t i = 0; i < 4; ++i) {
+        inputs.resistance[i] = resistances[i];
+        inputs.paddle_fire[i] = paddle_fire[i];
+    }
+    console.inputs() = inputs;
+}
+
+nb::bytes save(const Console& console) {
+    std::vector<uint8_t> state(console.state_size());
+    console.save(state.data());
+    return as_bytes(state.data(), state.size());
+}
+
+void load(Console& console, nb::bytes state) {
+    if (state.size() != console.state_size() || !console.load(static_cast<const uint8_t*>(state.data())))
+        throw nb::value_error("the state is damaged, or of another cartridge");
+}
+
+}  // namespace
+
+void register_inspection(nb::module_& m) {
+    nb::class_<Console>(m, "Console",
+                        "A bare console, driven by hand: for tests and for looking inside.\n\n"
+                        "Made as at power-on, after one reset; no frame has begun. `cartridge` names the type of bank\n"
+                        "switching, \"\" recognises it; the other arguments are those of a game's screen and controllers.\n"
+                        "Raises ValueError if the image is of no supported type.")
+        .def("__init__", &make, "image"_a, "cartridge"_a = "", nb::kw_only(), "first_line"_a = 34, "height"_a = 210,
+             "pal"_a = false, "hmove_blanks"_a = true, "paddles"_a = Flags{false, false}, "swap_ports"_a = false,
+             "swap_paddles"_a = false)
+        .def("reset", &Console::reset, "The reset of all chips, as a game is reset. RAM survives.")
+        .def("read", &Console::read, "address"_a, "A read on the bus, at the present cycle; an int within 0..255.")
+        .def("write", &Console::write, "address"_a, "value"_a, "A write on the bus, at the present cycle.")
+        .def("step", [](Console& x) { if (!x.machine().cpu.jammed) x.run_instruction(); },
+             "Run one instruction; nothing once an illegal opcode has stopped the processor.")
+        .def("start_frame", &Console::start_frame, "Begin a frame: cycles count from 0 again, lines keep their phase.")
+        .def("run_frame", &Console::run_frame, "Run until the frame ends, for at most 25000 instructions.")
+        .def_prop_rw("cycles", [](const Console& x) { return x.machine().cycles; },
+                     [](Console& x, uint32_t cycles) { x.raw_machine().cycles = cycles; },
+                     "Processor cycles since the frame began; the chips see what is set here as time.")
+        .def_prop_ro("scan_lines", &Console::scan_lines, "Lines since the frame began.")
+        .def_prop_ro("registers", &registers, nb::for_getter(nb::sig("def registers(self, /) -> dict[str, int]")),
+                     "Of the processor: a, x, y, sp, pc, and the flags n, v, d, i, z, c as bools.")
+        .def("set_registers", &set_registers, "changes"_a, nb::sig("def set_registers(self, **changes: int) -> None"),
+             "Change some of `registers`, given by name.")
+        .def_prop_rw("ram", [](const Console& x) { return as_bytes(x.ram(), 128); }, &set_ram, "The 128 bytes of RAM.")
+        .def_prop_ro("cartridge_ram", [](const Console& x) { return as_bytes(x.cartridge_ram(), x.cartridge_ram_size()); },
+                     "The cartridge's own RAM, empty if it has none.")
+        .def_prop_ro("cartridge_type", [](const Console& x) { return x.cartridge().type_name(); })
+        .def_prop_rw("positions", [](const Console& x) { return as_list(x.machine().tia.pos); }, &set_positions,
+                     nb::for_getter(nb::sig("def positions(self, /) -> list[int]")),
+                     "Of player 0, player 1, missile 0, missile 1 and ball: five columns within 0..159.")
+        .def("picture", &picture, "The current frame's picture up to the latest access of the TIA: uint8 (height, 160), palette indices.")
+        .def("make_samples",
+             [](Console& x) {
+                 uint8_t samples[kAudioSamples];
+                 x.make_samples(samples);
+                 return as_array(samples, {kAudioSamples});
+             }, "The next 512 samples of sound: uint8 (512,), unsigned around 128.")
+        .def("set_inputs", &set_inputs, nb::kw_only(), "switches"_a = 0x3f, "sticks"_a = std::array<int, 2>{0, 0},
+             "fire"_a = std::array<bool, 2>{false, false}, "resistances"_a = std::array<int32_t, 4>{0, 0, 0, 0},
+             "paddle_fire"_a = std::array<bool, 4>{false, false, false, false},
+             "What is pressed: SWCHB, both sticks (bits 0-3: up, down, left, right), fire, paddles. Default: nothing.")
+        .def("state", &state, nb::sig("def state(self) -> dict[str, dict[str, typing.Any]]"),
+             "All chips' registers and latches, by name, as nested dicts. For looking, not for saving.")
+        .def("save", &save, "The whole state as bytes.")
+        .def("load", &load, "state"_a, "Continue from `save`; ValueError if the bytes cannot be a state.");
+}
+
+}  // namespace atari

@@ -1,0 +1,325 @@
+// The TIA's registers: what each write and read does, when it takes effect, and how a frame ends.
+#include "console.hpp"
+
+#include <algorithm>
+
+namespace atari {
+namespace {
+
+enum Register : uint8_t {
+    VSYNC = 0x00, VBLANK, WSYNC, RSYNC, NUSIZ0, NUSIZ1, COLUP0, COLUP1, COLUPF, COLUBK, CTRLPF, REFP0, REFP1,
+    PF0, PF1, PF2, RESP0, RESP1, RESM0, RESM1, RESBL, AUDC0, AUDC1, AUDF0, AUDF1, AUDV0, AUDV1,
+    GRP0, GRP1, ENAM0, ENAM1, ENABL, HMP0, HMP1, HMM0, HMM1, HMBL, VDELP0, VDELP1, VDELBL, RESMP0, RESMP1,
+    HMOVE, HMCLR, CXCLR
+};
+
+// After how many clocks a write shows in the picture.
+uint32_t write_delay(uint8_t reg, int cycle_in_line) {
+    static constexpr uint8_t kPlayfield[4] = {4, 5, 2, 3};
+    switch (reg) {
+        case VBLANK: case REFP0: case REFP1: case GRP0: case GRP1: return 1;
+        case NUSIZ0: case NUSIZ1: case RESM0: case RESM1: return 8;
+        case PF0: case PF1: case PF2: return kPlayfield[cycle_in_line & 3];
+        default: return 0;
+    }
+}
+
+// How far HMOVE moves an object, by the cycle of the line it is written in and the object's motion nibble.
+int motion(int cycle, int nibble) {
+    static constexpr int8_t kFloor[17] = {-6, -5, -5, -4, -3, -2, -2, -1, 0, 1, 1, 2, 3, 4, 4, 5, 6};
+    static constexpr int8_t kOffset[20] = {6, 5, 4, 4, 3, 2, 1, 1, 0, -1, -2, -2, -3, -4, -5, -5, -6, -7, -8, -8};
+    const int normal = nibble < 8 ? -nibble : 16 - nibble;
+    if (cycle <= 3 || cycle == 75) return normal;
+    if (cycle <= 20) return std::max(normal, static_cast<int>(kFloor[cycle - 4]));
+    if (cycle <= 54) return 0;
+    return std::min(0, normal + kOffset[cycle - 55]);
+}
+
+uint8_t wrapped(int position) { return static_cast<uint8_t>((position % 160 + 160) % 160); }
+
+}  // namespace
+
+// The picture is drawn late: a write only notes up to which clock the old state is valid (`pending`), and drawing
+// happens when something that shows is about to change, when a collision register is read, and at the end of the frame.
+// Splitting or merging drawing steps between which nothing changes makes no difference.
+void Console::write_tia(uint8_t reg, uint8_t value) {
+    Tia& t = m_.tia;
+    const int hpos = line_clock();
+    t.pending = std::max(t.pending, clock(write_delay(reg, hpos / 3)));
+    if (clocks_since(t.frame_start) / 228 > (config_.pal ? 342u : 290u)) end_frame();
+
+    const int second = reg & 1;  // of register pairs that begin at an even address
+    switch (reg) {
+        case VSYNC: write_vsync(value); break;
+        case VBLANK: write_vblank(value); break;
+        case WSYNC: halt_until_line_start(); break;
+        case NUSIZ0: case NUSIZ1: write_nusiz(second, value); break;
+        case COLUP0: case COLUP1: case COLUPF: case COLUBK:
+            change(t.colour[reg - COLUP0],
+                   static_cast<uint8_t>((value & 0xfe) | (config_.pal ? t.last_line_count & 1 : 0)), 0);
+            break;
+        case CTRLPF:
+            // In this order: a line's end that is still to be drawn latches the old value.
+            change(t.ctrlpf, value, 1u << kPF | 1u << kBL);
+            if (hpos < 147) change(t.pf_mirror, (value & 1) != 0, 1u << kPF);
+            break;
+        case REFP0: case REFP1: change(t.refp[reg - REFP0], (value & 8) != 0, 1u << (reg - REFP0)); break;
+        case PF0: change(t.playfield, (t.playfield & ~0xfu) | value >> 4, 1u << kPF); break;
+        case PF1: change(t.playfield, (t.playfield & ~0xff0u) | value << 4, 1u << kPF); break;
+        case PF2: change(t.playfield, (t.playfield & ~0xff000u) | value << 12, 1u << kPF); break;
+        case RESP0: case RESP1: reset_player(second, hpos); break;
+        case RESM0: case RESM1: reset_missile(second, hpos); break;
+        case RESBL: reset_ball(hpos); break;
+        case AUDC0: case AUDC1: m_.sound.audc[reg - AUDC0] = value & 15; break;
+        case AUDF0: case AUDF1: m_.sound.audf[reg - AUDF0] = value & 31; break;
+        case AUDV0: case AUDV1: m_.sound.audv[reg - AUDV0] = value & 15; break;
+        case GRP0: write_graphics(0, value); break;
+        case GRP1: write_graphics(1, value); break;
+        case ENAM0: case ENAM1:
+            if (t.resmp[reg - ENAM0]) t.enam[reg - ENAM0] = value & 2;
+            else change(t.enam[reg - ENAM0], (value & 2) != 0, 0);
+            break;
+        case ENABL:
+            if (t.vdelbl) t.enabl = value & 2;
+            else change(t.enabl, (value & 2) != 0, 0);
+            break;
+        case HMM0:
+            // The "starfield" of Cosmic Ark: taking motion away at one moment behind HMOVE leaves missile 0 moving.
+            if (clocks_since(t.last_hmove) == 63 && t.hm[kM0] == 7 && value >> 4 == 6) {
+                catch_up();
+                t.cosmic_ark = true;
+                t.ark_counter = 0;
+            }
+            [[fallthrough]];
+        case HMP0: case HMP1: case HMM1: case HMBL: t.hm[reg - HMP0] = value >> 4; break;
+        case VDELP0: case VDELP1: change(t.vdelp[reg - VDELP0], (value & 1) != 0, 1u << (reg - VDELP0)); break;
+        case VDELBL: change(t.vdelbl, (value & 1) != 0, 0); break;
+        case RESMP0: case RESMP1: release_missile(second, value); break;
+        case HMOVE: hmove(hpos / 3); break;
+        case HMCLR: std::fill_n(t.hm, 5, uint8_t{0}); break;
+        case CXCLR:
+            catch_up();
+            t.collisions = 0;
+            break;
+        default: break;
+    }
+}
+
+// Gives a register that shows a new value; the masks of `objects` are made anew.
+template <typename T, typename V>
+void Console::change(T& field, V value, unsigned objects) {
+    if (field == value) return;
+    catch_up();
+    field = value;
+    stale_ |= objects;
+}
+
+void Console::write_nusiz(int player, uint8_t value) {
+    Tia& t = m_.tia;
+    const bool ark = player == 0 && (t.cosmic_ark || t.m0_variant != kPlain);
+    if (((t.nusiz[player] ^ value) & 0x37) || t.skip_first[player] || ark) {
+        catch_up();
+        t.skip_first[player] = false;
+        if (player == 0) t.m0_variant = kPlain;
+        stale_ |= 1u << (kP0 + player) | 1u << (kM0 + player);
+    }
+    t.nusiz[player] = value;
+}
+
+// A write to one player's graphics also moves the other's new graphics to its delayed copy.
+void Console::write_graphics(int player, uint8_t value) {
+    Tia& t = m_.tia;
+    const int other = player ^ 1;
+    const bool shows = (!t.vdelp[player] && t.grp[player] != value) ||
+                       (t.vdelp[other] && t.old_grp[other] != t.grp[other]) ||
+                       (player == 1 && t.vdelbl && t.old_enabl != t.enabl);
+    if (shows) {
+        catch_up();
+        stale_ |= 1u << kP0 | 1u << kP1;
+    }
+    t.grp[player] = value;
+    t.old_grp[other] = t.grp[other];
+    if (player == 1) t.old_enabl = t.enabl;
+}
+
+void Console::end_frame() {
+    m_.cpu.stop = true;
+    m_.tia.partial = false;
+}
+
+void Console::write_vsync(uint8_t value) {
+    Tia& t = m_.tia;
+    if (value & 2) {
+        t.vsync_done = clock(228);
+    } else if (clock() >= t.vsync_done) {
+        t.vsync_done = kVsyncIdle;
+        end_frame();
+    }
+}
+
+void Console::write_vblank(uint8_t value) {
+    Tia& t = m_.tia;
+    if (!(t.vblank & 0x80) && (value & 0x80)) {
+        t.dump_on = true;
+    } else if ((t.vblank & 0x80) && !(value & 0x80)) {
+        t.dump_on = false;
+        t.dump_off_cycle = static_cast<int32_t>(m_.cycles);
+    }
+    if ((t.vblank ^ value) & 2) catch_up();
+    t.vblank = value;
+}
+
+void Console::halt_until_line_start() {
+    if (!m_.cpu.last_access_was_read) return;
+    const int in_line = line_clock() / 3;
+    if (in_line != 0) m_.cycles += static_cast<uint32_t>(76 - in_line);
+}
+
+// A player's strobe: its first copy is hidden for this line unless the old one was just about to start.
+void Console::reset_player(int player, int hpos) {
+    Tia& t = m_.tia;
+    const uint8_t position = hpos < 68 ? 3 : static_cast<uint8_t>((hpos - 68 + 5) % 160);
+    const int distance = wrapped(position - t.pos[player]);
+    const int mode = t.nusiz[player] & 7;
+    const int width = mode == 5 ? 16 : mode == 7 ? 32 : 8;
+    bool about_to_start = false, showing = false;
+    for (int copy = 0; copy < kCopies[mode].count; ++copy) {
+        const int d = distance - kCopies[mode].offset[copy];
+        about_to_start |= d >= 0 && d < 4;
+        showing |= d >= 4 && d < 4 + width;
+    }
+    if (showing && !about_to_start) t.pending = std::max(t.pending, clock(11));  // what is being shown goes on
+    catch_up();
+    t.pos[player] = position;
+    t.skip_first[player] = !about_to_start;
+    touch(kP0 + player);
+}
+
+void Console::reset_missile(int missile, int hpos) {
+    Tia& t = m_.tia;
+    const uint32_t since_hmove = clocks_since(t.last_hmove);
+    uint8_t position = hpos < 68 ? 2 : static_cast<uint8_t>((hpos - 68 + 4) % 160);
+    if (missile == 0 && since_hmove == 60 && hpos == 69) position = 8;
+    if (missile == 1 && since_hmove == 9 && hpos == 18) position = 3;
+    catch_up();
+    t.pos[kM0 + missile] = position;
+    if (missile == 0) t.m0_variant = kPlain;
+    touch(kM0 + missile);
+}
+
+void Console::reset_ball(int hpos) {
+    Tia& t = m_.tia;
+    const uint32_t since_hmove = clocks_since(t.last_hmove);
+    uint8_t position = hpos < 68 ? 2 : static_cast<uint8_t>((hpos - 68 + 4) % 160);
+    if (since_hmove == 54 && (hpos == 60 || hpos == 69)) position = 10;
+    if (since_hmove == 9 && hpos == 18) position = 3;
+    if (since_hmove == 21 && hpos == 30) position = 6;
+    if (since_hmove == 18 && hpos == 27) position = 5;
+    catch_up();
+    t.pos[kBL] = position;
+    touch(kBL);
+}
+
+// A missile that was locked to its player appears at the player's middle.
+void Console::release_missile(int missile, uint8_t value) {
+    Tia& t = m_.tia;
+    if (t.resmp[missile] == ((value & 2) != 0)) return;
+    catch_up();
+    if (t.resmp[missile]) {
+        const int mode = t.nusiz[missile] & 7;
+        t.pos[kM0 + missile] = wrapped(t.pos[missile] + (mode == 5 ? 8 : mode == 7 ? 16 : 4));
+        if (missile == 0) t.m0_variant = kPlain;
+        touch(kM0 + missile);
+    }
+    t.resmp[missile] = value & 2;
+}
+
+void Console::hmove(int cycle_in_line) {
+    Tia& t = m_.tia;
+    catch_up();
+    if (config_.hmove_blanks && (cycle_in_line <= 20 || cycle_in_line == 75)) t.hmove_blank = true;
+    for (int object = kP0; object <= kBL; ++object) {
+        t.pos[object] = wrapped(t.pos[object] + motion(cycle_in_line, t.hm[object]));
+        touch(object);
+    }
+    t.skip_first[0] = t.skip_first[1] = false;
+    t.m0_variant = kPlain;
+    t.last_hmove = clock();
+    t.cosmic_ark = false;
+}
+
+uint8_t Console::read_tia(uint16_t address) {
+    m_.tia.pending = std::max(m_.tia.pending, clock());
+    const int reg = address & 0xf;
+    uint8_t driven = 0;
+    if (reg < 8) {
+        catch_up();
+        driven = static_cast<uint8_t>((m_.tia.collisions >> (14 - 2 * reg) & 3) << 6);
+    } else if (reg < 0xe) {
+        driven = input_port(reg - 8);
+    }
+    return static_cast<uint8_t>(driven | (m_.bus & 0x3f));
+}
+
+// INPT0-3 are the paddles' capacitors, INPT4 and 5 the sticks' fire buttons.
+uint8_t Console::input_port(int port) const {
+    if (port >= 4) {
+        const int side = (port - 4) ^ (config_.swap_ports ? 1 : 0);
+        return !config_.paddles[side] && m_.inputs.fire[side] ? 0x00 : 0x80;
+    }
+    const int side = (port / 2) ^ (config_.swap_ports ? 1 : 0);
+    if (!config_.paddles[side]) return 0x00;
+    const int paddle = 2 * side + ((port & 1) ^ (config_.swap_paddles ? 1 : 0));
+    return paddle_charged(m_.inputs.resistance[paddle]) ? 0x80 : 0x00;
+}
+
+bool Console::paddle_charged(int32_t resistance) const {
+    if (resistance == 0) return true;
+    if (m_.tia.dump_on) return false;
+    const double needed = (1.6 * resistance * 0.01e-6) * 1.19e6;
+    // Unsigned as in the reference: a capacitor charged in an earlier frame reads as empty.
+    return m_.cycles > static_cast<uint32_t>(m_.tia.dump_off_cycle) + static_cast<uint32_t>(needed);
+}
+
+void Console::reset_tia() {
+    Tia& t = m_.tia;
+    const bool partial = t.partial, greyed = t.greyed;
+    const uint8_t current = t.current;
+    t = Tia{};
+    t.partial = partial;
+    t.greyed = greyed;
+    t.current = current;
+    t.draw_start = 228 * config_.first_line;
+    t.draw_stop = 228 * (config_.first_line + config_.height);
+    t.to_line_end = 228;
+    t.vsync_done = kVsyncIdle;
+    for (auto& picture : pictures_) std::fill(std::begin(picture), std::end(picture), uint8_t{0});
+    stale_ = 0x3f;
+}
+
+void Console::start_frame() {
+    Tia& t = m_.tia;
+    t.current ^= 1;
+    const int32_t begun = line_clock();  // clocks of the unfinished line; the phase of lines goes on
+    rebase_cycles();
+    t.frame_start = -begun;
+    t.draw_start = t.frame_start + 228 * config_.first_line;
+    t.draw_stop = t.draw_start + 228 * config_.height;
+    t.drawn_to = t.pending = t.draw_start;
+    t.to_line_end = 228;
+    t.write_pos = 0;
+    if (config_.pal)  // colour loss: frames of an odd number of lines are grey
+        for (uint8_t& colour : t.colour) colour = static_cast<uint8_t>((colour & 0xfe) | (t.last_line_count & 1));
+    t.greyed = false;
+}
+
+// What the frame left undrawn when the instruction limit cut it.
+void Console::grey_rest() {
+    uint8_t* picture = pictures_[m_.tia.current];
+    // A restored state may be in any line; beyond the picture nothing is left.
+    const int first = std::clamp(scan_lines() - config_.first_line, 0, config_.height);
+    for (int i = first * kScreenWidth; i < config_.height * kScreenWidth; ++i)
+        picture[i] = static_cast<uint8_t>((picture[i] & 15) >> 1);
+}
+
+}  // namespace atari
