@@ -24,6 +24,7 @@ def run_atari_commands(example: Example) -> None:
 
 def enter_folder(namespace: dict[str, Any]) -> None:
     """Run the blocks of a document in an empty folder."""
+    namespace["repository"] = Path(__file__).parent
     namespace["came_from"] = Path.cwd()
     namespace["folder"] = TemporaryDirectory()
     os.chdir(namespace["folder"].name)

@@ -3,6 +3,7 @@
 import difflib
 from collections.abc import Iterator, Mapping
 from functools import cache
+from os import PathLike
 from pathlib import Path
 
 from atari.game import Game, load_game
@@ -37,23 +38,36 @@ class Games(Mapping[str, Game]):
         """The games that can be made into an environment: those with single-player rules."""
         return (game for game in self.values() if game.single_player)
 
-    def find(self, game_id: object) -> Game:
-        """The playable game of this id.
+    def resolve(self, game: "str | PathLike[str] | Game") -> Game:
+        """The game that an argument means: an id, a game file of your own (a path that ends in .toml), or a `Game`.
 
         Raises:
-            TypeError: `game_id` is not a string.
-            ValueError: there is no such game (the nearest id is suggested), or it has no single-player rules.
+            TypeError: `game` is none of these.
+            ValueError: there is no such game (the nearest id is suggested), or the file is not a game.
+            FileNotFoundError: there is no such file.
         """
-        if not isinstance(game_id, str):
-            raise TypeError(f"a game is named by a string such as 'breakout', got {game_id!r}")
-        if game_id not in self._ids:
-            raise ValueError(self.unknown(game_id))
-        game = self[game_id]
-        if not game.single_player:
+        if isinstance(game, Game):
+            return game
+        if isinstance(game, PathLike) or (isinstance(game, str) and game.endswith(".toml")):
+            return load_game(Path(game))
+        if not isinstance(game, str):
+            raise TypeError(f"a game is named by a string such as 'breakout', got {game!r}")
+        if game not in self._ids:
+            raise ValueError(self.unknown(game))
+        return self[game]
+
+    def find(self, game: "str | PathLike[str] | Game") -> Game:
+        """The game that an argument means, as `resolve`, if an environment can be made of it.
+
+        Raises:
+            TypeError, ValueError, FileNotFoundError: as `resolve`; ValueError also without single-player rules.
+        """
+        found = self.resolve(game)
+        if not found.single_player:
             raise ValueError(
-                f"{game_id!r} is a two-player cartridge without single-player rules, so there is no environment of it"
+                f"{found.id!r} is a two-player cartridge without single-player rules, so there is no environment of it"
             )
-        return game
+        return found
 
     def unknown(self, game_id: str) -> str:
         """The sentence for a game id that does not exist, with the nearest one that does."""

@@ -34,7 +34,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
     """A game of the Atari 2600.
 
     Args:
-        game: id such as "breakout"; `atari.games` has them all.
+        game: id such as "breakout" (`atari.games` has them all), or the path of a game file of your own.
         mode: game mode, one of `atari.games[game].modes`; None is the default mode.
         difficulty: one of `atari.games[game].difficulties`; None is ALE's default, 0.
         obs_type: "rgb" is (height, 160, 3), "grayscale" (height, 160), "ram" (128,); all uint8.
@@ -47,7 +47,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         render_mode: "human" shows a window (extra `play`), "rgb_array" returns the screen from `render`,
             "rgb_array_list" the screens since the last `render`, one a step.
         sound_obs: observations become {"image": ..., "sound": (512,) uint8 samples of the step's last frame}.
-        core: the emulator: "ale" is ale-py.
+        core: the emulator, "native" (ours) or "ale" (ale-py); both give the same bytes.
         rom: path of the ROM file; None searches (see `atari.roms`).
 
     Raises:
@@ -69,7 +69,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
 
     def __init__(
         self,
-        game: str,
+        game: "str | PathLike[str] | Game",
         mode: int | None = None,
         difficulty: int | None = None,
         obs_type: ObsType = "rgb",
@@ -82,7 +82,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         render_mode: RenderMode | None = None,
         sound_obs: bool = False,
         *,
-        core: str = "ale",
+        core: str = "native",
         rom: str | PathLike[str] | None = None,
     ) -> None:
         self._options = {key: value for key, value in locals().items() if key not in ("self", "__class__")}
@@ -98,7 +98,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
 
         seeds = self._seed_generators(None)
         self.core = CORES[core](
-            game,
+            self.game,
             seed=seeds[1],
             repeat_action_probability=repeat_action_probability,
             mode=mode,

@@ -26,12 +26,16 @@ TV_FRAME_RATES = MappingProxyType({"NTSC": 60.0, "PAL": 50.0, "SECAM": 50.0})
 
 @dataclass(frozen=True)
 class Rom:
-    """What identifies the cartridge image of a game: hashes of the file, its size in bytes, its bank switching."""
+    """What identifies the cartridge image of a game: hashes of the file, its size in bytes, its bank switching.
 
-    md5: str
-    sha256: str
-    size: int
-    cartridge: str
+    A game of your own may leave any of it out: without a hash any image is taken, without `cartridge` the bank
+    switching is recognised by the image.
+    """
+
+    md5: str = ""
+    sha256: str = ""
+    size: int = 0
+    cartridge: str = ""
 
 
 @dataclass(frozen=True)
@@ -105,7 +109,7 @@ class Game:
     """One game: its ROM, screen, controllers, actions, modes, rules and the names of its RAM bytes.
 
     Games with `rules` None (the four two-player cartridges) have no single-player rules in ALE and cannot be made
-    into an environment; their action and mode tuples are empty.
+    into an environment, though the native core runs them; their action and mode tuples are empty.
     """
 
     id: str
@@ -158,7 +162,7 @@ def parse_game(game_id: str, table: Mapping[str, Any]) -> Game:
     """
     playing = ("actions", "settings", "rules")
     needed = playing if any(key in table for key in playing) else ()
-    _check_keys(table, "the file", ("title", "players", "notes", "rom", "screen", "controllers", *needed), ("ram",))
+    _check_keys(table, "the file", ("title", "players", "notes", "screen", "controllers", *needed), ("rom", "ram"))
     _check_value("title", table["title"], str)
     _check_value("players", table["players"], int)
     _check_value("notes", table["notes"], tuple[str, ...])
@@ -166,7 +170,7 @@ def parse_game(game_id: str, table: Mapping[str, Any]) -> Game:
         id=game_id,
         title=table["title"],
         players=table["players"],
-        rom=_rom(table["rom"]),
+        rom=_rom(table.get("rom", {})),
         screen=_screen(table["screen"]),
         controllers=_build(Controllers, table["controllers"], "[controllers]"),
         **_play(table) if "rules" in table else _NO_PLAY,
@@ -215,7 +219,7 @@ def _play(table: Mapping[str, Any]) -> dict[str, Any]:
 def _rom(table: Mapping[str, Any]) -> Rom:
     rom = _build(Rom, table, "[rom]")
     for name, value, digits in (("md5", rom.md5, 32), ("sha256", rom.sha256, 64)):
-        if not re.fullmatch(f"[0-9a-f]{{{digits}}}", value):
+        if value and not re.fullmatch(f"[0-9a-f]{{{digits}}}", value):
             raise ValueError(f"[rom] {name} must be {digits} hexadecimal digits in lower case, got {value!r}")
     return rom
 

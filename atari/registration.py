@@ -8,6 +8,8 @@ import difflib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
+from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import ale_py.registration  # noqa: F401 - registers its IDs on import; ours must come after, to take their place
@@ -15,6 +17,7 @@ import gymnasium
 from gymnasium.envs.registration import EnvSpec
 
 from atari.catalog import games
+from atari.cores import NativeCore
 
 LEGACY_GAMES: tuple[str, ...] = tuple(
     """adventure air_raid alien amidar assault asterix asteroids atlantis bank_heist battle_zone beam_rider berzerk
@@ -28,6 +31,9 @@ LEGACY_GAMES: tuple[str, ...] = tuple(
 
 MAX_FRAMES = 108_000
 """Emulated frames after which every registered environment truncates an episode: half an hour of play."""
+
+
+_ENTRY_POINT = "atari.env:AtariEnv"
 
 
 @dataclass(frozen=True)
@@ -96,7 +102,7 @@ def register_all() -> None:
         vector = "ale_py.vector_env:AtariVectorEnv" if env_id.startswith("ALE/") and family.obs_type == "rgb" else None
         gymnasium.registry[env_id] = EnvSpec(
             id=env_id,
-            entry_point="atari.env:AtariEnv",
+            entry_point=_ENTRY_POINT,
             kwargs=family.options(game),
             vector_entry_point=vector,
         )
@@ -131,7 +137,9 @@ def make(game_or_id: str, *, preset: str | None = None, **options: Any) -> gymna
     if "-v" not in game_or_id and "/" not in game_or_id:
         env_id = f"ALE/{stem(games.find(game_or_id).id)}-v5"
     else:
-        resolve(game_or_id)
+        registered = gymnasium.registry.get(game_or_id)
+        if registered is None or registered.entry_point != _ENTRY_POINT:
+            resolve(game_or_id)
         env_id = game_or_id
     if preset is None:
         return gymnasium.make(env_id, **options)
@@ -139,6 +147,39 @@ def make(game_or_id: str, *, preset: str | None = None, **options: Any) -> gymna
 
     env = gymnasium.make(env_id, **{**wrappers.preset_options(preset), **options})
     return wrappers.preset(env, preset)
+
+
+def register_game(file: str | PathLike[str], rom: str | PathLike[str]) -> tuple[str, str]:
+    """Register a game of your own: a ROM of any supported cartridge type, with rules from a game file.
+
+    Args:
+        file: the game file (`atari/games/SCHEMA.md` documents it); its name without `.toml` names the game.
+        rom: the ROM file.
+
+    Returns:
+        The two IDs, for pixels and for RAM, with the options of ALE's v5: `my_game.toml` gives "MyGame-v5" and
+        "MyGame-ram-v5".
+
+    Raises:
+        ValueError: the file is not a game, the ROM is of no supported type, or an environment has the ID already.
+        FileNotFoundError: one of the files does not exist.
+    """
+    game = games.find(Path(file))
+    NativeCore(game, rom=rom).close()  # whatever is wrong with either shows now
+    registered = []
+    for suffix, obs_type in (("", "rgb"), ("-ram", "ram")):
+        env_id = f"{stem(game.id)}{suffix}-v5"
+        if env_id in gymnasium.registry:
+            raise ValueError(f"the ID {env_id!r} is taken; rename the game file")
+        options = {
+            "game": str(Path(file).absolute()),
+            "rom": str(Path(rom).absolute()),
+            "obs_type": obs_type,
+            "max_num_frames_per_episode": MAX_FRAMES,
+        }
+        gymnasium.registry[env_id] = EnvSpec(id=env_id, entry_point=_ENTRY_POINT, kwargs=options)
+        registered.append(env_id)
+    return registered[0], registered[1]
 
 
 def explain(env_id: str) -> str:

@@ -17,11 +17,11 @@ from atari.roms.image import md5, read_image
 from atari.roms.places import folders, holds, lookup, misleads, path, store, usual_files
 
 
-def find(game: str, path: str | os.PathLike[str] | None = None) -> Path:
+def find(game: str | Game, path: str | os.PathLike[str] | None = None) -> Path:
     """The absolute path of a file that holds the ROM of `game`, checked by its content.
 
     Args:
-        game: id of a game, for example "breakout".
+        game: id of a game, for example "breakout", or a `Game`. One of your own that names no hash takes any file.
         path: the file to use; None searches `folders()`.
 
     A file that is named as another game would be played by ale-py under that game's rules. It is copied to your own
@@ -33,8 +33,12 @@ def find(game: str, path: str | os.PathLike[str] | None = None) -> Path:
         FileNotFoundError: there is no file at `path`, or the search found none.
         IsADirectoryError, PermissionError: the file cannot be read, or not be copied if its name misleads.
     """
-    known = _game(game)
+    known = game if isinstance(game, Game) else _game(game)
     if path is None:
+        if not known.rom.md5:
+            raise FileNotFoundError(
+                f"the game {known.id!r} names no hash to search for; say where its file is with rom="
+            )
         file = lookup(known)
         if file is None:
             places = ", ".join(map(str, folders()))
@@ -120,7 +124,7 @@ def _game(game: str) -> Game:
 
 def _check(game: Game, file: Path) -> None:
     image = read_image(file)
-    if md5(image) != game.rom.md5:
+    if game.rom.md5 and md5(image) != game.rom.md5:
         fault = recognise(str(file), image, known_images())
         raise ValueError(f"the ROM of {game.title} is needed, but {fault}; without a path, the file is searched for")
 

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from atari.cores import AleCore, Core
+from atari.cores import AleCore, Core, NativeCore
 
 ARRAYS = ["ram", "screen", "screen_rgb", "screen_grayscale", "audio"]
 
@@ -13,7 +13,7 @@ ARRAYS = ["ram", "screen", "screen_rgb", "screen_grayscale", "audio"]
 class Maker:
     """A core's test class names the class of the core."""
 
-    core_type: type[AleCore]
+    core_type: type[AleCore] | type[NativeCore]
 
     def make(self, game: str = "breakout", *, reset: bool = True, **options: Any) -> Core:
         core = self.core_type(game, **options)

@@ -95,8 +95,8 @@ def test_options_and_defaults_are_those_of_ale_py() -> None:
         ("max_num_frames_per_episode", -1, ValueError, "must be within 0..2147483647, got -1"),
         ("max_num_frames_per_episode", 99.5, TypeError, "must be an integer within 0..2147483647, got 99.5"),
         ("render_mode", "ansi", ValueError, "must be one of 'human', 'rgb_array', 'rgb_array_list', got 'ansi'"),
-        ("core", "stella", ValueError, "core must be one of 'ale', got 'stella'"),
-        ("core", [], ValueError, "core must be one of 'ale', got []"),
+        ("core", "stella", ValueError, "core must be one of 'native', 'ale', got 'stella'"),
+        ("core", [], ValueError, "core must be one of 'native', 'ale', got []"),
     ],
 )
 def test_a_wrong_option_is_refused(option: str, value: Any, error: type[Exception], text: str) -> None:
@@ -589,5 +589,5 @@ def test_what_is_no_state_is_refused() -> None:
 def test_the_core_is_within_reach() -> None:
     env = gymnasium.make("ALE/Pong-v5").unwrapped
     assert isinstance(env, AtariEnv)
-    assert isinstance(env.core, atari.cores.AleCore)
+    assert isinstance(env.core, atari.cores.NativeCore)
     assert env.core.game is env.game is atari.games["pong"]

@@ -1,14 +1,16 @@
 """Emulator cores: what an environment needs of an emulator (`Core`), and the ones there are.
 
-`AleCore` is ale-py behind that interface, guarded. `CORES` has them by the name that `core=` takes.
+`NativeCore` is our own emulator, `AleCore` is ale-py behind the same interface, guarded; they are equal to the bit.
+`CORES` has them by the name that `core=` takes.
 """
 
 from collections.abc import Mapping
 from types import MappingProxyType
 
 from atari.cores.ale import AleCore
+from atari.cores.native import NativeCore
 from atari.cores.protocol import ByteArray, Core
 
-CORES: Mapping[str, type[AleCore]] = MappingProxyType({"ale": AleCore})
+CORES: Mapping[str, type[NativeCore] | type[AleCore]] = MappingProxyType({"native": NativeCore, "ale": AleCore})
 
-__all__ = ["CORES", "AleCore", "ByteArray", "Core"]
+__all__ = ["CORES", "AleCore", "ByteArray", "Core", "NativeCore"]

@@ -38,13 +38,14 @@ class AleCore:
     """A game played by ale-py. See `Core` for the methods.
 
     Args:
-        game: id of a playable game, for example "pong".
+        game: id of a playable game, for example "pong", or such a `Game`.
         seed: of ALE's generator (sticky actions), 0 .. 2**32 - 1. ale-py cannot use 2**32 - 1; it becomes 2**32 - 2.
         repeat_action_probability: with which the previous action is repeated, each frame.
         mode, difficulty: among `games[game].modes` and `.difficulties`; None is the default.
         frame_skip: frames for each `act`.
         max_num_frames_per_episode: frames after which an episode is truncated; 0 is never.
         sound: produce samples for `audio()`.
+        color_averaging: show each picture mixed with the one before (ALE's remedy for flicker).
         rom: path of the ROM file; None searches (see `atari.roms`).
 
     Raises:
@@ -56,7 +57,7 @@ class AleCore:
 
     def __init__(
         self,
-        game: str,
+        game: str | Game,
         *,
         seed: int = 0,
         repeat_action_probability: float = 0.25,
@@ -65,9 +66,12 @@ class AleCore:
         frame_skip: int = 1,
         max_num_frames_per_episode: int = 0,
         sound: bool = False,
+        color_averaging: bool = False,
         rom: str | PathLike[str] | None = None,
     ) -> None:
         self.game: Game = games.find(game)
+        if self.game != games.get(self.game.id):
+            raise ValueError(f"ale-py knows only its own games, not {self.game.id!r}; use core='native'")
         self._options = CoreOptions.check(
             self.game,
             repeat_action_probability=repeat_action_probability,
@@ -76,6 +80,7 @@ class AleCore:
             frame_skip=frame_skip,
             max_num_frames_per_episode=max_num_frames_per_episode,
             sound=sound,
+            color_averaging=color_averaging,
         )
         seed = door.check_integer("seed", seed, 0, door.SEED_LIMIT - 1)
         self._rom = find(self.game.id, rom)
@@ -90,6 +95,7 @@ class AleCore:
         self._ale.setInt("frame_skip", self._options.frame_skip)
         self._ale.setInt("max_num_frames_per_episode", self._options.max_num_frames_per_episode)
         self._ale.setBool("sound_obs", self.sound)
+        self._ale.setBool("color_averaging", self._options.color_averaging)
         self._load(seed)
 
     def seed(self, seed: int) -> None:

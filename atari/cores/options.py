@@ -25,6 +25,7 @@ class CoreOptions:
     frame_skip: int = 1
     max_num_frames_per_episode: int = 0
     sound: bool = False
+    color_averaging: bool = False
 
     @classmethod
     def check(cls, game: Game, **options: Any) -> "CoreOptions":
@@ -39,6 +40,7 @@ class CoreOptions:
                 "max_num_frames_per_episode", options["max_num_frames_per_episode"], 0, _FRAMES_LIMIT - 1
             ),
             sound=bool(options["sound"]),
+            color_averaging=bool(options["color_averaging"]),
         )
         if game.rules is not None and game.rules.selection_frames:
             _check_selection(game, game.rules.selection_frames, checked)

@@ -1,5 +1,6 @@
 """`AleCore`: the contract of every core, and what is peculiar to ale-py."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import ale_py
@@ -8,6 +9,7 @@ import pytest
 from core_contract import CoreContract
 from core_tools import play, some_actions, unchanged, visible
 
+import atari
 from atari.cores import AleCore
 
 
@@ -140,3 +142,13 @@ def test_a_rom_of_any_file_name_is_played(tmp_path: Path) -> None:
     copy.write_bytes((Path(ale_py.__file__).parent / "roms" / "breakout.bin").read_bytes())
     core, usual = AleCore("breakout", rom=copy), AleCore("breakout")
     assert play(core, [1, 3, 3, 0] * 10) == play(usual, [1, 3, 3, 0] * 10)
+
+
+def test_a_two_player_cartridge_is_refused() -> None:
+    with pytest.raises(ValueError, match="'warlords' is a two-player cartridge without single-player rules"):
+        AleCore("warlords")
+
+
+def test_a_game_that_ale_does_not_know_is_refused() -> None:
+    with pytest.raises(ValueError, match="ale-py knows only its own games, not 'mine'; use core='native'"):
+        AleCore(replace(atari.games["breakout"], id="mine"))

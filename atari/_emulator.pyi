@@ -1,0 +1,223 @@
+"""
+The native emulator, bound. Use it through atari.cores.NativeCore, which checks options and finds ROMs.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy
+import numpy.typing
+
+END: int = 39
+
+class Game:
+    """
+    A game, compiled: cartridge, console, rules. Immutable; emulators share it.
+    """
+
+    @property
+    def cartridge_type(self) -> str:
+        """The bank switching that was given or recognised, for example "F8"."""
+
+def make_game(
+    *,
+    image: bytes,
+    cartridge: str,
+    format: str,
+    detect_format: bool,
+    first_line: int,
+    height: int,
+    hmove_blanks: bool,
+    paddles: tuple[bool, bool],
+    swap_ports: bool,
+    swap_paddles: bool,
+    paddle_range: tuple[int, int],
+    power_on_switches: int,
+    legal_actions: Sequence[int],
+    starting_actions: Sequence[int],
+    default_mode: int,
+    variables: int,
+    initial: Sequence[int],
+    kept: Sequence[bool],
+    outputs: Sequence[int],
+    step: Sequence[int],
+    select_mode: Sequence[int],
+) -> Game:
+    """
+    Check and assemble a game; raises ValueError if the image or a rule program is not sound.
+    """
+
+class State:
+    """A state in memory, as `Emulator.clone_state` returned it."""
+
+class Emulator:
+    """
+    A running game. The lock of the interpreter is released while it emulates.
+    """
+
+    def __init__(
+        self,
+        *,
+        game: Game,
+        repeat_action_probability: float,
+        frame_skip: int,
+        max_num_frames_per_episode: int,
+        sound: bool,
+        color_averaging: bool,
+        seed: int,
+    ) -> None: ...
+    def seed(self, seed: int) -> None: ...
+    def reset(self) -> None: ...
+    def act(self, action: int, strength: float = 1.0) -> int: ...
+    def set_mode(self, mode: int) -> None: ...
+    def set_difficulty(self, difficulty: int) -> None: ...
+    @property
+    def lives(self) -> int: ...
+    @property
+    def game_over(self) -> bool: ...
+    @property
+    def truncated(self) -> bool: ...
+    @property
+    def frame_number(self) -> int: ...
+    @property
+    def episode_frame_number(self) -> int: ...
+    def ram(self, out: numpy.typing.NDArray[numpy.uint8] | None = None) -> numpy.typing.NDArray[numpy.uint8]: ...
+    def audio(self, out: numpy.typing.NDArray[numpy.uint8] | None = None) -> numpy.typing.NDArray[numpy.uint8]: ...
+    def screen(self, out: numpy.typing.NDArray[numpy.uint8] | None = None) -> numpy.typing.NDArray[numpy.uint8]: ...
+    def screen_rgb(self, out: numpy.typing.NDArray[numpy.uint8] | None = None) -> numpy.typing.NDArray[numpy.uint8]: ...
+    def screen_grayscale(
+        self, out: numpy.typing.NDArray[numpy.uint8] | None = None
+    ) -> numpy.typing.NDArray[numpy.uint8]: ...
+    def set_ram(self, index: int, value: int) -> None: ...
+    def save(self) -> bytes:
+        """The whole state as bytes, of the layout of this build."""
+
+    def load(self, state: bytes) -> None:
+        """Continue from `save`; ValueError if the bytes cannot be a state."""
+
+    def clone_state(self, include_rng: bool = False) -> State:
+        """
+        The whole state in memory; `include_rng` says whether restoring it takes the generator along.
+        """
+
+    def restore_state(self, state: State) -> None:
+        """
+        Continue from a state of `clone_state`; ValueError if it is of another game.
+        """
+
+    def close(self) -> None: ...
+
+class Console:
+    """
+    A bare console, driven by hand: for tests and for looking inside.
+
+    Made as at power-on, after one reset; no frame has begun. `cartridge` names the type of bank
+    switching, "" recognises it; the other arguments are those of a game's screen and controllers.
+    Raises ValueError if the image is of no supported type.
+    """
+
+    def __init__(
+        self,
+        image: bytes,
+        cartridge: str = "",
+        *,
+        first_line: int = 34,
+        height: int = 210,
+        pal: bool = False,
+        hmove_blanks: bool = True,
+        paddles: tuple[bool, bool] = (False, False),
+        swap_ports: bool = False,
+        swap_paddles: bool = False,
+    ) -> None: ...
+    def reset(self) -> None:
+        """The reset of all chips, as a game is reset. RAM survives."""
+
+    def read(self, address: int) -> int:
+        """A read on the bus, at the present cycle; an int within 0..255."""
+
+    def write(self, address: int, value: int) -> None:
+        """A write on the bus, at the present cycle."""
+
+    def step(self) -> None:
+        """
+        Run one instruction; nothing once an illegal opcode has stopped the processor.
+        """
+
+    def start_frame(self) -> None:
+        """Begin a frame: cycles count from 0 again, lines keep their phase."""
+
+    def run_frame(self) -> None:
+        """Run until the frame ends, for at most 25000 instructions."""
+
+    @property
+    def cycles(self) -> int:
+        """
+        Processor cycles since the frame began; the chips see what is set here as time.
+        """
+
+    @cycles.setter
+    def cycles(self, arg: int, /) -> None: ...
+    @property
+    def scan_lines(self) -> int:
+        """Lines since the frame began."""
+
+    @property
+    def registers(self, /) -> dict[str, int]:
+        """
+        Of the processor: a, x, y, sp, pc, and the flags n, v, d, i, z, c as bools.
+        """
+
+    def set_registers(self, **changes: int) -> None:
+        """Change some of `registers`, given by name."""
+
+    @property
+    def ram(self) -> bytes:
+        """The 128 bytes of RAM."""
+
+    @ram.setter
+    def ram(self, arg: bytes, /) -> None: ...
+    @property
+    def cartridge_ram(self) -> bytes:
+        """The cartridge's own RAM, empty if it has none."""
+
+    @property
+    def cartridge_type(self) -> str: ...
+    @property
+    def positions(self, /) -> list[int]:
+        """
+        Of player 0, player 1, missile 0, missile 1 and ball: five columns within 0..159.
+        """
+
+    @positions.setter
+    def positions(self, arg: Sequence[int], /) -> None: ...
+    def picture(self) -> object:
+        """
+        The current frame's picture up to the latest access of the TIA: uint8 (height, 160), palette indices.
+        """
+
+    def make_samples(self) -> object:
+        """The next 512 samples of sound: uint8 (512,), unsigned around 128."""
+
+    def set_inputs(
+        self,
+        *,
+        switches: int = 63,
+        sticks: Sequence[int] = [0, 0],
+        fire: Sequence[bool] = [False, False],
+        resistances: Sequence[int] = [0, 0, 0, 0],
+        paddle_fire: Sequence[bool] = [False, False, False, False],
+    ) -> None:
+        """
+        What is pressed: SWCHB, both sticks (bits 0-3: up, down, left, right), fire, paddles. Default: nothing.
+        """
+
+    def state(self) -> dict[str, dict[str, Any]]:
+        """
+        All chips' registers and latches, by name, as nested dicts. For looking, not for saving.
+        """
+
+    def save(self) -> bytes:
+        """The whole state as bytes."""
+
+    def load(self, state: bytes) -> None:
+        """Continue from `save`; ValueError if the bytes cannot be a state."""

@@ -1,0 +1,168 @@
+"""`NativeCore`: our own emulator, in C++ (`atari/emulator/`), behind the `Core` interface.
+
+Bit-exact with ale-py: RAM, picture, sound, reward, lives, ends, counters, and what sticky actions do. Its whole state
+is one block of memory, so a snapshot is a copy; `clone_state` keeps it in memory, `snapshot` makes portable bytes.
+"""
+
+import zlib
+from dataclasses import asdict
+from functools import lru_cache
+from os import PathLike
+from typing import Any
+
+import numpy as np
+
+from atari import _emulator, snapshot
+from atari.catalog import games
+from atari.compiler import CompiledRules, compile_rules
+from atari.cores import options as door
+from atari.cores.options import CoreOptions
+from atari.game import Game
+from atari.roms import find
+from atari.roms import image as rom_image
+
+STATE_VERSION = 1
+"""Of the layout of the emulator's state: `Machine` and `EnvironmentState` in the C++ headers, as they lie in memory."""
+
+_F8_SWAPPED = {"bc24440b59092559a1ec26055fd1270e", "75ee371ccfc4f43e7d9b8f24e1266b55"}
+_NO_RULES = CompiledRules(
+    variables=4, initial=[], kept=[], outputs=[0, 1, 2, 3], step=[_emulator.END, 0], select_mode=[_emulator.END, 0]
+)
+"""Of a game without single-player rules: no reward, no lives, no end."""
+
+
+class NativeCore(_emulator.Emulator):
+    """A game played by the native emulator. See `Core` for the methods.
+
+    Args:
+        game: id of a game ("pong"), or a `Game`. The two-player cartridges run too, without reward, lives and end.
+        rom: path of the ROM file; None searches (see `atari.roms`). With a `Game` that names no hash, any image.
+
+    The other arguments, and the errors, are those of `AleCore`. The interpreter's lock is released while frames are
+    played; a core may be used from several threads, one call at a time goes through.
+    """
+
+    name = "native"
+
+    def __init__(
+        self,
+        game: str | Game,
+        *,
+        seed: int = 0,
+        repeat_action_probability: float = 0.25,
+        mode: int | None = None,
+        difficulty: int | None = None,
+        frame_skip: int = 1,
+        max_num_frames_per_episode: int = 0,
+        sound: bool = False,
+        color_averaging: bool = False,
+        rom: str | PathLike[str] | None = None,
+    ) -> None:
+        self.game: Game = games.resolve(game)
+        self._options = CoreOptions.check(
+            self.game,
+            repeat_action_probability=repeat_action_probability,
+            mode=mode,
+            difficulty=difficulty,
+            frame_skip=frame_skip,
+            max_num_frames_per_episode=max_num_frames_per_episode,
+            sound=sound,
+            color_averaging=color_averaging,
+        )
+        self.sound = self._options.sound
+        image = rom_image.read_image(find(self.game, rom))
+        self._rom_md5 = rom_image.md5(image)
+        super().__init__(
+            game=_compiled(self.game, image),
+            # ALE keeps settings as text of six digits and reads them back as float32.
+            repeat_action_probability=float(np.float32(f"{np.float32(self._options.repeat_action_probability):g}")),
+            frame_skip=self._options.frame_skip,
+            max_num_frames_per_episode=self._options.max_num_frames_per_episode,
+            sound=self.sound,
+            color_averaging=self._options.color_averaging,
+            seed=_usable(door.check_integer("seed", seed, 0, door.SEED_LIMIT - 1)),
+        )
+        if self._options.mode is not None:
+            self.set_mode(self._options.mode)
+        if self._options.difficulty is not None:
+            self.set_difficulty(self._options.difficulty)
+
+    def seed(self, seed: int) -> None:
+        """Start over with this seed; nothing is loaded again."""
+        super().seed(_usable(door.check_integer("seed", seed, 0, door.SEED_LIMIT - 1)))
+
+    def set_ram(self, index: int, value: int) -> None:
+        """Write one byte of RAM."""
+        super().set_ram(*door.check_poke(index, value))
+
+    def restore_state(self, state: _emulator.State) -> None:
+        """Continue from a state of `clone_state`: all of it, picture, sound and held action too."""
+        if not isinstance(state, _emulator.State):
+            raise TypeError(f"restore_state takes what clone_state returned, got {type(state).__name__}")
+        super().restore_state(state)
+
+    def snapshot(self) -> bytes:
+        """The whole state as portable bytes, about 5 kB."""
+        return snapshot.pack(self._facts(), {"state": zlib.compress(self.save(), 1)})
+
+    def restore(self, data: bytes) -> None:
+        """Continue from a snapshot.
+
+        Raises:
+            TypeError, ValueError: not a snapshot, damaged, or of another game, core, version or other options.
+        """
+        facts, blobs = snapshot.unpack(data)
+        snapshot.require(facts, self._facts())
+        unpacker = zlib.decompressobj()
+        try:
+            state = unpacker.decompress(blobs["state"], 1 << 20)
+        except zlib.error as error:
+            raise ValueError(f"the snapshot is damaged: {error}") from None
+        self.load(state)
+
+    def _facts(self) -> dict[str, Any]:
+        """What must agree for a snapshot to make sense here."""
+        return {
+            "core": self.name,
+            "game": self.game.id,
+            "rom": self._rom_md5,
+            "state version": STATE_VERSION,
+            **asdict(self._options),
+        }
+
+
+def _usable(seed: int) -> int:
+    """ale-py reads 2**32 - 1 as the clock, so `AleCore` takes the seed below it instead, and so does this core."""
+    return min(seed, door.SEED_LIMIT - 2)
+
+
+@lru_cache(maxsize=128)
+def _compiled(game: Game, image: bytes) -> _emulator.Game:
+    """The game as the emulator takes it, made once and shared by all its cores."""
+    rules = compile_rules(game.rules) if game.rules else _NO_RULES
+    controllers = game.controllers
+    switches = 0x3F | (controllers.left_difficulty == "A") << 6 | (controllers.right_difficulty == "A") << 7
+    swapped = rom_image.md5(image) in _F8_SWAPPED and not game.rom.cartridge
+    return _emulator.make_game(
+        image=image,
+        cartridge="F8 SWAPPED" if swapped else game.rom.cartridge,
+        format=game.screen.format,
+        detect_format=game.screen.format_detected,
+        first_line=game.screen.first_line,
+        height=game.screen.height,
+        hmove_blanks=game.screen.hmove_blanks,
+        paddles=(controllers.left == "paddles", controllers.right == "paddles"),
+        swap_ports=controllers.swap_ports,
+        swap_paddles=controllers.swap_paddles,
+        paddle_range=controllers.paddle_range or (27450, 790196),
+        power_on_switches=switches,
+        legal_actions=[int(action) for action in game.legal_actions] or list(range(18)),
+        starting_actions=[int(action) for action in game.starting_actions],
+        default_mode=game.default_mode,
+        variables=rules.variables,
+        initial=rules.initial,
+        kept=rules.kept,
+        outputs=rules.outputs,
+        step=rules.step,
+        select_mode=rules.select_mode,
+    )

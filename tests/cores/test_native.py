@@ -1,0 +1,103 @@
+"""`NativeCore`: the contract of every core, and what only our own emulator does."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from core_contract import CoreContract
+from core_tools import play, some_actions, visible
+
+import atari
+from atari.cores import NativeCore
+from atari.roms import find
+
+
+class TestNativeCore(CoreContract):
+    core_type = NativeCore
+
+
+@pytest.mark.parametrize("game", ["combat", "joust", "maze_craze", "warlords"])
+def test_two_player_cartridges_run_without_rules(game: str) -> None:
+    """They draw a picture, press on, and know no reward, lives or end."""
+    core = NativeCore(game)
+    core.reset()
+    assert len(np.unique(core.screen())) > 2
+    assert {core.act(action) for action in [0, 1, 3, 4] * 20} == {0}
+    assert (core.lives, core.game_over, core.frame_number) == (0, False, 80)
+
+
+def test_a_cloned_state_is_complete() -> None:
+    """Unlike ale-py's: picture, held action and sound come back too."""
+    core = NativeCore("seaquest", sound=True, repeat_action_probability=0.5)
+    core.reset()
+    play(core, some_actions(core, 50))
+    state, seen = core.clone_state(include_rng=True), visible(core)
+    expected = play(core, some_actions(core, 50, seed=1))
+    core.restore_state(state)
+    assert visible(core) == seen
+    assert play(core, some_actions(core, 50, seed=1)) == expected
+
+
+def test_a_cloned_state_fits_another_core_of_the_game() -> None:
+    first, second = NativeCore("pong"), NativeCore("pong", seed=3)
+    first.reset()
+    play(first, some_actions(first, 30))
+    second.restore_state(first.clone_state(include_rng=True))
+    assert visible(second) == visible(first)
+
+
+def test_seeding_without_loading_again_is_as_a_new_core() -> None:
+    """`seed` copies what the first load left, where that does not depend on the seed; in adventure it does."""
+    for game in ("pong", "adventure", "berzerk", "klax"):
+        core = NativeCore(game, seed=1)
+        core.reset()
+        play(core, some_actions(core, 40))
+        core.seed(7)
+        assert visible(core) == visible(NativeCore(game, seed=7)), game
+
+
+def test_a_mode_outlives_seeding() -> None:
+    core = NativeCore("breakout", mode=8, difficulty=1)
+    core.seed(5)
+    core.reset()
+    assert core.ram()[0x32] == 8
+
+
+def test_a_rom_without_a_hash_in_its_game_is_taken_as_it_is(tmp_path: Path) -> None:
+    image = bytearray(find("breakout").read_bytes())
+    image[0x100] ^= 0xFF
+    (tmp_path / "changed.bin").write_bytes(image)
+    mine = replace(atari.games["breakout"], rom=atari.game.Rom())
+    core = NativeCore(mine, rom=tmp_path / "changed.bin")
+    core.reset()
+    assert core.frame_number == 0
+    with pytest.raises(ValueError, match="the ROM of Breakout is needed"):
+        NativeCore("breakout", rom=tmp_path / "changed.bin")
+    with pytest.raises(FileNotFoundError, match="names no hash to search for; say where its file is with rom="):
+        NativeCore(mine)
+
+
+@pytest.mark.parametrize("size", [0, 1, 1000, 8448, 100_000])
+def test_an_image_of_no_supported_type_is_refused(tmp_path: Path, size: int) -> None:
+    (tmp_path / "odd.bin").write_bytes(bytes(size))
+    with pytest.raises(ValueError, match=r"empty|bytes|Supercharger|cartridge type"):
+        NativeCore(replace(atari.games["breakout"], rom=atari.game.Rom()), rom=tmp_path / "odd.bin")
+
+
+def test_a_foreign_rom_under_the_rules_of_a_game_cannot_hang(tmp_path: Path) -> None:
+    """Its RAM never shows the mode that a reset waits for."""
+    (tmp_path / "jam.bin").write_bytes(b"\x02" * 4092 + b"\x00\xf0\x00\xf0")
+    mine = replace(atari.games["breakout"], rom=atari.game.Rom())
+    with pytest.raises(RuntimeError, match="the mode cannot be selected"):
+        NativeCore(mine, rom=tmp_path / "jam.bin")
+
+
+def test_the_state_is_refused_if_it_could_not_have_been_saved() -> None:
+    core = NativeCore("pong")
+    state = bytearray(core.save())
+    for bad in (b"", bytes(state[:-1]), bytes(state) + b"0", b"\xff" * len(state)):
+        seen = visible(core)
+        with pytest.raises(ValueError, match="the state is damaged, or of another game or version"):
+            core.load(bad)
+        assert visible(core) == seen
