@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import gymnasium
 
 import atari
-from atari.cli import demo, facts, roms
+from atari.cli import demo, facts, roms, verify
 from atari.cli.command import print_error
 
 _EXAMPLES = """\
@@ -22,6 +22,7 @@ examples:
   atari info ms_pacman --json              all facts of a game
   atari list --ids | grep Pong             every environment ID
   atari roms verify                        are the ROM files right?
+  atari verify pong --frames 10000         do our emulator and ale-py agree?
 """
 
 
@@ -61,6 +62,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"atari-envs {atari.__version__}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for group in (facts, roms, demo):
+    for group in (facts, roms, verify, demo):
         group.add_commands(commands)
     return parser

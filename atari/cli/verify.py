@@ -1,0 +1,97 @@
+"""`atari verify`: the differential test between two cores as a command."""
+
+import argparse
+import itertools
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import asdict
+from multiprocessing import get_context
+from os import cpu_count
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tqdm import tqdm
+
+from atari.catalog import games
+from atari.cli.command import add_command, print_json
+from atari.cores import CORES
+from atari.verify import Difference, Run, read, verify
+
+if TYPE_CHECKING:
+    from atari.cli.command import Commands
+
+
+def add_commands(commands: "Commands") -> None:
+    """Add the commands of this file."""
+    parser = add_command(
+        commands,
+        "verify",
+        _verify,
+        "play two cores side by side and compare them at every frame (exit code 1: they differ)",
+    )
+    parser.add_argument("games", nargs="*", metavar="GAME", help="default: all games")
+    parser.add_argument("--frames", type=int, default=600, help="frames of a run (default 600)")
+    parser.add_argument(
+        "--seeds", type=int, nargs="+", default=[0], metavar="SEED", help="one run for each (default 0)"
+    )
+    parser.add_argument(
+        "--sticky", type=float, default=0.25, metavar="P", help="repeat_action_probability (default 0.25)"
+    )
+    parser.add_argument("--modes", action="store_true", help="one run for each mode and difficulty of a game")
+    parser.add_argument("--pokes", action="store_true", help="overwrite bytes of RAM at random")
+    parser.add_argument("--strengths", action="store_true", help="move paddles by fractions")
+    parser.add_argument("--cores", nargs=2, choices=list(CORES), default=["native", "ale"], metavar="CORE")
+    parser.add_argument(
+        "--jobs", type=int, default=cpu_count(), metavar="N", help="processes (default: all processors)"
+    )
+    parser.add_argument("-o", "--output", type=Path, default=Path("differences"), metavar="FOLDER")
+    parser.add_argument(
+        "--replay", type=Path, metavar="FILE", help="play a difference again from the file written for it"
+    )
+
+
+def _verify(args: argparse.Namespace) -> int:
+    if min(args.frames, args.jobs) < 1:
+        raise ValueError("--frames and --jobs must be at least 1")
+    runs = [read(args.replay)] if args.replay else list(_runs(args))
+    differences = []
+    for difference in tqdm(_results(runs, args.jobs), total=len(runs), unit="run", disable=None):
+        if difference:
+            differences.append(difference)
+            if not args.json:
+                tqdm.write(f"{difference}\n  to play it again: atari verify --replay {difference.write(args.output)}")
+    frames = sum(run.frames for run in runs)
+    if args.json:
+        print_json({"runs": len(runs), "frames": frames, "differences": [asdict(each) for each in differences]})
+    else:
+        print(f"{len(runs)} runs, {frames} frames, {len(differences)} differences")
+    return 1 if differences else 0
+
+
+def _runs(args: argparse.Namespace) -> Iterator[Run]:
+    chosen = [games.find(game) for game in args.games] or list(games.playable())
+    for game, seed in itertools.product(chosen, args.seeds):
+        settings: Any = itertools.product(game.modes, game.difficulties) if args.modes else [(None, None)]
+        for mode, difficulty in settings:
+            yield Run(
+                game.id,
+                frames=args.frames,
+                seed=seed,
+                repeat_action_probability=args.sticky,
+                mode=mode,
+                difficulty=difficulty,
+                pokes=args.pokes,
+                strengths=args.strengths,
+                cores=tuple(args.cores),
+            )
+
+
+def _results(runs: list[Run], jobs: int) -> Iterator[Difference | None]:
+    """The outcome of each run, in whatever order they end."""
+    if jobs == 1 or len(runs) == 1:
+        yield from map(verify, runs)
+        return
+    # Processes of their own: ale-py can end the one it runs in. Not forked, as the parent may have threads.
+    with ProcessPoolExecutor(min(jobs, len(runs)), mp_context=get_context("spawn")) as pool:
+        for future in as_completed([pool.submit(verify, run) for run in runs]):
+            yield future.result()

@@ -1,0 +1,76 @@
+"""The native core equals ale-py, frame by frame, side by side: RAM, picture, sound, reward, lives, ends, counters.
+
+`atari.verify` is the test itself, which users can run too (`atari verify`); here it runs over all games with sticky
+actions, all modes and difficulties, fractional paddle movement, RAM overwritten at random, and snapshots.
+"""
+
+import numpy as np
+import pytest
+
+import atari
+from atari.cores import AleCore, NativeCore
+from atari.verify import Run, verify
+
+GAMES = [game.id for game in atari.games.playable()]
+PADDLE_GAMES = [game.id for game in atari.games.playable() if game.controllers.paddles]
+ARRAYS = ("ram", "screen", "screen_rgb", "screen_grayscale", "audio")
+
+
+@pytest.mark.parametrize("game", GAMES)
+def test_six_hundred_frames_with_sticky_actions(game: str) -> None:
+    assert verify(Run(game, frames=600, seed=1)) is None
+
+
+@pytest.mark.parametrize("game", GAMES)
+def test_ram_overwritten_at_random(game: str) -> None:
+    """Leads into corners that play does not reach in minutes: illegal opcodes, runaway programs, odd scores."""
+    assert verify(Run(game, frames=200, seed=2, pokes=True)) is None
+
+
+@pytest.mark.parametrize("game", PADDLE_GAMES)
+def test_paddles_with_fractional_strengths(game: str) -> None:
+    assert verify(Run(game, frames=400, seed=3, strengths=True, repeat_action_probability=0.5)) is None
+
+
+@pytest.mark.parametrize("game", GAMES)
+def test_every_mode_and_difficulty(game: str) -> None:
+    """Each mode with some difficulty and each difficulty with some mode, through a reset and 60 frames."""
+    facts = atari.games[game]
+    count = max(len(facts.modes), len(facts.difficulties))
+    for i in range(count):
+        mode, difficulty = facts.modes[i % len(facts.modes)], facts.difficulties[i % len(facts.difficulties)]
+        assert verify(Run(game, frames=60, seed=i, mode=mode, difficulty=difficulty)) is None
+
+
+@pytest.mark.parametrize("game", GAMES)
+def test_snapshots_in_mid_episode_continue_on_both_cores(game: str) -> None:
+    """Fresh cores restored from snapshots go on like the ones that were saved, and like each other."""
+    options = {"seed": 5, "repeat_action_probability": 0.25, "sound": True}
+    native, ale = NativeCore(game, **options), AleCore(game, **options)
+    actions = [int(action) for action in np.random.default_rng(4).choice(native.game.minimal_actions, 160)]
+    for core in (native, ale):
+        core.reset()
+        for action in actions[:100]:
+            core.act(action)
+    restored_native, restored_ale = NativeCore(game, **{**options, "seed": 9}), AleCore(game, **{**options, "seed": 9})
+    restored_native.restore(native.snapshot())
+    restored_ale.restore(ale.snapshot())
+    cores = (native, restored_native, ale, restored_ale)
+    for action in actions[100:]:
+        rewards = {core.act(action) for core in cores}
+        assert len(rewards) == 1
+        for name in ARRAYS:
+            assert len({getattr(core, name)().tobytes() for core in cores}) == 1, name
+
+
+@pytest.mark.parametrize("game", ["pong", "adventure", "ms_pacman", "seaquest"])
+def test_color_averaging(game: str) -> None:
+    native, ale = (core(game, color_averaging=True, repeat_action_probability=0.0) for core in (NativeCore, AleCore))
+    for core in (native, ale):
+        core.reset()
+    actions = [int(action) for action in np.random.default_rng(6).choice(native.game.minimal_actions, 60)]
+    for action in actions:
+        native.act(action)
+        ale.act(action)
+        for name in ("screen", "screen_rgb", "screen_grayscale"):
+            assert np.array_equal(getattr(native, name)(), getattr(ale, name)()), name
