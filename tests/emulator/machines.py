@@ -1,0 +1,70 @@
+"""Bare consoles for the tests of the chips, and the tables they are compared with.
+
+`facts/` holds what ale-py 0.12.1 does, as measured: the opcodes, the reactions of the TIA, check sums. The models
+(`model_6502`, `model_tia`) are written from the same description as the emulator, but on their own and the simple way.
+"""
+
+import json
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+from atari._emulator import Console
+
+FACTS = Path(__file__).parent / "facts"
+TIA_FACTS: dict[str, Any] = json.loads((FACTS / "tia.json").read_text())
+MACHINE_FACTS: dict[str, Any] = json.loads((FACTS / "machine.json").read_text())
+
+W = SimpleNamespace(**{name: address for name, (address, _) in TIA_FACTS["write_registers"].items()})
+"""Addresses of the TIA's registers for writing: `W.COLUBK`."""
+
+R = SimpleNamespace(
+    CXM0P=0, CXM1P=1, CXP0FB=2, CXP1FB=3, CXM0FB=4, CXM1FB=5, CXBLPF=6, CXPPMM=7,
+    INPT0=8, INPT1=9, INPT2=10, INPT3=11, INPT4=12, INPT5=13,
+    SWCHA=0x280, SWACNT=0x281, SWCHB=0x282, SWBCNT=0x283, INTIM=0x284, TIMINT=0x285,
+    TIM1T=0x294, TIM8T=0x295, TIM64T=0x296, T1024T=0x297,
+)  # fmt: skip
+"""Addresses of the TIA's registers for reading, and of the RIOT's."""
+
+NOP = 0xEA
+JAM = 0x02
+
+
+def rom(program: bytes | list[int] = b"", *, banks: int = 1, start: int = 0xF000, vector: int | None = None) -> bytes:
+    """An image of 4 KiB banks, each with the program at `start` and the vectors pointing to it; NOPs elsewhere."""
+    bank = bytearray([NOP]) * 4096
+    offset = start & 0xFFF
+    bank[offset : offset + len(program)] = bytes(program)
+    word = (start if vector is None else vector).to_bytes(2, "little")
+    bank[-4:] = word + word
+    return bytes(bank) * banks
+
+
+def console(program: bytes | list[int] = b"", **options: Any) -> Console:
+    """A 4 KiB cartridge with this program at $F000, reset."""
+    return Console(rom(program), "4K", **options)
+
+
+def beam(height: int = 8, **options: Any) -> Console:
+    """A console in its first frame, whose picture begins with line 0; registers are then written at chosen times."""
+    machine = console(first_line=0, height=height, **options)
+    machine.start_frame()
+    return machine
+
+
+def write_at(machine: Console, line: int, cycle: int, register: int, value: int = 0) -> None:
+    """A write at a cycle of a line (the lines of a `beam` begin at multiples of 76 cycles)."""
+    machine.cycles = 76 * line + cycle
+    machine.write(register, value)
+
+
+def picture(machine: Console) -> Any:
+    """The picture up to the present cycle: an access brings it up to date, here of a register that drives nothing."""
+    machine.read(0x0E)
+    return machine.picture()
+
+
+def run(machine: Console, instructions: int) -> None:
+    """Some instructions."""
+    for _ in range(instructions):
+        machine.step()

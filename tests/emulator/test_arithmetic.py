@@ -1,0 +1,63 @@
+"""ADC, SBC and ARR over all operands, accumulators and carries, binary and decimal, invalid digits included."""
+
+import hashlib
+from collections.abc import Iterator
+
+import pytest
+from emulator.machines import MACHINE_FACTS, console
+from emulator.model_6502 import Model6502
+
+from atari._emulator import Console
+
+CODES = {"adc": 0x69, "sbc": 0xE9, "arr": 0x6B}
+
+
+def results(machine: Console, operation: str, decimal: bool) -> Iterator[tuple[int, int, int, dict[str, int]]]:
+    """(carry, operand, accumulator, registers afterwards) of all cases; A innermost."""
+    for carry in (False, True):
+        for operand in range(256):
+            machine.write(0x80, CODES[operation])
+            machine.write(0x81, operand)
+            for a in range(256):
+                machine.set_registers(a=a, pc=0x80, n=False, v=False, d=decimal, i=False, z=False, c=carry)
+                machine.step()
+                yield carry, operand, a, machine.registers
+
+
+def status(registers: dict[str, int]) -> int:
+    order = ("n", "v", None, None, "d", "i", "z", "c")
+    return sum(bit << (7 - k) for k, bit in enumerate(registers[name] if name else 1 for name in order))
+
+
+@pytest.mark.parametrize("decimal", [False, True], ids=["binary", "decimal"])
+@pytest.mark.parametrize("operation", CODES)
+def test_all_cases(operation: str, decimal: bool) -> None:
+    """Equal to the reference, by check sum, and to the model, case by case."""
+    model = Model6502(console())
+    seen = bytearray()
+    for carry, operand, a, after in results(console(), operation, decimal):
+        model.a, model.c, model.d = a, carry, decimal
+        getattr(model, operation)(operand)
+        flags = (model.n, model.v, model.z, model.c)
+        assert (after["a"], (after["n"], after["v"], after["z"], after["c"])) == (model.a, flags), (carry, operand, a)
+        seen += bytes([after["a"], status(after)])
+    expected = MACHINE_FACTS["alu_sha256"][f"{operation}_{'decimal' if decimal else 'binary'}"]
+    assert hashlib.sha256(seen).hexdigest() == expected
+
+
+def bcd(number: int) -> int:
+    return number // 10 * 16 + number % 10
+
+
+def test_decimal_numbers_add_and_subtract() -> None:
+    """With valid digits, decimal mode is arithmetic: two-digit numbers, the carry being the hundred or the borrow."""
+    machine = console()
+    valid = {bcd(number): number for number in range(100)}
+    for carry, operand, a, after in results(machine, "adc", True):
+        if a in valid and operand in valid:
+            total = valid[a] + valid[operand] + carry
+            assert (after["a"], after["c"]) == (bcd(total % 100), total >= 100)
+    for carry, operand, a, after in results(machine, "sbc", True):
+        if a in valid and operand in valid:
+            total = valid[a] - valid[operand] - (1 - carry)
+            assert (after["a"], after["c"]) == (bcd(total % 100), total >= 0)

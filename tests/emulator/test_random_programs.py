@@ -1,0 +1,79 @@
+"""Random programs, frame by frame, against ale-py: RAM, audio and screen.
+
+Programs for the processor are not compared by their screens: they end frames in the middle of visible lines, where the
+reference may show up to three pixels more than the beam has drawn, which the emulator does not imitate.
+"""
+
+import json
+import random
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from emulator.programs import cpu_program, tia_program
+from emulator.reference import GAME
+
+from atari import _emulator
+from atari.catalog import games
+from atari.compiler import compile_rules
+
+BATCH = 15  # programs in one process of ale-py
+REFERENCE = Path(__file__).with_name("reference.py")
+
+
+def reference(entries: list[dict[str, Any]], folder: Path) -> Any:
+    """What ale-py makes of the programs."""
+    script, result = folder / "script.json", folder / "result.npz"
+    script.write_text(json.dumps(entries))
+    child = subprocess.run(
+        [sys.executable, str(REFERENCE), str(script), str(result)],
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert child.returncode == 0, child.stderr
+    return np.load(result)
+
+
+def emulator(image: bytes, rows: int) -> _emulator.Emulator:
+    """Our emulator with the rules of the game that ale-py believes to play, and the format that it detected."""
+    rules = compile_rules(games[GAME].rules)
+    game = _emulator.make_game(
+        image=image, cartridge="", format="PAL" if rows == 250 else "NTSC", detect_format=True, first_line=34, height=rows,
+        hmove_blanks=True, paddles=(False, False), swap_ports=False, swap_paddles=False, paddle_range=(27450, 790196),
+        power_on_switches=0x3F, legal_actions=list(range(18)), starting_actions=[], default_mode=0,
+        variables=rules.variables, initial=rules.initial, kept=rules.kept, outputs=rules.outputs, step=rules.step,
+        select_mode=rules.select_mode,
+    )  # fmt: skip
+    return _emulator.Emulator(
+        game=game, repeat_action_probability=0.0, frame_skip=1, max_num_frames_per_episode=0, sound=True,
+        color_averaging=False, seed=1,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("batch", range(12))
+def test_equal_to_ale_py(batch: int, tmp_path: Path) -> None:
+    """Two thirds of the programs exercise the TIA, one third the processor."""
+    make = cpu_program if batch % 3 == 2 else tia_program
+    entries = []
+    for number in range(BATCH):
+        rng = random.Random(1000 * batch + number)
+        actions = [rng.randrange(18) for _ in range(8)]
+        actions[4] = -1
+        entries.append({"image": make(rng).hex(), "actions": actions})
+    expected = reference(entries, tmp_path)
+    for number, entry in enumerate(entries):
+        rows = expected[f"{number} screen"].shape[1]
+        ours = emulator(bytes.fromhex(entry["image"]), rows)
+        for frame, action in enumerate([None, *entry["actions"]]):
+            if action == -1:
+                ours.reset()
+            elif action is not None:
+                ours.act(action)
+            for name in ("ram", "audio") if make is cpu_program else ("ram", "audio", "screen"):
+                what = f"{make.__name__} {number} of batch {batch}, frame {frame}: {name}"
+                np.testing.assert_array_equal(getattr(ours, name)(), expected[f"{number} {name}"][frame], err_msg=what)

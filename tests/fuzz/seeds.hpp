@@ -1,0 +1,13 @@
+// The inputs that fuzzing starts from, named. Among them, one for everything that fuzzing has found.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace atari {
+
+std::vector<std::pair<std::string, std::vector<uint8_t>>> fuzzing_seeds();
+
+}  // namespace atari

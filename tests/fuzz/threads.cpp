@@ -1,0 +1,147 @@
+// A hundred environments on eight threads must give the same bytes as one after the other. Built with ThreadSanitizer,
+// it also shows that what they share - games, cartridges, palettes, tables made on first use - is shared without races.
+//
+// usage: emulator_threads FOLDER    a folder of ROM images (*.bin), of which ten are taken
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "environment.hpp"
+
+namespace atari {
+namespace {
+
+constexpr int kGames = 10, kEnvironments = 100, kThreads = 8;
+constexpr int kRounds = 4, kActs = 5;  // an environment plays so many acts at a time, each time on any thread
+
+using Games = std::vector<std::shared_ptr<const Game>>;
+
+// Real images, with rules that read RAM and draw random words each frame.
+Games load_games(const std::filesystem::path& folder) {
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+        if (entry.path().extension() == ".bin") files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    if (files.size() < kGames) throw std::runtime_error("the folder holds fewer than ten ROM images (*.bin)");
+    std::vector<int32_t> rules;
+    for (auto [op, argument] : std::initializer_list<std::pair<Op, int32_t>>{
+             {Op::kPush, 0x80}, {Op::kPush, 0xff}, {Op::kPositiveSum, 0}, {Op::kRandom, 0}, {Op::kXor, 0},
+             {Op::kStore, 0}, {Op::kEnd, 0}})
+        rules.insert(rules.end(), {static_cast<int32_t>(op), argument});
+    Games games;
+    for (size_t i = 0; i < kGames; ++i) {
+        std::ifstream file(files[i * files.size() / kGames], std::ios::binary);
+        const std::vector<uint8_t> image(std::istreambuf_iterator<char>(file), {});
+        auto game = std::make_shared<Game>();
+        game->cartridge = std::make_shared<const Cartridge>(image, "");
+        game->palette = i % 3 == 0 ? &NTSC : i % 3 == 1 ? &PAL : &SECAM;
+        game->variables = 4;
+        game->mode_variable = 3;
+        game->step = Program(rules, game->variables, false);
+        game->check();
+        games.push_back(game);
+    }
+    return games;
+}
+
+// An environment with a digest (FNV-1a) of everything it has shown, and at the end of its state.
+class Player {
+  public:
+    Player(const Games& games, size_t number)
+        : environment_(games[number % games.size()], settings(number), static_cast<uint32_t>(number)), action_(static_cast<uint32_t>(number)) {}
+
+    void play() {
+        std::vector<uint8_t> pixels(static_cast<size_t>(environment_.height()) * kScreenWidth);
+        for (int i = 0; i < kActs; ++i) {
+            action_ = 1664525 * action_ + 1013904223;
+            const int reward = environment_.act(static_cast<int>(action_ >> 16) % 18, 1.0f);
+            environment_.screen_gray(pixels.data());
+            add(&reward, sizeof reward);
+            add(environment_.ram(), 128);
+            add(environment_.audio(), kAudioSamples);
+            add(pixels.data(), pixels.size());
+        }
+        std::vector<uint8_t> state(environment_.state_size());
+        environment_.save(state.data());
+        add(state.data(), state.size());
+    }
+
+    uint64_t digest() const { return digest_; }
+
+  private:
+    static Settings settings(size_t number) {
+        Settings settings;
+        settings.sound = true;
+        settings.colour_averaging = number % 2 != 0;
+        settings.frame_skip = 1 + static_cast<int>(number % 3);
+        return settings;
+    }
+
+    void add(const void* data, size_t size) {
+        for (const auto* byte = static_cast<const uint8_t*>(data); size > 0; --size) digest_ = (digest_ ^ *byte++) * 0x100000001b3ull;
+    }
+
+    Environment environment_;
+    uint32_t action_;
+    uint64_t digest_ = 0xcbf29ce484222325ull;
+};
+
+std::vector<uint64_t> one_after_the_other(const Games& games) {
+    std::vector<uint64_t> digests;
+    for (size_t i = 0; i < kEnvironments; ++i) {
+        Player player(games, i);
+        for (int round = 0; round < kRounds; ++round) player.play();
+        digests.push_back(player.digest());
+    }
+    return digests;
+}
+
+// `work` for all environments, on eight threads; which thread takes which is chance.
+template <typename Work>
+void on_threads(Work&& work) {
+    std::atomic<size_t> next{0};
+    std::vector<std::thread> threads;
+    for (int i = 0; i < kThreads; ++i)
+        threads.emplace_back([&] {
+            for (size_t number = next++; number < kEnvironments; number = next++) work(number);
+        });
+    for (std::thread& thread : threads) thread.join();
+}
+
+std::vector<uint64_t> all_at_once(const Games& games) {
+    std::vector<std::optional<Player>> players(kEnvironments);
+    on_threads([&](size_t number) { players[number].emplace(games, number); });
+    for (int round = 0; round < kRounds; ++round) on_threads([&](size_t number) { players[number]->play(); });
+    std::vector<uint64_t> digests;
+    for (const auto& player : players) digests.push_back(player->digest());
+    return digests;
+}
+
+}  // namespace
+}  // namespace atari
+
+int main(int count, char** arguments) {
+    using namespace atari;
+    if (count != 2) return std::fprintf(stderr, "usage: emulator_threads FOLDER\n"), 2;
+    try {
+        const Games games = load_games(arguments[1]);
+        const auto together = all_at_once(games);  // first, so that tables are made by threads
+        const auto alone = one_after_the_other(games);
+        for (size_t i = 0; i < kEnvironments; ++i) {
+            if (together[i] == alone[i]) continue;
+            std::fprintf(stderr, "environment %zu differs between eight threads and one\n", i);
+            return 1;
+        }
+    } catch (const std::exception& error) {
+        return std::fprintf(stderr, "%s\n", error.what()), 2;
+    }
+    std::printf("%d environments of %d games on %d threads: the same bytes as one after the other\n", kEnvironments, kGames, kThreads);
+}
