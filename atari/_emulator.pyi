@@ -190,12 +190,12 @@ class Console:
 
     @positions.setter
     def positions(self, arg: Sequence[int], /) -> None: ...
-    def picture(self) -> object:
+    def picture(self) -> numpy.typing.NDArray[numpy.uint8]:
         """
         The current frame's picture up to the latest access of the TIA: uint8 (height, 160), palette indices.
         """
 
-    def make_samples(self) -> object:
+    def make_samples(self) -> numpy.typing.NDArray[numpy.uint8]:
         """The next 512 samples of sound: uint8 (512,), unsigned around 128."""
 
     def set_inputs(
@@ -211,7 +211,7 @@ class Console:
         What is pressed: SWCHB, both sticks (bits 0-3: up, down, left, right), fire, paddles. Default: nothing.
         """
 
-    def state(self) -> dict[str, dict[str, Any]]:
+    def state(self) -> dict[str, Any]:
         """
         All chips' registers and latches, by name, as nested dicts. For looking, not for saving.
         """

@@ -50,13 +50,13 @@ nb::list as_list(const Item (&items)[count]) {
     return as_list(items, count);
 }
 
-nb::object as_array(const uint8_t* data, std::initializer_list<size_t> shape) {
+Array as_array(const uint8_t* data, std::initializer_list<size_t> shape) {
     size_t size = 1;
     for (size_t extent : shape) size *= extent;
     auto* copy = new uint8_t[size];
     nb::capsule owner(copy, [](void* memory) noexcept { delete[] static_cast<uint8_t*>(memory); });
     std::copy_n(data, size, copy);
-    return nb::cast(Array(copy, shape.size(), shape.begin(), owner));
+    return Array(copy, shape.size(), shape.begin(), owner);
 }
 
 nb::dict registers(const Console& console) {
@@ -153,7 +153,7 @@ nb::dict state(const Console& console) {
     return all;
 }
 
-nb::object picture(Console& console) {
+Array picture(Console& console) {
     console.catch_up();
     return as_array(console.picture(), {static_cast<size_t>(console.config().height), kScreenWidth});
 }
@@ -230,18 +230,20 @@ void register_inspection(nb::module_& m) {
         .def_prop_rw("positions", [](const Console& x) { return as_list(x.machine().tia.pos); }, &set_positions,
                      nb::for_getter(nb::sig("def positions(self, /) -> list[int]")),
                      "Of player 0, player 1, missile 0, missile 1 and ball: five columns within 0..159.")
-        .def("picture", &picture, "The current frame's picture up to the latest access of the TIA: uint8 (height, 160), palette indices.")
+        .def("picture", &picture, nb::sig("def picture(self) -> numpy.typing.NDArray[numpy.uint8]"),
+             "The current frame's picture up to the latest access of the TIA: uint8 (height, 160), palette indices.")
         .def("make_samples",
              [](Console& x) {
                  uint8_t samples[kAudioSamples];
                  x.make_samples(samples);
                  return as_array(samples, {kAudioSamples});
-             }, "The next 512 samples of sound: uint8 (512,), unsigned around 128.")
+             }, nb::sig("def make_samples(self) -> numpy.typing.NDArray[numpy.uint8]"),
+             "The next 512 samples of sound: uint8 (512,), unsigned around 128.")
         .def("set_inputs", &set_inputs, nb::kw_only(), "switches"_a = 0x3f, "sticks"_a = std::array<int, 2>{0, 0},
              "fire"_a = std::array<bool, 2>{false, false}, "resistances"_a = std::array<int32_t, 4>{0, 0, 0, 0},
              "paddle_fire"_a = std::array<bool, 4>{false, false, false, false},
              "What is pressed: SWCHB, both sticks (bits 0-3: up, down, left, right), fire, paddles. Default: nothing.")
-        .def("state", &state, nb::sig("def state(self) -> dict[str, dict[str, typing.Any]]"),
+        .def("state", &state, nb::sig("def state(self) -> dict[str, typing.Any]"),
              "All chips' registers and latches, by name, as nested dicts. For looking, not for saving.")
         .def("save", &save, "The whole state as bytes.")
         .def("load", &load, "state"_a, "Continue from `save`; ValueError if the bytes cannot be a state.");

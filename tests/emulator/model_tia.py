@@ -39,8 +39,8 @@ def ball_lit(x: int, position: int, size: int) -> bool:
 
 
 def playfield_lit(x: int, playfield: int, mirror: bool) -> bool:
-    cell = TIA_FACTS["playfield_bit_by_cell"]["mirror" if mirror else "repeat"][x // 4]
-    return playfield >> cell & 1 == 1
+    bit: int = TIA_FACTS["playfield_bit_by_cell"]["mirror" if mirror else "repeat"][x // 4]
+    return playfield >> bit & 1 == 1
 
 
 def nothing_lit(x: int) -> bool:

@@ -10,6 +10,7 @@ import json
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import ale_py
 import numpy as np
@@ -42,7 +43,7 @@ def play(image: bytes, actions: list[int]) -> dict[str, np.ndarray]:
 if __name__ == "__main__":
     script, result = map(Path, sys.argv[1:])
     ale_py.ALEInterface.setLoggerMode(ale_py.LoggerMode.Error)
-    results = {}
+    results: dict[str, Any] = {}
     for number, entry in enumerate(json.loads(script.read_text())):
         for name, array in play(bytes.fromhex(entry["image"]), entry["actions"]).items():
             results[f"{number} {name}"] = array

@@ -14,12 +14,12 @@ CODES = {"adc": 0x69, "sbc": 0xE9, "arr": 0x6B}
 
 def results(machine: Console, operation: str, decimal: bool) -> Iterator[tuple[int, int, int, dict[str, int]]]:
     """(carry, operand, accumulator, registers afterwards) of all cases; A innermost."""
-    for carry in (False, True):
+    for carry in (0, 1):
         for operand in range(256):
             machine.write(0x80, CODES[operation])
             machine.write(0x81, operand)
             for a in range(256):
-                machine.set_registers(a=a, pc=0x80, n=False, v=False, d=decimal, i=False, z=False, c=carry)
+                machine.set_registers(a=a, pc=0x80, n=False, v=False, d=decimal, i=False, z=False, c=bool(carry))
                 machine.step()
                 yield carry, operand, a, machine.registers
 
@@ -36,7 +36,7 @@ def test_all_cases(operation: str, decimal: bool) -> None:
     model = Model6502(console())
     seen = bytearray()
     for carry, operand, a, after in results(console(), operation, decimal):
-        model.a, model.c, model.d = a, carry, decimal
+        model.a, model.c, model.d = a, carry == 1, decimal
         getattr(model, operation)(operand)
         flags = (model.n, model.v, model.z, model.c)
         assert (after["a"], (after["n"], after["v"], after["z"], after["c"])) == (model.a, flags), (carry, operand, a)

@@ -41,7 +41,9 @@ def reference(entries: list[dict[str, Any]], folder: Path) -> Any:
 
 def emulator(image: bytes, rows: int) -> _emulator.Emulator:
     """Our emulator with the rules of the game that ale-py believes to play, and the format that it detected."""
-    rules = compile_rules(games[GAME].rules)
+    rules_of_game = games[GAME].rules
+    assert rules_of_game is not None
+    rules = compile_rules(rules_of_game)
     game = _emulator.make_game(
         image=image, cartridge="", format="PAL" if rows == 250 else "NTSC", detect_format=True, first_line=34, height=rows,
         hmove_blanks=True, paddles=(False, False), swap_ports=False, swap_paddles=False, paddle_range=(27450, 790196),
@@ -59,7 +61,7 @@ def emulator(image: bytes, rows: int) -> _emulator.Emulator:
 def test_equal_to_ale_py(batch: int, tmp_path: Path) -> None:
     """Two thirds of the programs exercise the TIA, one third the processor."""
     make = cpu_program if batch % 3 == 2 else tia_program
-    entries = []
+    entries: list[dict[str, Any]] = []
     for number in range(BATCH):
         rng = random.Random(1000 * batch + number)
         actions = [rng.randrange(18) for _ in range(8)]

@@ -187,8 +187,8 @@ def test_what_shows_the_first_copy_again(register: int) -> None:
 
 
 def stars(lines: int, end_with: int | None = None) -> tuple[Console, list[list[int]]]:
-    """Missile 0 of width 1 at column 100, armed in line 0; lit columns line by line."""
-    machine = beam(height=lines)
+    """Missile 0 of width 1 at column 100, armed in line 0; lit columns of so many lines."""
+    machine = beam(height=10)
     machine.write(W.HMM0, 0x70)
     machine.write(W.COLUP0, 0x0E)
     write_at(machine, 0, 3, W.HMOVE)
@@ -197,7 +197,7 @@ def stars(lines: int, end_with: int | None = None) -> tuple[Console, list[list[i
     machine.positions = [0, 0, 100, 0, 0]
     if end_with is not None:
         write_at(machine, 4, 0, end_with)
-    machine.cycles = 76 * lines
+    machine.cycles = max(machine.cycles, 76 * lines)
     return machine, [lit_columns(machine, line) for line in range(lines)]
 
 
@@ -217,6 +217,22 @@ def test_stars_end_with_hmove() -> None:
     machine, lines = stars(9, end_with=W.HMOVE)
     assert not machine.state()["tia"]["cosmic_ark"]
     assert len({tuple(line) for line in lines[4:]}) == 1
+
+
+@pytest.mark.parametrize("drawn", [False, True], ids=["line pending", "line drawn"])
+@pytest.mark.parametrize("register", [W.NUSIZ0, W.RESM0, W.RESMP0], ids=["NUSIZ0", "RESM0", "RESMP0"])
+def test_what_makes_a_star_plain_for_its_line(register: int, drawn: bool) -> None:
+    """In line 2 it would be off; the effect itself goes on."""
+    machine, _ = stars(0)
+    if drawn:
+        machine.cycles = 2 * 76 + 5
+        picture(machine)
+    if register == W.RESMP0:
+        write_at(machine, 2, 7, W.RESMP0, 2)
+    write_at(machine, 2, 10, register, 0)
+    position = {W.NUSIZ0: 100 - 33, W.RESM0: 2, W.RESMP0: 4}[register]
+    machine.cycles = 4 * 76
+    assert [lit_columns(machine, line) for line in (1, 2, 3)] == [[67, 68], [position], [(position - 17) % 160]]
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,8 @@ def lines_of(machine: Console, positions: range, item: int) -> np.ndarray:
         places[item] = position
         machine.positions = places
     machine.cycles = 76 * len(positions)
-    return picture(machine)[: len(positions)] != 0
+    lit: np.ndarray = picture(machine)[: len(positions)] != 0
+    return lit
 
 
 @pytest.mark.parametrize("mode", range(8))
