@@ -8,6 +8,14 @@ import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+try:
+    import_module("atari._emulator")
+except ImportError as error:
+    raise ImportError(
+        f"the compiled part of atari is missing here ({error}); if this is the source folder, start Python from "
+        "another one, or install the package with `pip install -e .`"
+    ) from error
+
 from atari import cores
 from atari.actions import Action
 from atari.catalog import games

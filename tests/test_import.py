@@ -3,8 +3,11 @@
 import subprocess
 import sys
 from pathlib import Path
+from shutil import copy
 
 import pytest
+
+import atari
 
 
 def run(program: str, folder: Path, *options: str) -> str:
@@ -77,3 +80,18 @@ def test_making_and_playing_prints_nothing(tmp_path: Path) -> None:
 def test_gymnasium_imports_the_package_by_the_module_prefix(tmp_path: Path) -> None:
     program = "import gymnasium\nprint(gymnasium.make('atari:Pong-ram-v4').reset(seed=0)[0].shape)"
     assert run(program, tmp_path, "-W", "error") == "(128,)\n"
+
+
+def test_from_the_source_folder_it_says_what_to_do(tmp_path: Path) -> None:
+    """There, Python finds the sources before the installed package, without the compiled part."""
+    (tmp_path / "atari").mkdir()
+    copy(atari.__file__, tmp_path / "atari")
+    done = subprocess.run(
+        [sys.executable, "-S", "-c", "import sys; sys.path.insert(0, '.'); import atari"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1
+    assert "the compiled part of atari is missing here (No module named 'atari._emulator')" in done.stderr
