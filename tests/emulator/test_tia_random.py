@@ -16,6 +16,7 @@ GROUPS = [
     [W.HMP0, W.HMP1, W.HMM0, W.HMM1, W.HMBL, W.HMOVE],
 ]
 STROBES = [W.RESP0, W.RESP1, W.RESM0, W.RESM1, W.RESBL, W.HMOVE]
+SOON_AFTER_HMOVE = [(21, W.HMM0), (3, W.RESM1), (20, W.RESM0), *((k, W.RESBL) for k in (3, 6, 7, 18))]
 
 
 def accesses(rng: random.Random) -> list[tuple[int, int, int]]:
@@ -31,9 +32,7 @@ def accesses(rng: random.Random) -> list[tuple[int, int, int]]:
         program.append((cycle, register, value))
         if register == W.HMOVE and rng.random() < 0.5:  # what is special a little later
             program[-1:] = [(cycle, W.HMM0, 0x70), (cycle + 3, W.HMOVE, 0)]
-            after, later = rng.choice(
-                ((21, W.HMM0), (3, W.RESM1), (20, W.RESM0), *((k, W.RESBL) for k in (3, 6, 7, 18)))
-            )
+            after, later = rng.choice(SOON_AFTER_HMOVE)
             cycle += 3 + after
             program.append((cycle, later, 0x60))
         cycle += rng.choice((3, 3, 4, 5, 6, 8, 20, 76 - cycle % 76 if cycle % 76 <= 73 else 3))
