@@ -317,19 +317,24 @@ void Environment::screen(uint8_t* out) const {
     std::memcpy(out, picture, static_cast<size_t>(height()) * kScreenWidth);
 }
 
+// Bytes may alias anything, so what the loops below read is taken out of the objects first.
 void Environment::screen_rgb(uint8_t* out) const {
     const uint8_t* picture = settings_.colour_averaging ? blended().data() : console_.picture();
-    for (int i = 0; i < height() * kScreenWidth; ++i) {
-        const uint32_t rgb = game_->palette->rgb[picture[i]];
-        *out++ = static_cast<uint8_t>(rgb >> 16);
-        *out++ = static_cast<uint8_t>(rgb >> 8);
-        *out++ = static_cast<uint8_t>(rgb);
+    const uint32_t* const colours = game_->palette->rgb;
+    const int count = height() * kScreenWidth;
+    for (int i = 0; i < count; ++i) {
+        const uint32_t rgb = colours[picture[i]];
+        out[3 * i] = static_cast<uint8_t>(rgb >> 16);
+        out[3 * i + 1] = static_cast<uint8_t>(rgb >> 8);
+        out[3 * i + 2] = static_cast<uint8_t>(rgb);
     }
 }
 
 void Environment::screen_gray(uint8_t* out) const {
     const uint8_t* picture = settings_.colour_averaging ? blended().data() : console_.picture();
-    for (int i = 0; i < height() * kScreenWidth; ++i) out[i] = game_->palette->gray[picture[i]];
+    const uint8_t* const grays = game_->palette->gray;
+    const int count = height() * kScreenWidth;
+    for (int i = 0; i < count; ++i) out[i] = grays[picture[i]];
 }
 
 void Environment::save(uint8_t* out) const {
