@@ -19,7 +19,7 @@ check_compiler() {
     [ -n "$compiler" ] && command -v "$compiler" >/dev/null 2>&1 || continue
     echo 'int main() {}' | "$compiler" -std=c++20 -x c++ -fsyntax-only - 2>/dev/null && return
   done
-  fail "A C++20 compiler is missing; install GCC 10 or Clang 12, or newer (Debian: apt install g++)."
+  fail "A C++20 compiler is missing; install one (tried: GCC 12, Clang 14; Debian: apt install g++)."
 }
 
 set_up() {

@@ -26,9 +26,6 @@ class Cartridge {
     const uint8_t* image() const { return image_.data(); }
     size_t size() const { return image_.size(); }
 
-    // Whether reads of $1000-$1FBF and all writes have no effect beyond the value: the usual case.
-    bool plain_below_hotspots() const { return type_ <= CartridgeType::kF4; }
-
   private:
     std::vector<uint8_t> image_;
     CartridgeType type_;
