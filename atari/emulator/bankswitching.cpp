@@ -8,38 +8,33 @@ namespace atari {
 
 using Type = CartridgeType;
 
-// Which image bytes the window shows, by type and bank.
+// Which image bytes the window shows, by type and bank: 16 segments of 1 KiB, by bits 10 to 13 of the address. Bit 12 is
+// the cartridge's own; bit 13 is that by which FE chooses its bank.
 void Console::map_segments() {
     const CartridgeState& cart = m_.cart;
     const auto size = static_cast<uint32_t>(cartridge_->size());
-    const auto plain = [&](unsigned from, unsigned to) {
-        plain_from_ = from;
-        plain_size_ = to - from;
-    };
-    for (uint32_t i = 0; i < 4; ++i) segment_[i] = 4096u * cart.bank + 1024 * i;
+    uint32_t first[4];
+    for (uint32_t i = 0; i < 4; ++i) first[i] = 4096u * cart.bank + 1024 * i;
     switch (cartridge_->type()) {
         case Type::k2K:
-            for (uint32_t i = 0; i < 4; ++i) segment_[i] = 1024 * (i & 1);
-            return plain(0, 0x1000);
+            for (uint32_t i = 0; i < 4; ++i) first[i] = 1024 * (i & 1);
+            break;
         case Type::kE0:
-            for (int i = 0; i < 4; ++i) segment_[i] = 1024u * cart.slice[i];
-            return plain(0, 0xfe0);
+            for (int i = 0; i < 4; ++i) first[i] = 1024u * cart.slice[i];
+            break;
         case Type::k3F: case Type::k3E: case Type::kCV: case Type::kE7: {
             const bool last_is_7 = cartridge_->type() == Type::kE7;
-            for (uint32_t i = 0; i < 2; ++i) segment_[i] = 2048u * (last_is_7 ? cart.slice[0] : cart.bank) + 1024 * i;
-            for (uint32_t i = 0; i < 2; ++i) segment_[2 + i] = (last_is_7 ? 16384 : size) - 2048 + 1024 * i;
-            if (last_is_7) return plain(0xa00, 0xfe0);
-            return plain(cartridge_->type() == Type::k3F ? 0 : 0x800, 0x1000);
+            for (uint32_t i = 0; i < 2; ++i) first[i] = 2048u * (last_is_7 ? cart.slice[0] : cart.bank) + 1024 * i;
+            for (uint32_t i = 0; i < 2; ++i) first[2 + i] = (last_is_7 ? 16384 : size) - 2048 + 1024 * i;
+            break;
         }
-        case Type::kF8SC: case Type::kF6SC: return plain(0x100, 0xff6);
-        case Type::kF4SC: return plain(0x100, 0xff4);
-        case Type::kFASC: return plain(0x200, 0xff8);
-        case Type::kDPC: return plain(0x80, 0xfc0);
-        case Type::kFE: return plain(0, 0);
-        case Type::k4K: case Type::kUA: return plain(0, 0x1000);
-        case Type::kMB: return plain(0, 0xff0);
-        default: return plain(0, 0xff4);
+        default: break;
     }
+    for (uint32_t i = 0; i < 4; ++i) {
+        segment_[4 + i] = cartridge_->type() == Type::kFE ? 4096 + first[i] : first[i];
+        segment_[12 + i] = first[i];
+    }
+    remapped_ = true;
 }
 
 // Reads of all that is not plain image. A switch happens before the byte is fetched: it comes from the new bank.
@@ -48,7 +43,6 @@ uint8_t Console::read_cartridge(uint16_t address) {
     const CartridgeState& cart = m_.cart;
     const uint16_t offset = address & 0xfff;
     switch (cartridge_->type()) {
-        case Type::kFE: return image[offset + (address & 0x2000 ? 0 : 4096)];
         case Type::kDPC:
             if (offset < 0x80 || offset >= 0xfc0) return read_dpc(offset);
             break;
@@ -74,7 +68,7 @@ uint8_t Console::read_cartridge(uint16_t address) {
             break;
         default: hotspot(offset, true);
     }
-    return image[segment_[offset >> 10] + (offset & 0x3ff)];
+    return image[segment_[address >> 10 & 15] + (offset & 0x3ff)];
 }
 
 void Console::write_cartridge(uint16_t address, uint8_t value) {

@@ -146,6 +146,24 @@ Cartridge::Cartridge(std::vector<uint8_t> image, const std::string& type) : imag
                                     std::to_string(image_.size()));
     if (type_ == CartridgeType::k3F || type_ == CartridgeType::k3E)
         image_.resize(image_.size() / 2048 * 2048);
+    code_ = decode_image(*this);
+}
+
+Window Cartridge::plain_window() const {
+    const auto window = [](unsigned from, unsigned to) { return Window{from, to - from}; };
+    switch (type_) {
+        case CartridgeType::kE0: return window(0, 0xfe0);
+        case CartridgeType::k3E: case CartridgeType::kCV: return window(0x800, 0x1000);
+        case CartridgeType::kE7: return window(0xa00, 0xfe0);
+        case CartridgeType::kF8SC: case CartridgeType::kF6SC: return window(0x100, 0xff6);
+        case CartridgeType::kF4SC: return window(0x100, 0xff4);
+        case CartridgeType::kFASC: return window(0x200, 0xff8);
+        case CartridgeType::kDPC: return window(0x80, 0xfc0);
+        case CartridgeType::kMB: return window(0, 0xff0);
+        case CartridgeType::kF8: case CartridgeType::kF8Swapped: case CartridgeType::kF6: case CartridgeType::kF4:
+            return window(0, 0xff4);
+        default: return window(0, 0x1000);
+    }
 }
 
 std::string Cartridge::type_name() const { return row(type_).name; }

@@ -5,12 +5,18 @@
 #include <string>
 #include <vector>
 
+#include "decoder.hpp"
 #include "state.hpp"
 
 namespace atari {
 
 enum class CartridgeType : uint8_t { k2K, k4K, kF8, kF8Swapped, kF6, kF4, kF8SC, kF6SC, kF4SC, kFASC, kE0, kE7, kFE,
                                      kDPC, k3F, k3E, kUA, kCV, kMB };
+
+// A part of the 4 KiB through which the processor sees the cartridge.
+struct Window {
+    unsigned from, size;
+};
 
 // An image and its type; immutable, so that all machines that run the game can share it.
 class Cartridge {
@@ -25,10 +31,14 @@ class Cartridge {
     size_t random_bytes() const; // bytes of it filled from the machine's generator at each reset
     const uint8_t* image() const { return image_.data(); }
     size_t size() const { return image_.size(); }
+    // Where the window shows plain image in every bank: no RAM, no registers, no addresses that switch banks.
+    Window plain_window() const;
+    const Record* code() const { return code_.data(); }  // a record for each byte of the image
 
   private:
     std::vector<uint8_t> image_;
     CartridgeType type_;
+    std::vector<Record> code_;
 };
 
 }  // namespace atari

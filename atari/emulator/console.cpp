@@ -7,8 +7,13 @@
 
 namespace atari {
 
-Console::Console(std::shared_ptr<const Cartridge> cartridge, const ConsoleConfig& config)
-    : cart_ram_(cartridge->ram_size()), pictures_{}, cartridge_(std::move(cartridge)), config_(config) {
+Console::Console(std::shared_ptr<const Cartridge> cartridge, const ConsoleConfig& config, bool plain)
+    : plain_(cartridge->plain_window()), image_(cartridge->image()), first_record_(cartridge->code()),
+      cart_ram_(cartridge->ram_size()), pictures_{}, cartridge_(std::move(cartridge)), config_(config) {
+    if (!plain) {
+        logs_ = std::make_unique_for_overwrite<FrameLog[]>(3);
+        before_ = std::make_unique<Machine>();
+    }
     const CartridgeType type = cartridge_->type();
     watches_tia_ = type == CartridgeType::k3F || type == CartridgeType::k3E || type == CartridgeType::kUA;
 }
@@ -58,10 +63,16 @@ int Console::scan_lines() const { return static_cast<int>(clocks_since(m_.tia.fr
 
 void Console::run_frame() {
     Tia& t = m_.tia;
-    if (!t.partial) start_frame();
+    const bool begins = !t.partial;
+    if (begins) start_frame();
     t.partial = true;  // until a write ends the frame
-    run_cpu();
-    catch_up();
+    // A frame that is not whole is drawn as it goes.
+    if (!begins || !logs_ || !run_deferred()) {
+        drawn(t.current);
+        stale_ = 0x3f;
+        run_cpu();
+        catch_up();
+    }
     t.current_line = scan_lines();
     if (t.partial) {
         if (!t.greyed) grey_rest();
@@ -74,7 +85,8 @@ void Console::run_frame() {
 
 size_t Console::state_size() const { return sizeof(Machine) + cart_ram_.size() + 2 * kFrameBytes; }
 
-void Console::save(uint8_t* out) const {
+void Console::save(uint8_t* out) {
+    for (int buffer : {0, 1}) drawn(buffer);
     std::memcpy(out, &m_, sizeof m_);
     out += sizeof m_;
     std::copy(cart_ram_.begin(), cart_ram_.end(), out);
@@ -129,6 +141,7 @@ bool Console::load(const uint8_t* in) {
         in += kFrameBytes;
     }
     stale_ = 0x3f;
+    owed_[0] = owed_[1] = -1;
     map_segments();
     return true;
 }

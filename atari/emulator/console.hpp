@@ -9,12 +9,16 @@
 #include <memory>
 #include <vector>
 
+#include "beam.hpp"
 #include "cartridge.hpp"
 #include "masks.hpp"
 #include "random.hpp"
 #include "state.hpp"
 
 namespace atari {
+
+// The pixels of an object as it now is.
+Mask object_mask(const Tia& tia, int object);
 
 // What does not change while a game is loaded.
 struct ConsoleConfig {
@@ -27,9 +31,30 @@ struct ConsoleConfig {
     bool swap_paddles = false;
 };
 
+// So many cycles are at least 25000 instructions: up to here a frame cannot have met its limit of instructions.
+inline constexpr uint32_t kCyclesBelowLimit = 2 * kInstructionLimit;
+
+// A frame ends with its first write to the TIA behind line 342, and BRK, which writes three bytes, takes 7 cycles:
+// no more writes than this need to be kept.
+inline constexpr int kLogSize = 344 * 76 * 3 / 7 + 16;
+
+// The writes of a frame, with the TIA as it was at its beginning: all that is needed to draw it.
+struct FrameLog {
+    Tia start;
+    int size = 0;
+    Write writes[kLogSize];
+};
+
+// What was last written to the TIA, so that a write that changes nothing can be left out.
+struct Written {
+    uint8_t reg[64];
+    uint8_t old_grp0, old_grp1, old_enabl;  // values of GRP0, GRP1 and ENABL that the delayed copies have
+};
+
 class Console {
   public:
-    Console(std::shared_ptr<const Cartridge> cartridge, const ConsoleConfig& config);
+    // `plain`: by the plain interpreter and the plain TIA, the oracle of the fast ones.
+    Console(std::shared_ptr<const Cartridge> cartridge, const ConsoleConfig& config, bool plain = true);
 
     // Powers on for the first time: random RAM. `reset` must follow.
     void construct();
@@ -53,8 +78,9 @@ class Console {
     void poke_ram(uint8_t address, uint8_t value) { m_.bus = m_.riot.ram[address & 0x7f] = value; }
     const uint8_t* cartridge_ram() const { return cart_ram_.data(); }
     size_t cartridge_ram_size() const { return cart_ram_.size(); }
-    const uint8_t* picture() const { return pictures_[m_.tia.current]; }
-    const uint8_t* previous_picture() const { return pictures_[m_.tia.current ^ 1]; }
+    // Pictures of frames that were run fast are drawn when they are asked for.
+    const uint8_t* picture() { return drawn(m_.tia.current); }
+    const uint8_t* previous_picture() { return drawn(m_.tia.current ^ 1); }
     const Cartridge& cartridge() const { return *cartridge_; }
 
     // 512 samples from the registers as they stand, unsigned around 128.
@@ -62,7 +88,7 @@ class Console {
 
     // The state as bytes, and back; `load` refuses (returns false, nothing changed) what no machine could have saved.
     size_t state_size() const;
-    void save(uint8_t* out) const;
+    void save(uint8_t* out);
     bool load(const uint8_t* in);
 
     // Bus accesses, single instructions, the beginning of a frame and drawing up to its latest access, for tests.
@@ -71,8 +97,8 @@ class Console {
         uint8_t value;
         if (!(address & 0x1000))
             value = read_chip(address);
-        else if (offset - plain_from_ < plain_size_)
-            value = cartridge_->image()[segment_[offset >> 10] + (offset & 0x3ff)];
+        else if (offset - plain_.from < plain_.size)
+            value = cartridge_->image()[segment_[address >> 10 & 15] + (offset & 0x3ff)];
         else
             value = read_cartridge(address);
         m_.bus = value;
@@ -89,7 +115,19 @@ class Console {
     }
 
   private:
+    friend struct FastCpu;  // fast_cpu.cpp
+
     uint8_t read_chip(uint16_t address);
+
+    // deferred.cpp
+    bool run_deferred();
+    bool run_fast();
+    void begin_log();
+    void end_log();
+    void keep_write(uint8_t reg, uint8_t value);
+    void apply_kept(int32_t clock);
+    const uint8_t* drawn(int buffer);
+    void draw_log(const FrameLog& log, uint8_t* pixels);
 
     // cpu.cpp
     template <int operation, int form>
@@ -136,6 +174,7 @@ class Console {
     void write_nusiz(int player, uint8_t value);
     void write_graphics(int player, uint8_t value);
     void write_vblank(uint8_t value);
+    void switch_dump(uint8_t old, uint8_t value);
     void write_vsync(uint8_t value);
     void halt_until_line_start();
     void reset_player(int player, int hpos);
@@ -158,13 +197,28 @@ class Console {
     void paint(const Mask& p0, const Mask& p1, const Mask& pf, int x, int count);
     const Mask& mask(int object);
     bool enabled(int object) const;
-    uint8_t shown_graphics(int player) const;
     void touch(int object) { stale_ |= 1u << object; }
 
     void rebase_cycles();
     uint32_t machine_word() { return random_.at(m_.random_words++); }
 
     Machine m_{};
+
+    // What the fast interpreter looks at, derived from the state or from the cartridge.
+    bool deferred_ = false;         // writes to the TIA are kept in a log and applied later
+    bool remapped_ = false;         // segment_ has changed
+    Window plain_;                  // of the cartridge
+    const uint8_t* image_;
+    const Record* first_record_;
+    uint32_t origin_ = 0;           // address of an instruction minus the number of its record
+    uint32_t overlong_ = 0;         // from this cycle on, a write to the TIA ends the frame
+    uint32_t first_cycle_ = 0;      // of line 0
+    uint32_t next_line_ = 0;        // cycle at which some line begins, not far from now
+    Write* log_end_ = nullptr;
+    Written written_{};
+    // Where in the image the 1 KiB segments of the window are, by bits 10 to 13 of the address.
+    uint32_t segment_[16] = {};
+
     std::vector<uint8_t> cart_ram_;
     uint8_t pictures_[2][kFrameBytes + 96];  // 96: a blank of HMOVE may reach past the last row drawn
     std::shared_ptr<const Cartridge> cartridge_;
@@ -172,14 +226,20 @@ class Console {
     MachineRandom random_;
     bool watches_tia_;         // the cartridge reacts to accesses of the TIA (3F, 3E, UA)
 
-    // Derived from the state: where in the image the four 1 KiB segments of the window are, and which part of the
-    // window (plain_size_ bytes from plain_from_) is plain image, without RAM, registers or hotspots.
-    uint32_t segment_[4] = {0, 0, 0, 0};
-    unsigned plain_from_ = 0, plain_size_ = 0;
+    // Deferred drawing: the logs of the frame that is being run, and of the last frame of each picture that has not
+    // been drawn yet. Such a frame covered its whole picture, so older contents of the picture do not matter.
+    std::unique_ptr<FrameLog[]> logs_;  // three
+    int log_ = 0;                       // the one in use
+    int owed_[2] = {-1, -1};            // by picture: the log to draw it from, or -1 if it is drawn
+    Beam beam_{m_.tia, config_, nullptr};
+    const Write* applied_ = nullptr;          // up to here the TIA's state contains the log
+    const Write* collisions_from_ = nullptr;  // the last CXCLR
+    int32_t end_clock_ = 0;                   // of the write that ended the frame
+    std::unique_ptr<Machine> before_;         // the machine before the frame, to run it again if it is too long
+    std::vector<uint8_t> cart_ram_before_;
+
     Mask masks_[6];            // of the objects, made when needed
     unsigned stale_ = 0x3f;    // which of them are out of date
 };
-
-enum Object { kP0, kP1, kM0, kM1, kBL, kPF };
 
 }  // namespace atari

@@ -2,18 +2,10 @@
 //
 // Opcodes are rows of opcodes.def. No interrupts exist; there are no dummy accesses but those written here.
 #include "console.hpp"
+#include "opcodes.hpp"
 
 namespace atari {
 namespace {
-
-enum Form { Imp, Acc, Imm, Zp, ZpX, ZpY, Abs, AbsX, AbsY, Ind, IndX, IndY, Rel };
-
-enum Operation {
-    ADC, ANC, AND, ANE, ARR, ASL, ASR, BCC, BCS, BEQ, BIT, BMI, BNE, BPL, BRK, BVC, BVS, CLC, CLD, CLI, CLV, CMP, CPX,
-    CPY, DCP, DEC, DEX, DEY, EOR, INC, INX, INY, ISB, JAM, JMP, JSR, LAS, LAX, LDA, LDX, LDY, LSR, LXA, NOP, ORA, PHA,
-    PHP, PLA, PLP, RLA, ROL, ROR, RRA, RTI, RTS, SAX, SBC, SBX, SEC, SED, SEI, SHA, SHS, SHX, SHY, SLO, SRE, STA, STX,
-    STY, TAX, TAY, TSX, TXA, TXS, TYA
-};
 
 constexpr bool is_store(int op) {
     return op == STA || op == STX || op == STY || op == SAX || op == SHA || op == SHS || op == SHX || op == SHY;

@@ -45,7 +45,7 @@ void Game::check() const {
 }
 
 Environment::Environment(std::shared_ptr<const Game> game, const Settings& settings, uint32_t seed_value)
-    : game_(std::move(game)), settings_(settings), console_(game_->cartridge, game_->console),
+    : game_(std::move(game)), settings_(settings), console_(game_->cartridge, game_->console, settings.plain),
       mode_(game_->default_mode) {
     seed(seed_value);
 }
@@ -306,19 +306,19 @@ void Environment::run(const Program& program) {
     }
 }
 
-const std::vector<uint8_t>& Environment::blended() const {
+const std::vector<uint8_t>& Environment::blended() {
     averaged_.resize(static_cast<size_t>(height()) * kScreenWidth);
     average_pictures(console_.picture(), console_.previous_picture(), averaged_.size(), *game_->palette, averaged_.data());
     return averaged_;
 }
 
-void Environment::screen(uint8_t* out) const {
+void Environment::screen(uint8_t* out) {
     const uint8_t* picture = settings_.colour_averaging ? blended().data() : console_.picture();
     std::memcpy(out, picture, static_cast<size_t>(height()) * kScreenWidth);
 }
 
 // Bytes may alias anything, so what the loops below read is taken out of the objects first.
-void Environment::screen_rgb(uint8_t* out) const {
+void Environment::screen_rgb(uint8_t* out) {
     const uint8_t* picture = settings_.colour_averaging ? blended().data() : console_.picture();
     const uint32_t* const colours = game_->palette->rgb;
     const int count = height() * kScreenWidth;
@@ -330,14 +330,14 @@ void Environment::screen_rgb(uint8_t* out) const {
     }
 }
 
-void Environment::screen_gray(uint8_t* out) const {
+void Environment::screen_gray(uint8_t* out) {
     const uint8_t* picture = settings_.colour_averaging ? blended().data() : console_.picture();
     const uint8_t* const grays = game_->palette->gray;
     const int count = height() * kScreenWidth;
     for (int i = 0; i < count; ++i) out[i] = grays[picture[i]];
 }
 
-void Environment::save(uint8_t* out) const {
+void Environment::save(uint8_t* out) {
     std::memcpy(out, &state_, sizeof state_);
     console_.save(out + sizeof state_);
 }

@@ -42,6 +42,7 @@ struct Settings {
     int32_t max_frames_per_episode = 0;
     bool sound = false;
     bool colour_averaging = false;
+    bool plain = false;  // by the plain interpreter and TIA, the oracle of the fast ones
 };
 
 struct EnvironmentState {
@@ -74,9 +75,9 @@ class Environment {
     int episode_frame_number() const { return state_.episode_frame; }
     int height() const { return std::max(game_->console.height, 200); }
 
-    void screen(uint8_t* out) const;       // palette indices, height() x 160
-    void screen_rgb(uint8_t* out) const;   // height() x 160 x 3
-    void screen_gray(uint8_t* out) const;  // height() x 160
+    void screen(uint8_t* out);       // palette indices, height() x 160
+    void screen_rgb(uint8_t* out);   // height() x 160 x 3
+    void screen_gray(uint8_t* out);  // height() x 160
     const uint8_t* audio() const { return state_.audio; }
     const uint8_t* ram() const { return console_.ram(); }
     void set_ram(int index, int value) { console_.poke_ram(static_cast<uint8_t>(0x80 + index), static_cast<uint8_t>(value)); }
@@ -86,7 +87,7 @@ class Environment {
     const std::shared_ptr<const Game>& game() const { return game_; }
 
     size_t state_size() const { return sizeof(EnvironmentState) + console_.state_size(); }
-    void save(uint8_t* out) const;
+    void save(uint8_t* out);
     bool load(const uint8_t* in);  // false, and nothing changed, if no environment could have saved it
 
   private:
@@ -101,7 +102,7 @@ class Environment {
     void evaluate_step() { run(game_->step); }
     void run(const Program& program);
     void spend(int frames);
-    const std::vector<uint8_t>& blended() const;
+    const std::vector<uint8_t>& blended();
 
     std::shared_ptr<const Game> game_;
     Settings settings_;
@@ -110,7 +111,7 @@ class Environment {
     int mode_, difficulty_ = 0;
     std::vector<uint8_t> loaded_;     // the state after a load, where it does not depend on the seed
     int select_budget_ = 0;           // frames the selection of a mode may still take
-    mutable std::vector<uint8_t> averaged_;
+    std::vector<uint8_t> averaged_;
 };
 
 }  // namespace atari

@@ -2,9 +2,24 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 namespace atari {
+
+enum Object { kP0, kP1, kM0, kM1, kBL, kPF };
+
+// The collision latches, in pairs as the read registers show them: bit 14 - 2 * register is bit 6 of that register,
+// the bit above it is bit 7.
+struct Pair {
+    uint8_t a, b;
+    uint16_t latch;
+};
+inline constexpr Pair kPairs[15] = {
+    {kM0, kP1, 1 << 15}, {kM0, kP0, 1 << 14}, {kM1, kP0, 1 << 13}, {kM1, kP1, 1 << 12}, {kP0, kPF, 1 << 11},
+    {kP0, kBL, 1 << 10}, {kP1, kPF, 1 << 9},  {kP1, kBL, 1 << 8},  {kM0, kPF, 1 << 7},  {kM0, kBL, 1 << 6},
+    {kM1, kPF, 1 << 5},  {kM1, kBL, 1 << 4},  {kBL, kPF, 1 << 3},  {kP0, kP1, 1 << 1},  {kM0, kM1, 1 << 0},
+};
 
 struct Mask {
     uint64_t word[3] = {0, 0, 0};  // pixel x is bit x % 64 of word x / 64; the last word has 32 pixels
@@ -64,7 +79,7 @@ constexpr uint8_t reversed(uint8_t byte) {
 
 inline constexpr auto kReversed = [] {
     std::array<uint8_t, 256> table{};
-    for (int byte = 0; byte < 256; ++byte) table[static_cast<size_t>(byte)] = reversed(static_cast<uint8_t>(byte));
+    for (int byte = 0; byte < 256; ++byte) table[static_cast<std::size_t>(byte)] = reversed(static_cast<uint8_t>(byte));
     return table;
 }();
 
@@ -74,7 +89,7 @@ inline constexpr auto kStretched = [] {
     std::array<uint32_t, 256> table{};
     for (int byte = 0; byte < 256; ++byte)
         for (int bit = 0; bit < 8; ++bit)
-            if (byte & (1 << bit)) table[static_cast<size_t>(byte)] |= ((1u << times) - 1) << (bit * times);
+            if (byte & (1 << bit)) table[static_cast<std::size_t>(byte)] |= ((1u << times) - 1) << (bit * times);
     return table;
 }();
 

@@ -21,18 +21,6 @@ constexpr auto kByteMasks = [] {
 
 constexpr uint64_t repeated(uint8_t byte) { return byte * 0x0101010101010101ull; }
 
-// The collision latches, in pairs as the read registers show them: bit 14 - 2 * register is bit 6 of that register,
-// the bit above it is bit 7.
-struct Pair {
-    uint8_t a, b;
-    uint16_t latch;
-};
-constexpr Pair kPairs[15] = {
-    {kM0, kP1, 1 << 15}, {kM0, kP0, 1 << 14}, {kM1, kP0, 1 << 13}, {kM1, kP1, 1 << 12}, {kP0, kPF, 1 << 11},
-    {kP0, kBL, 1 << 10}, {kP1, kPF, 1 << 9},  {kP1, kBL, 1 << 8},  {kM0, kPF, 1 << 7},  {kM0, kBL, 1 << 6},
-    {kM1, kPF, 1 << 5},  {kM1, kBL, 1 << 4},  {kBL, kPF, 1 << 3},  {kP0, kP1, 1 << 1},  {kM0, kM1, 1 << 0},
-};
-
 }  // namespace
 
 void Console::draw_to(int32_t target) {
@@ -90,15 +78,34 @@ void Console::end_line() {
     }
 }
 
-uint8_t Console::shown_graphics(int player) const {
-    const Tia& t = m_.tia;
-    return t.vdelp[player] ? t.old_grp[player] : t.grp[player];
+namespace {
+
+uint8_t shown_graphics(const Tia& t, int player) { return t.vdelp[player] ? t.old_grp[player] : t.grp[player]; }
+
+}  // namespace
+
+Mask object_mask(const Tia& t, int object) {
+    switch (object) {
+        case kP0: case kP1: {
+            const uint8_t graphics = shown_graphics(t, object);  // its high bit is drawn first, unless reflected
+            return player_mask(t.refp[object] ? graphics : kReversed[graphics], t.pos[object], t.nusiz[object] & 7,
+                               t.skip_first[object]);
+        }
+        case kM0: case kM1: {
+            const uint8_t nusiz = t.nusiz[object - kM0];
+            const MissileVariant variant = object == kM0 ? t.m0_variant : kPlain;
+            const int size = (nusiz >> 4 & 3) | (variant == kWide ? 1 : 0);
+            return variant == kOff ? Mask{} : missile_mask(t.pos[object], nusiz & 7, size);
+        }
+        case kBL: return ball_mask(t.pos[kBL], t.ctrlpf >> 4 & 3);
+        default: return playfield_mask(t.playfield, t.pf_mirror);
+    }
 }
 
 bool Console::enabled(int object) const {
     const Tia& t = m_.tia;
     switch (object) {
-        case kP0: case kP1: return shown_graphics(object) != 0;
+        case kP0: case kP1: return shown_graphics(t, object) != 0;
         case kM0: case kM1: return t.enam[object - kM0] && !t.resmp[object - kM0];
         case kBL: return t.vdelbl ? t.old_enabl : t.enabl;
         default: return t.playfield != 0;
@@ -106,28 +113,11 @@ bool Console::enabled(int object) const {
 }
 
 const Mask& Console::mask(int object) {
-    Mask& mask = masks_[object];
-    if (!(stale_ & 1u << object)) return mask;
-    stale_ &= ~(1u << object);
-    const Tia& t = m_.tia;
-    switch (object) {
-        case kP0: case kP1: {
-            const uint8_t graphics = shown_graphics(object);  // its high bit is drawn first, unless reflected
-            mask = player_mask(t.refp[object] ? graphics : kReversed[graphics], t.pos[object], t.nusiz[object] & 7,
-                               t.skip_first[object]);
-            break;
-        }
-        case kM0: case kM1: {
-            const uint8_t nusiz = t.nusiz[object - kM0];
-            const MissileVariant variant = object == kM0 ? t.m0_variant : kPlain;
-            const int size = (nusiz >> 4 & 3) | (variant == kWide ? 1 : 0);
-            mask = variant == kOff ? Mask{} : missile_mask(t.pos[object], nusiz & 7, size);
-            break;
-        }
-        case kBL: mask = ball_mask(t.pos[kBL], t.ctrlpf >> 4 & 3); break;
-        default: mask = playfield_mask(t.playfield, t.pf_mirror);
+    if (stale_ & 1u << object) {
+        stale_ &= ~(1u << object);
+        masks_[object] = object_mask(m_.tia, object);
     }
-    return mask;
+    return masks_[object];
 }
 
 // Draws pixels x .. x+count-1 of the current line and latches their collisions.

@@ -3,49 +3,17 @@
 
 #include <algorithm>
 
+#include "tia_registers.hpp"
+
 namespace atari {
-namespace {
-
-enum Register : uint8_t {
-    VSYNC = 0x00, VBLANK, WSYNC, RSYNC, NUSIZ0, NUSIZ1, COLUP0, COLUP1, COLUPF, COLUBK, CTRLPF, REFP0, REFP1,
-    PF0, PF1, PF2, RESP0, RESP1, RESM0, RESM1, RESBL, AUDC0, AUDC1, AUDF0, AUDF1, AUDV0, AUDV1,
-    GRP0, GRP1, ENAM0, ENAM1, ENABL, HMP0, HMP1, HMM0, HMM1, HMBL, VDELP0, VDELP1, VDELBL, RESMP0, RESMP1,
-    HMOVE, HMCLR, CXCLR
-};
-
-// After how many clocks a write shows in the picture.
-uint32_t write_delay(uint8_t reg, int cycle_in_line) {
-    static constexpr uint8_t kPlayfield[4] = {4, 5, 2, 3};
-    switch (reg) {
-        case VBLANK: case REFP0: case REFP1: case GRP0: case GRP1: return 1;
-        case NUSIZ0: case NUSIZ1: case RESM0: case RESM1: return 8;
-        case PF0: case PF1: case PF2: return kPlayfield[cycle_in_line & 3];
-        default: return 0;
-    }
-}
-
-// How far HMOVE moves an object, by the cycle of the line it is written in and the object's motion nibble.
-int motion(int cycle, int nibble) {
-    static constexpr int8_t kFloor[17] = {-6, -5, -5, -4, -3, -2, -2, -1, 0, 1, 1, 2, 3, 4, 4, 5, 6};
-    static constexpr int8_t kOffset[20] = {6, 5, 4, 4, 3, 2, 1, 1, 0, -1, -2, -2, -3, -4, -5, -5, -6, -7, -8, -8};
-    const int normal = nibble < 8 ? -nibble : 16 - nibble;
-    if (cycle <= 3 || cycle == 75) return normal;
-    if (cycle <= 20) return std::max(normal, static_cast<int>(kFloor[cycle - 4]));
-    if (cycle <= 54) return 0;
-    return std::min(0, normal + kOffset[cycle - 55]);
-}
-
-uint8_t wrapped(int position) { return static_cast<uint8_t>((position % 160 + 160) % 160); }
-
-}  // namespace
-
 // The picture is drawn late: a write only notes up to which clock the old state is valid (`pending`), and drawing
 // happens when something that shows is about to change, when a collision register is read, and at the end of the frame.
 // Splitting or merging drawing steps between which nothing changes makes no difference.
 void Console::write_tia(uint8_t reg, uint8_t value) {
     Tia& t = m_.tia;
+    if (deferred_) return keep_write(reg, value);
     const int hpos = line_clock();
-    t.pending = std::max(t.pending, clock(write_delay(reg, hpos / 3)));
+    t.pending = std::max(t.pending, clock(write_delay(reg, static_cast<uint32_t>(hpos / 3))));
     if (clocks_since(t.frame_start) / 228 > (config_.pal ? 342u : 290u)) end_frame();
 
     const int second = reg & 1;  // of register pairs that begin at an even address
@@ -145,6 +113,7 @@ void Console::write_graphics(int player, uint8_t value) {
 void Console::end_frame() {
     m_.cpu.stop = true;
     m_.tia.partial = false;
+    end_clock_ = clock();
 }
 
 void Console::write_vsync(uint8_t value) {
@@ -157,14 +126,20 @@ void Console::write_vsync(uint8_t value) {
     }
 }
 
-void Console::write_vblank(uint8_t value) {
+// Bit 7 of VBLANK holds the paddles' capacitors empty.
+void Console::switch_dump(uint8_t old, uint8_t value) {
     Tia& t = m_.tia;
-    if (!(t.vblank & 0x80) && (value & 0x80)) {
+    if (!(old & 0x80) && (value & 0x80)) {
         t.dump_on = true;
-    } else if ((t.vblank & 0x80) && !(value & 0x80)) {
+    } else if ((old & 0x80) && !(value & 0x80)) {
         t.dump_on = false;
         t.dump_off_cycle = static_cast<int32_t>(m_.cycles);
     }
+}
+
+void Console::write_vblank(uint8_t value) {
+    Tia& t = m_.tia;
+    switch_dump(t.vblank, value);
     if ((t.vblank ^ value) & 2) catch_up();
     t.vblank = value;
 }
@@ -175,59 +150,36 @@ void Console::halt_until_line_start() {
     if (in_line != 0) m_.cycles += static_cast<uint32_t>(76 - in_line);
 }
 
-// A player's strobe: its first copy is hidden for this line unless the old one was just about to start.
 void Console::reset_player(int player, int hpos) {
     Tia& t = m_.tia;
-    const uint8_t position = hpos < 68 ? 3 : static_cast<uint8_t>((hpos - 68 + 5) % 160);
-    const int distance = wrapped(position - t.pos[player]);
-    const int mode = t.nusiz[player] & 7;
-    const int width = mode == 5 ? 16 : mode == 7 ? 32 : 8;
-    bool about_to_start = false, showing = false;
-    for (int copy = 0; copy < kCopies[mode].count; ++copy) {
-        const int d = distance - kCopies[mode].offset[copy];
-        about_to_start |= d >= 0 && d < 4;
-        showing |= d >= 4 && d < 4 + width;
-    }
-    if (showing && !about_to_start) t.pending = std::max(t.pending, clock(11));  // what is being shown goes on
+    const PlayerStrobe strobe = strobe_player(hpos, t.pos[player], t.nusiz[player] & 7);
+    if (strobe.goes_on) t.pending = std::max(t.pending, clock(11));
     catch_up();
-    t.pos[player] = position;
-    t.skip_first[player] = !about_to_start;
+    t.pos[player] = strobe.position;
+    t.skip_first[player] = strobe.hidden;
     touch(kP0 + player);
 }
 
 void Console::reset_missile(int missile, int hpos) {
     Tia& t = m_.tia;
-    const uint32_t since_hmove = clocks_since(t.last_hmove);
-    uint8_t position = hpos < 68 ? 2 : static_cast<uint8_t>((hpos - 68 + 4) % 160);
-    if (missile == 0 && since_hmove == 60 && hpos == 69) position = 8;
-    if (missile == 1 && since_hmove == 9 && hpos == 18) position = 3;
     catch_up();
-    t.pos[kM0 + missile] = position;
+    t.pos[kM0 + missile] = strobe_missile(missile, hpos, clocks_since(t.last_hmove));
     if (missile == 0) t.m0_variant = kPlain;
     touch(kM0 + missile);
 }
 
 void Console::reset_ball(int hpos) {
-    Tia& t = m_.tia;
-    const uint32_t since_hmove = clocks_since(t.last_hmove);
-    uint8_t position = hpos < 68 ? 2 : static_cast<uint8_t>((hpos - 68 + 4) % 160);
-    if (since_hmove == 54 && (hpos == 60 || hpos == 69)) position = 10;
-    if (since_hmove == 9 && hpos == 18) position = 3;
-    if (since_hmove == 21 && hpos == 30) position = 6;
-    if (since_hmove == 18 && hpos == 27) position = 5;
     catch_up();
-    t.pos[kBL] = position;
+    m_.tia.pos[kBL] = strobe_ball(hpos, clocks_since(m_.tia.last_hmove));
     touch(kBL);
 }
 
-// A missile that was locked to its player appears at the player's middle.
 void Console::release_missile(int missile, uint8_t value) {
     Tia& t = m_.tia;
     if (t.resmp[missile] == ((value & 2) != 0)) return;
     catch_up();
     if (t.resmp[missile]) {
-        const int mode = t.nusiz[missile] & 7;
-        t.pos[kM0 + missile] = wrapped(t.pos[missile] + (mode == 5 ? 8 : mode == 7 ? 16 : 4));
+        t.pos[kM0 + missile] = released_missile(t.pos[missile], t.nusiz[missile] & 7);
         if (missile == 0) t.m0_variant = kPlain;
         touch(kM0 + missile);
     }
@@ -249,11 +201,15 @@ void Console::hmove(int cycle_in_line) {
 }
 
 uint8_t Console::read_tia(uint16_t address) {
-    m_.tia.pending = std::max(m_.tia.pending, clock());
     const int reg = address & 0xf;
     uint8_t driven = 0;
+    if (deferred_) {
+        if (reg < 8) apply_kept(clock());
+    } else {
+        m_.tia.pending = std::max(m_.tia.pending, clock());
+        if (reg < 8) catch_up();
+    }
     if (reg < 8) {
-        catch_up();
         driven = static_cast<uint8_t>((m_.tia.collisions >> (14 - 2 * reg) & 3) << 6);
     } else if (reg < 0xe) {
         driven = input_port(reg - 8);
@@ -294,6 +250,7 @@ void Console::reset_tia() {
     t.to_line_end = 228;
     t.vsync_done = kVsyncIdle;
     for (auto& picture : pictures_) std::fill(std::begin(picture), std::end(picture), uint8_t{0});
+    owed_[0] = owed_[1] = -1;
     stale_ = 0x3f;
 }
 

@@ -1,0 +1,233 @@
+#include "decoder.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+#include "cartridge.hpp"
+
+namespace atari {
+namespace {
+
+using Type = CartridgeType;
+using HandlerTable = std::array<std::array<uint16_t, static_cast<size_t>(Operand::kCount)>, 256>;
+
+// The handler of an operation with an operand, kStep where there is none.
+constexpr HandlerTable kSingles = [] {
+    HandlerTable table{};
+#define SINGLE(operation, operand) table[operation][static_cast<size_t>(Operand::operand)] = operation##_##operand;
+#define PAIR(...)
+#include "handlers.def"
+#undef SINGLE
+#undef PAIR
+    return table;
+}();
+
+struct PairRow {
+    uint16_t first, second, handler;
+};
+constexpr PairRow kPairRows[] = {
+#define SINGLE(...)
+#define PAIR(operation1, operand1, operation2, operand2) \
+    {operation1##_##operand1, operation2##_##operand2, operation1##_##operand1##_##operation2##_##operand2},
+#include "handlers.def"
+#undef SINGLE
+#undef PAIR
+    {kHandlers, kHandlers, kHandlers},
+};
+
+// The rows are sorted by the names of the handlers, and so by their numbers.
+uint16_t fused(uint16_t first, uint16_t second) {
+    const auto* row = std::lower_bound(std::begin(kPairRows), std::end(kPairRows), std::pair(first, second),
+                                       [](const PairRow& row, const std::pair<uint16_t, uint16_t>& wanted) {
+                                           return std::pair(row.first, row.second) < wanted;
+                                       });
+    return row->first == first && row->second == second ? row->handler : first;
+}
+
+// Whether the whole window is one bank of the image.
+bool one_bank(Type type) {
+    return type != Type::kE0 && type != Type::kE7 && type != Type::kFE && type != Type::k3F && type != Type::k3E &&
+           type != Type::kCV;
+}
+
+bool watches_tia(Type type) { return type == Type::k3F || type == Type::k3E || type == Type::kUA; }
+
+// The size of the parts of the image that are switched as a whole: no instruction is decoded across their ends.
+size_t slice_size(Type type) {
+    switch (type) {
+        case Type::kE0: return 1024;
+        case Type::k2K: case Type::kE7: case Type::k3F: case Type::k3E: case Type::kCV: return 2048;
+        default: return 4096;
+    }
+}
+
+bool within(unsigned value, Window window) { return value - window.from < window.size; }
+
+// Whether an image byte is always seen as plain image, whichever part of the window shows it.
+bool plain_in_image(const Cartridge& cartridge, size_t offset) {
+    const Window plain = cartridge.plain_window();
+    switch (cartridge.type()) {
+        case Type::kE0: return offset < 7168 || within(0xc00 + offset % 1024, plain);  // slice 7 is always the last
+        case Type::kE7: return offset >= 14336 && within(0x800 + offset % 2048, plain);
+        case Type::k3F: case Type::k3E: case Type::kCV: return true;  // asked again when the code is entered
+        case Type::k2K: return true;
+        default: return within(offset % 4096, plain);
+    }
+}
+
+bool is_timer(uint16_t address) { return (address & 0x1285) == 0x284; }
+
+Operand absolute(uint16_t address, const Cartridge& cartridge, const uint8_t* bank, uint16_t& value) {
+    if (is_timer(address)) return Operand::Timer;
+    if (!(address & 0x1000)) return Operand::PortA;
+    if (cartridge.type() == Type::kFE) {
+        value = cartridge.image()[(address & 0xfff) + (address & 0x2000 ? 0 : 4096)];
+        return Operand::Fixed;
+    }
+    if (!bank || !within(address & 0xfff, cartridge.plain_window())) return Operand::PortA;
+    value = bank[address & (cartridge.type() == Type::k2K ? 0x7ff : 0xfff)];
+    return Operand::Fixed;
+}
+
+// The kind of an indexed operand; `base` becomes an offset in the bank where all it can reach is plain image.
+bool reaches_plain_image(uint16_t& base, const Cartridge& cartridge, const uint8_t* bank) {
+    if (!bank || (base & 0x1fff) < 0x1000) return false;
+    const unsigned offset = base & (cartridge.type() == Type::k2K ? 0x7ff : 0xfff);
+    const unsigned end = cartridge.type() == Type::k2K ? 0x800 : cartridge.plain_window().from + cartridge.plain_window().size;
+    if (offset < cartridge.plain_window().from || offset + 256 > end) return false;
+    base = static_cast<uint16_t>(offset);
+    return true;
+}
+
+bool is_store(Operation operation) { return operation == STA || operation == STX || operation == STY; }
+
+Operand operand_of(Opcode opcode, uint16_t& operand, const Cartridge& cartridge, const uint8_t* bank) {
+    switch (opcode.form) {
+        case Imp: return Operand::Imp;
+        case Acc: return Operand::Acc;
+        case Imm: return Operand::Imm;
+        case Rel: return Operand::Rel;
+        case Ind: return Operand::Ind;
+        case Zp:
+            if (operand & 0x80) {
+                operand &= 0x7f;
+                return Operand::Ram;
+            }
+            if (!is_store(opcode.operation) || watches_tia(cartridge.type())) return Operand::PortZ;
+            if (stored_in(operand & 0x3f) != Operand::PortZ) operand &= 0x3f;
+            return stored_in(operand & 0x3f);
+        case ZpX: return Operand::RamX;
+        case ZpY: return Operand::RamY;
+        case Abs:
+            if (opcode.operation == JMP || opcode.operation == JSR)
+                return bank && cartridge.type() != Type::k2K && (operand & 0x1000) &&
+                               within(operand & 0xfff, cartridge.plain_window())
+                           ? Operand::Near
+                           : Operand::Far;
+            return is_store(opcode.operation) ? Operand::PortA : absolute(operand, cartridge, bank, operand);
+        case AbsX:
+        case AbsY: {
+            const bool plain = !is_store(opcode.operation) && reaches_plain_image(operand, cartridge, bank);
+            if (opcode.form == AbsX) return plain ? Operand::RomX : Operand::AnyX;
+            return plain ? Operand::RomY : Operand::AnyY;
+        }
+        case IndX: return Operand::IndX;
+        default: return Operand::IndY;
+    }
+}
+
+bool is_branch(uint16_t handler) {
+    return handler == BCC_Rel || handler == BCS_Rel || handler == BEQ_Rel || handler == BMI_Rel || handler == BNE_Rel ||
+           handler == BPL_Rel || handler == BVC_Rel || handler == BVS_Rel;
+}
+
+// LDA, LDX, LDY or BIT of the timer, and a branch back to it on zero or sign: a wait. (`Handlers::poll_timer`)
+bool polls_timer(const Record& load, const Record& branch) {
+    const bool reads = load.handler == LDA_Timer || load.handler == LDX_Timer || load.handler == LDY_Timer;
+    const bool waits = branch.handler == BNE_Rel || branch.handler == BPL_Rel || branch.handler == BMI_Rel;
+    return reads && waits && branch.jump == -3;
+}
+
+}  // namespace
+
+Operand stored_in(uint8_t reg) {
+    switch (reg) {
+        case 0x02: return Operand::Wsync;
+        case 0x1b: return Operand::Grp0;
+        case 0x1c: return Operand::Grp1;
+        case 0x04: case 0x05: case 0x0a: case 0x10: case 0x11: case 0x12: case 0x13: case 0x14: case 0x2a:
+            return Operand::Strobe;  // NUSIZ, CTRLPF, RES.., HMOVE
+        case 0x06: case 0x07: case 0x08: case 0x09: case 0x0b: case 0x0c: case 0x0d: case 0x0e: case 0x0f: case 0x1d:
+        case 0x1e: case 0x1f: case 0x20: case 0x21: case 0x22: case 0x23: case 0x24: case 0x25: case 0x26: case 0x27:
+        case 0x28: case 0x29:
+            return Operand::Tia;  // COLU.., REFP, PF, ENA.., HM.., VDEL.., RESMP
+        default: return Operand::PortZ;
+    }
+}
+
+Record decode(const uint8_t* bytes, int available, const Cartridge& cartridge, const uint8_t* bank) {
+    Record record{kStep, 0, 0, 0, 0};
+    const Opcode opcode = kOpcodes[bytes[0]];
+    const int length = length_of(opcode.form);
+    if (length > available) return record;
+    uint16_t operand = length > 1 ? bytes[1] : 0;
+    if (length > 2) operand = static_cast<uint16_t>(operand | bytes[2] << 8);
+    if (opcode.form == Rel) {
+        const int distance = static_cast<int8_t>(bytes[1]);
+        record.jump = static_cast<int16_t>(2 + distance);
+        // The caller says by `bytes` only where in a bank this is; crossing a page depends on the low eight bits.
+        record.operand = static_cast<uint16_t>(distance & 0xff);
+        record.handler = kSingles[opcode.operation][static_cast<size_t>(Operand::Rel)];
+        return record;
+    }
+    const Operand kind = operand_of(opcode, operand, cartridge, bank);
+    record.operand = operand;
+    record.handler = kSingles[opcode.operation][static_cast<size_t>(kind)];
+    return record;
+}
+
+std::vector<Record> decode_image(const Cartridge& cartridge) {
+    const size_t size = cartridge.size(), slice = slice_size(cartridge.type());
+    const uint8_t* image = cartridge.image();
+    std::vector<Record> records(size + 1, Record{kStep, 0, 0, 0, 0});
+    const auto decodable = [&](size_t first, size_t from, size_t to) {
+        if (to > first + slice || to > size) return false;
+        for (size_t i = from; i < to; ++i)
+            if (!plain_in_image(cartridge, i)) return false;
+        return true;
+    };
+    for (size_t i = 0; i < size; ++i) {
+        const size_t first = i - i % slice;
+        const int length = length_of(kOpcodes[image[i]].form);
+        if (!decodable(first, i, i + static_cast<size_t>(length))) continue;
+        Record record = decode(image + i, 3, cartridge, one_bank(cartridge.type()) ? image + first : nullptr);
+        const size_t next = i + static_cast<size_t>(length);
+        if (is_branch(record.handler)) {
+            const auto target = static_cast<std::ptrdiff_t>(i) + record.jump;
+            if (target < static_cast<std::ptrdiff_t>(first) ||
+                !decodable(first, static_cast<size_t>(target), static_cast<size_t>(target) + 1))
+                continue;
+            record.taken = ((static_cast<size_t>(target) ^ next) & 0xff00) ? 4 : 3;
+        } else if (record.handler == JMP_Near || record.handler == JSR_Near) {
+            record.jump = static_cast<int16_t>(static_cast<int>(record.operand & 0xfff) - static_cast<int>(i - first));
+        }
+        records[i] = record;
+    }
+    // Loops and pairs, from the back: what a pair's second record does is in that record, fused or not.
+    std::vector<Record> plain = records;
+    for (size_t i = 0; i < size; ++i) {
+        if (plain[i].handler == kStep) continue;
+        const auto next = i + static_cast<size_t>(length_of(kOpcodes[image[i]].form));
+        if (polls_timer(plain[i], plain[next])) {
+            records[i].handler = kPollTimer;
+            records[i].jump = static_cast<int16_t>(plain[i].handler);
+            records[i].taken = static_cast<uint8_t>(4 + plain[next].taken);
+        } else {
+            records[i].handler = fused(plain[i].handler, plain[next].handler);
+        }
+    }
+    return records;
+}
+
+}  // namespace atari

@@ -1,0 +1,68 @@
+// A cartridge's code, decoded once: a record for every byte of the image at which an instruction might begin.
+//
+// A record names the handler that runs the instruction, chosen by operation and by what its operand is, so that a
+// handler decides nothing that could be known here. Jumps into the middle of an instruction find a record of their own,
+// so no analysis of the program is needed. What is not worth a handler, or could touch what only the bus knows, gets
+// the handler `kStep`, which runs the plain interpreter for one instruction.
+// Records never change, so all machines with the cartridge share them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "opcodes.hpp"
+#include "state.hpp"
+
+namespace atari {
+
+class Cartridge;
+
+// What an operand is, as far as the bytes of the instruction tell.
+enum class Operand : uint8_t {
+    Imp, Acc, Imm, Rel,
+    Near, Far, Ind,    // jumps: within the 4 KiB bank, anywhere, through a pointer
+    Ram, RamX, RamY,   // zero page: RAM, and indexed (RAM or TIA, as the index says)
+    Fixed,             // a byte of the image that this code always sees at this address: a constant
+    Timer,             // INTIM
+    RomX, RomY,        // indexed, the whole reach plain image
+    AnyX, AnyY,        // indexed, anywhere
+    IndX, IndY,
+    PortZ, PortA,      // anything else, by an address of one byte or two
+    Tia,               // stores: a register whose value can be written again without effect
+    Strobe,            //         one that acts at every write
+    Grp0, Grp1, Wsync, //         and three with a way of their own
+    kCount
+};
+
+// What the low registers of the TIA are to a store.
+Operand stored_in(uint8_t reg);
+
+enum Handler : uint16_t {
+    kStep,       // one instruction by the plain interpreter
+    kPollTimer,  // a loop that waits for the timer
+    kRamCode,    // an instruction in RAM, which may have changed since it was decoded
+#define SINGLE(operation, operand) operation##_##operand,
+#define PAIR(operation1, operand1, operation2, operand2) operation1##_##operand1##_##operation2##_##operand2,
+#include "handlers.def"
+#undef SINGLE
+#undef PAIR
+    kHandlers
+};
+
+struct Record {
+    uint16_t handler;
+    uint16_t operand;  // index into RAM, address, constant or register
+    int16_t jump;      // records to the target of a branch or near jump; under kPollTimer, the load's own handler
+    uint8_t taken;     // cycles of the branch when it is taken; under kPollTimer, of one round of the loop
+    uint8_t unused;
+};
+static_assert(sizeof(Record) == 8);
+
+// The record of the instruction that begins at `bytes`, of which `available` can be read. `bank` is the image of the
+// window it runs in if that window is one bank, and null if the operand's bytes cannot be foreseen.
+Record decode(const uint8_t* bytes, int available, const Cartridge& cartridge, const uint8_t* bank);
+
+// One record for each byte of the image, and a last one that leaves it.
+std::vector<Record> decode_image(const Cartridge& cartridge);
+
+}  // namespace atari

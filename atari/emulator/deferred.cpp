@@ -1,0 +1,136 @@
+// Frames that are run without drawing: writes to the TIA are kept in a log, with their times. The state of the TIA is
+// brought up to date from the log when a program asks for it and at the end of the frame; the picture is drawn from the
+// log if somebody wants to see it.
+#include <algorithm>
+#include <cstring>
+
+#include "console.hpp"
+#include "tia_registers.hpp"
+
+namespace atari {
+
+// False if this frame cannot be run so (no limit of instructions is kept here, and a processor that stops for good never
+// ends it): then nothing has happened.
+bool Console::run_deferred() {
+    *before_ = m_;
+    cart_ram_before_ = cart_ram_;
+    m_.cpu.stop = false;
+    begin_log();
+    deferred_ = true;
+    const bool ended = run_fast();
+    deferred_ = false;
+    if (!ended) {
+        m_ = *before_;
+        std::copy(cart_ram_before_.begin(), cart_ram_before_.end(), cart_ram_.begin());
+        stale_ = 0x3f;
+        map_segments();
+        return false;
+    }
+    end_log();
+    return true;
+}
+
+void Console::begin_log() {
+    Tia& t = m_.tia;
+    log_ = 0;
+    while (log_ == owed_[0] || log_ == owed_[1]) ++log_;
+    FrameLog& log = logs_[log_];
+    log.start = t;
+    log_end_ = log.writes;
+    applied_ = collisions_from_ = log.writes;
+    first_cycle_ = static_cast<uint32_t>(t.frame_start / 3);
+    next_line_ = first_cycle_ + 76;
+    overlong_ = first_cycle_ + 76 * (config_.pal ? 343 : 291);
+    beam_.begin();
+
+    Written& w = written_;
+    w.reg[VBLANK] = t.vblank;
+    for (int i = 0; i < 4; ++i) w.reg[COLUP0 + i] = t.colour[i] & 0xfe;
+    w.reg[PF0] = static_cast<uint8_t>(t.playfield << 4);
+    w.reg[PF1] = static_cast<uint8_t>(t.playfield >> 4);
+    w.reg[PF2] = static_cast<uint8_t>(t.playfield >> 12);
+    for (int i = 0; i < 2; ++i) {
+        w.reg[REFP0 + i] = t.refp[i] ? 8 : 0;
+        w.reg[GRP0 + i] = t.grp[i];
+        w.reg[ENAM0 + i] = t.enam[i] ? 2 : 0;
+        w.reg[VDELP0 + i] = t.vdelp[i] ? 1 : 0;
+        w.reg[RESMP0 + i] = t.resmp[i] ? 2 : 0;
+    }
+    w.reg[ENABL] = t.enabl ? 2 : 0;
+    w.reg[VDELBL] = t.vdelbl ? 1 : 0;
+    for (int i = 0; i < 5; ++i) w.reg[HMP0 + i] = static_cast<uint8_t>(t.hm[i] << 4);
+    w.old_grp0 = t.old_grp[0];
+    w.old_grp1 = t.old_grp[1];
+    w.old_enabl = t.old_enabl ? 2 : 0;
+}
+
+void Console::end_log() {
+    Tia& t = m_.tia;
+    FrameLog& log = logs_[log_];
+    log.size = static_cast<int>(log_end_ - log.writes);
+    apply_kept(end_clock_);
+    const bool whole = t.drawn_to >= t.draw_stop;
+    log.start.pending = t.pending;
+    if (whole) {
+        owed_[t.current] = log_;
+    } else {
+        // What this frame left out shows the picture's older content.
+        drawn(t.current);
+        draw_log(log, pictures_[t.current]);
+    }
+}
+
+// Brings the state of the TIA up to an access at a clock.
+void Console::apply_kept(int32_t clock) {
+    beam_.apply(applied_, log_end_, collisions_from_);
+    applied_ = log_end_;
+    beam_.reach(clock);
+    beam_.finish();
+}
+
+// A write that the fast interpreter does not take itself. Each is kept that could delay a later one.
+void Console::keep_write(uint8_t reg, uint8_t value) {
+    if (m_.cycles >= overlong_) end_frame();
+    Written& w = written_;
+    switch (reg) {
+        case VSYNC: return write_vsync(value);
+        case WSYNC: return halt_until_line_start();
+        case AUDC0: case AUDC1: m_.sound.audc[reg - AUDC0] = value & 15; return;
+        case AUDF0: case AUDF1: m_.sound.audf[reg - AUDF0] = value & 31; return;
+        case AUDV0: case AUDV1: m_.sound.audv[reg - AUDV0] = value & 15; return;
+        case VBLANK: switch_dump(w.reg[VBLANK], value); break;
+        case GRP0: w.old_grp1 = w.reg[GRP1]; break;
+        case GRP1:
+            w.old_grp0 = w.reg[GRP0];
+            w.old_enabl = w.reg[ENABL];
+            break;
+        case HMCLR: std::fill_n(w.reg + HMP0, 5, uint8_t{0}); break;
+        case CXCLR: collisions_from_ = log_end_; break;
+        default:
+            if (reg > CXCLR || reg == RSYNC) return;
+    }
+    w.reg[reg] = value;
+    *log_end_++ = {m_.cycles, reg, value, 0};
+}
+
+// The picture, after what is missing has been drawn.
+const uint8_t* Console::drawn(int buffer) {
+    if (owed_[buffer] >= 0) {
+        draw_log(logs_[owed_[buffer]], pictures_[buffer]);
+        owed_[buffer] = -1;
+    }
+    return pictures_[buffer];
+}
+
+// `start.pending` of a finished log says how far it reached.
+void Console::draw_log(const FrameLog& log, uint8_t* pixels) {
+    Tia tia = log.start;
+    const int32_t reached = tia.pending;
+    tia.pending = tia.draw_start;
+    Beam beam(tia, config_, pixels);
+    beam.begin();
+    beam.apply(log.writes, log.writes + log.size, log.writes);
+    beam.reach(reached);
+}
+
+}  // namespace atari
