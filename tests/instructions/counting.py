@@ -1,0 +1,159 @@
+"""How many instructions does the native core take for a frame? Counts them, and compares with recorded counts.
+
+Valgrind counts what the program `play` (play.cpp) executes for a short game and for a longer one; the difference,
+divided by the difference in frames, is what a frame takes, without start and reset. Unlike a time, it is the same on
+every run and on a busy machine, so a change of a few percent shows. It does depend on the compiler and the processor's
+architecture: counts are compared with recorded ones only if those are the same.
+
+`scripts/count-instructions` builds `play` and runs this file.
+"""
+
+import argparse
+import json
+import os
+import re
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+from unittest import mock
+
+import atari
+from atari.cores import native
+
+RECORD = Path(__file__).parent / "counts.json"
+GAMES = ("breakout", "pong", "seaquest", "enduro", "ms_pacman", "pitfall2", "freeway", "tetris")
+FIGURES = {"act": "nothing", "act, screen_rgb": "rgb"}
+"""What is counted, and what `play` calls it."""
+SHORT, LONG = 100, 400
+"""Frames of the two runs."""
+ALLOWED = 0.03
+"""A count may rise by this part of the recorded one."""
+
+Counts = dict[str, dict[str, int]]
+"""Instructions a frame by game and figure."""
+
+
+def describe(game_id: str) -> str:
+    """What the native core tells its emulator about a game, as text for `play`: a line a value, name first."""
+    game = atari.games.find(game_id)
+    # The arguments that the core itself would pass, so that what is counted is the game as it is played.
+    with mock.patch("atari._emulator.make_game") as make_game:
+        native._compiled.__wrapped__(game, b"")
+    values = {**make_game.call_args.kwargs, "minimal_actions": game.minimal_actions}
+    return "".join(f"{name} {words(value)}\n" for name, value in values.items() if name != "image")
+
+
+def words(value: Any) -> str:
+    """A text, or a number or truth value or a sequence of those, as words."""
+    if isinstance(value, str):
+        return value
+    return " ".join(str(int(number)) for number in (value if isinstance(value, list | tuple) else [value]))
+
+
+def instructions_in(output: str) -> int:
+    """The total in what callgrind prints or writes.
+
+    Raises:
+        ValueError: there is none.
+    """
+    total = re.search(r"^(?:summary|totals): (\d+)", output, re.MULTILINE)
+    if total is None:
+        raise ValueError(f"callgrind's output has no total of instructions:\n{output[-500:]}")
+    return int(total[1])
+
+
+def count(folder: Path, game_id: str, figure: str) -> int:
+    """Instructions a frame. Callgrind's files stay in `folder`, for callgrind_annotate."""
+    game = folder / f"{game_id}.game"
+    game.write_text(describe(game_id))
+    rom = atari.roms.find(atari.games.find(game_id))
+    totals = []
+    for frames in (SHORT, LONG):
+        out = folder / f"callgrind.{game_id}.{FIGURES[figure]}.{frames}"
+        play = [str(folder / "play"), str(rom), str(game), str(frames), FIGURES[figure]]
+        command = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={out}", *play]
+        done = subprocess.run(command, text=True, capture_output=True)
+        if done.returncode != 0:
+            raise RuntimeError(f"{game_id} could not be counted: valgrind says\n{done.stderr}")
+        totals.append(instructions_in(out.read_text()))
+    return round((totals[1] - totals[0]) / (LONG - SHORT))
+
+
+def count_all(folder: Path, games: list[str]) -> Counts:
+    """All figures of these games. One process a core: counts do not depend on what else runs."""
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        jobs = {game: {figure: pool.submit(count, folder, game, figure) for figure in FIGURES} for game in games}
+        return {game: {figure: job.result() for figure, job in figures.items()} for game, figures in jobs.items()}
+
+
+def changes(recorded: Counts, now: Counts) -> dict[tuple[str, str], float]:
+    """By game and figure, how much the count has risen (0.03: three percent), of those that were recorded."""
+    return {
+        (game, figure): value / recorded[game][figure] - 1
+        for game, figures in now.items()
+        for figure, value in figures.items()
+        if figure in recorded.get(game, {})
+    }
+
+
+def table(recorded: Counts, now: Counts) -> str:
+    """Thousands of instructions a frame: recorded, now, and the change between."""
+    width = max(map(len, now))
+    risen = changes(recorded, now)
+    lines = ["thousands of instructions a frame", " " * width]
+    for figure in FIGURES:
+        lines[1] += f"  {figure + ': recorded':>24}{'now':>9}  change"
+    for game, figures in now.items():
+        cells = []
+        for figure, value in figures.items():
+            before, change = "-", "-"
+            if (game, figure) in risen:
+                before, change = f"{recorded[game][figure] / 1000:.1f}", f"{risen[game, figure]:+.1%}"
+            cells.append(f"{before:>24}{value / 1000:>9.1f}{change:>8}")
+        lines.append(f"{game:{width}}  " + "  ".join(cells))
+    return "\n".join(lines)
+
+
+def verdict(record: dict[str, Any], build: dict[str, str], now: Counts) -> tuple[list[str], bool]:
+    """What to say of the counts in one line each, and whether they are acceptable."""
+    of_record, of_build = (f"{what.get('compiler')} on {what.get('architecture')}" for what in (record, build))
+    if of_record != of_build:
+        return [f"Not compared: the recorded counts are of {of_record}, this build is of {of_build}."], True
+    risen = changes(record["instructions"], now)
+    too_many = [f"{game} ({figure})" for (game, figure), change in risen.items() if change > ALLOWED]
+    fewer = [f"{game} ({figure})" for (game, figure), change in risen.items() if change < -ALLOWED]
+    unknown = [game for game in now if game not in record["instructions"]]
+    lines = []
+    if too_many:
+        lines.append(f"Risen by more than {ALLOWED:.0%}: {', '.join(too_many)}.")
+    if fewer:
+        lines.append(f"Fallen by more than {ALLOWED:.0%}: {', '.join(fewer)}; --record keeps what was won.")
+    if unknown:
+        lines.append(f"Not recorded: {', '.join(unknown)}.")
+    return lines or [f"No count has changed by more than {ALLOWED:.0%}."], not too_many
+
+
+def main() -> int:
+    """Count, then compare or record."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path, help="where `play` and build.json are")
+    parser.add_argument("--games", nargs="+", default=list(GAMES), metavar="GAME")
+    parser.add_argument("--record", action="store_true", help="write counts.json instead of comparing with it")
+    options = parser.parse_args()
+    build = json.loads((options.folder / "build.json").read_text())
+    record = json.loads(RECORD.read_text()) if RECORD.exists() else {"instructions": {}}
+    now = count_all(options.folder, options.games)
+    print(table(record["instructions"], now))
+    if options.record:
+        RECORD.write_text(json.dumps({**build, "instructions": now}, indent=1) + "\n")
+        print(f"Recorded in {RECORD.name}: {build['compiler']} on {build['architecture']}.")
+        return 0
+    lines, acceptable = verdict(record, build, now)
+    print("\n".join(lines))
+    return 0 if acceptable else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
