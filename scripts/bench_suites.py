@@ -1,0 +1,338 @@
+"""What `bench.py` compares: for each suite, the contestants and how each is made ready for a game and timed."""
+
+import dataclasses
+from collections.abc import Callable, Iterator
+from importlib.util import find_spec
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import ale_py
+import gymnasium
+import numpy as np
+
+import atari
+
+Run = Callable[[int], float]
+"""Takes so many steps and returns the seconds they took."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Contestant:
+    """One side of a comparison: a name, and how to make it ready for a game."""
+
+    name: str
+    prepare: Callable[[str], Run]
+
+
+@dataclasses.dataclass(frozen=True)
+class Comparison:
+    """Contestants that do the same; the last one is the reference, to which ratios refer.
+
+    `part` of the asked-for steps are taken, where one takes long.
+    """
+
+    name: str
+    contestants: list[Contestant]
+    part: float = 1.0
+
+
+def raw() -> Iterator[Comparison]:
+    """One emulated frame of a core, resets not counted."""
+    yield Comparison("act", [Contestant("native", core_frames()), Contestant("ale-py", ale_py_frames())])
+    yield Comparison(
+        "act and screen_rgb into an array",
+        [Contestant("native", core_frames(rgb=True)), Contestant("ale-py", ale_py_frames(rgb=True))],
+    )
+
+
+def state() -> Iterator[Comparison]:
+    """The calls of a core that start a game, save it and bring it back."""
+    for name, part, ours, theirs in (
+        ("construct, load and first reset", 0.003, core_construct, ale_py_construct),
+        ("reset", 0.02, core_reset, ale_py_reset),
+        ("reset with a seed", 0.005, core_seed, ale_py_seed),
+        ("clone the state", 1.0, core_clone, ale_py_clone),
+        ("restore the state", 1.0, core_restore, ale_py_restore),
+    ):
+        sides = [Contestant("native", repeated(ours)), Contestant("ale-py", repeated(theirs))]
+        yield Comparison(name, sides, part)
+
+
+def env() -> Iterator[Comparison]:
+    """One step of an environment with RGB observations, resets not counted."""
+
+    def ours(core: str) -> Callable[[str], Run]:
+        return steps_of(lambda game: atari.AtariEnv(game, core=core))
+
+    sides = [Contestant(f"AtariEnv {core}", ours(core)) for core in atari.cores.CORES]
+    yield Comparison("env.step", [*sides, Contestant("ale-py AtariEnv", steps_of(ale_py.AtariEnv))])
+
+
+def preset() -> Iterator[Comparison]:
+    """One step of DQN preprocessing, resets counted: vector environments make them within a step."""
+
+    def ours(core: str, preset: str) -> Callable[[str], Run]:
+        options = {"core": core, **atari.wrappers.preset_options(preset)}
+        return steps_of(lambda game: atari.wrappers.preset(atari.AtariEnv(game, **options), preset), count_resets=True)
+
+    sides = []
+    for core in atari.cores.CORES:
+        sides.append(Contestant(f"4 x act {core}", four_frames(core)))
+        sides += [Contestant(f"{name} {core}", ours(core, name)) for name in ("dqn2015", "gymnasium", "ale_vector")]
+    if find_spec("envpool") is not None:
+        sides.append(Contestant("EnvPool x1", envpool_vector))
+    sides.append(Contestant("Gymnasium wrappers", steps_of(gymnasium_preset, count_resets=True)))
+    yield Comparison("preset.step", [*sides, Contestant("ale-py vector x1", ale_py_vector)])
+
+
+SUITES = {"raw": raw, "state": state, "env": env, "preset": preset}
+
+
+def random_choices(actions: list[Any], steps: int) -> list[Any]:
+    """The same random actions for every contestant."""
+    generator = np.random.default_rng(0)
+    return [actions[index] for index in generator.integers(len(actions), size=steps)]
+
+
+# Frames. Both loops do the same work in Python, so that the ratio is the emulators'.
+
+
+def core_frames(name: str = "native", rgb: bool = False) -> Callable[[str], Run]:
+    """Frames of a core."""
+
+    def prepare(game: str) -> Run:
+        core = atari.cores.CORES[name](game, repeat_action_probability=0.0)
+        core.reset()
+        pixels = core.screen_rgb()
+        actions = [int(action) for action in core.game.minimal_actions]
+
+        def run(steps: int) -> float:
+            resets = 0.0
+            started = perf_counter()
+            for action in random_choices(actions, steps):
+                if core.game_over:
+                    paused = perf_counter()
+                    core.reset()
+                    resets += perf_counter() - paused
+                core.act(action)
+                if rgb:
+                    core.screen_rgb(pixels)
+            return perf_counter() - started - resets
+
+        return run
+
+    return prepare
+
+
+def four_frames(name: str) -> Callable[[str], Run]:
+    """The emulator's part of a preset's step: four frames of a core, nothing looked at."""
+
+    def prepare(game: str) -> Run:
+        run = core_frames(name)(game)
+        return lambda steps: run(4 * steps)
+
+    return prepare
+
+
+def ale_py_frames(rgb: bool = False) -> Callable[[str], Run]:
+    """Frames of ale-py's raw interface."""
+
+    def prepare(game: str) -> Run:
+        ale = loaded_ale(game)
+        ale.reset_game()
+        pixels = ale.getScreenRGB()
+        actions = [int(action.value) for action in ale.getMinimalActionSet()]
+
+        def run(steps: int) -> float:
+            resets = 0.0
+            started = perf_counter()
+            for action in random_choices(actions, steps):
+                if ale.game_over():
+                    paused = perf_counter()
+                    ale.reset_game()
+                    resets += perf_counter() - paused
+                ale.act(action)
+                if rgb:
+                    ale.getScreenRGB(pixels)
+            return perf_counter() - started - resets
+
+        return run
+
+    return prepare
+
+
+def native_core(game: str) -> atari.cores.NativeCore:
+    """A native core without sticky actions."""
+    return atari.cores.NativeCore(game, repeat_action_probability=0.0)
+
+
+def ale_py_rom(game: str) -> Path:
+    """The ROM file that ale-py carries."""
+    path = ale_py.roms.get_rom_path(game)
+    assert path is not None
+    return path
+
+
+def loaded_ale(game: str) -> Any:
+    """ale-py's raw interface without sticky actions."""
+    ale = ale_py.ALEInterface()
+    ale.setFloat("repeat_action_probability", 0.0)
+    ale.loadROM(ale_py_rom(game))
+    return ale
+
+
+# Starting, saving and restoring: `call = make(game)`, then `call()` is one step.
+
+
+def repeated(make: Callable[[str], Callable[[], object]]) -> Callable[[str], Run]:
+    """Calls, one after the other."""
+
+    def prepare(game: str) -> Run:
+        call = make(game)
+
+        def run(steps: int) -> float:
+            started = perf_counter()
+            for _ in range(steps):
+                call()
+            return perf_counter() - started
+
+        return run
+
+    return prepare
+
+
+def core_construct(game: str) -> Callable[[], object]:
+    """From the name of the game to the first frame."""
+    return lambda: native_core(game).reset()
+
+
+def ale_py_construct(game: str) -> Callable[[], object]:
+    """From the name of the game to the first frame."""
+    return lambda: loaded_ale(game).reset_game()
+
+
+def core_reset(game: str) -> Callable[[], object]:
+    """A reset."""
+    return native_core(game).reset
+
+
+def ale_py_reset(game: str) -> Callable[[], object]:
+    """A reset."""
+    return loaded_ale(game).reset_game  # type: ignore[no-any-return]
+
+
+def core_seed(game: str) -> Callable[[], object]:
+    """A reset with a seed."""
+    core = native_core(game)
+
+    def call() -> None:
+        core.seed(1)
+        core.reset()
+
+    return call
+
+
+def ale_py_seed(game: str) -> Callable[[], object]:
+    """A reset with a seed, which ale-py takes when it loads."""
+    ale = loaded_ale(game)
+    path = ale_py_rom(game)
+
+    def call() -> None:
+        ale.setInt("random_seed", 1)
+        ale.loadROM(path)
+        ale.reset_game()
+
+    return call
+
+
+def core_clone(game: str) -> Callable[[], object]:
+    """A copy of the state in memory."""
+    core = native_core(game)
+    core.reset()
+    return core.clone_state
+
+
+def ale_py_clone(game: str) -> Callable[[], object]:
+    """A copy of the state in memory."""
+    ale = loaded_ale(game)
+    ale.reset_game()
+    return ale.cloneState  # type: ignore[no-any-return]
+
+
+def core_restore(game: str) -> Callable[[], object]:
+    """Back to a copy."""
+    core = native_core(game)
+    core.reset()
+    saved = core.clone_state()
+    return lambda: core.restore_state(saved)
+
+
+def ale_py_restore(game: str) -> Callable[[], object]:
+    """Back to a copy."""
+    ale = loaded_ale(game)
+    ale.reset_game()
+    saved = ale.cloneState()
+    return lambda: ale.restoreState(saved)
+
+
+# Environments.
+
+
+def steps_of(make: Callable[[str], gymnasium.Env[Any, Any]], count_resets: bool = False) -> Callable[[str], Run]:
+    """Steps of a single environment."""
+
+    def prepare(game: str) -> Run:
+        env = make(game)
+        env.reset(seed=0)
+        actions = list(range(int(env.action_space.n)))  # type: ignore[attr-defined]
+
+        def run(steps: int) -> float:
+            resets = 0.0
+            started = perf_counter()
+            for action in random_choices(actions, steps):
+                _, _, terminated, truncated, _ = env.step(action)
+                if terminated or truncated:
+                    paused = perf_counter()
+                    env.reset()
+                    resets += perf_counter() - paused
+            seconds = perf_counter() - started
+            return seconds if count_resets else seconds - resets
+
+        return run
+
+    return prepare
+
+
+def gymnasium_preset(game: str) -> gymnasium.Env[Any, Any]:
+    """Gymnasium's wrappers on ale-py's environment."""
+    env = gymnasium.wrappers.AtariPreprocessing(ale_py.AtariEnv(game, frameskip=1))
+    return gymnasium.wrappers.FrameStackObservation(env, 4)
+
+
+def ale_py_vector(game: str) -> Run:
+    """ale-py's vector environment, one environment, one thread."""
+    return vector_steps(ale_py.AtariVectorEnv(game, 1, num_threads=1), np.int64)
+
+
+def envpool_vector(game: str) -> Run:
+    """EnvPool, one environment, one thread."""
+    import envpool
+
+    task = atari.registration.stem(game) + "-v5"
+    return vector_steps(envpool.make(task, env_type="gymnasium", num_envs=1, num_threads=1), np.int32)
+
+
+def vector_steps(envs: Any, dtype: type[np.integer[Any]]) -> Run:
+    """Steps of a vector environment, which makes resets by itself."""
+    envs.reset()
+    count = int(getattr(envs, "single_action_space", envs.action_space).n)
+
+    def run(steps: int) -> float:
+        actions = [np.full(1, action, dtype) for action in random_choices(list(range(count)), steps)]
+        started = perf_counter()
+        for action in actions:
+            envs.step(action)
+        return perf_counter() - started
+
+    return run

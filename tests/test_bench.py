@@ -1,0 +1,69 @@
+"""`scripts/bench.py` runs, and what it says of ratios is right. How fast anything is, is not tested."""
+
+import json
+import runpy
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+SCRIPT = Path(__file__).parent.parent / "scripts" / "bench.py"
+
+
+@pytest.fixture(scope="module")
+def bench() -> dict[str, Any]:
+    return runpy.run_path(str(SCRIPT))
+
+
+@pytest.mark.parametrize(("suite", "comparisons"), [("raw", 2), ("state", 5), ("env", 1), ("preset", 1)])
+def test_a_suite_runs_and_writes_every_measured_value(suite: str, comparisons: int, tmp_path: Path) -> None:
+    out = tmp_path / "out.json"
+    options = ["--suite", suite, "--games", "pong", "breakout", "--steps", "20", "--rounds", "2", "--json", str(out)]
+    done = subprocess.run([sys.executable, str(SCRIPT), *options], check=True, capture_output=True, text=True)
+    assert done.stdout.count("over 2 games, minimum") >= comparisons
+    document = json.loads(out.read_text())
+    assert (document["suite"], document["steps"], document["rounds"]) == (suite, 20, 2)
+    assert document["machine"]["cores"] >= 1
+    assert document["versions"]["ale-py"]
+    assert list(document["results"]) == ["pong", "breakout"]
+    for times in document["results"].values():
+        assert len(times) == comparisons
+        for contestants in times.values():
+            assert len(contestants) >= 2
+            assert all(len(values) == 2 and min(values) > 0 for values in contestants.values())
+
+
+def test_ratios_are_of_medians(bench: dict[str, Any]) -> None:
+    results = {"pong": {"native": [1.0, 2.0, 9.0], "ale-py": [30.0, 20.0, 1.0]}}
+    assert bench["ratios"](results, "native", "ale-py") == {"pong": 10.0}
+
+
+def test_a_few_ratios_come_to_a_mean_and_a_minimum(bench: dict[str, Any]) -> None:
+    assert bench["summary"]({"pong": 4.0, "tetris": 1.0}) == [
+        "geometric mean 2.00x over 2 games, minimum 1.00x (tetris)"
+    ]
+
+
+def test_many_ratios_come_to_quartiles_and_the_ten_worst_too(bench: dict[str, Any]) -> None:
+    _, quartiles, worst = bench["summary"]({f"game{i}": float(i) for i in range(13, 0, -1)})
+    assert quartiles == "quartiles 4.00x, 7.00x, 10.00x"
+    assert worst == "ten worst " + ", ".join(f"game{i} {i}.00x" for i in range(1, 11))
+
+
+def test_the_table_has_a_row_a_game(bench: dict[str, Any]) -> None:
+    results = {"pong": {"native": [2.0], "ale-py": [3.0]}, "tetris": {"native": [5.0], "ale-py": [5.0]}}
+    lines = bench["table"]("act", results).splitlines()
+    assert lines[1].split() == ["native", "ale-py"]
+    assert lines[2].split() == ["pong", "2.0", "(", "1.50x)", "3.0", "(", "1.00x)"]
+    assert lines[3].split() == ["tetris", "5.0", "(", "1.00x)", "5.0", "(", "1.00x)"]
+    assert lines[4] == "native: geometric mean 1.22x over 2 games, minimum 1.00x (tetris)"
+    assert lines[5] == "spread of the rounds: 0% of the median (typically)"
+
+
+def test_an_unknown_game_is_an_error_before_anything_is_measured() -> None:
+    done = subprocess.run([sys.executable, str(SCRIPT), "--games", "pong", "pnog"], capture_output=True, text=True)
+    assert done.returncode != 0
+    assert "pong" in done.stderr
+    assert "..." not in done.stderr
