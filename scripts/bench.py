@@ -12,7 +12,7 @@ Suites:
 
 Each number is the median over the rounds; in each round every contestant runs once, in turn, so that a slow moment of
 the machine hits all alike, and all play the same actions. The ratio is that of the medians. `raw` over all games takes
-about five minutes.
+three minutes or so.
 """
 
 import argparse
@@ -148,7 +148,7 @@ def main() -> None:
         default=["breakout", "pong", "ms_pacman", "seaquest", "space_invaders", "montezuma_revenge", "qbert", "enduro"],
         help="games to measure, or 'all' (default: eight well-known ones)",
     )
-    parser.add_argument("--steps", type=int, default=800, help="steps of a run (default 800; fewer of slow calls)")
+    parser.add_argument("--steps", type=int, default=1000, help="steps of a run (default 1000; fewer of slow calls)")
     parser.add_argument("--rounds", type=int, default=5, help="alternating rounds (default 5)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write every measured value, machine and versions")
     options = parser.parse_args()
