@@ -26,7 +26,7 @@ RECORD = Path(__file__).parent / "counts.json"
 GAMES = ("breakout", "pong", "seaquest", "enduro", "ms_pacman", "pitfall2", "freeway", "tetris")
 FIGURES = {"act": "nothing", "act, screen_rgb": "rgb"}
 """What is counted, and what `play` calls it."""
-SHORT, LONG = 100, 400
+SHORT, LONG = 60, 300
 """Frames of the two runs."""
 ALLOWED = 0.03
 """A count may rise by this part of the recorded one."""
