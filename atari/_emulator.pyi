@@ -221,3 +221,26 @@ class Console:
 
     def load(self, state: bytes) -> None:
         """Continue from `save`; ValueError if the bytes cannot be a state."""
+
+def pool_gray(
+    early: numpy.typing.NDArray[numpy.uint8],
+    late: numpy.typing.NDArray[numpy.uint8],
+    table: numpy.typing.NDArray[numpy.uint8],
+    plain: bool = False,
+) -> tuple[numpy.typing.NDArray[numpy.uint8], numpy.typing.NDArray[numpy.uint8]]:
+    """
+    The brighter of two pictures, (rows, 160) palette indices, by a table of 256 grays; and for each row
+    whether it repeats the one above. `plain`: without instructions that not every processor has.
+    """
+
+def resize_area(
+    picture: numpy.typing.NDArray[numpy.uint8],
+    height: int,
+    width: int,
+    repeats: numpy.typing.NDArray[numpy.uint8] | None = None,
+    plain: bool = False,
+) -> numpy.typing.NDArray[numpy.uint8]:
+    """
+    A gray picture, (rows, 160), scaled down as by OpenCV's INTER_AREA. `repeats` and `plain` as in `pool_gray`.
+    Raises ValueError if the size is not served.
+    """

@@ -1,19 +1,23 @@
-// `_emulator.Console`: the bare console, bound for tests and for looking inside. It is driven by hand, access by access
-// or instruction by instruction, without game, rules or seed. Nothing here is used while games are played.
+// Bound for tests and for looking inside: `_emulator.Console`, the bare console, driven by hand, access by access or
+// instruction by instruction, without game, rules or seed; and the two halves of an observation, `pool_gray` and
+// `resize_area`. Nothing here is used while games are played.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include "console.hpp"
+#include "observation.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -197,6 +201,29 @@ void load(Console& console, nb::bytes state) {
         throw nb::value_error("the state is damaged, or of another cartridge");
 }
 
+using Bytes = nb::ndarray<const uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Picture = nb::ndarray<const uint8_t, nb::shape<-1, kScreenWidth>, nb::c_contig, nb::device::cpu>;
+
+std::pair<Array, Array> pooled(Picture early, Picture late, Bytes table, bool plain) {
+    const size_t rows = early.shape(0);
+    if (rows < 1 || rows > kFrameRows || late.shape(0) != rows || table.shape(0) != 256)
+        throw nb::value_error("two pictures of the same 1..300 rows and a table of 256 are needed");
+    std::vector<uint8_t> gray(early.size()), repeats(rows);
+    pool_gray(early.data(), late.data(), static_cast<int>(rows), table.data(), gray.data(), repeats.data(), plain);
+    return {as_array(gray.data(), {rows, kScreenWidth}), as_array(repeats.data(), {rows})};
+}
+
+Array resized(Picture picture, int height, int width, std::optional<Bytes> repeats, bool plain) {
+    const size_t rows = picture.shape(0);
+    if (rows < 1 || rows > kFrameRows) throw nb::value_error("a picture has 1..300 rows");
+    if (repeats && repeats->shape(0) != rows) throw nb::value_error("`repeats` has an entry for each row");
+    const AreaResize resize(static_cast<int>(rows), height, width, plain);
+    const size_t extents[2] = {static_cast<size_t>(height), static_cast<size_t>(width)};
+    std::vector<uint8_t> small(extents[0] * extents[1]);
+    resize(picture.data(), repeats ? repeats->data() : nullptr, small.data());
+    return as_array(small.data(), {extents[0], extents[1]});
+}
+
 }  // namespace
 
 void register_inspection(nb::module_& m) {
@@ -247,6 +274,19 @@ void register_inspection(nb::module_& m) {
              "All chips' registers and latches, by name, as nested dicts. For looking, not for saving.")
         .def("save", &save, "The whole state as bytes.")
         .def("load", &load, "state"_a, "Continue from `save`; ValueError if the bytes cannot be a state.");
+
+    m.def("pool_gray", &pooled, "early"_a, "late"_a, "table"_a, "plain"_a = false,
+          nb::sig("def pool_gray(early: numpy.typing.NDArray[numpy.uint8], late: numpy.typing.NDArray[numpy.uint8], "
+                  "table: numpy.typing.NDArray[numpy.uint8], plain: bool = False) -> "
+                  "tuple[numpy.typing.NDArray[numpy.uint8], numpy.typing.NDArray[numpy.uint8]]"),
+          "The brighter of two pictures, (rows, 160) palette indices, by a table of 256 grays; and for each row\n"
+          "whether it repeats the one above. `plain`: without instructions that not every processor has.");
+    m.def("resize_area", &resized, "picture"_a, "height"_a, "width"_a, "repeats"_a = nb::none(), "plain"_a = false,
+          nb::sig("def resize_area(picture: numpy.typing.NDArray[numpy.uint8], height: int, width: int, "
+                  "repeats: numpy.typing.NDArray[numpy.uint8] | None = None, plain: bool = False) -> "
+                  "numpy.typing.NDArray[numpy.uint8]"),
+          "A gray picture, (rows, 160), scaled down as by OpenCV's INTER_AREA. `repeats` and `plain` as in `pool_gray`.\n"
+          "Raises ValueError if the size is not served.");
 }
 
 }  // namespace atari

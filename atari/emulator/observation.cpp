@@ -1,0 +1,245 @@
+#include "observation.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+
+// AVX2 where the processor has it. `run` and `pool` are inlined into functions for AVX2, so that all their loops use it.
+#if defined(__x86_64__) && defined(__GNUC__)
+#include <immintrin.h>
+#define ATARI_AVX2 1
+#define WIDE __attribute__((target("avx2")))
+#define INLINED __attribute__((always_inline)) inline
+#else
+#define ATARI_AVX2 0
+#define INLINED inline
+#endif
+
+namespace atari {
+namespace {
+
+constexpr uint32_t kWholeRow = (1u << kScreenWidth / 8) - 1;
+constexpr int kReach = 16;            // pixels that a window sees
+constexpr int kMostResults = 8 * 21;  // places for results, eight a window: more than 21 windows are never needed
+
+bool goes_wide([[maybe_unused]] bool plain) {
+#if ATARI_AVX2
+    static const bool supported = __builtin_cpu_supports("avx2");
+    return supported && !plain;
+#else
+    return false;
+#endif
+}
+
+// Bit k for columns 8k .. 8k+7 in which either picture differs from the row above.
+uint32_t changes_plain(const uint8_t* early, const uint8_t* late) {
+    uint8_t differences = 0;  // all of them, without a branch: the compiler makes vectors of this
+    for (int x = 0; x < kScreenWidth; ++x)
+        differences |= static_cast<uint8_t>((early[x] ^ early[x - kScreenWidth]) | (late[x] ^ late[x - kScreenWidth]));
+    if (differences == 0) return 0;
+    uint32_t found = 0;
+    for (int k = 0; k < kScreenWidth / 8; ++k, early += 8, late += 8) {
+        const auto differs = [](const uint8_t* row) { return std::memcmp(row, row - kScreenWidth, 8) != 0; };
+        found |= uint32_t{differs(early) || differs(late)} << k;
+    }
+    return found;
+}
+
+void pool_eight(const uint8_t* early, const uint8_t* late, const uint8_t* table, uint8_t* out) {
+    uint64_t early_word, late_word;
+    std::memcpy(&early_word, early, 8);
+    std::memcpy(&late_word, late, 8);
+    if (early_word != late_word)
+        for (int i = 0; i < 8; ++i) out[i] = std::max(table[early[i]], table[late[i]]);
+    else if (early_word != std::rotl(early_word, 8))
+        for (int i = 0; i < 8; ++i) out[i] = table[early[i]];
+    else
+        std::memset(out, table[early[0]], 8);
+}
+
+template <auto changes>
+INLINED void pool(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
+                  uint8_t* repeats) {
+    for (int row = 0; row < rows; ++row) {
+        uint32_t left = kWholeRow;
+        if (row > 0) {
+            left = changes(early, late);
+            std::memcpy(out, out - kScreenWidth, kScreenWidth);
+        }
+        repeats[row] = left == 0;
+        for (; left != 0; left &= left - 1) {
+            const int column = 8 * std::countr_zero(left);
+            pool_eight(early + column, late + column, table, out + column);
+        }
+        early += kScreenWidth;
+        late += kScreenWidth;
+        out += kScreenWidth;
+    }
+}
+
+// Eight results of a row. The sums are float32, each product rounded before it is added, in the order of the pixels: in
+// ties, of which games have many, the last bit of the sum decides.
+void across_plain(const uint8_t* pixels, const AreaResize::Taps* taps, int depth, float* __restrict results) {
+    float sums[8] = {};
+    for (int n = 0; n < depth; ++n)
+        for (int i = 0; i < 8; ++i) {
+            const float value = pixels[taps[n].pixel[i] % kReach];
+            sums[i] += value * taps[n].weight[i];
+        }
+    std::memcpy(results, sums, sizeof sums);
+}
+
+INLINED void scale(const float* __restrict line, float weight, int count, float* __restrict sum) {
+    for (int i = 0; i < count; ++i) sum[i] = weight * line[i];
+}
+
+INLINED void add(const float* __restrict line, float weight, int count, float* __restrict sum) {
+    for (int i = 0; i < count; ++i) sum[i] += weight * line[i];
+}
+
+// To nearest, ties to even: the last bit of so large a number is worth one.
+INLINED void round(const float* __restrict sum, int count, uint8_t* __restrict bytes) {
+    for (int i = 0; i < count; ++i) bytes[i] = static_cast<uint8_t>(std::bit_cast<uint32_t>(sum[i] + 12582912.0f));
+}
+
+#if ATARI_AVX2
+WIDE inline __m256i load(const void* from) { return _mm256_loadu_si256(static_cast<const __m256i*>(from)); }
+
+WIDE inline uint32_t changes_wide(const uint8_t* early, const uint8_t* late) {
+    uint32_t same = 0;
+    for (int k = 0; k < kScreenWidth / 8; k += 4, early += 32, late += 32) {
+        const __m256i equal = _mm256_and_si256(_mm256_cmpeq_epi64(load(early), load(early - kScreenWidth)),
+                                               _mm256_cmpeq_epi64(load(late), load(late - kScreenWidth)));
+        same |= static_cast<uint32_t>(_mm256_movemask_pd(_mm256_castsi256_pd(equal))) << k;
+    }
+    return same ^ kWholeRow;
+}
+
+WIDE inline void across_wide(const uint8_t* pixels, const AreaResize::Taps* taps, int depth, float* results) {
+    const __m256i window = _mm256_broadcastsi128_si256(_mm_loadu_si128(reinterpret_cast<const __m128i*>(pixels)));
+    __m256 sums = _mm256_setzero_ps();
+    for (int n = 0; n < depth; ++n) {
+        const __m256 values = _mm256_cvtepi32_ps(_mm256_shuffle_epi8(window, load(taps[n].pixel)));
+        sums = _mm256_add_ps(sums, _mm256_mul_ps(values, _mm256_loadu_ps(taps[n].weight)));
+    }
+    _mm256_storeu_ps(results, sums);
+}
+
+WIDE void pool_wide(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
+                    uint8_t* repeats) {
+    pool<changes_wide>(early, late, rows, table, out, repeats);
+}
+#endif
+
+}  // namespace
+
+void pool_gray(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
+               uint8_t* repeats, [[maybe_unused]] bool plain) {
+#if ATARI_AVX2
+    if (goes_wide(plain)) return pool_wide(early, late, rows, table, out, repeats);
+#endif
+    pool<changes_plain>(early, late, rows, table, out, repeats);
+}
+
+AreaResize::AreaResize(int rows, int height, int width, bool plain)
+    : height_(height), width_(width), wide_(goes_wide(plain)) {
+    if (height < 1 || height > rows || width < 11 || width > kScreenWidth)
+        throw std::invalid_argument("a picture is only made smaller here, and no narrower than 11");
+    if (rows % height == 0 && kScreenWidth % width == 0)
+        throw std::invalid_argument("the size must not divide that of the picture in both directions");
+    down_ = taps(rows, height);
+    std::stable_sort(down_.begin(), down_.end(), [](const Tap& a, const Tap& b) { return a.source < b.source; });
+    make_windows(taps(kScreenWidth, width));
+}
+
+// OpenCV's weights: worked out in doubles, slivers left out, rounded to float.
+std::vector<AreaResize::Tap> AreaResize::taps(int source, int target) {
+    std::vector<Tap> all;
+    const double scale = static_cast<double>(source) / target;
+    for (int i = 0; i < target; ++i) {
+        const double start = i * scale, end = start + scale, extent = std::min(scale, source - start);
+        const int whole_end = std::min(static_cast<int>(std::floor(end)), source - 1);
+        const int whole_start = std::min(static_cast<int>(std::ceil(start)), whole_end);
+        const size_t first = all.size();
+        const auto add = [&](int pixel, double part) {
+            all.push_back({pixel, i, static_cast<float>(part / extent), false, false});
+        };
+        if (whole_start - start > 1e-3) add(whole_start - 1, whole_start - start);
+        for (int pixel = whole_start; pixel < whole_end; ++pixel) add(pixel, 1.0);
+        if (end - whole_end > 1e-3) add(whole_end, std::min({end - whole_end, 1.0, extent}));
+        all[first].first = all.back().last = true;
+    }
+    return all;
+}
+
+void AreaResize::make_windows(const std::vector<Tap>& across) {
+    for (auto tap = across.begin(); tap != across.end();) {
+        const auto last = std::find_if(tap, across.end(), [](const Tap& t) { return t.last; });
+        if (windows_.empty() || windows_.back().count == 8 || last->source >= windows_.back().source + kReach)
+            windows_.push_back({std::min(tap->source, kScreenWidth - kReach), tap->result, 0});
+        ++windows_.back().count;
+        depth_ = std::max(depth_, static_cast<int>(last - tap) + 1);
+        tap = last + 1;
+    }
+    Taps unused{};
+    std::fill_n(unused.pixel, 8, 0x80808080u);
+    across_.assign(windows_.size() * static_cast<size_t>(depth_), unused);
+    Taps* place = across_.data();
+    for (const Window& window : windows_) {
+        Taps* taps = place;
+        for (const Tap& tap : across) {
+            const int i = tap.result - window.result;
+            if (i < 0 || i >= window.count) continue;
+            if (tap.first) taps = place;
+            taps->pixel[i] = 0x80808000u | static_cast<uint32_t>(tap.source - window.source);
+            taps->weight[i] = tap.weight;
+            ++taps;
+        }
+        place += depth_;
+    }
+}
+
+// Each row's results are made once, and then go into the sums of the one or two rows below that have a share in it.
+template <auto across>
+INLINED void AreaResize::run(const uint8_t* picture, const uint8_t* repeats, uint8_t* out) const {
+    float line[kMostResults], sum[kMostResults];
+    uint8_t bytes[kMostResults];
+    const Window* const windows = windows_.data();
+    const Taps* const taps = across_.data();
+    const int count = static_cast<int>(windows_.size()), depth = depth_;
+    int row = -1;  // that `line` is of
+    for (const Tap& tap : down_) {
+        while (row < tap.source) {
+            if (++row > 0 && repeats && repeats[row]) continue;
+            const uint8_t* const pixels = picture + kScreenWidth * row;
+            for (int k = 0; k < count; ++k) across(pixels + windows[k].source, taps + depth * k, depth, line + 8 * k);
+        }
+        if (tap.first) scale(line, tap.weight, 8 * count, sum);
+        else add(line, tap.weight, 8 * count, sum);
+        if (!tap.last) continue;
+        round(sum, 8 * count, bytes);
+        uint8_t* const results = out + width_ * tap.result;
+        const bool more = tap.result < height_ - 1;
+        // Eight at once; what is no window's result is overwritten by the next window or the next row.
+        for (int k = 0; k < count; ++k)
+            if (more) std::memcpy(results + windows[k].result, bytes + 8 * k, 8);
+            else std::copy_n(bytes + 8 * k, windows[k].count, results + windows[k].result);
+    }
+}
+
+#if ATARI_AVX2
+WIDE void AreaResize::run_wide(const uint8_t* picture, const uint8_t* repeats, uint8_t* out) const {
+    run<across_wide>(picture, repeats, out);
+}
+#endif
+
+void AreaResize::operator()(const uint8_t* picture, const uint8_t* repeats, uint8_t* out) const {
+#if ATARI_AVX2
+    if (wide_) return run_wide(picture, repeats, out);
+#endif
+    run<across_plain>(picture, repeats, out);
+}
+
+}  // namespace atari

@@ -1,0 +1,66 @@
+// What a deep Q-network sees (Mnih et al. 2015): the maximum of two frames in gray, made small.
+//
+// In pictures of games most rows repeat the row above, and the others differ from it in a few places only. `pool_gray`
+// looks colours up where something differs, and tells `AreaResize` which rows it need not look at.
+//
+// `plain`, for tests, does without instructions that not every processor has. Results are the same.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "state.hpp"
+
+namespace atari {
+
+// The brighter of two pictures of palette indices, rows x 160, in the gray values of `table` (256). `repeats` (rows) is
+// set to 1 for each row that is the row above once more, else to 0; the first row is not.
+void pool_gray(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
+               uint8_t* repeats, bool plain = false);
+
+// Scales a gray picture, rows x 160, down to height x width. A result is the mean of the area that it covers, equal to
+// OpenCV's INTER_AREA in every byte. Immutable; threads may share one.
+//
+// Serves heights 1..rows and widths 11..160, except sizes that divide the picture's in both directions (105 x 80 of
+// 210 x 160): there OpenCV rounds in other ways. Larger than the picture, INTER_AREA is no mean but an interpolation.
+class AreaResize {
+  public:
+    // Throws std::invalid_argument if the size is not served.
+    AreaResize(int rows, int height, int width, bool plain = false);
+
+    // `repeats` as pool_gray tells it; null takes every row for a new one.
+    void operator()(const uint8_t* picture, const uint8_t* repeats, uint8_t* out) const;
+
+    // The n-th tap of each of eight neighbouring results. `pixel` is counted from where the results' window begins; its
+    // upper bytes are 0x80, with which a shuffle of bytes makes zeros. What is unused weighs nothing.
+    struct Taps {
+        uint32_t pixel[8];
+        float weight[8];
+    };
+
+  private:
+    struct Tap {  // a source pixel's share in a result
+        int source, result;
+        float weight;
+        bool first, last;  // of the result's taps
+    };
+    // Up to eight neighbouring results that depend on no more than sixteen pixels.
+    struct Window {
+        int source, result, count;
+    };
+
+    static std::vector<Tap> taps(int source, int target);
+    void make_windows(const std::vector<Tap>& across);
+    template <auto across>
+    void run(const uint8_t* picture, const uint8_t* repeats, uint8_t* out) const;
+    void run_wide(const uint8_t* picture, const uint8_t* repeats, uint8_t* out) const;
+
+    int height_, width_;
+    [[maybe_unused]] bool wide_;
+    std::vector<Tap> down_;  // ordered by source
+    std::vector<Window> windows_;
+    std::vector<Taps> across_;  // depth_ for each window
+    int depth_ = 0;             // the most taps that a result has in its row
+};
+
+}  // namespace atari

@@ -1,0 +1,175 @@
+"""What a deep Q-network sees: pooling in gray, and scaling down, which equals OpenCV's in every byte."""
+
+from collections.abc import Iterator
+
+import cv2
+import numpy as np
+import pytest
+
+from atari._emulator import pool_gray, resize_area
+from atari.cores import ByteArray, NativeCore
+
+GAMES = {210: "ms_pacman", 214: "carnival", 220: "pooyan", 230: "journey_escape", 250: "mr_do"}
+"""A game for each height of pictures."""
+
+SIZES = [(84, 84), (64, 64), (96, 96), (42, 42), (110, 84), (84, 110), (100, 120), (13, 11), (1, 84), (200, 160)]
+"""(height, width)."""
+
+both_paths = pytest.mark.parametrize("plain", [False, True], ids=["best", "plain"])
+
+
+def opencv(picture: ByteArray, height: int, width: int) -> ByteArray:
+    return np.asarray(cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA), np.uint8)
+
+
+def noise(rows: int, seed: int = 0) -> ByteArray:
+    return np.random.default_rng(seed).integers(0, 256, (rows, 160), dtype=np.uint8)
+
+
+def few_grays(rows: int, seed: int = 0) -> ByteArray:
+    """Two to six grays, so that many means lie half way between two numbers."""
+    random = np.random.default_rng(seed)
+    grays = random.integers(0, 256, random.integers(2, 7), dtype=np.uint8)
+    return random.choice(grays, (rows, 160))
+
+
+def frames(game: str, count: int) -> Iterator[tuple[NativeCore, NativeCore]]:
+    """Two machines, one a frame behind the other."""
+    random = np.random.default_rng(1)
+    early, late = (NativeCore(game, seed=1, repeat_action_probability=0.0) for _ in range(2))
+    early.reset()
+    late.reset()
+    late.act(0)
+    for _ in range(count):
+        for action in random.integers(0, 18, 20).tolist():
+            early.act(action)
+            late.act(action)
+        yield early, late
+
+
+def test_half_way_means_occur() -> None:
+    """They are what the last bit of a sum decides: the pictures here must have them."""
+    for seed in range(3):
+        sums = few_grays(210, seed).repeat(2, 0).repeat(21, 1).reshape(84, 5, 84, 40).sum((1, 3), int)
+        assert np.count_nonzero(sums % 200 == 100) > 10
+
+
+@both_paths
+@pytest.mark.parametrize("rows", GAMES)
+def test_equals_opencv(rows: int, plain: bool) -> None:
+    for height, width in SIZES:
+        for seed in range(4):
+            for picture in (noise(rows, seed), few_grays(rows, seed)):
+                expected = opencv(picture, height, width)
+                assert np.array_equal(resize_area(picture, height, width, plain=plain), expected), (height, width, seed)
+
+
+@both_paths
+def test_equals_opencv_at_every_size(plain: bool) -> None:
+    """Every width once, every height once; 10 rows have sizes that divide one side only."""
+    for rows, sizes in {210: [(84, width) for width in range(11, 161)], 250: [(h, 84) for h in range(1, 251)]}.items():
+        for height, width in sizes:
+            picture = few_grays(rows, width + height)
+            expected = opencv(picture, height, width)
+            assert np.array_equal(resize_area(picture, height, width, plain=plain), expected), (height, width)
+    for height, width in ((5, 84), (3, 80), (10, 84), (7, 160), (10, 159)):
+        assert np.array_equal(resize_area(noise(10), height, width, plain=plain), opencv(noise(10), height, width))
+
+
+@both_paths
+@pytest.mark.parametrize("rows", GAMES)
+def test_games(rows: int, plain: bool) -> None:
+    """Two frames of a game, pooled and scaled, row for row and with the rows that repeat left out."""
+    table = np.random.default_rng(2).integers(0, 256, 256, dtype=np.uint8)
+    repeated = 0
+    for cores in frames(GAMES[rows], 8):
+        early, late = (core.screen() for core in cores)
+        assert early.shape == (rows, 160)
+        for first, second in ((early, late), (late, early), (late, late)):
+            gray, repeats = pool_gray(first, second, table, plain=plain)
+            expected = np.maximum(table[first], table[second])
+            assert np.array_equal(gray, expected)
+            above = (first[1:] == first[:-1]).all(1) & (second[1:] == second[:-1]).all(1)
+            assert np.array_equal(repeats, [0, *above])
+            repeated += np.count_nonzero(above)
+            for height, width in ((84, 84), (64, 64)):
+                small = opencv(expected, height, width)
+                assert np.array_equal(resize_area(gray, height, width, plain=plain), small)
+                assert np.array_equal(resize_area(gray, height, width, repeats, plain=plain), small)
+    assert repeated > 100
+
+
+@both_paths
+def test_gray_of_games(plain: bool) -> None:
+    """With ALE's grays as the table, pooling is the maximum of the cores' gray screens."""
+    for game in ("breakout", "enduro"):
+        for early, late in frames(game, 4):
+            table = np.zeros(256, np.uint8)
+            for core in (early, late):
+                table[core.screen()] = core.screen_grayscale()
+            gray, _ = pool_gray(early.screen(), late.screen(), table, plain=plain)
+            assert np.array_equal(gray, np.maximum(early.screen_grayscale(), late.screen_grayscale()))
+
+
+@both_paths
+def test_pooling_sees_every_pixel(plain: bool) -> None:
+    """One pixel that differs, in either picture, at any column."""
+    table = np.arange(256, dtype=np.uint8)
+    for column in range(160):
+        for which in (0, 1):
+            pictures = np.full((2, 4, 160), 100, np.uint8)
+            pictures[which, 2, column] = 200
+            gray, repeats = pool_gray(pictures[0], pictures[1], table, plain=plain)
+            assert np.array_equal(gray, pictures.max(0))
+            assert repeats.tolist() == [0, 1, 0, 0]
+
+
+@both_paths
+@pytest.mark.parametrize("seed", range(5))
+def test_pooling_of_noise(seed: int, plain: bool) -> None:
+    table = np.random.default_rng(seed).permutation(256).astype(np.uint8)
+    early, late = noise(210, seed), few_grays(210, seed)
+    gray, repeats = pool_gray(early, late, table, plain=plain)
+    assert np.array_equal(gray, np.maximum(table[early], table[late]))
+    assert not repeats.any()
+
+
+@both_paths
+def test_a_row_told_to_repeat_is_not_looked_at(plain: bool) -> None:
+    picture = noise(210)
+    repeats = np.random.default_rng(3).integers(0, 2, 210).astype(np.uint8)
+    repeats[0] = 0
+    source = np.maximum.accumulate(np.where(repeats, 0, np.arange(210)))
+    assert np.array_equal(resize_area(picture, 84, 84, repeats, plain=plain), opencv(picture[source], 84, 84))
+
+
+@pytest.mark.parametrize(
+    ("height", "width", "text"),
+    [
+        (211, 84, "smaller"),
+        (84, 161, "smaller"),
+        (0, 84, "smaller"),
+        (-1, 84, "smaller"),
+        (84, 10, "smaller"),
+        (105, 80, "divide"),
+        (210, 160, "divide"),
+        (70, 32, "divide"),
+    ],
+)
+def test_sizes_that_are_not_served(height: int, width: int, text: str) -> None:
+    with pytest.raises(ValueError, match=text):
+        resize_area(noise(210), height, width)
+
+
+def test_shapes_are_checked() -> None:
+    picture, table = noise(210), np.zeros(256, np.uint8)
+    with pytest.raises(ValueError, match="same"):
+        pool_gray(picture, picture[:209], table)
+    with pytest.raises(ValueError, match="table of 256"):
+        pool_gray(picture, picture, table[:255])
+    with pytest.raises(ValueError, match="each row"):
+        resize_area(picture, 84, 84, np.zeros(209, np.uint8))
+    with pytest.raises(ValueError, match="300 rows"):
+        resize_area(noise(301), 84, 84)
+    with pytest.raises(TypeError):
+        resize_area(picture[:, :159].copy(), 84, 84)
