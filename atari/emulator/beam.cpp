@@ -20,6 +20,33 @@ constexpr auto kPairsOf = [] {
     return table;
 }();
 
+// The collision latches that an object has a part in.
+constexpr auto kPairsWith = [] {
+    std::array<uint16_t, 6> table{};
+    for (const Pair& pair : kPairs) {
+        table[pair.a] |= pair.latch;
+        table[pair.b] |= pair.latch;
+    }
+    return table;
+}();
+
+// How far each motion nibble moves an object, by the cycle of the line that HMOVE is written in.
+constexpr auto kMotion = [] {
+    std::array<std::array<int8_t, 16>, 76> table{};
+    for (int cycle = 0; cycle < 76; ++cycle)
+        for (int nibble = 0; nibble < 16; ++nibble)
+            table[static_cast<size_t>(cycle)][static_cast<size_t>(nibble)] = static_cast<int8_t>(motion(cycle, nibble));
+    return table;
+}();
+
+// The delays of writes, by the two low bits of the cycle.
+constexpr auto kDelays = [] {
+    std::array<std::array<uint8_t, 4>, 64> table{};
+    for (uint8_t reg = 0; reg < 64; ++reg)
+        for (uint32_t cycle = 0; cycle < 4; ++cycle) table[reg][cycle] = static_cast<uint8_t>(write_delay(reg, cycle));
+    return table;
+}();
+
 // The pair of each latch.
 constexpr auto kPairOf = [] {
     std::array<Pair, 16> table{};
@@ -42,18 +69,20 @@ constexpr unsigned bit_of(int object) { return 1u << object; }
 
 }  // namespace
 
-Beam::Beam(Tia& tia, const ConsoleConfig& config, uint8_t* pixels) : t_(tia), config_(config), pixels_(pixels) {}
-
 void Beam::begin() {
-    first_cycle_ = static_cast<uint32_t>(t_.frame_start / 3);
-    line_end_ = t_.drawn_to + t_.to_line_end;
-    touch(0x3f);
-}
-
-void Beam::finish() {
-    t_.to_line_end = line_end_ - t_.drawn_to;
-    const int line = (line_end_ - t_.draw_start) / 228 - 1;
-    t_.write_pos = line * kScreenWidth + std::max(0, 228 - t_.to_line_end - 68);
+    const Tia& t = t_;
+    first_cycle_ = static_cast<uint32_t>(t.frame_start / 3);
+    blank_end_ = t.draw_start + 76;
+    line_end_acts_ = true;
+    stale_ = 0x3f;
+    reach_stale_ = 3;
+    unknown_ = 0xffff;
+    for (int player : {0, 1}) {
+        enable(kP0 + player, t.vdelp[player] ? t.old_grp[player] : t.grp[player]);
+        enable(kM0 + player, t.enam[player] && !t.resmp[player]);
+    }
+    enable(kBL, t.vdelbl ? t.old_enabl : t.enabl);
+    enable(kPF, t.playfield);
 }
 
 void Beam::apply(const Write* first, const Write* last, const Write* collisions_from) {
@@ -62,27 +91,33 @@ void Beam::apply(const Write* first, const Write* last, const Write* collisions_
 }
 
 void Beam::reach(int32_t clock) {
-    t_.pending = std::max(t_.pending, clock);
+    Tia& t = t_;
+    t.pending = std::max(t.pending, clock);
     if (pixels_) advance<true>();
     else advance<false>();
+    if (t.hmove_blank && t.drawn_to >= blank_end_) t.hmove_blank = false;
+    t.to_line_end = line_end() - t.drawn_to;
+    const int32_t drawn = t.drawn_to - t.draw_start;
+    t.write_pos = drawn / 228 * kScreenWidth + std::max(0, drawn % 228 - 68);
 }
 
 template <bool drawing>
 void Beam::apply_all(const Write* first, const Write* last, const Write* collisions_from) {
+    collecting_ = collisions_from < first;
     for (const Write* write = first; write != last; ++write) {
-        collecting_ = write >= collisions_from;
+        if (write == collisions_from) collecting_ = true;
         apply_one<drawing>(*write);
     }
     collecting_ = true;
 }
 
 template <bool drawing>
-void Beam::apply_one(const Write& write) {
+inline void Beam::apply_one(const Write& write) {
     Tia& t = t_;
     const uint8_t value = write.value;
     const uint32_t cycle = write.cycle - first_cycle_;
     const auto clock = static_cast<int32_t>(3 * write.cycle);
-    t.pending = std::max(t.pending, clock + static_cast<int32_t>(write_delay(write.reg, cycle)));
+    t.pending = std::max(t.pending, clock + kDelays[write.reg][cycle & 3]);
     const auto hpos = [&] { return static_cast<int>(3 * (cycle % 76)); };
     const int second = write.reg & 1;  // of register pairs that begin at an even address
     switch (write.reg) {
@@ -98,63 +133,94 @@ void Beam::apply_one(const Write& write) {
             field = colour;
             break;
         }
-        case CTRLPF:
-            change<drawing>(t.ctrlpf, value, bit_of(kPF) | bit_of(kBL));
-            if (hpos() < 147) change<drawing>(t.pf_mirror, (value & 1) != 0, bit_of(kPF));
+        case CTRLPF: {
+            const bool mirror = hpos() < 147 ? value & 1 : t.pf_mirror != 0;
+            if (t.ctrlpf == value && t.pf_mirror == mirror) break;
+            advance<drawing>();
+            t.ctrlpf = value;
+            if (t.pf_mirror != mirror) moved(kPF);
+            t.pf_mirror = mirror;
+            line_end_acts_ |= mirror != (value & 1);
+            moved(kBL);
             break;
-        case REFP0: case REFP1:
-            change<drawing>(t.refp[write.reg - REFP0], (value & 8) != 0, bit_of(write.reg - REFP0));
+        }
+        case REFP0: case REFP1: {
+            const int player = write.reg - REFP0;
+            if (t.refp[player] == ((value & 8) != 0)) break;
+            advance<drawing>();
+            t.refp[player] = value & 8;
+            stale_ |= bit_of(player);
             break;
-        case PF0: change<drawing>(t.playfield, (t.playfield & ~0xfu) | value >> 4, bit_of(kPF)); break;
-        case PF1: change<drawing>(t.playfield, (t.playfield & ~0xff0u) | value << 4, bit_of(kPF)); break;
-        case PF2: change<drawing>(t.playfield, (t.playfield & ~0xff000u) | value << 12, bit_of(kPF)); break;
+        }
+        case PF0: write_playfield<drawing>((t.playfield & ~0xfu) | value >> 4); break;
+        case PF1: write_playfield<drawing>((t.playfield & ~0xff0u) | uint32_t{value} << 4); break;
+        case PF2: write_playfield<drawing>((t.playfield & ~0xff000u) | uint32_t{value} << 12); break;
         case RESP0: case RESP1: reset_player<drawing>(second, hpos(), clock); break;
         case RESM0: case RESM1:
             advance<drawing>();
             t.pos[kM0 + second] = strobe_missile(second, hpos(), static_cast<uint32_t>(clock - t.last_hmove));
             if (second == 0) t.m0_variant = kPlain;
-            touch(bit_of(kM0 + second));
+            moved(kM0 + second);
             break;
         case RESBL:
             advance<drawing>();
             t.pos[kBL] = strobe_ball(hpos(), static_cast<uint32_t>(clock - t.last_hmove));
-            touch(bit_of(kBL));
+            moved(kBL);
             break;
         case GRP0: write_graphics<drawing>(0, value); break;
         case GRP1: write_graphics<drawing>(1, value); break;
         case ENAM0: case ENAM1: {
             const int missile = write.reg - ENAM0;
-            if (t.resmp[missile]) t.enam[missile] = value & 2;
-            else change<drawing>(t.enam[missile], (value & 2) != 0, 0);
+            if (t.enam[missile] == ((value & 2) != 0)) break;
+            if (!t.resmp[missile]) {
+                advance<drawing>();
+                enable(kM0 + missile, value & 2);
+            }
+            t.enam[missile] = value & 2;
             break;
         }
         case ENABL:
-            if (t.vdelbl) t.enabl = value & 2;
-            else change<drawing>(t.enabl, (value & 2) != 0, 0);
+            if (t.enabl == ((value & 2) != 0)) break;
+            if (!t.vdelbl) {
+                advance<drawing>();
+                enable(kBL, value & 2);
+            }
+            t.enabl = value & 2;
             break;
         case HMM0:
             if (static_cast<uint32_t>(clock - t.last_hmove) == 63 && t.hm[kM0] == 7 && value >> 4 == 6) {
                 advance<drawing>();
-                t.cosmic_ark = true;
+                t.cosmic_ark = line_end_acts_ = true;
                 t.ark_counter = 0;
             }
             [[fallthrough]];
         case HMP0: case HMP1: case HMM1: case HMBL: t.hm[write.reg - HMP0] = value >> 4; break;
-        case VDELP0: case VDELP1:
-            change<drawing>(t.vdelp[write.reg - VDELP0], (value & 1) != 0, bit_of(write.reg - VDELP0));
+        case VDELP0: case VDELP1: {
+            const int player = write.reg - VDELP0;
+            if (t.vdelp[player] == ((value & 1) != 0)) break;
+            advance<drawing>();
+            t.vdelp[player] = value & 1;
+            show(player);
             break;
-        case VDELBL: change<drawing>(t.vdelbl, (value & 1) != 0, 0); break;
+        }
+        case VDELBL:
+            if (t.vdelbl == ((value & 1) != 0)) break;
+            advance<drawing>();
+            t.vdelbl = value & 1;
+            enable(kBL, t.vdelbl ? t.old_enabl : t.enabl);
+            break;
         case RESMP0: case RESMP1:
             if (t.resmp[second] == ((value & 2) != 0)) break;
             advance<drawing>();
             if (t.resmp[second]) {
                 t.pos[kM0 + second] = released_missile(t.pos[second], t.nusiz[second] & 7);
                 if (second == 0) t.m0_variant = kPlain;
+                moved(kM0 + second);
             }
             t.resmp[second] = value & 2;
-            touch(bit_of(kM0 + second));
+            enable(kM0 + second, t.enam[second] && !t.resmp[second]);
             break;
-        case HMOVE: move_objects<drawing>(static_cast<int>(cycle % 76), clock); break;
+        case HMOVE: move_objects<drawing>(cycle % 76, clock); break;
         case HMCLR: std::fill_n(t.hm, 5, uint8_t{0}); break;
         case CXCLR:
             advance<drawing>();
@@ -164,12 +230,27 @@ void Beam::apply_one(const Write& write) {
     }
 }
 
-template <bool drawing, typename T, typename V>
-void Beam::change(T& field, V value, unsigned objects) {
-    if (field == value) return;
+// The graphics of a player that show have changed.
+inline void Beam::show(int player) {
+    const Tia& t = t_;
+    enable(player, t.vdelp[player] ? t.old_grp[player] : t.grp[player]);
+    stale_ |= bit_of(player);
+}
+
+// The place or the size of an object has changed.
+inline void Beam::moved(int object) {
+    stale_ |= bit_of(object);
+    reach_stale_ |= bit_of(object);
+    unknown_ |= kPairsWith[static_cast<size_t>(object)];
+}
+
+template <bool drawing>
+inline void Beam::write_playfield(uint32_t value) {
+    if (t_.playfield == value) return;
     advance<drawing>();
-    field = value;
-    touch(objects);
+    t_.playfield = value;
+    enable(kPF, value);
+    moved(kPF);
 }
 
 template <bool drawing>
@@ -180,26 +261,27 @@ void Beam::write_nusiz(int player, uint8_t value) {
         advance<drawing>();
         t.skip_first[player] = false;
         if (player == 0) t.m0_variant = kPlain;
-        touch(bit_of(kP0 + player) | bit_of(kM0 + player));
+        moved(kP0 + player);
+        moved(kM0 + player);
     }
     t.nusiz[player] = value;
 }
 
 // A write to one player's graphics also moves the other's new graphics to its delayed copy.
 template <bool drawing>
-void Beam::write_graphics(int player, uint8_t value) {
+inline void Beam::write_graphics(int player, uint8_t value) {
     Tia& t = t_;
     const int other = player ^ 1;
     const bool own = !t.vdelp[player] && t.grp[player] != value;
     const bool others = t.vdelp[other] && t.old_grp[other] != t.grp[other];
     const bool ball = player == 1 && t.vdelbl && t.old_enabl != t.enabl;
-    if (own || others || ball) {
-        advance<drawing>();
-        touch((own ? bit_of(player) : 0) | (others ? bit_of(other) : 0));
-    }
+    if (own || others || ball) advance<drawing>();
     t.grp[player] = value;
     t.old_grp[other] = t.grp[other];
     if (player == 1) t.old_enabl = t.enabl;
+    if (own) show(player);
+    if (others) show(other);
+    if (ball) enable(kBL, t.old_enabl);
 }
 
 template <bool drawing>
@@ -210,129 +292,157 @@ void Beam::reset_player(int player, int hpos, int32_t clock) {
     advance<drawing>();
     t.pos[player] = strobe.position;
     t.skip_first[player] = strobe.hidden;
-    touch(bit_of(kP0 + player));
+    line_end_acts_ = true;
+    moved(kP0 + player);
 }
 
 template <bool drawing>
-void Beam::move_objects(int cycle_in_line, int32_t clock) {
+inline void Beam::move_objects(uint32_t cycle_in_line, int32_t clock) {
     Tia& t = t_;
     advance<drawing>();
-    if (config_.hmove_blanks && (cycle_in_line <= 20 || cycle_in_line == 75)) t.hmove_blank = true;
-    unsigned moved = 0;
-    for (int object = kP0; object <= kBL; ++object) {
-        const int distance = motion(cycle_in_line, t.hm[object]);
-        if (distance == 0) continue;
-        t.pos[object] = wrapped(t.pos[object] + distance);
-        moved |= bit_of(object);
+    if (config_.hmove_blanks && (cycle_in_line <= 20 || cycle_in_line == 75)) {
+        t.hmove_blank = true;
+        const int32_t left = line_end() - t.drawn_to;
+        blank_end_ = t.drawn_to + left - 228 + 76 + (228 - left >= 76 ? 228 : 0);
     }
-    if (t.skip_first[0]) moved |= bit_of(kP0);
-    if (t.skip_first[1]) moved |= bit_of(kP1);
-    if (t.m0_variant != kPlain) moved |= bit_of(kM0);
-    stale_ |= moved;
-    t.skip_first[0] = t.skip_first[1] = false;
+    const auto& distances = kMotion[cycle_in_line];
+    for (int object = kP0; object <= kBL; ++object) {
+        const int distance = distances[t.hm[object]];
+        if (distance == 0) continue;
+        const int position = t.pos[object] + distance;
+        t.pos[object] = static_cast<uint8_t>(position < 0 ? position + 160 : position >= 160 ? position - 160 : position);
+        moved(object);
+    }
+    for (int player : {0, 1}) {
+        if (!t.skip_first[player]) continue;
+        t.skip_first[player] = false;
+        stale_ |= bit_of(player);
+    }
+    if (t.m0_variant != kPlain) moved(kM0);
     t.m0_variant = kPlain;
     t.last_hmove = clock;
     t.cosmic_ark = false;
 }
 
-// Brings the picture up to `pending`, or to the end of what shows.
+// The end of the line in which drawing goes on. Exactly at an end it is this end: what a line's end does happens only
+// when drawing goes strictly past it.
+inline int32_t Beam::line_end() const {
+    const int32_t drawn = t_.drawn_to - t_.draw_start;
+    return drawn == 0 ? t_.draw_start + 228 : t_.draw_start + (drawn + 227) / 228 * 228;
+}
+
+// Brings the picture or the collisions up to `pending`, or to the end of what shows.
 template <bool drawing>
-void Beam::advance() {
+inline void Beam::advance() {
     Tia& t = t_;
     if (t.pending < t.draw_start || t.drawn_to >= t.draw_stop || t.drawn_to >= t.pending) return;
     const int32_t target = std::min(t.pending, t.draw_stop);
-    while (target > line_end_) {
-        line_part<drawing>(line_end_);
-        end_line();
-        line_end_ += 228;
-        const int32_t left = target - line_end_;
-        if (left <= 228 || t.cosmic_ark || (drawing && t.hmove_blank)) continue;
-        // Several whole lines are alike: one of them tells their collisions, and how they look.
-        const int32_t lines = (left - 1) / 228;
-        if (drawing) {
-            line_part<drawing>(line_end_);
-            uint8_t* row = row_at(line_end_);
-            for (int32_t i = 1; i < lines; ++i) std::memcpy(row + i * kScreenWidth, row, kScreenWidth);
-        }
-        t.drawn_to = line_end_ - 228 + 228 * lines;
-        line_end_ += 228 * lines;
-    }
-    line_part<drawing>(target);
+    if (drawing || line_end_acts_ || possible_pairs()) go_to<drawing>(target);
+    else t.drawn_to = target;
 }
 
-// The row that is being drawn in the line that ends at a clock.
-uint8_t* Beam::row_at(int32_t line_end) const {
-    return pixels_ + ((line_end - t_.draw_start) / 228 - 1) * kScreenWidth;
+template <bool drawing>
+void Beam::go_to(int32_t target) {
+    Tia& t = t_;
+    int32_t end = line_end();
+    while (target > end) {
+        line_part<drawing>(end, end);
+        end_line();
+        end += 228;
+        const int32_t left = target - end;
+        if (left <= 228 || t.cosmic_ark || (drawing && t.hmove_blank)) continue;
+        // Several whole lines are alike: the first and the last of them are run as usual.
+        const int32_t lines = (left - 1) / 228;
+        if (drawing) {
+            line_part<drawing>(end, end);
+            uint8_t* row = pixels_ + ((end - t.draw_start) / 228 - 1) * kScreenWidth;
+            for (int32_t i = 1; i < lines; ++i) std::memcpy(row + i * kScreenWidth, row, kScreenWidth);
+        }
+        end += 228 * lines;
+        t.drawn_to = end - 228;
+    }
+    line_part<drawing>(end, target);
 }
 
 // The rest of a line, or a part of it.
 template <bool drawing>
-void Beam::line_part(int32_t until) {
+inline void Beam::line_part(int32_t line_end, int32_t until) {
     Tia& t = t_;
-    const int from = 228 - (line_end_ - t.drawn_to), to = 228 - (line_end_ - until);
+    const int from = 228 - (line_end - t.drawn_to), to = 228 - (line_end - until);
     t.drawn_to = until;
-    if (to > 68 && to > from) {
-        const int first = std::max(from - 68, 0), last = to - 68;
-        if constexpr (drawing) draw(first, last);
-        else collide(first, last);
-    }
-    if (t.hmove_blank && from < 76) {
-        // Eight pixels are black. Where drawing stops in front of them this reaches further, as in the reference.
-        const int behind_blank = std::max(from, std::min(68, to));
-        if constexpr (drawing)
-            std::memset(row_at(line_end_) + std::max(behind_blank - 68, 0), 0, static_cast<size_t>(76 - behind_blank));
-        if (to >= 76) t.hmove_blank = false;
+    const bool visible = to > 68 && to > from;
+    if constexpr (drawing) {
+        uint8_t* row = pixels_ + ((line_end - t.draw_start) / 228 - 1) * kScreenWidth;
+        if (visible) draw(row, std::max(from - 68, 0), to - 68);
+        if (t.hmove_blank && from < 76) {
+            // Eight pixels are black. Where drawing stops in front of them this reaches further, as in the reference.
+            const int behind_blank = std::max(from, std::min(68, to));
+            std::memset(row + std::max(behind_blank - 68, 0), 0, static_cast<size_t>(76 - behind_blank));
+            if (to >= 76) t.hmove_blank = false;
+        }
+    } else if (visible) {
+        collide(std::max(from - 68, 0), to - 68);
     }
 }
 
-// Happens only when drawing goes strictly past the end of a visible line.
 void Beam::end_line() {
     Tia& t = t_;
+    if (!line_end_acts_) return;
+    line_end_acts_ = t.cosmic_ark;
     if (t.pf_mirror != (t.ctrlpf & 1)) {
         t.pf_mirror = t.ctrlpf & 1;
-        stale_ |= bit_of(kPF);
+        moved(kPF);
     }
     for (int player : {0, 1}) {
         if (!t.skip_first[player]) continue;
         t.skip_first[player] = false;
-        stale_ |= bit_of(kP0 + player);
+        stale_ |= bit_of(player);
     }
     if (t.cosmic_ark) {
         static constexpr uint8_t kStep[4] = {18, 33, 0, 17};
         t.ark_counter = (t.ark_counter + 1) & 3;
         t.pos[kM0] = static_cast<uint8_t>((t.pos[kM0] + 160 - kStep[t.ark_counter]) % 160);
         t.m0_variant = t.ark_counter == 1 ? kWide : t.ark_counter == 2 ? kOff : kPlain;
-        stale_ |= bit_of(kM0);
+        moved(kM0);
     }
 }
 
-unsigned Beam::enabled() {
-    if (enabled_known_) return enabled_;
-    const Tia& t = t_;
-    enabled_known_ = true;
-    enabled_ = 0;
-    if (t.vdelp[0] ? t.old_grp[0] : t.grp[0]) enabled_ |= bit_of(kP0);
-    if (t.vdelp[1] ? t.old_grp[1] : t.grp[1]) enabled_ |= bit_of(kP1);
-    if (t.enam[0] && !t.resmp[0]) enabled_ |= bit_of(kM0);
-    if (t.enam[1] && !t.resmp[1]) enabled_ |= bit_of(kM1);
-    if (t.vdelbl ? t.old_enabl : t.enabl) enabled_ |= bit_of(kBL);
-    if (t.playfield) enabled_ |= bit_of(kPF);
-    return enabled_;
+inline const Mask& Beam::mask(int object) {
+    if (stale_ & bit_of(object)) {
+        stale_ &= ~bit_of(object);
+        masks_[object] = object_mask(t_, object);
+    }
+    return masks_[object];
 }
 
-const Mask& Beam::mask(int object) {
-    Mask& mask = masks_[object];
-    if (!(stale_ & bit_of(object))) return mask;
-    stale_ &= ~bit_of(object);
-    mask = object_mask(t_, object);
-    return mask;
+// The pixels an object could show where it is, whatever its graphics.
+inline const Mask& Beam::reach_of(int object) {
+    if (object > kP1) return mask(object);
+    if (reach_stale_ & bit_of(object)) {
+        reach_stale_ &= ~bit_of(object);
+        reach_[object] = player_mask(0xff, t_.pos[object], t_.nusiz[object] & 7, false);
+    }
+    return reach_[object];
+}
+
+// Pairs of objects that may collide in what is drawn next and whose latch is still open.
+inline unsigned Beam::possible_pairs() {
+    const Tia& t = t_;
+    if (!collecting_ || (t.vblank & 2)) return 0;
+    const unsigned pairs = kPairsOf[enabled_] & ~t.collisions;
+    for (unsigned unknown = pairs & unknown_; unknown; unknown &= unknown - 1) {
+        const Pair& pair = kPairOf[static_cast<size_t>(std::countr_zero(unknown))];
+        unknown_ &= ~static_cast<unsigned>(pair.latch);
+        if (meets(reach_of(pair.a), reach_of(pair.b))) touching_ |= pair.latch;
+        else touching_ &= ~static_cast<unsigned>(pair.latch);
+    }
+    return pairs & touching_;
 }
 
 // Latches the collisions in pixels first .. last-1 of the line.
 void Beam::collide(int first, int last) {
     Tia& t = t_;
-    if (!collecting_ || (t.vblank & 2)) return;
-    unsigned pairs = kPairsOf[enabled()] & ~t.collisions;
+    unsigned pairs = possible_pairs();
     if (!pairs) return;
     const Mask span = Mask::range(first, last);
     do {
@@ -343,10 +453,9 @@ void Beam::collide(int first, int last) {
 }
 
 // Draws pixels first .. last-1 of the line.
-void Beam::draw(int first, int last) {
+void Beam::draw(uint8_t* row, int first, int last) {
     const Tia& t = t_;
-    uint8_t* row = row_at(line_end_);
-    const unsigned objects = enabled();
+    const unsigned objects = enabled_;
     if ((t.vblank & 2) || !objects) {
         std::memset(row + first, t.vblank & 2 ? 0 : t.colour[3], static_cast<size_t>(last - first));
         return;

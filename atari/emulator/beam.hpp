@@ -1,8 +1,9 @@
 // The TIA, run late: applies the writes of a log, one after the other, each at its own time.
 //
 // The same log can be run twice: once for what programs can see (collisions, positions), and, where a picture is wanted,
-// once more from the state at the beginning of the frame, for the pixels. Between two writes nothing changes, so whole
-// spans of lines are handled at once. The plain TIA (tia.cpp, picture.cpp) is what this is tested against.
+// once more from the state at the beginning of the frame, for the pixels. Between two changes nothing happens but line
+// ends, so whole spans are handled at once. The plain TIA (tia.cpp, picture.cpp) is what this is tested against
+// (tests/emulator/test_fast_equals_plain.py).
 #pragma once
 
 #include <cstdint>
@@ -24,9 +25,9 @@ struct Write {
 class Beam {
   public:
     // `tia` is brought forward by the calls below; `pixels` is the picture, or null if only the state matters.
-    Beam(Tia& tia, const ConsoleConfig& config, uint8_t* pixels);
+    Beam(Tia& tia, const ConsoleConfig& config, uint8_t* pixels) : t_(tia), config_(config), pixels_(pixels) {}
 
-    // To be called when the state has been changed from outside, or is at the beginning of a frame.
+    // The frame begins: nothing is drawn yet.
     void begin();
 
     // Applies the writes. Collisions of everything before `collisions_from` are left out: they will be cleared.
@@ -35,49 +36,56 @@ class Beam {
     // Brings the picture and the collisions up to a clock, as an access at that clock does.
     void reach(int32_t clock);
 
-    // Writes what is kept in another form back to the state.
-    void finish();
-
   private:
     template <bool drawing>
     void apply_all(const Write* first, const Write* last, const Write* collisions_from);
     template <bool drawing>
     void apply_one(const Write& write);
     template <bool drawing>
-    void advance();
-    template <bool drawing>
-    void line_part(int32_t until);
-    template <bool drawing, typename T, typename V>
-    void change(T& field, V value, unsigned objects);
-    template <bool drawing>
     void write_nusiz(int player, uint8_t value);
     template <bool drawing>
     void write_graphics(int player, uint8_t value);
     template <bool drawing>
+    void write_playfield(uint32_t value);
+    template <bool drawing>
     void reset_player(int player, int hpos, int32_t clock);
     template <bool drawing>
-    void move_objects(int cycle_in_line, int32_t clock);
+    void move_objects(uint32_t cycle_in_line, int32_t clock);
+    template <bool drawing>
+    void advance();
+    template <bool drawing>
+    void go_to(int32_t target);
+    template <bool drawing>
+    void line_part(int32_t line_end, int32_t until);
     void end_line();
-    unsigned enabled();
-    const Mask& mask(int object);
-    uint8_t* row_at(int32_t line_end) const;
-    void collide(int first, int last);
-    void draw(int first, int last);
-    void touch(unsigned objects) {
-        stale_ |= objects;
-        enabled_known_ = false;
+    int32_t line_end() const;
+
+    void enable(int object, bool on) {
+        const unsigned bit = 1u << object;
+        enabled_ = on ? enabled_ | bit : enabled_ & ~bit;
     }
+    void show(int player);
+    void moved(int object);
+    const Mask& mask(int object);
+    const Mask& reach_of(int object);
+    unsigned possible_pairs();
+    void collide(int first, int last);
+    void draw(uint8_t* row, int first, int last);
 
     Tia& t_;
     const ConsoleConfig& config_;
     uint8_t* const pixels_;
-    uint32_t first_cycle_ = 0;  // of line 0
-    int32_t line_end_ = 0;      // clock at which the line that is being drawn ends
-    bool collecting_ = true;    // collisions are wanted
-    bool enabled_known_ = false;
-    unsigned enabled_ = 0;
-    unsigned stale_ = 0x3f;     // masks that are out of date
-    Mask masks_[6];
+    uint32_t first_cycle_ = 0;   // of line 0
+    int32_t blank_end_ = 0;      // the clock at which the blank of the last HMOVE is over
+    unsigned enabled_ = 0;       // objects that can be seen at all, a bit each
+    bool collecting_ = true;     // collisions are wanted
+    bool line_end_acts_ = false; // the end of a line would change something
+
+    // The pixels of each object, and for players also the pixels that any graphics could reach; made when needed.
+    unsigned stale_ = 0x3f, reach_stale_ = 3;
+    Mask masks_[6], reach_[2];
+    // Pairs of objects that could collide where they are now, of those that have been looked at.
+    unsigned touching_ = 0, unknown_ = 0xffff;
 };
 
 }  // namespace atari

@@ -107,6 +107,11 @@ class Console {
     }
     void write(uint16_t address, uint8_t value);
     void run_instruction();
+    // The image byte at an address, null where the window shows anything else.
+    const uint8_t* image_at(uint16_t address) const {
+        const bool plain = (address & 0x1000) && (address & 0xfffu) - plain_.from < plain_.size;
+        return plain ? image_ + segment_[address >> 10 & 15] + (address & 0x3ff) : nullptr;
+    }
     void start_frame();
     void catch_up() { draw_to(m_.tia.pending); }
     Machine& raw_machine() {

@@ -85,7 +85,6 @@ void Console::apply_kept(int32_t clock) {
     beam_.apply(applied_, log_end_, collisions_from_);
     applied_ = log_end_;
     beam_.reach(clock);
-    beam_.finish();
 }
 
 // A write that the fast interpreter does not take itself. Each is kept that could delay a later one.

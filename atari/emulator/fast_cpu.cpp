@@ -354,24 +354,34 @@ struct FastCpu {
         return kNext;
     }
 
-    template <int op>
-    INLINE static Exit push(R& r, Console& c) {
-        Cpu& cpu = c.m_.cpu;
-        if (op == PHP) return kPlainly;
-        if (!(cpu.sp & 0x80)) return kPlainly;
-        c.m_.riot.ram[cpu.sp-- & 0x7f] = static_cast<uint8_t>(r.a);
+    // The stack pointer may point at the TIA, too: several games push flags into its registers.
+    INLINE static Exit push(R& r, Console& c, uint32_t value) {
+        const uint32_t address = 0x100u | c.m_.cpu.sp--;
         r.cycles += 3;
         r.at += 1;
-        return kNext;
+        return write_any(r, c, address, value);
     }
 
-    INLINE static Exit pull(R& r, Console& c) {
-        Cpu& cpu = c.m_.cpu;
-        if (cpu.sp - 0x80u >= 0x7f) return kPlainly;
-        r.nz = r.a = c.m_.riot.ram[++cpu.sp & 0x7f];
+    // What is at the stack pointer is read first, and stays on the bus; `bus` is what was there before.
+    INLINE static uint32_t pull(R& r, Console& c, uint32_t bus) {
+        uint8_t& sp = c.m_.cpu.sp;
         r.cycles += 4;
         r.at += 1;
-        return kNext;
+        const uint32_t passed = read_any(r, c, 0x100u | sp, bus);
+        return read_any(r, c, 0x100u | ++sp, passed);
+    }
+
+    static uint32_t status(const R& r, const Cpu& cpu) {
+        return ((r.nz & 0x180) ? 0x80u : 0u) | (cpu.v ? 0x40u : 0u) | 0x30u | (cpu.d ? 8u : 0u) | (cpu.i ? 4u : 0u) |
+               ((r.nz & 0xff) ? 0u : 2u) | r.carry;
+    }
+
+    static void set_status(R& r, Cpu& cpu, uint32_t value) {
+        r.nz = (value & 0x80) << 1 | ((value & 2) ? 0u : 1u);
+        cpu.v = (value & 0x40) != 0;
+        cpu.d = (value & 8) != 0;
+        cpu.i = (value & 4) != 0;
+        r.carry = value & 1;
     }
 
     template <Operand operand>
@@ -423,9 +433,16 @@ struct FastCpu {
     template <int op>
     INLINE static Exit implied(R& r, Console& c) {
         Cpu& cpu = c.m_.cpu;
-        if constexpr (op == PHA || op == PHP) return push<op>(r, c);
-        if constexpr (op == PLA) return pull(r, c);
-        if constexpr (op == PLP) return kPlainly;
+        if constexpr (op == PHA) return push(r, c, r.a);
+        if constexpr (op == PHP) return push(r, c, status(r, cpu));
+        if constexpr (op == PLA) {
+            r.nz = r.a = pull(r, c, 0x68);
+            return kNext;
+        }
+        if constexpr (op == PLP) {
+            set_status(r, cpu, pull(r, c, 0x28));
+            return kNext;
+        }
         if constexpr (op == RTS) return return_from(r, c);
         if constexpr (op == TAX) r.nz = r.x = r.a;
         if constexpr (op == TAY) r.nz = r.y = r.a;
@@ -518,7 +535,7 @@ struct FastCpu {
 
 Exit FastCpu::run(Console& c) {
     Registers r;
-    Exit exit;
+    Exit exit = kNext;
     take(r, c.m_.cpu, c.m_.cycles);
     uint32_t pc = c.m_.cpu.pc;
 

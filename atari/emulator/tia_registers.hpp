@@ -16,8 +16,8 @@ enum Register : uint8_t {
 };
 
 // After how many clocks a write shows in the picture.
-inline uint32_t write_delay(uint8_t reg, uint32_t cycle_in_line) {
-    static constexpr uint8_t kPlayfield[4] = {4, 5, 2, 3};
+constexpr uint32_t write_delay(uint8_t reg, uint32_t cycle_in_line) {
+    constexpr uint8_t kPlayfield[4] = {4, 5, 2, 3};
     switch (reg) {
         case VBLANK: case REFP0: case REFP1: case GRP0: case GRP1: return 1;
         case NUSIZ0: case NUSIZ1: case RESM0: case RESM1: return 8;
@@ -27,9 +27,9 @@ inline uint32_t write_delay(uint8_t reg, uint32_t cycle_in_line) {
 }
 
 // How far HMOVE moves an object, by the cycle of the line it is written in and the object's motion nibble.
-inline int motion(int cycle, int nibble) {
-    static constexpr int8_t kFloor[17] = {-6, -5, -5, -4, -3, -2, -2, -1, 0, 1, 1, 2, 3, 4, 4, 5, 6};
-    static constexpr int8_t kOffset[20] = {6, 5, 4, 4, 3, 2, 1, 1, 0, -1, -2, -2, -3, -4, -5, -5, -6, -7, -8, -8};
+constexpr int motion(int cycle, int nibble) {
+    constexpr int8_t kFloor[17] = {-6, -5, -5, -4, -3, -2, -2, -1, 0, 1, 1, 2, 3, 4, 4, 5, 6};
+    constexpr int8_t kOffset[20] = {6, 5, 4, 4, 3, 2, 1, 1, 0, -1, -2, -2, -3, -4, -5, -5, -6, -7, -8, -8};
     const int normal = nibble < 8 ? -nibble : 16 - nibble;
     if (cycle <= 3 || cycle == 75) return normal;
     if (cycle <= 20) return std::max(normal, static_cast<int>(kFloor[cycle - 4]));

@@ -1,0 +1,81 @@
+// Counts which handlers of the fast interpreter follow each other, over all ROMs of a folder, for
+// scripts/make-handlers.py. Every ROM counts the same. Prints "count first second", counts a million instructions.
+//
+// usage: pairs FOLDER > counts
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "console.hpp"
+#include "decoder.hpp"
+
+namespace {
+
+using namespace atari;
+
+constexpr const char* kNames[] = {
+    "kStep", "kPollTimer", "kRamCode",
+#define SINGLE(operation, operand) #operation "_" #operand,
+#define PAIR(...)
+#include "handlers.def"
+#undef SINGLE
+#undef PAIR
+};
+
+using Counts = std::map<std::pair<uint16_t, uint16_t>, double>;
+
+void count(const std::filesystem::path& path, Counts& counts) {
+    std::ifstream file(path, std::ios::binary);
+    const std::vector<uint8_t> image(std::istreambuf_iterator<char>(file), {});
+    const auto cartridge = std::make_shared<const Cartridge>(image, "");
+    const bool one_bank = cartridge->type() != CartridgeType::kE0 && cartridge->type() != CartridgeType::kFE;
+    Console console(cartridge, ConsoleConfig{});
+    console.construct();
+    console.reset();
+    Counts here;
+    double total = 0;
+    uint32_t random = 1;
+    for (int frame = 0; frame < 600; ++frame) {
+        random = random * 1664525 + 1013904223;
+        console.inputs().stick[0] = random >> 28;
+        console.inputs().fire[0] = (random >> 20 & 3) == 0;
+        console.inputs().switches = frame / 10 == 7 ? 0x3e : 0x3f;  // RESET
+        console.start_frame();
+        uint16_t before = kStep;
+        for (int i = 0; i < kInstructionLimit; ++i) {
+            const Cpu& cpu = console.machine().cpu;
+            const uint8_t* bytes = console.image_at(cpu.pc);
+            const uint8_t* bank = bytes && one_bank ? bytes - (cpu.pc & (cartridge->type() == CartridgeType::k2K ? 0x7ff : 0xfff)) : nullptr;
+            const uint16_t now = bytes ? decode(bytes, 3, *cartridge, bank).handler : uint16_t{kStep};
+            const bool waits = before == LDA_Timer || before == LDX_Timer || before == LDY_Timer;
+            if (frame >= 100 && before != kStep && now != kStep && !waits) {
+                here[{before, now}] += 1;
+                total += 1;
+            }
+            before = now;
+            console.run_instruction();
+            if (console.machine().cpu.stop || console.machine().cpu.jammed) break;
+        }
+        console.raw_machine().cpu.stop = false;
+    }
+    for (const auto& [pair, times] : here) counts[pair] += 1e6 * times / total;
+}
+
+}  // namespace
+
+int main(int, char** arguments) {
+    Counts counts;
+    std::vector<std::filesystem::path> roms;
+    for (const auto& entry : std::filesystem::directory_iterator(arguments[1]))
+        if (entry.path().extension() == ".bin") roms.push_back(entry.path());
+    std::sort(roms.begin(), roms.end());
+    for (const auto& rom : roms) count(rom, counts);
+    for (const auto& [pair, times] : counts)
+        std::printf("%.0f %s %s\n", times / static_cast<double>(roms.size()), kNames[pair.first], kNames[pair.second]);
+}
