@@ -8,6 +8,12 @@
 #include "console.hpp"
 #include "tia_registers.hpp"
 
+#if defined(__GNUC__)
+#define INLINE [[gnu::always_inline]] inline
+#else
+#define INLINE __forceinline
+#endif
+
 namespace atari {
 namespace {
 
@@ -72,7 +78,7 @@ constexpr unsigned bit_of(int object) { return 1u << object; }
 void Beam::begin() {
     const Tia& t = t_;
     first_cycle_ = static_cast<uint32_t>(t.frame_start / 3);
-    blank_end_ = t.draw_start + 76;
+    blanked_at_ = t.draw_start;
     line_end_acts_ = true;
     stale_ = 0x3f;
     reach_stale_ = 3;
@@ -95,7 +101,7 @@ void Beam::reach(int32_t clock) {
     t.pending = std::max(t.pending, clock);
     if (pixels_) advance<true>();
     else advance<false>();
-    if (t.hmove_blank && t.drawn_to >= blank_end_) t.hmove_blank = false;
+    if (t.hmove_blank && blank_is_over()) t.hmove_blank = false;
     t.to_line_end = line_end() - t.drawn_to;
     const int32_t drawn = t.drawn_to - t.draw_start;
     t.write_pos = drawn / 228 * kScreenWidth + std::max(0, drawn % 228 - 68);
@@ -112,7 +118,7 @@ void Beam::apply_all(const Write* first, const Write* last, const Write* collisi
 }
 
 template <bool drawing>
-inline void Beam::apply_one(const Write& write) {
+INLINE void Beam::apply_one(const Write& write) {
     Tia& t = t_;
     const uint8_t value = write.value;
     const uint32_t cycle = write.cycle - first_cycle_;
@@ -287,10 +293,11 @@ inline void Beam::write_graphics(int player, uint8_t value) {
 template <bool drawing>
 void Beam::reset_player(int player, int hpos, int32_t clock) {
     Tia& t = t_;
-    const PlayerStrobe strobe = strobe_player(hpos, t.pos[player], t.nusiz[player] & 7);
+    const uint8_t position = strobe_player(hpos);
+    const PlayerStrobe strobe = player_strobe(position, t.pos[player], t.nusiz[player] & 7);
     if (strobe.goes_on) t.pending = std::max(t.pending, clock + 11);
     advance<drawing>();
-    t.pos[player] = strobe.position;
+    t.pos[player] = position;
     t.skip_first[player] = strobe.hidden;
     line_end_acts_ = true;
     moved(kP0 + player);
@@ -302,8 +309,7 @@ inline void Beam::move_objects(uint32_t cycle_in_line, int32_t clock) {
     advance<drawing>();
     if (config_.hmove_blanks && (cycle_in_line <= 20 || cycle_in_line == 75)) {
         t.hmove_blank = true;
-        const int32_t left = line_end() - t.drawn_to;
-        blank_end_ = t.drawn_to + left - 228 + 76 + (228 - left >= 76 ? 228 : 0);
+        blanked_at_ = t.drawn_to;
     }
     const auto& distances = kMotion[cycle_in_line];
     for (int object = kP0; object <= kBL; ++object) {
@@ -313,11 +319,8 @@ inline void Beam::move_objects(uint32_t cycle_in_line, int32_t clock) {
         t.pos[object] = static_cast<uint8_t>(position < 0 ? position + 160 : position >= 160 ? position - 160 : position);
         moved(object);
     }
-    for (int player : {0, 1}) {
-        if (!t.skip_first[player]) continue;
-        t.skip_first[player] = false;
-        stale_ |= bit_of(player);
-    }
+    if (t.skip_first[0] || t.skip_first[1]) stale_ |= bit_of(kP0) | bit_of(kP1);
+    t.skip_first[0] = t.skip_first[1] = false;
     if (t.m0_variant != kPlain) moved(kM0);
     t.m0_variant = kPlain;
     t.last_hmove = clock;
@@ -329,6 +332,13 @@ inline void Beam::move_objects(uint32_t cycle_in_line, int32_t clock) {
 inline int32_t Beam::line_end() const {
     const int32_t drawn = t_.drawn_to - t_.draw_start;
     return drawn == 0 ? t_.draw_start + 228 : t_.draw_start + (drawn + 227) / 228 * 228;
+}
+
+// Whether the blank of the last HMOVE has been drawn: eight pixels of the line in which drawing was then, or of the next
+// one if it was past them already.
+bool Beam::blank_is_over() const {
+    const int32_t line = (blanked_at_ - t_.draw_start) / 228 * 228, in_line = (blanked_at_ - t_.draw_start) % 228;
+    return t_.drawn_to - t_.draw_start >= line + 76 + (in_line >= 76 ? 228 : 0);
 }
 
 // Brings the picture or the collisions up to `pending`, or to the end of what shows.
@@ -425,15 +435,38 @@ inline const Mask& Beam::reach_of(int object) {
     return reach_[object];
 }
 
+// Pixels from the first one of an object's first copy to the last one of its last.
+inline int Beam::extent_of(int object) const {
+    static constexpr uint8_t kPlayer[8] = {8, 24, 40, 40, 72, 17, 72, 33}, kMissile[8] = {0, 16, 32, 32, 64, 0, 64, 0};
+    const Tia& t = t_;
+    switch (object) {
+        case kP0: case kP1: return kPlayer[t.nusiz[object] & 7];
+        case kM0: case kM1: {
+            const int nusiz = t.nusiz[object - kM0];
+            return kMissile[nusiz & 7] + (1 << ((nusiz >> 4 & 3) | (t.m0_variant == kWide ? 1 : 0)));
+        }
+        default: return 1 << (t.ctrlpf >> 4 & 3);
+    }
+}
+
+// Whether two objects could share a pixel where they are now.
+bool Beam::may_touch(int a, int b) {
+    if (a != kPF && b != kPF) {
+        const int from_a = t_.pos[b] - t_.pos[a], distance = from_a < 0 ? from_a + kScreenWidth : from_a;
+        if (distance >= extent_of(a) && distance + extent_of(b) <= kScreenWidth) return false;
+    }
+    return meets(reach_of(a), reach_of(b));
+}
+
 // Pairs of objects that may collide in what is drawn next and whose latch is still open.
 inline unsigned Beam::possible_pairs() {
     const Tia& t = t_;
     if (!collecting_ || (t.vblank & 2)) return 0;
-    const unsigned pairs = kPairsOf[enabled_] & ~t.collisions;
+    const unsigned pairs = kPairsOf[enabled_] & watched_ & ~t.collisions;
     for (unsigned unknown = pairs & unknown_; unknown; unknown &= unknown - 1) {
         const Pair& pair = kPairOf[static_cast<size_t>(std::countr_zero(unknown))];
         unknown_ &= ~static_cast<unsigned>(pair.latch);
-        if (meets(reach_of(pair.a), reach_of(pair.b))) touching_ |= pair.latch;
+        if (may_touch(pair.a, pair.b)) touching_ |= pair.latch;
         else touching_ &= ~static_cast<unsigned>(pair.latch);
     }
     return pairs & touching_;

@@ -27,6 +27,9 @@ class Beam {
     // `tia` is brought forward by the calls below; `pixels` is the picture, or null if only the state matters.
     Beam(Tia& tia, const ConsoleConfig& config, uint8_t* pixels) : t_(tia), config_(config), pixels_(pixels) {}
 
+    // Only these collision latches are kept.
+    void watch(unsigned latches) { watched_ = latches; }
+
     // The frame begins: nothing is drawn yet.
     void begin();
 
@@ -59,6 +62,7 @@ class Beam {
     void line_part(int32_t line_end, int32_t until);
     void end_line();
     int32_t line_end() const;
+    bool blank_is_over() const;
 
     void enable(int object, bool on) {
         const unsigned bit = 1u << object;
@@ -68,6 +72,8 @@ class Beam {
     void moved(int object);
     const Mask& mask(int object);
     const Mask& reach_of(int object);
+    int extent_of(int object) const;
+    bool may_touch(int a, int b);
     unsigned possible_pairs();
     void collide(int first, int last);
     void draw(uint8_t* row, int first, int last);
@@ -76,9 +82,10 @@ class Beam {
     const ConsoleConfig& config_;
     uint8_t* const pixels_;
     uint32_t first_cycle_ = 0;   // of line 0
-    int32_t blank_end_ = 0;      // the clock at which the blank of the last HMOVE is over
+    int32_t blanked_at_ = 0;     // how far drawing was at the last HMOVE
     unsigned enabled_ = 0;       // objects that can be seen at all, a bit each
-    bool collecting_ = true;     // collisions are wanted
+    unsigned watched_ = 0xffff;  // collision latches that are wanted
+    bool collecting_ = true;     // and wanted now
     bool line_end_acts_ = false; // the end of a line would change something
 
     // The pixels of each object, and for players also the pixels that any graphics could reach; made when needed.

@@ -69,6 +69,8 @@ void Console::run_frame() {
     // A frame that is not whole is drawn as it goes.
     if (!begins || !logs_ || !run_deferred()) {
         drawn(t.current);
+        settle_latches();
+        forget_logs();
         stale_ = 0x3f;
         run_cpu();
         catch_up();
@@ -87,6 +89,7 @@ size_t Console::state_size() const { return sizeof(Machine) + cart_ram_.size() +
 
 void Console::save(uint8_t* out) {
     for (int buffer : {0, 1}) drawn(buffer);
+    settle_latches();
     std::memcpy(out, &m_, sizeof m_);
     out += sizeof m_;
     std::copy(cart_ram_.begin(), cart_ram_.end(), out);
@@ -142,6 +145,7 @@ bool Console::load(const uint8_t* in) {
     }
     stale_ = 0x3f;
     owed_[0] = owed_[1] = -1;
+    forget_logs();
     map_segments();
     return true;
 }

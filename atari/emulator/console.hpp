@@ -41,7 +41,9 @@ inline constexpr int kLogSize = 344 * 76 * 3 / 7 + 16;
 // The writes of a frame, with the TIA as it was at its beginning: all that is needed to draw it.
 struct FrameLog {
     Tia start;
-    int size = 0;
+    int32_t reached;  // the clock of the frame's end
+    int size;
+    int extent;       // pixels from the first on that the frame replaces
     Write writes[kLogSize];
 };
 
@@ -85,6 +87,9 @@ class Console {
 
     // 512 samples from the registers as they stand, unsigned around 128.
     void make_samples(uint8_t* out);
+
+    // Makes `machine` what it would be if nothing was deferred; only collision latches can differ.
+    void settle() { settle_latches(); }
 
     // The state as bytes, and back; `load` refuses (returns false, nothing changed) what no machine could have saved.
     size_t state_size() const;
@@ -131,6 +136,9 @@ class Console {
     void end_log();
     void keep_write(uint8_t reg, uint8_t value);
     void apply_kept(int32_t clock);
+    void read_latches(int reg);
+    void settle_latches();
+    void forget_logs();
     const uint8_t* drawn(int buffer);
     void draw_log(const FrameLog& log, uint8_t* pixels);
 
@@ -231,17 +239,25 @@ class Console {
     MachineRandom random_;
     bool watches_tia_;         // the cartridge reacts to accesses of the TIA (3F, 3E, UA)
 
-    // Deferred drawing: the logs of the frame that is being run, and of the last frame of each picture that has not
-    // been drawn yet. Such a frame covered its whole picture, so older contents of the picture do not matter.
+    // Deferred drawing: the logs of the frame that is being run and of the two before it.
     std::unique_ptr<FrameLog[]> logs_;  // three
     int log_ = 0;                       // the one in use
-    int owed_[2] = {-1, -1};            // by picture: the log to draw it from, or -1 if it is drawn
+    int last_log_ = -1;                 // that of the frame before, if it had one
+    int owed_[2] = {-1, -1};            // by picture: the log that is still to be drawn into it, or -1
     Beam beam_{m_.tia, config_, nullptr};
     const Write* applied_ = nullptr;          // up to here the TIA's state contains the log
-    const Write* collisions_from_ = nullptr;  // the last CXCLR
+    const Write* collisions_from_ = nullptr;  // the last CXCLR, or the beginning of the log
     int32_t end_clock_ = 0;                   // of the write that ended the frame
     std::unique_ptr<Machine> before_;         // the machine before the frame, to run it again if it is too long
     std::vector<uint8_t> cart_ram_before_;
+
+    // Deferred collisions: latches that the game has not read so far are not kept up to date in frames behind one that
+    // cleared them all. They are found in the logs if they are read after all: `open_log_` is the log that has the
+    // first of the writes they need, from `open_from_` on; -1 if all latches are known.
+    unsigned read_latches_ = 0, watched_latches_ = 0xffff;
+    bool cleared_ = false;  // by the frame that is being run, or by the last one
+    int open_log_ = -1;
+    const Write* open_from_ = nullptr;
 
     Mask masks_[6];            // of the objects, made when needed
     unsigned stale_ = 0x3f;    // which of them are out of date

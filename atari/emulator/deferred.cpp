@@ -2,7 +2,8 @@
 // brought up to date from the log when a program asks for it and at the end of the frame; the picture is drawn from the
 // log if somebody wants to see it.
 #include <algorithm>
-#include <cstring>
+#include <tuple>
+#include <utility>
 
 #include "console.hpp"
 #include "tia_registers.hpp"
@@ -14,6 +15,7 @@ namespace atari {
 bool Console::run_deferred() {
     *before_ = m_;
     cart_ram_before_ = cart_ram_;
+    const auto open_before = std::pair(open_log_, open_from_);
     m_.cpu.stop = false;
     begin_log();
     deferred_ = true;
@@ -22,8 +24,9 @@ bool Console::run_deferred() {
     if (!ended) {
         m_ = *before_;
         std::copy(cart_ram_before_.begin(), cart_ram_before_.end(), cart_ram_.begin());
-        stale_ = 0x3f;
         map_segments();
+        std::tie(open_log_, open_from_) = open_before;
+        log_ = last_log_;
         return false;
     }
     end_log();
@@ -33,7 +36,7 @@ bool Console::run_deferred() {
 void Console::begin_log() {
     Tia& t = m_.tia;
     log_ = 0;
-    while (log_ == owed_[0] || log_ == owed_[1]) ++log_;
+    while (log_ == owed_[0] || log_ == owed_[1] || log_ == last_log_) ++log_;
     FrameLog& log = logs_[log_];
     log.start = t;
     log_end_ = log.writes;
@@ -42,6 +45,13 @@ void Console::begin_log() {
     next_line_ = first_cycle_ + 76;
     overlong_ = first_cycle_ + 76 * (config_.pal ? 343 : 291);
     beam_.begin();
+    watched_latches_ = cleared_ ? read_latches_ : 0xffff;
+    cleared_ = false;
+    beam_.watch(watched_latches_);
+    if (open_log_ < 0 && watched_latches_ != 0xffff) {
+        open_log_ = log_;
+        open_from_ = log.writes;
+    }
 
     Written& w = written_;
     w.reg[VBLANK] = t.vblank;
@@ -69,15 +79,13 @@ void Console::end_log() {
     FrameLog& log = logs_[log_];
     log.size = static_cast<int>(log_end_ - log.writes);
     apply_kept(end_clock_);
-    const bool whole = t.drawn_to >= t.draw_stop;
-    log.start.pending = t.pending;
-    if (whole) {
-        owed_[t.current] = log_;
-    } else {
-        // What this frame left out shows the picture's older content.
-        drawn(t.current);
-        draw_log(log, pictures_[t.current]);
-    }
+    log.reached = t.pending;
+    log.extent = t.write_pos + (t.hmove_blank ? kScreenWidth : 0);  // a blank may reach further
+    const int owed = owed_[t.current];
+    if (owed >= 0 && logs_[owed].extent > t.write_pos) drawn(t.current);  // some of it will still show
+    owed_[t.current] = log_;
+    last_log_ = log_;
+    if (!cleared_) settle_latches();  // or ever more logs would be needed
 }
 
 // Brings the state of the TIA up to an access at a clock.
@@ -85,6 +93,50 @@ void Console::apply_kept(int32_t clock) {
     beam_.apply(applied_, log_end_, collisions_from_);
     applied_ = log_end_;
     beam_.reach(clock);
+}
+
+// The two latches of a read register.
+void Console::read_latches(int reg) {
+    apply_kept(clock());
+    const unsigned latches = 3u << (14 - 2 * reg);
+    read_latches_ |= latches;
+    if (!(latches & ~watched_latches_)) return;
+    settle_latches();
+    watched_latches_ |= latches;
+    beam_.watch(watched_latches_);
+    open_log_ = log_;
+    open_from_ = log_end_;
+}
+
+// Finds the latches that have not been kept up to date. What is found twice does no harm: between `open_from_` and now
+// nothing is cleared.
+void Console::settle_latches() {
+    if (open_log_ < 0) return;
+    unsigned found = 0;
+    const int numbers[2] = {open_log_, log_};
+    for (int i = open_log_ == log_ ? 1 : 0; i < 2; ++i) {
+        const int number = numbers[i];
+        const FrameLog& log = logs_[number];
+        const bool running = deferred_ && number == log_;
+        Tia tia = log.start;
+        tia.collisions = 0;
+        tia.pending = tia.draw_start;
+        Beam beam(tia, config_, nullptr);
+        beam.watch(~watched_latches_);
+        beam.begin();
+        const Write* end = running ? log_end_ : log.writes + log.size;
+        beam.apply(log.writes, end, number == open_log_ ? open_from_ : log.writes);
+        beam.reach(running ? m_.tia.pending : log.reached);
+        found |= tia.collisions;
+    }
+    m_.tia.collisions = static_cast<uint16_t>(m_.tia.collisions | found);
+    open_log_ = -1;
+}
+
+// From here on frames are drawn as they are run, or the state is another.
+void Console::forget_logs() {
+    open_log_ = last_log_ = -1;
+    cleared_ = false;
 }
 
 // A write that the fast interpreter does not take itself. Each is kept that could delay a later one.
@@ -104,7 +156,14 @@ void Console::keep_write(uint8_t reg, uint8_t value) {
             w.old_enabl = w.reg[ENABL];
             break;
         case HMCLR: std::fill_n(w.reg + HMP0, 5, uint8_t{0}); break;
-        case CXCLR: collisions_from_ = log_end_; break;
+        case CXCLR:
+            collisions_from_ = log_end_;
+            cleared_ = true;
+            if (watched_latches_ != 0xffff) {
+                open_log_ = log_;
+                open_from_ = log_end_;
+            }
+            break;
         default:
             if (reg > CXCLR || reg == RSYNC) return;
     }
@@ -121,15 +180,12 @@ const uint8_t* Console::drawn(int buffer) {
     return pictures_[buffer];
 }
 
-// `start.pending` of a finished log says how far it reached.
 void Console::draw_log(const FrameLog& log, uint8_t* pixels) {
     Tia tia = log.start;
-    const int32_t reached = tia.pending;
-    tia.pending = tia.draw_start;
     Beam beam(tia, config_, pixels);
     beam.begin();
     beam.apply(log.writes, log.writes + log.size, log.writes);
-    beam.reach(reached);
+    beam.reach(log.reached);
 }
 
 }  // namespace atari

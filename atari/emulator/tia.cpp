@@ -152,10 +152,11 @@ void Console::halt_until_line_start() {
 
 void Console::reset_player(int player, int hpos) {
     Tia& t = m_.tia;
-    const PlayerStrobe strobe = strobe_player(hpos, t.pos[player], t.nusiz[player] & 7);
+    const uint8_t position = strobe_player(hpos);
+    const PlayerStrobe strobe = player_strobe(position, t.pos[player], t.nusiz[player] & 7);
     if (strobe.goes_on) t.pending = std::max(t.pending, clock(11));
     catch_up();
-    t.pos[player] = strobe.position;
+    t.pos[player] = position;
     t.skip_first[player] = strobe.hidden;
     touch(kP0 + player);
 }
@@ -204,7 +205,7 @@ uint8_t Console::read_tia(uint16_t address) {
     const int reg = address & 0xf;
     uint8_t driven = 0;
     if (deferred_) {
-        if (reg < 8) apply_kept(clock());
+        if (reg < 8) read_latches(reg);
     } else {
         m_.tia.pending = std::max(m_.tia.pending, clock());
         if (reg < 8) catch_up();
@@ -251,6 +252,7 @@ void Console::reset_tia() {
     t.vsync_done = kVsyncIdle;
     for (auto& picture : pictures_) std::fill(std::begin(picture), std::end(picture), uint8_t{0});
     owed_[0] = owed_[1] = -1;
+    forget_logs();
     stale_ = 0x3f;
 }
 

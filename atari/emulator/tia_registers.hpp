@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "masks.hpp"
@@ -42,20 +44,32 @@ inline uint8_t wrapped(int position) { return static_cast<uint8_t>((position % 1
 // What strobing a player's position does: its first copy is hidden for this line unless the old one was just about to
 // start, and a copy that is being shown goes on for eleven clocks.
 struct PlayerStrobe {
-    uint8_t position;
     bool hidden, goes_on;
 };
-inline PlayerStrobe strobe_player(int hpos, int old_position, int mode) {
-    const uint8_t position = hpos < 68 ? 3 : static_cast<uint8_t>((hpos - 68 + 5) % 160);
-    const int distance = wrapped(position - old_position);
-    const int width = mode == 5 ? 16 : mode == 7 ? 32 : 8;
-    bool about_to_start = false, showing = false;
-    for (int copy = 0; copy < kCopies[mode].count; ++copy) {
-        const int d = distance - kCopies[mode].offset[copy];
-        about_to_start |= d >= 0 && d < 4;
-        showing |= d >= 4 && d < 4 + width;
+
+// By the low three bits of NUSIZ, and by how far the new position is behind the old one.
+inline constexpr auto kPlayerStrobes = [] {
+    std::array<std::array<PlayerStrobe, 160>, 8> table{};
+    for (std::size_t mode = 0; mode < 8; ++mode) {
+        const int width = mode == 5 ? 16 : mode == 7 ? 32 : 8;
+        for (int distance = 0; distance < 160; ++distance) {
+            bool about_to_start = false, showing = false;
+            for (int copy = 0; copy < kCopies[mode].count; ++copy) {
+                const int d = distance - kCopies[mode].offset[copy];
+                about_to_start |= d >= 0 && d < 4;
+                showing |= d >= 4 && d < 4 + width;
+            }
+            table[mode][static_cast<std::size_t>(distance)] = {!about_to_start, showing && !about_to_start};
+        }
     }
-    return {position, !about_to_start, showing && !about_to_start};
+    return table;
+}();
+
+inline uint8_t strobe_player(int hpos) { return hpos < 68 ? 3 : static_cast<uint8_t>((hpos - 68 + 5) % 160); }
+
+inline PlayerStrobe player_strobe(int position, int old_position, int mode) {
+    const int distance = position - old_position;
+    return kPlayerStrobes[static_cast<std::size_t>(mode)][static_cast<std::size_t>(distance < 0 ? distance + 160 : distance)];
 }
 
 // Where a strobe puts a missile or the ball; a few moments behind HMOVE are special.
