@@ -27,7 +27,7 @@ READ_MODES = {
     "Zp": ["Ram", "PortZ"],
     "ZpX": ["RamX"],
     "ZpY": ["RamY"],
-    "Abs": ["Fixed", "Timer", "PortA"],
+    "Abs": ["Fixed", "Timer", "Dpc", "PortA"],
     "AbsX": ["RomX", "AnyX"],
     "AbsY": ["RomY", "AnyY"],
     "IndX": ["IndX"],

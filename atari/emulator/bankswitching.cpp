@@ -2,6 +2,7 @@
 #include "console.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace atari {
@@ -168,9 +169,15 @@ void Console::cartridge_watches(uint16_t address, uint8_t value) {
 // --- DPC: eight data fetchers, a random number generator and three square waves ---
 
 void Console::clock_dpc_random() {
-    uint8_t& random = m_.cart.random;
-    const int bit = ~(random >> 7 ^ random >> 5 ^ random >> 4 ^ random >> 3) & 1;
-    random = static_cast<uint8_t>(random << 1 | bit);
+    static constexpr auto kNext = [] {
+        std::array<uint8_t, 256> table{};
+        for (unsigned random = 0; random < 256; ++random) {
+            const unsigned bit = ~(random >> 7 ^ random >> 5 ^ random >> 4 ^ random >> 3) & 1;
+            table[random] = static_cast<uint8_t>(random << 1 | bit);
+        }
+        return table;
+    }();
+    m_.cart.random = kNext[m_.cart.random];
 }
 
 void Console::switch_dpc_bank(uint16_t offset) {

@@ -9,7 +9,9 @@ namespace atari {
 
 Console::Console(std::shared_ptr<const Cartridge> cartridge, const ConsoleConfig& config, bool plain)
     : plain_(cartridge->plain_window()), image_(cartridge->image()), first_record_(cartridge->code()),
+      base_record_(first_record_),
       cart_ram_(cartridge->ram_size()), pictures_{}, cartridge_(std::move(cartridge)), config_(config) {
+    std::fill(std::begin(ram_code_), std::end(ram_code_), Record{kRamCode, 0, 0, 0, 0});
     if (!plain) {
         logs_ = std::make_unique_for_overwrite<FrameLog[]>(3);
         before_ = std::make_unique<Machine>();

@@ -5,6 +5,7 @@
 // Behaviour is that of the reference (ale-py 0.12.1), also where real hardware differs.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -223,7 +224,8 @@ class Console {
     Window plain_;                  // of the cartridge
     const uint8_t* image_;
     const Record* first_record_;
-    uint32_t origin_ = 0;           // address of an instruction minus the number of its record
+    const Record* base_record_;     // the record whose instruction is at `origin_`
+    uint32_t origin_ = 0;
     uint32_t overlong_ = 0;         // from this cycle on, a write to the TIA ends the frame
     uint32_t first_cycle_ = 0;      // of line 0
     uint32_t next_line_ = 0;        // cycle at which some line begins, not far from now
@@ -231,6 +233,14 @@ class Console {
     Written written_{};
     // Where in the image the 1 KiB segments of the window are, by bits 10 to 13 of the address.
     uint32_t segment_[16] = {};
+
+    // Code in RAM: records, and the bytes they were made from.
+    struct RamCode {
+        std::array<uint8_t, 3> bytes;
+        uint16_t handler = kHandlers;
+    };
+    Record ram_code_[128 + 3];
+    RamCode ram_known_[128];
 
     std::vector<uint8_t> cart_ram_;
     uint8_t pictures_[2][kFrameBytes + 96];  // 96: a blank of HMOVE may reach past the last row drawn

@@ -81,6 +81,7 @@ bool is_timer(uint16_t address) { return (address & 0x1285) == 0x284; }
 Operand absolute(uint16_t address, const Cartridge& cartridge, const uint8_t* bank, uint16_t& value) {
     if (is_timer(address)) return Operand::Timer;
     if (!(address & 0x1000)) return Operand::PortA;
+    if (cartridge.type() == Type::kDPC && (address & 0xfff) < 0x40) return Operand::Dpc;
     if (cartridge.type() == Type::kFE) {
         value = cartridge.image()[(address & 0xfff) + (address & 0x2000 ? 0 : 4096)];
         return Operand::Fixed;
@@ -137,12 +138,7 @@ Operand operand_of(Opcode opcode, uint16_t& operand, const Cartridge& cartridge,
     }
 }
 
-bool is_branch(uint16_t handler) {
-    return handler == BCC_Rel || handler == BCS_Rel || handler == BEQ_Rel || handler == BMI_Rel || handler == BNE_Rel ||
-           handler == BPL_Rel || handler == BVC_Rel || handler == BVS_Rel;
-}
-
-// LDA, LDX, LDY or BIT of the timer, and a branch back to it on zero or sign: a wait. (`Handlers::poll_timer`)
+// LDA, LDX or LDY of the timer, and a branch back to it on zero or sign: a wait. (`Handlers::poll_timer`)
 bool polls_timer(const Record& load, const Record& branch) {
     const bool reads = load.handler == LDA_Timer || load.handler == LDX_Timer || load.handler == LDY_Timer;
     const bool waits = branch.handler == BNE_Rel || branch.handler == BPL_Rel || branch.handler == BMI_Rel;
@@ -150,6 +146,11 @@ bool polls_timer(const Record& load, const Record& branch) {
 }
 
 }  // namespace
+
+bool is_branch(uint16_t handler) {
+    return handler == BCC_Rel || handler == BCS_Rel || handler == BEQ_Rel || handler == BMI_Rel || handler == BNE_Rel ||
+           handler == BPL_Rel || handler == BVC_Rel || handler == BVS_Rel;
+}
 
 Operand stored_in(uint8_t reg) {
     switch (reg) {

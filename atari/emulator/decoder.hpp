@@ -24,6 +24,7 @@ enum class Operand : uint8_t {
     Ram, RamX, RamY,   // zero page: RAM, and indexed (RAM or TIA, as the index says)
     Fixed,             // a byte of the image that this code always sees at this address: a constant
     Timer,             // INTIM
+    Dpc,               // the registers of the DPC chip
     RomX, RomY,        // indexed, the whole reach plain image
     AnyX, AnyY,        // indexed, anywhere
     IndX, IndY,
@@ -57,6 +58,8 @@ struct Record {
     uint8_t unused;
 };
 static_assert(sizeof(Record) == 8);
+
+bool is_branch(uint16_t handler);
 
 // The record of the instruction that begins at `bytes`, of which `available` can be read. `bank` is the image of the
 // window it runs in if that window is one bank, and null if the operand's bytes cannot be foreseen.

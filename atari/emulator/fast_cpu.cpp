@@ -33,7 +33,7 @@ enum Exit {
 constexpr int length_of(Operand operand) {
     switch (operand) {
         case Operand::Imp: case Operand::Acc: return 1;
-        case Operand::Fixed: case Operand::Timer: case Operand::RomX: case Operand::RomY: case Operand::AnyX:
+        case Operand::Fixed: case Operand::Timer: case Operand::Dpc: case Operand::RomX: case Operand::RomY: case Operand::AnyX:
         case Operand::AnyY: case Operand::PortA: case Operand::Near: case Operand::Far: case Operand::Ind: return 3;
         default: return 2;
     }
@@ -82,15 +82,45 @@ struct FastCpu {
     // --- where the program counter is, and how it moves ---
 
     static uint16_t pc_of(const Console& c, const Record* at) {
-        return static_cast<uint16_t>(c.origin_ + (at - c.first_record_));
+        return static_cast<uint16_t>(c.origin_ + (at - c.base_record_));
     }
 
     // The record of the instruction at `pc`, null where it cannot be run from one.
     INLINE static const Record* enter(Console& c, uint32_t pc) {
-        if (!(pc & 0x1000) || (pc & 0xfff) - c.plain_.from >= c.plain_.size) return nullptr;
+        if (!(pc & 0x1000)) return enter_ram(c, pc);
+        if ((pc & 0xfff) - c.plain_.from >= c.plain_.size) return nullptr;
         const uint32_t index = c.segment_[pc >> 10 & 15] + (pc & 0x3ff);
         c.origin_ = pc - index;
+        c.base_record_ = c.first_record_;
         return c.first_record_ + index;
+    }
+
+    static const Record* enter_ram(Console& c, uint32_t pc) {
+        if (!is_ram(pc)) return nullptr;
+        c.origin_ = pc & 0xff80;
+        c.base_record_ = c.ram_code_;
+        return c.ram_code_ + (pc & 0x7f);
+    }
+
+    // Code in RAM: the record is made again where the bytes are not those it was made from. Its own handler is returned.
+    static uint16_t decode_ram(Console& c, const Record* at) {
+        const auto place = static_cast<std::size_t>(at - c.ram_code_);
+        if (place >= 128) return kStep;
+        const uint8_t* bytes = c.m_.riot.ram + place;
+        const int available = static_cast<int>(128 - place);
+        Console::RamCode& known = c.ram_known_[place];
+        const std::array<uint8_t, 3> now = {bytes[0], available > 1 ? bytes[1] : uint8_t{0}, available > 2 ? bytes[2] : uint8_t{0}};
+        if (known.handler != kHandlers && known.bytes == now) return known.handler;
+        Record record = decode(bytes, available, *c.cartridge_, nullptr);
+        known = {now, record.handler};
+        if (is_branch(record.handler)) {
+            const int target = static_cast<int>(place) + record.jump;
+            if (target < 0 || target > 127 || place + 2 > 127) known.handler = kStep;
+            record.taken = 3;
+        }
+        record.handler = kRamCode;
+        c.ram_code_[place] = record;
+        return known.handler;
     }
 
     // A jump to an address that only now is known. All paths of unlimited length come through here or `branch`.
@@ -175,6 +205,9 @@ struct FastCpu {
             value = address & 0x80 ? c.m_.riot.ram[address & 0x7f] : read_port(c, r.cycles, address, given);
         } else if constexpr (operand == Operand::Timer) {
             value = timer(r, c);
+        } else if constexpr (operand == Operand::Dpc) {
+            c.m_.cycles = r.cycles;
+            value = c.m_.bus = c.read_dpc(static_cast<uint16_t>(given & 0x3f));
         } else if constexpr (operand == Operand::RomX || operand == Operand::RomY) {
             const uint32_t index = operand == Operand::RomX ? r.x : r.y;
             r.cycles += page_crossed(given, index);
@@ -587,7 +620,10 @@ dispatch:
         DISPATCH(static_cast<uint16_t>(r.at->jump));
     }
 
-    HANDLER(kRamCode)
+    HANDLER(kRamCode) {
+        DISPATCH(decode_ram(c, r.at));
+    }
+
     HANDLER(kStep) {
         exit = kPlainly;
         goto other;
