@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "console.hpp"
+#include "paint.hpp"
 #include "tia_registers.hpp"
 
 #if defined(__GNUC__)
@@ -60,23 +61,18 @@ constexpr auto kPairOf = [] {
     return table;
 }();
 
-// Eight bits as eight bytes of 0x00 or 0xff, lowest bit first.
-constexpr auto kByteMasks = [] {
-    std::array<uint64_t, 256> table{};
-    for (uint64_t byte = 0; byte < 256; ++byte)
-        for (int bit = 0; bit < 8; ++bit)
-            if (byte & (1u << bit)) table[byte] |= uint64_t{0xff} << (8 * bit);
-    return table;
-}();
-
-constexpr uint64_t repeated(uint8_t byte) { return byte * 0x0101010101010101ull; }
+const Painter kPaint = best_painter();
 
 constexpr unsigned bit_of(int object) { return 1u << object; }
 
 }  // namespace
 
-void Beam::begin() {
+void Beam::begin(Work work, unsigned latches, uint8_t* pixels) {
     const Tia& t = t_;
+    work_ = work;
+    watched_ = latches;
+    row_ = pixels;
+    line_end_ = t.draw_start + 228;
     first_cycle_ = static_cast<uint32_t>(t.frame_start / 3);
     blanked_at_ = t.draw_start;
     line_end_acts_ = true;
@@ -92,32 +88,34 @@ void Beam::begin() {
 }
 
 void Beam::apply(const Write* first, const Write* last, const Write* collisions_from) {
-    if (pixels_) apply_all<true>(first, last, collisions_from);
-    else apply_all<false>(first, last, collisions_from);
+    if (work_ == kCollisions) apply_all<kCollisions>(first, last, collisions_from);
+    else if (work_ == kPixels) apply_all<kPixels>(first, last, collisions_from);
+    else apply_all<kAll>(first, last, collisions_from);
 }
 
 void Beam::reach(int32_t clock) {
     Tia& t = t_;
     t.pending = std::max(t.pending, clock);
-    if (pixels_) advance<true>();
-    else advance<false>();
+    if (work_ == kCollisions) advance<kCollisions>();
+    else if (work_ == kPixels) advance<kPixels>();
+    else advance<kAll>();
     if (t.hmove_blank && blank_is_over()) t.hmove_blank = false;
     t.to_line_end = line_end() - t.drawn_to;
     const int32_t drawn = t.drawn_to - t.draw_start;
     t.write_pos = drawn / 228 * kScreenWidth + std::max(0, drawn % 228 - 68);
 }
 
-template <bool drawing>
+template <Beam::Work work>
 void Beam::apply_all(const Write* first, const Write* last, const Write* collisions_from) {
     collecting_ = collisions_from < first;
     for (const Write* write = first; write != last; ++write) {
         if (write == collisions_from) collecting_ = true;
-        apply_one<drawing>(*write);
+        apply_one<work>(*write);
     }
     collecting_ = true;
 }
 
-template <bool drawing>
+template <Beam::Work work>
 INLINE void Beam::apply_one(const Write& write) {
     Tia& t = t_;
     const uint8_t value = write.value;
@@ -128,21 +126,21 @@ INLINE void Beam::apply_one(const Write& write) {
     const int second = write.reg & 1;  // of register pairs that begin at an even address
     switch (write.reg) {
         case VBLANK:
-            if ((t.vblank ^ value) & 2) advance<drawing>();
+            if ((t.vblank ^ value) & 2) advance<work>();
             t.vblank = value;
             break;
-        case NUSIZ0: case NUSIZ1: write_nusiz<drawing>(second, value); break;
+        case NUSIZ0: case NUSIZ1: write_nusiz<work>(second, value); break;
         case COLUP0: case COLUP1: case COLUPF: case COLUBK: {
             const auto colour = static_cast<uint8_t>((value & 0xfe) | (config_.pal ? t.last_line_count & 1 : 0));
             uint8_t& field = t.colour[write.reg - COLUP0];
-            if (drawing && field != colour) advance<drawing>();  // colours do not collide
+            if (work != kCollisions && field != colour) advance<work>();  // colours do not collide
             field = colour;
             break;
         }
         case CTRLPF: {
             const bool mirror = hpos() < 147 ? value & 1 : t.pf_mirror != 0;
             if (t.ctrlpf == value && t.pf_mirror == mirror) break;
-            advance<drawing>();
+            advance<work>();
             t.ctrlpf = value;
             if (t.pf_mirror != mirror) moved(kPF);
             t.pf_mirror = mirror;
@@ -153,33 +151,33 @@ INLINE void Beam::apply_one(const Write& write) {
         case REFP0: case REFP1: {
             const int player = write.reg - REFP0;
             if (t.refp[player] == ((value & 8) != 0)) break;
-            advance<drawing>();
+            advance<work>();
             t.refp[player] = value & 8;
             stale_ |= bit_of(player);
             break;
         }
-        case PF0: write_playfield<drawing>((t.playfield & ~0xfu) | value >> 4); break;
-        case PF1: write_playfield<drawing>((t.playfield & ~0xff0u) | uint32_t{value} << 4); break;
-        case PF2: write_playfield<drawing>((t.playfield & ~0xff000u) | uint32_t{value} << 12); break;
-        case RESP0: case RESP1: reset_player<drawing>(second, hpos(), clock); break;
+        case PF0: write_playfield<work>((t.playfield & ~0xfu) | value >> 4); break;
+        case PF1: write_playfield<work>((t.playfield & ~0xff0u) | uint32_t{value} << 4); break;
+        case PF2: write_playfield<work>((t.playfield & ~0xff000u) | uint32_t{value} << 12); break;
+        case RESP0: case RESP1: reset_player<work>(second, hpos(), clock); break;
         case RESM0: case RESM1:
-            advance<drawing>();
+            advance<work>();
             t.pos[kM0 + second] = strobe_missile(second, hpos(), static_cast<uint32_t>(clock - t.last_hmove));
             if (second == 0) t.m0_variant = kPlain;
             moved(kM0 + second);
             break;
         case RESBL:
-            advance<drawing>();
+            advance<work>();
             t.pos[kBL] = strobe_ball(hpos(), static_cast<uint32_t>(clock - t.last_hmove));
             moved(kBL);
             break;
-        case GRP0: write_graphics<drawing>(0, value); break;
-        case GRP1: write_graphics<drawing>(1, value); break;
+        case GRP0: write_graphics<work>(0, value); break;
+        case GRP1: write_graphics<work>(1, value); break;
         case ENAM0: case ENAM1: {
             const int missile = write.reg - ENAM0;
             if (t.enam[missile] == ((value & 2) != 0)) break;
             if (!t.resmp[missile]) {
-                advance<drawing>();
+                advance<work>();
                 enable(kM0 + missile, value & 2);
             }
             t.enam[missile] = value & 2;
@@ -188,14 +186,14 @@ INLINE void Beam::apply_one(const Write& write) {
         case ENABL:
             if (t.enabl == ((value & 2) != 0)) break;
             if (!t.vdelbl) {
-                advance<drawing>();
+                advance<work>();
                 enable(kBL, value & 2);
             }
             t.enabl = value & 2;
             break;
         case HMM0:
             if (static_cast<uint32_t>(clock - t.last_hmove) == 63 && t.hm[kM0] == 7 && value >> 4 == 6) {
-                advance<drawing>();
+                advance<work>();
                 t.cosmic_ark = line_end_acts_ = true;
                 t.ark_counter = 0;
             }
@@ -204,20 +202,20 @@ INLINE void Beam::apply_one(const Write& write) {
         case VDELP0: case VDELP1: {
             const int player = write.reg - VDELP0;
             if (t.vdelp[player] == ((value & 1) != 0)) break;
-            advance<drawing>();
+            advance<work>();
             t.vdelp[player] = value & 1;
             show(player);
             break;
         }
         case VDELBL:
             if (t.vdelbl == ((value & 1) != 0)) break;
-            advance<drawing>();
+            advance<work>();
             t.vdelbl = value & 1;
             enable(kBL, t.vdelbl ? t.old_enabl : t.enabl);
             break;
         case RESMP0: case RESMP1:
             if (t.resmp[second] == ((value & 2) != 0)) break;
-            advance<drawing>();
+            advance<work>();
             if (t.resmp[second]) {
                 t.pos[kM0 + second] = released_missile(t.pos[second], t.nusiz[second] & 7);
                 if (second == 0) t.m0_variant = kPlain;
@@ -226,10 +224,10 @@ INLINE void Beam::apply_one(const Write& write) {
             t.resmp[second] = value & 2;
             enable(kM0 + second, t.enam[second] && !t.resmp[second]);
             break;
-        case HMOVE: move_objects<drawing>(cycle % 76, clock); break;
+        case HMOVE: move_objects<work>(cycle % 76, clock); break;
         case HMCLR: std::fill_n(t.hm, 5, uint8_t{0}); break;
         case CXCLR:
-            advance<drawing>();
+            advance<work>();
             t.collisions = 0;
             break;
         default: break;
@@ -250,21 +248,21 @@ inline void Beam::moved(int object) {
     unknown_ |= kPairsWith[static_cast<size_t>(object)];
 }
 
-template <bool drawing>
+template <Beam::Work work>
 inline void Beam::write_playfield(uint32_t value) {
     if (t_.playfield == value) return;
-    advance<drawing>();
+    advance<work>();
     t_.playfield = value;
     enable(kPF, value);
     moved(kPF);
 }
 
-template <bool drawing>
+template <Beam::Work work>
 void Beam::write_nusiz(int player, uint8_t value) {
     Tia& t = t_;
     const bool ark = player == 0 && (t.cosmic_ark || t.m0_variant != kPlain);
     if (((t.nusiz[player] ^ value) & 0x37) || t.skip_first[player] || ark) {
-        advance<drawing>();
+        advance<work>();
         t.skip_first[player] = false;
         if (player == 0) t.m0_variant = kPlain;
         moved(kP0 + player);
@@ -274,14 +272,14 @@ void Beam::write_nusiz(int player, uint8_t value) {
 }
 
 // A write to one player's graphics also moves the other's new graphics to its delayed copy.
-template <bool drawing>
+template <Beam::Work work>
 inline void Beam::write_graphics(int player, uint8_t value) {
     Tia& t = t_;
     const int other = player ^ 1;
     const bool own = !t.vdelp[player] && t.grp[player] != value;
     const bool others = t.vdelp[other] && t.old_grp[other] != t.grp[other];
     const bool ball = player == 1 && t.vdelbl && t.old_enabl != t.enabl;
-    if (own || others || ball) advance<drawing>();
+    if (own || others || ball) advance<work>();
     t.grp[player] = value;
     t.old_grp[other] = t.grp[other];
     if (player == 1) t.old_enabl = t.enabl;
@@ -290,23 +288,23 @@ inline void Beam::write_graphics(int player, uint8_t value) {
     if (ball) enable(kBL, t.old_enabl);
 }
 
-template <bool drawing>
+template <Beam::Work work>
 void Beam::reset_player(int player, int hpos, int32_t clock) {
     Tia& t = t_;
     const uint8_t position = strobe_player(hpos);
     const PlayerStrobe strobe = player_strobe(position, t.pos[player], t.nusiz[player] & 7);
     if (strobe.goes_on) t.pending = std::max(t.pending, clock + 11);
-    advance<drawing>();
+    advance<work>();
     t.pos[player] = position;
     t.skip_first[player] = strobe.hidden;
     line_end_acts_ = true;
     moved(kP0 + player);
 }
 
-template <bool drawing>
+template <Beam::Work work>
 inline void Beam::move_objects(uint32_t cycle_in_line, int32_t clock) {
     Tia& t = t_;
-    advance<drawing>();
+    advance<work>();
     if (config_.hmove_blanks && (cycle_in_line <= 20 || cycle_in_line == 75)) {
         t.hmove_blank = true;
         blanked_at_ = t.drawn_to;
@@ -342,56 +340,60 @@ bool Beam::blank_is_over() const {
 }
 
 // Brings the picture or the collisions up to `pending`, or to the end of what shows.
-template <bool drawing>
+template <Beam::Work work>
 inline void Beam::advance() {
     Tia& t = t_;
     if (t.pending < t.draw_start || t.drawn_to >= t.draw_stop || t.drawn_to >= t.pending) return;
     const int32_t target = std::min(t.pending, t.draw_stop);
-    if (drawing || line_end_acts_ || possible_pairs()) go_to<drawing>(target);
+    if (work != kCollisions || line_end_acts_ || possible_pairs()) go_to<work>(target);
     else t.drawn_to = target;
 }
 
-template <bool drawing>
+template <Beam::Work work>
 void Beam::go_to(int32_t target) {
     Tia& t = t_;
-    int32_t end = line_end();
+    constexpr bool drawing = work != kCollisions;
+    int32_t end = drawing ? line_end_ : line_end();
     while (target > end) {
-        line_part<drawing>(end, end);
+        line_part<work>(end, end);
         end_line();
-        end += 228;
-        const int32_t left = target - end;
-        if (left <= 228 || t.cosmic_ark || (drawing && t.hmove_blank)) continue;
-        // Several whole lines are alike: the first and the last of them are run as usual.
-        const int32_t lines = (left - 1) / 228;
-        if (drawing) {
-            line_part<drawing>(end, end);
-            uint8_t* row = pixels_ + ((end - t.draw_start) / 228 - 1) * kScreenWidth;
-            for (int32_t i = 1; i < lines; ++i) std::memcpy(row + i * kScreenWidth, row, kScreenWidth);
+        int32_t lines = 1;
+        const int32_t left = target - end - 228;
+        if (left > 228 && !t.cosmic_ark && !(drawing && t.hmove_blank)) {
+            // Several whole lines are alike: the first and the last of them are run as usual.
+            lines = 1 + (left - 1) / 228;
+            if constexpr (drawing) {
+                row_ += kScreenWidth;
+                line_part<work>(end + 228, end + 228);
+                for (int32_t i = 1; i < lines - 1; ++i) std::memcpy(row_ + i * kScreenWidth, row_, kScreenWidth);
+                row_ -= kScreenWidth;
+            }
         }
         end += 228 * lines;
         t.drawn_to = end - 228;
+        if constexpr (drawing) row_ += kScreenWidth * lines;
     }
-    line_part<drawing>(end, target);
+    line_end_ = end;
+    line_part<work>(end, target);
 }
 
 // The rest of a line, or a part of it.
-template <bool drawing>
+template <Beam::Work work>
 inline void Beam::line_part(int32_t line_end, int32_t until) {
     Tia& t = t_;
     const int from = 228 - (line_end - t.drawn_to), to = 228 - (line_end - until);
     t.drawn_to = until;
     const bool visible = to > 68 && to > from;
-    if constexpr (drawing) {
-        uint8_t* row = pixels_ + ((line_end - t.draw_start) / 228 - 1) * kScreenWidth;
-        if (visible) draw(row, std::max(from - 68, 0), to - 68);
+    if (work != kPixels && visible) collide(std::max(from - 68, 0), to - 68);
+    if constexpr (work != kCollisions) {
+        if (visible) draw(std::max(from - 68, 0), to - 68);
         if (t.hmove_blank && from < 76) {
             // Eight pixels are black. Where drawing stops in front of them this reaches further, as in the reference.
             const int behind_blank = std::max(from, std::min(68, to));
-            std::memset(row + std::max(behind_blank - 68, 0), 0, static_cast<size_t>(76 - behind_blank));
+            if (behind_blank == 68) std::memset(row_, 0, 8);
+            else std::memset(row_ + std::max(behind_blank - 68, 0), 0, static_cast<size_t>(76 - behind_blank));
             if (to >= 76) t.hmove_blank = false;
         }
-    } else if (visible) {
-        collide(std::max(from - 68, 0), to - 68);
     }
 }
 
@@ -486,45 +488,36 @@ void Beam::collide(int first, int last) {
 }
 
 // Draws pixels first .. last-1 of the line.
-void Beam::draw(uint8_t* row, int first, int last) {
+void Beam::draw(int first, int last) {
     const Tia& t = t_;
     const unsigned objects = enabled_;
     if ((t.vblank & 2) || !objects) {
-        std::memset(row + first, t.vblank & 2 ? 0 : t.colour[3], static_cast<size_t>(last - first));
+        std::memset(row_ + first, t.vblank & 2 ? 0 : t.colour[3], static_cast<size_t>(last - first));
         return;
     }
     Mask lit[6];
     for (int object = kP0; object <= kPF; ++object)
         if (objects & bit_of(object)) lit[object] = mask(object);
 
-    // Which pixels take the colour of player 0, of player 1, of the playfield; the rest is background.
     static constexpr Mask kLeft = Mask::range(0, 80);
     const bool score = t.ctrlpf & 2, playfield_first = t.ctrlpf & 4;
     const Mask side0 = lit[kP0] | lit[kM0], side1 = lit[kP1] | lit[kM1];
-    Mask colour0, colour1, colour_pf;
+    Layers layers;
     if (playfield_first) {
-        colour_pf = lit[kPF] | lit[kBL];
-        colour0 = without(side0, colour_pf);
-        colour1 = without(side1, colour_pf | side0);
+        layers.playfield = lit[kPF] | lit[kBL];
+        layers.player0 = without(side0, layers.playfield);
+        layers.player1 = without(side1, layers.playfield | side0);
         if (score && objects == bit_of(kPF)) {
-            colour0 = lit[kPF] & kLeft;
-            colour1 = without(lit[kPF], kLeft);
-            colour_pf = {};
+            layers.player0 = lit[kPF] & kLeft;
+            layers.player1 = without(lit[kPF], kLeft);
+            layers.playfield = {};
         }
     } else {
-        colour0 = score ? side0 | (lit[kPF] & kLeft) : side0;
-        colour1 = without(score ? side1 | without(lit[kPF], kLeft) : side1, colour0);
-        colour_pf = without(lit[kPF] | lit[kBL], colour0 | colour1);
+        layers.player0 = score ? side0 | (lit[kPF] & kLeft) : side0;
+        layers.player1 = without(score ? side1 | without(lit[kPF], kLeft) : side1, layers.player0);
+        layers.playfield = without(lit[kPF] | lit[kBL], layers.player0 | layers.player1);
     }
-    const uint64_t c0 = repeated(t.colour[0]), c1 = repeated(t.colour[1]);
-    const uint64_t cf = repeated(t.colour[2]), cb = repeated(t.colour[3]);
-    uint64_t line[20];
-    for (int group = first / 8; group <= (last - 1) / 8; ++group) {
-        const auto eight = [&](const Mask& mask) { return kByteMasks[mask.word[group / 8] >> (group % 8 * 8) & 0xff]; };
-        const uint64_t m0 = eight(colour0), m1 = eight(colour1), mf = eight(colour_pf);
-        line[group] = (m0 & c0) | (m1 & c1) | (mf & cf) | (~(m0 | m1 | mf) & cb);
-    }
-    std::memcpy(row + first, reinterpret_cast<const uint8_t*>(line) + first, static_cast<size_t>(last - first));
+    kPaint(row_, layers, t.colour, first, last);
 }
 
 }  // namespace atari

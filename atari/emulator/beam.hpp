@@ -24,14 +24,16 @@ struct Write {
 
 class Beam {
   public:
-    // `tia` is brought forward by the calls below; `pixels` is the picture, or null if only the state matters.
-    Beam(Tia& tia, const ConsoleConfig& config, uint8_t* pixels) : t_(tia), config_(config), pixels_(pixels) {}
+    enum Work : uint8_t { kCollisions = 1, kPixels = 2, kAll = 3 };
 
-    // Only these collision latches are kept.
+    // `tia` is brought forward by the calls below.
+    Beam(Tia& tia, const ConsoleConfig& config) : t_(tia), config_(config) {}
+
+    // The frame begins: nothing is drawn yet. `latches` are those that collisions are made for, `pixels` is the picture.
+    void begin(Work work, unsigned latches, uint8_t* pixels);
+
+    // From now on collisions are made for these latches.
     void watch(unsigned latches) { watched_ = latches; }
-
-    // The frame begins: nothing is drawn yet.
-    void begin();
 
     // Applies the writes. Collisions of everything before `collisions_from` are left out: they will be cleared.
     void apply(const Write* first, const Write* last, const Write* collisions_from);
@@ -40,25 +42,25 @@ class Beam {
     void reach(int32_t clock);
 
   private:
-    template <bool drawing>
+    template <Work work>
     void apply_all(const Write* first, const Write* last, const Write* collisions_from);
-    template <bool drawing>
+    template <Work work>
     void apply_one(const Write& write);
-    template <bool drawing>
+    template <Work work>
     void write_nusiz(int player, uint8_t value);
-    template <bool drawing>
+    template <Work work>
     void write_graphics(int player, uint8_t value);
-    template <bool drawing>
+    template <Work work>
     void write_playfield(uint32_t value);
-    template <bool drawing>
+    template <Work work>
     void reset_player(int player, int hpos, int32_t clock);
-    template <bool drawing>
+    template <Work work>
     void move_objects(uint32_t cycle_in_line, int32_t clock);
-    template <bool drawing>
+    template <Work work>
     void advance();
-    template <bool drawing>
+    template <Work work>
     void go_to(int32_t target);
-    template <bool drawing>
+    template <Work work>
     void line_part(int32_t line_end, int32_t until);
     void end_line();
     int32_t line_end() const;
@@ -76,11 +78,13 @@ class Beam {
     bool may_touch(int a, int b);
     unsigned possible_pairs();
     void collide(int first, int last);
-    void draw(uint8_t* row, int first, int last);
+    void draw(int first, int last);
 
     Tia& t_;
     const ConsoleConfig& config_;
-    uint8_t* const pixels_;
+    Work work_ = kCollisions;
+    uint8_t* row_ = nullptr;     // while pixels are made: the row of the line that ends at
+    int32_t line_end_ = 0;
     uint32_t first_cycle_ = 0;   // of line 0
     int32_t blanked_at_ = 0;     // how far drawing was at the last HMOVE
     unsigned enabled_ = 0;       // objects that can be seen at all, a bit each

@@ -82,7 +82,10 @@ class Console {
     const uint8_t* cartridge_ram() const { return cart_ram_.data(); }
     size_t cartridge_ram_size() const { return cart_ram_.size(); }
     // Pictures of frames that were run fast are drawn when they are asked for.
-    const uint8_t* picture() { return drawn(m_.tia.current); }
+    const uint8_t* picture() {
+        wanted_ = true;
+        return drawn(m_.tia.current);
+    }
     const uint8_t* previous_picture() { return drawn(m_.tia.current ^ 1); }
     const Cartridge& cartridge() const { return *cartridge_; }
 
@@ -140,7 +143,7 @@ class Console {
     void read_latches(int reg);
     void settle_latches();
     void forget_logs();
-    const uint8_t* drawn(int buffer);
+    uint8_t* drawn(int buffer);
     void draw_log(const FrameLog& log, uint8_t* pixels);
 
     // cpu.cpp
@@ -254,7 +257,11 @@ class Console {
     int log_ = 0;                       // the one in use
     int last_log_ = -1;                 // that of the frame before, if it had one
     int owed_[2] = {-1, -1};            // by picture: the log that is still to be drawn into it, or -1
-    Beam beam_{m_.tia, config_, nullptr};
+    Beam beam_{m_.tia, config_};
+    // Whoever looked at the last three pictures will look at the next one: it is drawn in one go with the collisions.
+    static constexpr int kWantedInARow = 3;
+    bool wanted_ = false, draws_ = false;
+    int wanted_in_a_row_ = 0;
     const Write* applied_ = nullptr;          // up to here the TIA's state contains the log
     const Write* collisions_from_ = nullptr;  // the last CXCLR, or the beginning of the log
     int32_t end_clock_ = 0;                   // of the write that ended the frame

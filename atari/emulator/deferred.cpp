@@ -16,12 +16,14 @@ bool Console::run_deferred() {
     *before_ = m_;
     cart_ram_before_ = cart_ram_;
     const auto open_before = std::pair(open_log_, open_from_);
+    wanted_in_a_row_ = wanted_ ? wanted_in_a_row_ + 1 : 0;
     m_.cpu.stop = false;
     begin_log();
     deferred_ = true;
     const bool ended = run_fast();
     deferred_ = false;
     if (!ended) {
+        draws_ = false;
         m_ = *before_;
         std::copy(cart_ram_before_.begin(), cart_ram_before_.end(), cart_ram_.begin());
         map_segments();
@@ -44,10 +46,11 @@ void Console::begin_log() {
     first_cycle_ = static_cast<uint32_t>(t.frame_start / 3);
     next_line_ = first_cycle_ + 76;
     overlong_ = first_cycle_ + 76 * (config_.pal ? 343 : 291);
-    beam_.begin();
     watched_latches_ = cleared_ ? read_latches_ : 0xffff;
     cleared_ = false;
-    beam_.watch(watched_latches_);
+    draws_ = wanted_in_a_row_ >= kWantedInARow;
+    uint8_t* const pixels = draws_ ? drawn(t.current) : nullptr;
+    beam_.begin(draws_ ? Beam::kAll : Beam::kCollisions, watched_latches_, pixels);
     if (open_log_ < 0 && watched_latches_ != 0xffff) {
         open_log_ = log_;
         open_from_ = log.writes;
@@ -81,11 +84,13 @@ void Console::end_log() {
     apply_kept(end_clock_);
     log.reached = t.pending;
     log.extent = t.write_pos + (t.hmove_blank ? kScreenWidth : 0);  // a blank may reach further
+    last_log_ = log_;
+    if (!cleared_) settle_latches();  // or ever more logs would be needed
+    wanted_ = false;
+    if (draws_) return;
     const int owed = owed_[t.current];
     if (owed >= 0 && logs_[owed].extent > t.write_pos) drawn(t.current);  // some of it will still show
     owed_[t.current] = log_;
-    last_log_ = log_;
-    if (!cleared_) settle_latches();  // or ever more logs would be needed
 }
 
 // Brings the state of the TIA up to an access at a clock.
@@ -121,9 +126,8 @@ void Console::settle_latches() {
         Tia tia = log.start;
         tia.collisions = 0;
         tia.pending = tia.draw_start;
-        Beam beam(tia, config_, nullptr);
-        beam.watch(~watched_latches_);
-        beam.begin();
+        Beam beam(tia, config_);
+        beam.begin(Beam::kCollisions, ~watched_latches_ & 0xffff, nullptr);
         const Write* end = running ? log_end_ : log.writes + log.size;
         beam.apply(log.writes, end, number == open_log_ ? open_from_ : log.writes);
         beam.reach(running ? m_.tia.pending : log.reached);
@@ -172,7 +176,7 @@ void Console::keep_write(uint8_t reg, uint8_t value) {
 }
 
 // The picture, after what is missing has been drawn.
-const uint8_t* Console::drawn(int buffer) {
+uint8_t* Console::drawn(int buffer) {
     if (owed_[buffer] >= 0) {
         draw_log(logs_[owed_[buffer]], pictures_[buffer]);
         owed_[buffer] = -1;
@@ -182,8 +186,8 @@ const uint8_t* Console::drawn(int buffer) {
 
 void Console::draw_log(const FrameLog& log, uint8_t* pixels) {
     Tia tia = log.start;
-    Beam beam(tia, config_, pixels);
-    beam.begin();
+    Beam beam(tia, config_);
+    beam.begin(Beam::kPixels, 0, pixels);
     beam.apply(log.writes, log.writes + log.size, log.writes);
     beam.reach(log.reached);
 }

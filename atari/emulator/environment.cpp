@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "averaging.hpp"
+#include "paint.hpp"
 
 namespace atari {
 namespace {
@@ -317,24 +318,14 @@ void Environment::screen(uint8_t* out) {
     std::memcpy(out, picture, static_cast<size_t>(height()) * kScreenWidth);
 }
 
-// Bytes may alias anything, so what the loops below read is taken out of the objects first.
 void Environment::screen_rgb(uint8_t* out) {
     const uint8_t* picture = settings_.colour_averaging ? blended().data() : console_.picture();
-    const uint32_t* const colours = game_->palette->rgb;
-    const int count = height() * kScreenWidth;
-    for (int i = 0; i < count; ++i) {
-        const uint32_t rgb = colours[picture[i]];
-        out[3 * i] = static_cast<uint8_t>(rgb >> 16);
-        out[3 * i + 1] = static_cast<uint8_t>(rgb >> 8);
-        out[3 * i + 2] = static_cast<uint8_t>(rgb);
-    }
+    to_rgb(picture, height(), *game_->palette, out);
 }
 
 void Environment::screen_gray(uint8_t* out) {
     const uint8_t* picture = settings_.colour_averaging ? blended().data() : console_.picture();
-    const uint8_t* const grays = game_->palette->gray;
-    const int count = height() * kScreenWidth;
-    for (int i = 0; i < count; ++i) out[i] = grays[picture[i]];
+    to_gray(picture, height(), *game_->palette, out);
 }
 
 void Environment::save(uint8_t* out) {
