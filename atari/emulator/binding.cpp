@@ -108,7 +108,7 @@ bool same_cartridge(const Game& a, const Game& b) {
 struct State {
     std::shared_ptr<const Game> game;
     bool include_rng;
-    std::vector<uint8_t> bytes;
+    EnvironmentCopy copy;
 };
 
 // A game, emulated. Every method that emulates or copies pictures runs without the interpreter's lock, under a lock of
@@ -155,8 +155,8 @@ class Emulator {
 
     State clone_state(bool include_rng) {
         return locked([&](Environment& e) {
-            State state{e.game(), include_rng, std::vector<uint8_t>(e.state_size())};
-            e.save(state.bytes.data());
+            State state{e.game(), include_rng, {}};
+            e.copy_to(state.copy);
             return state;
         });
     }
@@ -164,7 +164,7 @@ class Emulator {
     void restore_state(const State& state) {
         const bool good = locked([&](Environment& e) {
             const MersenneTwister generator = e.generator();
-            if (!same_cartridge(*state.game, *e.game()) || !e.load(state.bytes.data())) return false;
+            if (!same_cartridge(*state.game, *e.game()) || !e.copy_from(state.copy)) return false;
             if (!state.include_rng) e.set_generator(generator);
             return true;
         });

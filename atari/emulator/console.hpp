@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -54,6 +55,25 @@ struct Written {
     uint8_t old_grp0, old_grp1, old_enabl;  // values of GRP0, GRP1 and ENABL that the delayed copies have
 };
 
+// A console's whole state, copied in memory as it is: pictures that have not been drawn yet as their logs.
+struct ConsoleCopy {
+    struct Log {
+        bool used;
+        Tia start;
+        int32_t reached;
+        int extent;
+        std::vector<Write> writes;
+    };
+    Machine machine;
+    std::vector<uint8_t> cart_ram;
+    std::vector<uint8_t> pictures[2];  // empty where a log replaces the whole picture
+    Log logs[3];
+    int log, last_log, owed[2], open_log;
+    std::ptrdiff_t open_from;
+    unsigned read_latches, watched_latches;
+    bool cleared, plain;
+};
+
 class Console {
   public:
     // `plain`: by the plain interpreter and the plain TIA, the oracle of the fast ones.
@@ -88,6 +108,7 @@ class Console {
     }
     const uint8_t* previous_picture() { return drawn(m_.tia.current ^ 1); }
     const Cartridge& cartridge() const { return *cartridge_; }
+    bool plain() const { return !logs_; }
 
     // 512 samples from the registers as they stand, unsigned around 128.
     void make_samples(uint8_t* out);
@@ -99,6 +120,10 @@ class Console {
     size_t state_size() const;
     void save(uint8_t* out);
     bool load(const uint8_t* in);
+
+    // The same in memory and much faster, for this console or one of the same cartridge and configuration.
+    void copy_to(ConsoleCopy& copy) const;
+    void copy_from(const ConsoleCopy& copy);
 
     // Bus accesses, single instructions, the beginning of a frame and drawing up to its latest access, for tests.
     uint8_t read(uint16_t address) {
@@ -246,7 +271,8 @@ class Console {
     RamCode ram_known_[128];
 
     std::vector<uint8_t> cart_ram_;
-    uint8_t pictures_[2][kFrameBytes + 96];  // 96: a blank of HMOVE may reach past the last row drawn
+    static constexpr size_t kBehindPicture = 96;  // a blank of HMOVE may reach past the last row drawn
+    uint8_t pictures_[2][kFrameBytes + kBehindPicture];
     std::shared_ptr<const Cartridge> cartridge_;
     ConsoleConfig config_;
     MachineRandom random_;

@@ -137,6 +137,64 @@ void Console::settle_latches() {
     open_log_ = -1;
 }
 
+void Console::copy_to(ConsoleCopy& copy) const {
+    copy.machine = m_;
+    copy.cart_ram = cart_ram_;
+    const size_t shown = kScreenWidth * static_cast<size_t>(std::max(config_.height, 200)) + kBehindPicture;
+    const auto whole = static_cast<int>(kScreenWidth) * config_.height;
+    bool needed[3] = {false, false, false};
+    for (int buffer : {0, 1}) {
+        const int owed = owed_[buffer];
+        copy.owed[buffer] = owed;
+        if (owed >= 0) needed[owed] = true;
+        if (owed < 0 || logs_[owed].extent < whole) copy.pictures[buffer].assign(pictures_[buffer], pictures_[buffer] + shown);
+        else copy.pictures[buffer].clear();
+    }
+    if (open_log_ >= 0) needed[open_log_] = needed[log_] = true;
+    for (int i = 0; i < 3; ++i) {
+        copy.logs[i].used = needed[i];
+        if (!needed[i]) continue;
+        const FrameLog& log = logs_[i];
+        copy.logs[i] = {true, log.start, log.reached, log.extent, {log.writes, log.writes + log.size}};
+    }
+    copy.log = log_;
+    copy.last_log = last_log_;
+    copy.open_log = open_log_;
+    copy.open_from = open_log_ >= 0 ? open_from_ - logs_[open_log_].writes : 0;
+    copy.read_latches = read_latches_;
+    copy.watched_latches = watched_latches_;
+    copy.cleared = cleared_;
+    copy.plain = plain();
+}
+
+void Console::copy_from(const ConsoleCopy& copy) {
+    m_ = copy.machine;
+    cart_ram_ = copy.cart_ram;
+    for (int buffer : {0, 1}) {
+        owed_[buffer] = copy.owed[buffer];
+        std::copy(copy.pictures[buffer].begin(), copy.pictures[buffer].end(), pictures_[buffer]);
+    }
+    for (int i = 0; i < 3; ++i) {
+        const ConsoleCopy::Log& from = copy.logs[i];
+        if (!from.used) continue;
+        FrameLog& log = logs_[i];
+        log.start = from.start;
+        log.reached = from.reached;
+        log.extent = from.extent;
+        log.size = static_cast<int>(from.writes.size());
+        std::copy(from.writes.begin(), from.writes.end(), log.writes);
+    }
+    log_ = copy.log;
+    last_log_ = copy.last_log;
+    open_log_ = copy.open_log;
+    open_from_ = open_log_ >= 0 ? logs_[open_log_].writes + copy.open_from : nullptr;
+    read_latches_ = copy.read_latches;
+    watched_latches_ = copy.watched_latches;
+    cleared_ = copy.cleared;
+    stale_ = 0x3f;
+    map_segments();
+}
+
 // From here on frames are drawn as they are run, or the state is another.
 void Console::forget_logs() {
     open_log_ = last_log_ = -1;

@@ -54,7 +54,7 @@ Environment::Environment(std::shared_ptr<const Game> game, const Settings& setti
 // What loading a ROM does. Its result does not depend on the seed unless the selection of a mode draws random words
 // or acts; where it does not, it is kept and a later load is a copy. (tests: test_native.py, seed without reload)
 void Environment::seed(uint32_t value) {
-    if (loaded_.empty()) {
+    if (!loaded_) {
         boot();
         state_ = EnvironmentState{};
         std::copy(game_->initial.begin(), game_->initial.end(), state_.variables);
@@ -63,11 +63,11 @@ void Environment::seed(uint32_t value) {
         const MersenneTwister before = state_.random;
         reset();
         if (std::memcmp(&before, &state_.random, sizeof before) == 0) {
-            loaded_.resize(state_size());
-            save(loaded_.data());
+            loaded_ = std::make_unique<EnvironmentCopy>();
+            copy_to(*loaded_);
         }
     } else {
-        load(loaded_.data());
+        copy_from(*loaded_);
         state_.random.seed(value);
     }
     state_.mode = mode_;
@@ -341,6 +341,18 @@ bool Environment::load(const uint8_t* in) {
     for (int32_t position : state.paddle) good &= position >= 0 && position <= 1 << 24;
     if (!good || !console_.load(in + sizeof state)) return false;
     state_ = state;
+    return true;
+}
+
+void Environment::copy_to(EnvironmentCopy& copy) const {
+    copy.state = state_;
+    console_.copy_to(copy.console);
+}
+
+bool Environment::copy_from(const EnvironmentCopy& copy) {
+    if (copy.console.plain != console_.plain()) return false;
+    state_ = copy.state;
+    console_.copy_from(copy.console);
     return true;
 }
 

@@ -56,6 +56,12 @@ struct EnvironmentState {
     uint8_t audio[kAudioSamples];
 };
 
+// An environment's whole state, copied in memory.
+struct EnvironmentCopy {
+    EnvironmentState state;
+    ConsoleCopy console;
+};
+
 class Environment {
   public:
     Environment(std::shared_ptr<const Game> game, const Settings& settings, uint32_t seed);
@@ -90,6 +96,11 @@ class Environment {
     void save(uint8_t* out);
     bool load(const uint8_t* in);  // false, and nothing changed, if no environment could have saved it
 
+    // The same in memory, in less than a microsecond. `copy_from` takes the copy of any environment of the same game
+    // and core; false, and nothing changed, if it is of the other core.
+    void copy_to(EnvironmentCopy& copy) const;
+    bool copy_from(const EnvironmentCopy& copy);
+
   private:
     void boot();
     void emulate(int action, float strength, int frames);
@@ -109,7 +120,7 @@ class Environment {
     Console console_;
     EnvironmentState state_{};
     int mode_, difficulty_ = 0;
-    std::vector<uint8_t> loaded_;     // the state after a load, where it does not depend on the seed
+    std::unique_ptr<EnvironmentCopy> loaded_;  // the state after a load, where it does not depend on the seed
     int select_budget_ = 0;           // frames the selection of a mode may still take
     std::vector<uint8_t> averaged_;
 };

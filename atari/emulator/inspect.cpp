@@ -190,7 +190,7 @@ void set_inputs(Console& console, int switches, std::array<int, 2> sticks, std::
     console.inputs() = inputs;
 }
 
-nb::bytes save(const Console& console) {
+nb::bytes save(Console& console) {
     std::vector<uint8_t> state(console.state_size());
     console.save(state.data());
     return as_bytes(state.data(), state.size());
