@@ -35,7 +35,21 @@ void Console::map_segments() {
         segment_[4 + i] = cartridge_->type() == Type::kFE ? 4096 + first[i] : first[i];
         segment_[12 + i] = first[i];
     }
+    bank_ = image_ + segment_[12];
+    map_pages();
     remapped_ = true;
+}
+
+// A page that is only partly plain image is none.
+void Console::map_pages() {
+    const unsigned first = (plain_.from + 63) / 64, last = (plain_.from + plain_.size) / 64;
+    const bool two_halves = cartridge_->type() == Type::kFE;
+    for (unsigned page = 0; page < 64; ++page) {
+        const bool plain = page >= first && page < last;
+        const unsigned offset = 64 * (page & 15);
+        pages_[192 + page] = plain ? image_ + segment_[12 + page / 16] + offset : nullptr;
+        pages_[64 + page] = two_halves ? image_ + segment_[4 + page / 16] + offset : pages_[192 + page];
+    }
 }
 
 // Reads of all that is not plain image. A switch happens before the byte is fetched: it comes from the new bank.

@@ -205,6 +205,7 @@ class Console {
     void update_dpc_music();
     void reset_cartridge();
     void map_segments();
+    void map_pages();
 
     // tia.cpp
     uint8_t read_tia(uint16_t address);
@@ -256,11 +257,13 @@ class Console {
     uint32_t origin_ = 0;
     uint32_t overlong_ = 0;         // from this cycle on, a write to the TIA ends the frame
     uint32_t first_cycle_ = 0;      // of line 0
-    uint32_t next_line_ = 0;        // cycle at which some line begins, not far from now
     Write* log_end_ = nullptr;
     Written written_{};
     // Where in the image the 1 KiB segments of the window are, by bits 10 to 13 of the address.
     uint32_t segment_[16] = {};
+    const uint8_t* bank_ = nullptr;  // the image from segment_[12] on
+    // The bytes of each 64 that can be read without side effects, RAM or plain image, by bits 6 to 13 of the address.
+    const uint8_t* pages_[256] = {};
 
     // Code in RAM: records, and the bytes they were made from.
     struct RamCode {

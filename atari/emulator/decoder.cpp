@@ -152,21 +152,6 @@ bool is_branch(uint16_t handler) {
            handler == BPL_Rel || handler == BVC_Rel || handler == BVS_Rel;
 }
 
-Operand stored_in(uint8_t reg) {
-    switch (reg) {
-        case 0x02: return Operand::Wsync;
-        case 0x1b: return Operand::Grp0;
-        case 0x1c: return Operand::Grp1;
-        case 0x04: case 0x05: case 0x0a: case 0x10: case 0x11: case 0x12: case 0x13: case 0x14: case 0x2a:
-            return Operand::Strobe;  // NUSIZ, CTRLPF, RES.., HMOVE
-        case 0x06: case 0x07: case 0x08: case 0x09: case 0x0b: case 0x0c: case 0x0d: case 0x0e: case 0x0f: case 0x1d:
-        case 0x1e: case 0x1f: case 0x20: case 0x21: case 0x22: case 0x23: case 0x24: case 0x25: case 0x26: case 0x27:
-        case 0x28: case 0x29:
-            return Operand::Tia;  // COLU.., REFP, PF, ENA.., HM.., VDEL.., RESMP
-        default: return Operand::PortZ;
-    }
-}
-
 Record decode(const uint8_t* bytes, int available, const Cartridge& cartridge, const uint8_t* bank) {
     Record record{kStep, 0, 0, 0, 0};
     const Opcode opcode = kOpcodes[bytes[0]];

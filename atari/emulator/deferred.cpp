@@ -44,7 +44,6 @@ void Console::begin_log() {
     log_end_ = log.writes;
     applied_ = collisions_from_ = log.writes;
     first_cycle_ = static_cast<uint32_t>(t.frame_start / 3);
-    next_line_ = first_cycle_ + 76;
     overlong_ = first_cycle_ + 76 * (config_.pal ? 343 : 291);
     watched_latches_ = cleared_ ? read_latches_ : 0xffff;
     cleared_ = false;

@@ -3,6 +3,8 @@
 // A handler either completes its instruction, or hands it to the plain interpreter before it has changed anything
 // (`kPlainly`). Only what the plain interpreter would do in the same place is ever done here; that it is the same is
 // tested frame by frame on all games, random ROMs and random programs (tests/emulator/test_fast_equals_plain.py).
+#include <array>
+
 #include "console.hpp"
 #include "opcodes.hpp"
 
@@ -60,6 +62,12 @@ constexpr uint32_t store_cost(Operand operand) {
 constexpr uint32_t modify_cost(Operand operand) {
     return operand == Operand::Acc ? 2 : operand == Operand::Ram ? 5 : 6;
 }
+
+constexpr auto kStoredIn = [] {
+    std::array<Operand, 64> table{};
+    for (uint8_t reg = 0; reg < 64; ++reg) table[reg] = stored_in(reg);
+    return table;
+}();
 
 constexpr bool is_read(int op) {
     return op == ADC || op == AND || op == BIT || op == CMP || op == CPX || op == CPY || op == EOR || op == LDA ||
@@ -157,18 +165,26 @@ struct FastCpu {
     // A store that is not to RAM. True if the frame has ended or another bank is shown.
     [[gnu::noinline]] static bool write_port(Console& c, uint32_t cycles, uint32_t address, uint32_t value) {
         c.m_.cycles = cycles;
+        if (!(address & 0x1080) && !c.watches_tia_ && cycles < c.overlong_) {
+            const uint32_t reg = address & 0x3f;
+            const Operand kind = kStoredIn[reg];
+            if (kind == Operand::Tia || kind == Operand::Strobe) {
+                if (kind == Operand::Tia && c.written_.reg[reg] == value) return false;
+                c.written_.reg[reg] = static_cast<uint8_t>(value);
+                keep(cycles, c, reg, value);
+                return false;
+            }
+        }
         c.m_.cpu.last_access_was_read = true;
         c.write(static_cast<uint16_t>(address), static_cast<uint8_t>(value));
         return c.m_.cpu.stop || c.remapped_;
     }
 
-    INLINE static uint32_t read_any(R& r, Console& c, uint32_t address, uint32_t bus) {
-        if (address & 0x1000) {
-            if ((address & 0xfff) - c.plain_.from < c.plain_.size)
-                return c.image_[c.segment_[address >> 10 & 15] + (address & 0x3ff)];
-        } else if (is_ram(address)) {
-            return c.m_.riot.ram[address & 0x7f];
-        }
+    // `slow` is set if it was none of RAM and plain image: then the window may show another bank.
+    INLINE static uint32_t read_any(R& r, Console& c, uint32_t address, uint32_t bus, bool& slow) {
+        const uint8_t* page = c.pages_[address >> 6 & 255];
+        if (page) [[likely]] return page[address & 63];
+        slow = true;
         return read_port(c, r.cycles, address, bus);
     }
 
@@ -193,7 +209,7 @@ struct FastCpu {
 
     // The operand of a read. Adds the instruction's cycles first: its accesses happen at their end.
     template <Operand operand>
-    INLINE static Exit load(R& r, Console& c, uint32_t& value) {
+    INLINE static Exit load(R& r, Console& c, uint32_t& value, bool& slow) {
         const uint32_t given = r.at->operand;
         r.cycles += read_cost(operand);
         if constexpr (operand == Operand::Imm || operand == Operand::Fixed) {
@@ -202,7 +218,8 @@ struct FastCpu {
             value = c.m_.riot.ram[given];
         } else if constexpr (operand == Operand::RamX || operand == Operand::RamY) {
             const uint32_t address = (given + (operand == Operand::RamX ? r.x : r.y)) & 0xff;
-            value = address & 0x80 ? c.m_.riot.ram[address & 0x7f] : read_port(c, r.cycles, address, given);
+            slow = !(address & 0x80);
+            value = slow ? read_port(c, r.cycles, address, given) : c.m_.riot.ram[address & 0x7f];
         } else if constexpr (operand == Operand::Timer) {
             value = timer(r, c);
         } else if constexpr (operand == Operand::Dpc) {
@@ -211,32 +228,26 @@ struct FastCpu {
         } else if constexpr (operand == Operand::RomX || operand == Operand::RomY) {
             const uint32_t index = operand == Operand::RomX ? r.x : r.y;
             r.cycles += page_crossed(given, index);
-            value = c.image_[c.segment_[12] + given + index];
+            value = c.bank_[given + index];
         } else if constexpr (operand == Operand::AnyX || operand == Operand::AnyY) {
             const uint32_t index = operand == Operand::AnyX ? r.x : r.y;
             r.cycles += page_crossed(given, index);
-            value = read_any(r, c, (given + index) & 0xffff, given >> 8);
+            value = read_any(r, c, (given + index) & 0xffff, given >> 8, slow);
         } else if constexpr (operand == Operand::IndY) {
             if (!pointer_in_ram(given)) return kPlainly;
             const uint32_t base = pointer(c, given);
             r.cycles += page_crossed(base, r.y);
-            value = read_any(r, c, (base + r.y) & 0xffff, base >> 8);
+            value = read_any(r, c, (base + r.y) & 0xffff, base >> 8, slow);
         } else if constexpr (operand == Operand::IndX) {
             const uint32_t place = (given + r.x) & 0xff;
             if (!pointer_in_ram(place)) return kPlainly;
             const uint32_t address = pointer(c, place);
-            value = read_any(r, c, address, address >> 8);
+            value = read_any(r, c, address, address >> 8, slow);
         } else {
+            slow = true;
             value = read_port(c, r.cycles, given, operand == Operand::PortZ ? given : given >> 8);
         }
         return kNext;
-    }
-
-    // What could read a port or a hotspot looks whether the window has changed; other operands cannot.
-    static constexpr bool may_remap(Operand operand) {
-        return operand == Operand::PortA || operand == Operand::PortZ || operand == Operand::AnyX ||
-               operand == Operand::AnyY || operand == Operand::IndX || operand == Operand::IndY ||
-               operand == Operand::RamX || operand == Operand::RamY;
     }
 
     INLINE static uint32_t timer(const R& r, Console& c) {
@@ -256,7 +267,8 @@ struct FastCpu {
             if (c.m_.cpu.d) return kPlainly;
         const uint32_t cycles = r.cycles;
         uint32_t o;
-        if (load<operand>(r, c, o) == kPlainly) {
+        bool slow = false;
+        if (load<operand>(r, c, o, slow) == kPlainly) {
             r.cycles = cycles;
             return kPlainly;
         }
@@ -283,14 +295,12 @@ struct FastCpu {
             r.carry = sum >> 8;
             r.nz = r.a = sum & 0xff;
         }
-        if constexpr (may_remap(operand))
-            if (c.remapped_) return kLeave;
-        return kNext;
+        return slow && c.remapped_ ? kLeave : kNext;
     }
 
     // Keeps a write to the TIA for later. There is room: see `kLogSize`.
-    INLINE static void keep(const R& r, Console& c, uint32_t reg, uint32_t value) {
-        *c.log_end_++ = {r.cycles, static_cast<uint8_t>(reg), static_cast<uint8_t>(value), 0};
+    INLINE static void keep(uint32_t cycles, Console& c, uint32_t reg, uint32_t value) {
+        *c.log_end_++ = {cycles, static_cast<uint8_t>(reg), static_cast<uint8_t>(value), 0};
     }
 
     template <int op, Operand operand>
@@ -328,22 +338,22 @@ struct FastCpu {
         if constexpr (operand == Operand::Tia) {
             if (w.reg[reg] != byte) {
                 w.reg[reg] = byte;
-                keep(r, c, reg, value);
+                keep(r.cycles, c, reg, value);
             }
         } else if constexpr (operand == Operand::Strobe) {
-            keep(r, c, reg, value);
+            keep(r.cycles, c, reg, value);
         } else if constexpr (operand == Operand::Grp0) {
             if (w.reg[0x1b] != byte || w.old_grp1 != w.reg[0x1c]) {
                 w.reg[0x1b] = byte;
                 w.old_grp1 = w.reg[0x1c];
-                keep(r, c, reg, value);
+                keep(r.cycles, c, reg, value);
             }
         } else if constexpr (operand == Operand::Grp1) {
             if (w.reg[0x1c] != byte || w.old_grp0 != w.reg[0x1b] || w.old_enabl != w.reg[0x1f]) {
                 w.reg[0x1c] = byte;
                 w.old_grp0 = w.reg[0x1b];
                 w.old_enabl = w.reg[0x1f];
-                keep(r, c, reg, value);
+                keep(r.cycles, c, reg, value);
             }
         } else {
             r.cycles = line_start(c, r.cycles);
@@ -352,11 +362,9 @@ struct FastCpu {
     }
 
     // WSYNC: the beginning of the next line, or now if a line begins now.
-    INLINE static uint32_t line_start(Console& c, uint32_t cycles) {
-        uint32_t next = c.next_line_;  // where it is the next, this one is less than a line away
-        if (cycles - next + 75 > 75) next = cycles + (76 - (cycles - c.first_cycle_) % 76) % 76;
-        c.next_line_ = next + 76;
-        return next;
+    INLINE static uint32_t line_start(const Console& c, uint32_t cycles) {
+        const uint32_t in_line = (cycles - c.first_cycle_) % 76;
+        return in_line == 0 ? cycles : cycles + 76 - in_line;
     }
 
     template <int op, Operand operand>
@@ -400,8 +408,9 @@ struct FastCpu {
         uint8_t& sp = c.m_.cpu.sp;
         r.cycles += 4;
         r.at += 1;
-        const uint32_t passed = read_any(r, c, 0x100u | sp, bus);
-        return read_any(r, c, 0x100u | ++sp, passed);
+        bool slow = false;  // no stack switches banks
+        const uint32_t passed = read_any(r, c, 0x100u | sp, bus, slow);
+        return read_any(r, c, 0x100u | ++sp, passed, slow);
     }
 
     static uint32_t status(const R& r, const Cpu& cpu) {
