@@ -34,7 +34,7 @@ READ_MODES = {
     "IndY": ["IndY"],
 }
 STORE_MODES = {
-    "Zp": ["Ram", "Tia", "Strobe", "Grp0", "Grp1", "Wsync", "PortZ"],
+    "Zp": ["Ram", "Tia", "Strobe", "Motion", "Hmove", "Ctrlpf", "Grp0", "Grp1", "Wsync", "PortZ"],
     "ZpX": ["RamX"],
     "ZpY": ["RamY"],
     "Abs": ["PortA"],

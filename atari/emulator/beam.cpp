@@ -63,7 +63,7 @@ constexpr auto kPairOf = [] {
 
 const Painter kPaint = best_painter();
 
-constexpr unsigned bit_of(int object) { return 1u << object; }
+constexpr unsigned bit_of(unsigned object) { return 1u << object; }
 
 }  // namespace
 
@@ -76,10 +76,11 @@ void Beam::begin(Work work, unsigned latches, uint8_t* pixels) {
     first_cycle_ = static_cast<uint32_t>(t.frame_start / 3);
     blanked_at_ = t.draw_start;
     line_end_acts_ = true;
+    quiet_ = false;
     stale_ = 0x3f;
     reach_stale_ = 3;
     unknown_ = 0xffff;
-    for (int player : {0, 1}) {
+    for (unsigned player : {0u, 1u}) {
         enable(kP0 + player, t.vdelp[player] ? t.old_grp[player] : t.grp[player]);
         enable(kM0 + player, t.enam[player] && !t.resmp[player]);
     }
@@ -96,9 +97,9 @@ void Beam::apply(const Write* first, const Write* last, const Write* collisions_
 void Beam::reach(int32_t clock) {
     Tia& t = t_;
     t.pending = std::max(t.pending, clock);
-    if (work_ == kCollisions) advance<kCollisions>();
-    else if (work_ == kPixels) advance<kPixels>();
-    else advance<kAll>();
+    if (work_ == kCollisions) advance<kCollisions>(t.pending);
+    else if (work_ == kPixels) advance<kPixels>(t.pending);
+    else advance<kAll>(t.pending);
     if (t.hmove_blank && blank_is_over()) t.hmove_blank = false;
     t.to_line_end = line_end() - t.drawn_to;
     const int32_t drawn = t.drawn_to - t.draw_start;
@@ -107,77 +108,89 @@ void Beam::reach(int32_t clock) {
 
 template <Beam::Work work>
 void Beam::apply_all(const Write* first, const Write* last, const Write* collisions_from) {
-    collecting_ = collisions_from < first;
-    for (const Write* write = first; write != last; ++write) {
-        if (write == collisions_from) collecting_ = true;
-        apply_one<work>(*write);
-    }
+    const Write* const unwatched = std::clamp(collisions_from, first, last);
+    collecting_ = false;
+    apply_range<work>(first, unwatched);
     collecting_ = true;
+    quiet_ = false;
+    apply_range<work>(unwatched, last);
 }
 
 template <Beam::Work work>
-INLINE void Beam::apply_one(const Write& write) {
-    Tia& t = t_;
+INLINE void Beam::apply_range(const Write* first, const Write* last) {
+    int32_t pending = t_.pending;
+    for (const Write* write = first; write != last; ++write) apply_one<work>(t_, *write, pending);
+    t_.pending = pending;
+}
+
+template <Beam::Work work>
+INLINE void Beam::apply_one(Tia& t, const Write& write, int32_t& pending) {
+    const unsigned reg = write.reg;
     const uint8_t value = write.value;
     const uint32_t cycle = write.cycle - first_cycle_;
     const auto clock = static_cast<int32_t>(3 * write.cycle);
-    t.pending = std::max(t.pending, clock + kDelays[write.reg][cycle & 3]);
+    pending = std::max(pending, clock + kDelays[reg][cycle & 3]);
     const auto hpos = [&] { return static_cast<int>(3 * (cycle % 76)); };
-    const int second = write.reg & 1;  // of register pairs that begin at an even address
-    switch (write.reg) {
+    switch (reg) {
         case VBLANK:
-            if ((t.vblank ^ value) & 2) advance<work>();
+            if ((t.vblank ^ value) & 2) advance<work>(pending);
             t.vblank = value;
+            quiet_ = false;
             break;
-        case NUSIZ0: case NUSIZ1: write_nusiz<work>(second, value); break;
+        case NUSIZ0: case NUSIZ1: write_nusiz<work>(reg - NUSIZ0, value, pending); break;
         case COLUP0: case COLUP1: case COLUPF: case COLUBK: {
             const auto colour = static_cast<uint8_t>((value & 0xfe) | (config_.pal ? t.last_line_count & 1 : 0));
-            uint8_t& field = t.colour[write.reg - COLUP0];
-            if (work != kCollisions && field != colour) advance<work>();  // colours do not collide
+            uint8_t& field = t.colour[reg - COLUP0];
+            if (work != kCollisions && field != colour) advance<work>(pending);  // colours do not collide
             field = colour;
             break;
         }
         case CTRLPF: {
             const bool mirror = hpos() < 147 ? value & 1 : t.pf_mirror != 0;
             if (t.ctrlpf == value && t.pf_mirror == mirror) break;
-            advance<work>();
+            advance<work>(pending);
             t.ctrlpf = value;
             if (t.pf_mirror != mirror) moved(kPF);
             t.pf_mirror = mirror;
-            line_end_acts_ |= mirror != (value & 1);
+            if (mirror != (value & 1)) {
+                line_end_acts_ = true;
+                quiet_ = false;
+            }
             moved(kBL);
             break;
         }
         case REFP0: case REFP1: {
-            const int player = write.reg - REFP0;
+            const unsigned player = reg - REFP0;
             if (t.refp[player] == ((value & 8) != 0)) break;
-            advance<work>();
+            advance<work>(pending);
             t.refp[player] = value & 8;
             stale_ |= bit_of(player);
             break;
         }
-        case PF0: write_playfield<work>((t.playfield & ~0xfu) | value >> 4); break;
-        case PF1: write_playfield<work>((t.playfield & ~0xff0u) | uint32_t{value} << 4); break;
-        case PF2: write_playfield<work>((t.playfield & ~0xff000u) | uint32_t{value} << 12); break;
-        case RESP0: case RESP1: reset_player<work>(second, hpos(), clock); break;
-        case RESM0: case RESM1:
-            advance<work>();
+        case PF0: write_playfield<work>((t.playfield & ~0xfu) | value >> 4, pending); break;
+        case PF1: write_playfield<work>((t.playfield & ~0xff0u) | uint32_t{value} << 4, pending); break;
+        case PF2: write_playfield<work>((t.playfield & ~0xff000u) | uint32_t{value} << 12, pending); break;
+        case RESP0: case RESP1: reset_player<work>(reg - RESP0, hpos(), clock, pending); break;
+        case RESM0: case RESM1: {
+            const unsigned second = reg - RESM0;
+            advance<work>(pending);
             t.pos[kM0 + second] = strobe_missile(second, hpos(), static_cast<uint32_t>(clock - t.last_hmove));
             if (second == 0) t.m0_variant = kPlain;
             moved(kM0 + second);
             break;
+        }
         case RESBL:
-            advance<work>();
+            advance<work>(pending);
             t.pos[kBL] = strobe_ball(hpos(), static_cast<uint32_t>(clock - t.last_hmove));
             moved(kBL);
             break;
-        case GRP0: write_graphics<work>(0, value); break;
-        case GRP1: write_graphics<work>(1, value); break;
+        case GRP0: write_graphics<work>(0, value, pending); break;
+        case GRP1: write_graphics<work>(1, value, pending); break;
         case ENAM0: case ENAM1: {
-            const int missile = write.reg - ENAM0;
+            const unsigned missile = reg - ENAM0;
             if (t.enam[missile] == ((value & 2) != 0)) break;
             if (!t.resmp[missile]) {
-                advance<work>();
+                advance<work>(pending);
                 enable(kM0 + missile, value & 2);
             }
             t.enam[missile] = value & 2;
@@ -186,36 +199,36 @@ INLINE void Beam::apply_one(const Write& write) {
         case ENABL:
             if (t.enabl == ((value & 2) != 0)) break;
             if (!t.vdelbl) {
-                advance<work>();
+                advance<work>(pending);
                 enable(kBL, value & 2);
             }
             t.enabl = value & 2;
             break;
-        case HMM0:
-            if (static_cast<uint32_t>(clock - t.last_hmove) == 63 && t.hm[kM0] == 7 && value >> 4 == 6) {
-                advance<work>();
-                t.cosmic_ark = line_end_acts_ = true;
-                t.ark_counter = 0;
-            }
-            [[fallthrough]];
-        case HMP0: case HMP1: case HMM1: case HMBL: t.hm[write.reg - HMP0] = value >> 4; break;
+        case HMM0:  // kept only if the motion goes from 7 to 6
+            if (static_cast<uint32_t>(clock - t.last_hmove) != 63) break;
+            advance<work>(pending);
+            t.cosmic_ark = line_end_acts_ = true;
+            quiet_ = false;
+            t.ark_counter = 0;
+            break;
         case VDELP0: case VDELP1: {
-            const int player = write.reg - VDELP0;
+            const unsigned player = reg - VDELP0;
             if (t.vdelp[player] == ((value & 1) != 0)) break;
-            advance<work>();
+            advance<work>(pending);
             t.vdelp[player] = value & 1;
             show(player);
             break;
         }
         case VDELBL:
             if (t.vdelbl == ((value & 1) != 0)) break;
-            advance<work>();
+            advance<work>(pending);
             t.vdelbl = value & 1;
             enable(kBL, t.vdelbl ? t.old_enabl : t.enabl);
             break;
-        case RESMP0: case RESMP1:
+        case RESMP0: case RESMP1: {
+            const unsigned second = reg - RESMP0;
             if (t.resmp[second] == ((value & 2) != 0)) break;
-            advance<work>();
+            advance<work>(pending);
             if (t.resmp[second]) {
                 t.pos[kM0 + second] = released_missile(t.pos[second], t.nusiz[second] & 7);
                 if (second == 0) t.m0_variant = kPlain;
@@ -224,45 +237,47 @@ INLINE void Beam::apply_one(const Write& write) {
             t.resmp[second] = value & 2;
             enable(kM0 + second, t.enam[second] && !t.resmp[second]);
             break;
-        case HMOVE: move_objects<work>(cycle % 76, clock); break;
-        case HMCLR: std::fill_n(t.hm, 5, uint8_t{0}); break;
+        }
+        case HMOVE: move_objects<work>(write, cycle % 76, clock, pending); break;
         case CXCLR:
-            advance<work>();
+            advance<work>(pending);
             t.collisions = 0;
+            quiet_ = false;
             break;
         default: break;
     }
 }
 
 // The graphics of a player that show have changed.
-inline void Beam::show(int player) {
+inline void Beam::show(unsigned player) {
     const Tia& t = t_;
     enable(player, t.vdelp[player] ? t.old_grp[player] : t.grp[player]);
     stale_ |= bit_of(player);
 }
 
 // The place or the size of an object has changed.
-inline void Beam::moved(int object) {
+inline void Beam::moved(unsigned object) {
     stale_ |= bit_of(object);
     reach_stale_ |= bit_of(object);
     unknown_ |= kPairsWith[static_cast<size_t>(object)];
+    quiet_ = false;
 }
 
 template <Beam::Work work>
-inline void Beam::write_playfield(uint32_t value) {
+inline void Beam::write_playfield(uint32_t value, int32_t pending) {
     if (t_.playfield == value) return;
-    advance<work>();
+    advance<work>(pending);
     t_.playfield = value;
     enable(kPF, value);
     moved(kPF);
 }
 
 template <Beam::Work work>
-void Beam::write_nusiz(int player, uint8_t value) {
+void Beam::write_nusiz(unsigned player, uint8_t value, int32_t pending) {
     Tia& t = t_;
     const bool ark = player == 0 && (t.cosmic_ark || t.m0_variant != kPlain);
     if (((t.nusiz[player] ^ value) & 0x37) || t.skip_first[player] || ark) {
-        advance<work>();
+        advance<work>(pending);
         t.skip_first[player] = false;
         if (player == 0) t.m0_variant = kPlain;
         moved(kP0 + player);
@@ -273,13 +288,13 @@ void Beam::write_nusiz(int player, uint8_t value) {
 
 // A write to one player's graphics also moves the other's new graphics to its delayed copy.
 template <Beam::Work work>
-inline void Beam::write_graphics(int player, uint8_t value) {
+inline void Beam::write_graphics(unsigned player, uint8_t value, int32_t pending) {
     Tia& t = t_;
-    const int other = player ^ 1;
+    const unsigned other = player ^ 1;
     const bool own = !t.vdelp[player] && t.grp[player] != value;
     const bool others = t.vdelp[other] && t.old_grp[other] != t.grp[other];
     const bool ball = player == 1 && t.vdelbl && t.old_enabl != t.enabl;
-    if (own || others || ball) advance<work>();
+    if (own || others || ball) advance<work>(pending);
     t.grp[player] = value;
     t.old_grp[other] = t.grp[other];
     if (player == 1) t.old_enabl = t.enabl;
@@ -289,38 +304,45 @@ inline void Beam::write_graphics(int player, uint8_t value) {
 }
 
 template <Beam::Work work>
-void Beam::reset_player(int player, int hpos, int32_t clock) {
+void Beam::reset_player(unsigned player, int hpos, int32_t clock, int32_t& pending) {
     Tia& t = t_;
     const uint8_t position = strobe_player(hpos);
     const PlayerStrobe strobe = player_strobe(position, t.pos[player], t.nusiz[player] & 7);
-    if (strobe.goes_on) t.pending = std::max(t.pending, clock + 11);
-    advance<work>();
+    if (strobe.goes_on) pending = std::max(pending, clock + 11);
+    advance<work>(pending);
     t.pos[player] = position;
     t.skip_first[player] = strobe.hidden;
-    line_end_acts_ = true;
+    line_end_acts_ |= strobe.hidden;
     moved(kP0 + player);
 }
 
 template <Beam::Work work>
-inline void Beam::move_objects(uint32_t cycle_in_line, int32_t clock) {
+inline void Beam::move_objects(const Write& write, uint32_t cycle_in_line, int32_t clock, int32_t pending) {
     Tia& t = t_;
-    advance<work>();
+    advance<work>(pending);
+    const bool ordinary = cycle_in_line <= 3 || cycle_in_line == 75;
     if (config_.hmove_blanks && (cycle_in_line <= 20 || cycle_in_line == 75)) {
         t.hmove_blank = true;
         blanked_at_ = t.drawn_to;
     }
-    const auto& distances = kMotion[cycle_in_line];
-    for (int object = kP0; object <= kBL; ++object) {
-        const int distance = distances[t.hm[object]];
-        if (distance == 0) continue;
-        const int position = t.pos[object] + distance;
-        t.pos[object] = static_cast<uint8_t>(position < 0 ? position + 160 : position >= 160 ? position - 160 : position);
-        moved(object);
+    if (!ordinary || write.motions || write.value) {
+        const auto& distances = kMotion[cycle_in_line];
+        for (int object = kP0; object <= kBL; ++object) {
+            const int distance = distances[object == kBL ? write.value : write.motions >> (4 * object) & 15];
+            if (distance == 0) continue;
+            const int position = t.pos[object] + distance;
+            t.pos[object] = static_cast<uint8_t>(position < 0 ? position + 160 : position >= 160 ? position - 160 : position);
+            moved(object);
+        }
     }
-    if (t.skip_first[0] || t.skip_first[1]) stale_ |= bit_of(kP0) | bit_of(kP1);
-    t.skip_first[0] = t.skip_first[1] = false;
-    if (t.m0_variant != kPlain) moved(kM0);
-    t.m0_variant = kPlain;
+    if (t.skip_first[0] || t.skip_first[1]) {
+        stale_ |= bit_of(kP0) | bit_of(kP1);
+        t.skip_first[0] = t.skip_first[1] = false;
+    }
+    if (t.m0_variant != kPlain) {
+        t.m0_variant = kPlain;
+        moved(kM0);
+    }
     t.last_hmove = clock;
     t.cosmic_ark = false;
 }
@@ -339,14 +361,20 @@ bool Beam::blank_is_over() const {
     return t_.drawn_to - t_.draw_start >= line + 76 + (in_line >= 76 ? 228 : 0);
 }
 
-// Brings the picture or the collisions up to `pending`, or to the end of what shows.
+// Brings the picture or the collisions up to a clock, or to the end of what shows.
 template <Beam::Work work>
-inline void Beam::advance() {
+INLINE void Beam::advance(int32_t pending) {
     Tia& t = t_;
-    if (t.pending < t.draw_start || t.drawn_to >= t.draw_stop || t.drawn_to >= t.pending) return;
-    const int32_t target = std::min(t.pending, t.draw_stop);
-    if (work != kCollisions || line_end_acts_ || possible_pairs()) go_to<work>(target);
-    else t.drawn_to = target;
+    if (pending < t.draw_start || t.drawn_to >= t.draw_stop || t.drawn_to >= pending) return;
+    const int32_t target = std::min(pending, t.draw_stop);
+    if (work == kCollisions) {
+        if (!quiet_) quiet_ = !line_end_acts_ && !possible_pairs();
+        if (quiet_) {
+            t.drawn_to = target;
+            return;
+        }
+    }
+    go_to<work>(target);
 }
 
 template <Beam::Work work>

@@ -15,11 +15,13 @@ namespace atari {
 
 struct ConsoleConfig;
 
-// A write to a register of the TIA, at the end of a CPU cycle of the frame.
+// A write to a register of the TIA, at the end of a CPU cycle of the frame. Motion registers are not kept: HMOVE brings
+// what they hold along.
 struct Write {
     uint32_t cycle;
-    uint8_t reg, value;
-    uint16_t unused;
+    uint8_t reg;
+    uint8_t value;     // under HMOVE: the motion of the ball
+    uint16_t motions;  // under HMOVE: of the others, a nibble each, player 0 lowest
 };
 
 class Beam {
@@ -33,7 +35,10 @@ class Beam {
     void begin(Work work, unsigned latches, uint8_t* pixels);
 
     // From now on collisions are made for these latches.
-    void watch(unsigned latches) { watched_ = latches; }
+    void watch(unsigned latches) {
+        watched_ = latches;
+        quiet_ = false;
+    }
 
     // Applies the writes. Collisions of everything before `collisions_from` are left out: they will be cleared.
     void apply(const Write* first, const Write* last, const Write* collisions_from);
@@ -45,19 +50,22 @@ class Beam {
     template <Work work>
     void apply_all(const Write* first, const Write* last, const Write* collisions_from);
     template <Work work>
-    void apply_one(const Write& write);
+    void apply_range(const Write* first, const Write* last);
+    // `pending` is the clock at which the latest of the writes so far shows.
     template <Work work>
-    void write_nusiz(int player, uint8_t value);
+    void apply_one(Tia& t, const Write& write, int32_t& pending);
     template <Work work>
-    void write_graphics(int player, uint8_t value);
+    void write_nusiz(unsigned player, uint8_t value, int32_t pending);
     template <Work work>
-    void write_playfield(uint32_t value);
+    void write_graphics(unsigned player, uint8_t value, int32_t pending);
     template <Work work>
-    void reset_player(int player, int hpos, int32_t clock);
+    void write_playfield(uint32_t value, int32_t pending);
     template <Work work>
-    void move_objects(uint32_t cycle_in_line, int32_t clock);
+    void reset_player(unsigned player, int hpos, int32_t clock, int32_t& pending);
     template <Work work>
-    void advance();
+    void move_objects(const Write& write, uint32_t cycle_in_line, int32_t clock, int32_t pending);
+    template <Work work>
+    void advance(int32_t pending);
     template <Work work>
     void go_to(int32_t target);
     template <Work work>
@@ -66,12 +74,13 @@ class Beam {
     int32_t line_end() const;
     bool blank_is_over() const;
 
-    void enable(int object, bool on) {
-        const unsigned bit = 1u << object;
-        enabled_ = on ? enabled_ | bit : enabled_ & ~bit;
+    void enable(unsigned object, bool on) {
+        const unsigned bit = 1u << object, now = on ? enabled_ | bit : enabled_ & ~bit;
+        quiet_ &= now == enabled_;
+        enabled_ = now;
     }
-    void show(int player);
-    void moved(int object);
+    void show(unsigned player);
+    void moved(unsigned object);
     const Mask& mask(int object);
     const Mask& reach_of(int object);
     int extent_of(int object) const;
@@ -91,6 +100,7 @@ class Beam {
     unsigned watched_ = 0xffff;  // collision latches that are wanted
     bool collecting_ = true;     // and wanted now
     bool line_end_acts_ = false; // the end of a line would change something
+    bool quiet_ = false;         // nothing can collide, nor does a line's end act, until one of them changes
 
     // The pixels of each object, and for players also the pixels that any graphics could reach; made when needed.
     unsigned stale_ = 0x3f, reach_stale_ = 3;

@@ -53,6 +53,7 @@ struct FrameLog {
 struct Written {
     uint8_t reg[64];
     uint8_t old_grp0, old_grp1, old_enabl;  // values of GRP0, GRP1 and ENABL that the delayed copies have
+    bool mirror_changed;  // CTRLPF's bit 0, in this frame or without effect so far
 };
 
 // A console's whole state, copied in memory as it is: pictures that have not been drawn yet as their logs.
@@ -164,6 +165,7 @@ class Console {
     void begin_log();
     void end_log();
     void keep_write(uint8_t reg, uint8_t value);
+    void keep_hmove(uint32_t cycles);
     void apply_kept(int32_t clock);
     void read_latches(int reg);
     void settle_latches();

@@ -31,7 +31,8 @@ enum class Operand : uint8_t {
     PortZ, PortA,      // anything else, by an address of one byte or two
     Tia,               // stores: a register whose value can be written again without effect
     Strobe,            //         one that acts at every write
-    Grp0, Grp1, Wsync, //         and three with a way of their own
+    Motion,            //         HMP0 .. HMBL, which act when HMOVE is written
+    Hmove, Ctrlpf, Grp0, Grp1, Wsync,
     kCount
 };
 
@@ -41,12 +42,14 @@ constexpr Operand stored_in(uint8_t reg) {
         case 0x02: return Operand::Wsync;
         case 0x1b: return Operand::Grp0;
         case 0x1c: return Operand::Grp1;
-        case 0x04: case 0x05: case 0x0a: case 0x10: case 0x11: case 0x12: case 0x13: case 0x14: case 0x2a:
-            return Operand::Strobe;  // NUSIZ, CTRLPF, RES.., HMOVE
+        case 0x2a: return Operand::Hmove;
+        case 0x0a: return Operand::Ctrlpf;
+        case 0x04: case 0x05: case 0x10: case 0x11: case 0x12: case 0x13: case 0x14:
+            return Operand::Strobe;  // NUSIZ, RES..
+        case 0x20: case 0x21: case 0x22: case 0x23: case 0x24: return Operand::Motion;
         case 0x06: case 0x07: case 0x08: case 0x09: case 0x0b: case 0x0c: case 0x0d: case 0x0e: case 0x0f: case 0x1d:
-        case 0x1e: case 0x1f: case 0x20: case 0x21: case 0x22: case 0x23: case 0x24: case 0x25: case 0x26: case 0x27:
-        case 0x28: case 0x29:
-            return Operand::Tia;  // COLU.., REFP, PF, ENA.., HM.., VDEL.., RESMP
+        case 0x1e: case 0x1f: case 0x25: case 0x26: case 0x27: case 0x28: case 0x29:
+            return Operand::Tia;  // COLU.., REFP, PF, ENA.., VDEL.., RESMP
         default: return Operand::PortZ;
     }
 }

@@ -74,6 +74,8 @@ void Console::begin_log() {
     w.old_grp0 = t.old_grp[0];
     w.old_grp1 = t.old_grp[1];
     w.old_enabl = t.old_enabl ? 2 : 0;
+    w.reg[CTRLPF] = t.ctrlpf;
+    w.mirror_changed = t.pf_mirror != (t.ctrlpf & 1);
 }
 
 void Console::end_log() {
@@ -81,6 +83,7 @@ void Console::end_log() {
     FrameLog& log = logs_[log_];
     log.size = static_cast<int>(log_end_ - log.writes);
     apply_kept(end_clock_);
+    for (int object = kP0; object <= kBL; ++object) t.hm[object] = written_.reg[HMP0 + object] >> 4;
     log.reached = t.pending;
     log.extent = t.write_pos + (t.hmove_blank ? kScreenWidth : 0);  // a blank may reach further
     last_log_ = log_;
@@ -216,7 +219,15 @@ void Console::keep_write(uint8_t reg, uint8_t value) {
             w.old_grp0 = w.reg[GRP0];
             w.old_enabl = w.reg[ENABL];
             break;
-        case HMCLR: std::fill_n(w.reg + HMP0, 5, uint8_t{0}); break;
+        case HMP0: case HMP1: case HMM0: case HMM1: case HMBL: {
+            const bool trick = w.reg[reg] >> 4 == 7 && value >> 4 == 6;
+            w.reg[reg] = value;
+            if (!trick) return;
+            break;
+        }
+        case HMCLR: std::fill_n(w.reg + HMP0, 5, uint8_t{0}); return;
+        case HMOVE: return keep_hmove(m_.cycles);
+        case CTRLPF: w.mirror_changed |= ((w.reg[CTRLPF] ^ value) & 1) != 0; break;
         case CXCLR:
             collisions_from_ = log_end_;
             cleared_ = true;
@@ -230,6 +241,12 @@ void Console::keep_write(uint8_t reg, uint8_t value) {
     }
     w.reg[reg] = value;
     *log_end_++ = {m_.cycles, reg, value, 0};
+}
+
+void Console::keep_hmove(uint32_t cycles) {
+    const uint8_t* hm = written_.reg + HMP0;
+    *log_end_++ = {cycles, HMOVE, static_cast<uint8_t>(hm[kBL] >> 4),
+                   static_cast<uint16_t>(hm[kP0] >> 4 | (hm[kP1] & 0xf0) | (hm[kM0] & 0xf0) << 4 | (hm[kM1] & 0xf0) << 8)};
 }
 
 // The picture, after what is missing has been drawn.

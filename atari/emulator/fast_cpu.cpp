@@ -168,9 +168,11 @@ struct FastCpu {
         if (!(address & 0x1080) && !c.watches_tia_ && cycles < c.overlong_) {
             const uint32_t reg = address & 0x3f;
             const Operand kind = kStoredIn[reg];
-            if (kind == Operand::Tia || kind == Operand::Strobe) {
-                if (kind == Operand::Tia && c.written_.reg[reg] == value) return false;
+            if (kind == Operand::Tia) {
+                if (c.written_.reg[reg] == value) return false;
                 c.written_.reg[reg] = static_cast<uint8_t>(value);
+            }
+            if (kind == Operand::Tia || kind == Operand::Strobe) {
                 keep(cycles, c, reg, value);
                 return false;
             }
@@ -300,7 +302,10 @@ struct FastCpu {
 
     // Keeps a write to the TIA for later. There is room: see `kLogSize`.
     INLINE static void keep(uint32_t cycles, Console& c, uint32_t reg, uint32_t value) {
-        *c.log_end_++ = {cycles, static_cast<uint8_t>(reg), static_cast<uint8_t>(value), 0};
+        Write* write = c.log_end_++;
+        write->cycle = cycles;
+        write->reg = static_cast<uint8_t>(reg);
+        write->value = static_cast<uint8_t>(value);
     }
 
     template <int op, Operand operand>
@@ -322,8 +327,7 @@ struct FastCpu {
         r.cycles += store_cost(operand);
         r.at += length_of(operand);
         if constexpr (operand == Operand::Ram) return kNext;
-        constexpr bool direct = operand == Operand::Tia || operand == Operand::Strobe || operand == Operand::Grp0 ||
-                                operand == Operand::Grp1 || operand == Operand::Wsync;
+        constexpr bool direct = operand >= Operand::Tia;
         if (direct && r.cycles < c.overlong_) return write_tia<operand>(r, c, given, value);
         return write_any(r, c, address, value);
     }
@@ -342,6 +346,18 @@ struct FastCpu {
             }
         } else if constexpr (operand == Operand::Strobe) {
             keep(r.cycles, c, reg, value);
+        } else if constexpr (operand == Operand::Motion) {
+            if (w.reg[reg] >> 4 == 7 && byte >> 4 == 6) keep(r.cycles, c, reg, value);  // perhaps Cosmic Ark's trick
+            w.reg[reg] = byte;
+        } else if constexpr (operand == Operand::Hmove) {
+            c.keep_hmove(r.cycles);
+        } else if constexpr (operand == Operand::Ctrlpf) {
+            // Written again it can act once more, if the mirroring was changed late in a line.
+            if (w.reg[reg] != byte || w.mirror_changed) {
+                w.mirror_changed |= ((w.reg[reg] ^ byte) & 1) != 0;
+                w.reg[reg] = byte;
+                keep(r.cycles, c, reg, value);
+            }
         } else if constexpr (operand == Operand::Grp0) {
             if (w.reg[0x1b] != byte || w.old_grp1 != w.reg[0x1c]) {
                 w.reg[0x1b] = byte;
