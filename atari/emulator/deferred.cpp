@@ -85,7 +85,8 @@ void Console::end_log() {
     apply_kept(end_clock_);
     for (int object = kP0; object <= kBL; ++object) t.hm[object] = written_.reg[HMP0 + object] >> 4;
     log.reached = t.pending;
-    log.extent = t.write_pos + (t.hmove_blank ? kScreenWidth : 0);  // a blank may reach further
+    // In front of the last line a blank may reach further.
+    log.extent = t.write_pos + (t.hmove_blank && t.drawn_to < t.draw_stop ? kScreenWidth : 0);
     last_log_ = log_;
     if (!cleared_) settle_latches();  // or ever more logs would be needed
     wanted_ = false;
