@@ -43,13 +43,13 @@ void Console::map_segments() {
 // A page that is only partly plain image is none.
 void Console::map_pages() {
     const unsigned first = (plain_.from + 63) / 64, last = (plain_.from + plain_.size) / 64;
-    const bool two_halves = cartridge_->type() == Type::kFE;
-    for (unsigned page = 0; page < 64; ++page) {
-        const bool plain = page >= first && page < last;
-        const unsigned offset = 64 * (page & 15);
-        pages_[192 + page] = plain ? image_ + segment_[12 + page / 16] + offset : nullptr;
-        pages_[64 + page] = two_halves ? image_ + segment_[4 + page / 16] + offset : pages_[192 + page];
+    const bool two_halves = cartridge_->type() == Type::kFE, one_bank = segment_[15] == segment_[12] + 3072;
+    for (unsigned page = first; page < last; ++page) {
+        const uint32_t start = one_bank ? segment_[12] + 64 * page : segment_[12 + page / 16] + 64 * (page & 15);
+        pages_[64 + page] = pages_[192 + page] = image_ + start;
     }
+    if (two_halves)
+        for (unsigned page = first; page < last; ++page) pages_[64 + page] = image_ + segment_[4] + 64 * page;
 }
 
 // Reads of all that is not plain image. A switch happens before the byte is fetched: it comes from the new bank.

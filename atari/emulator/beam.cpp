@@ -78,7 +78,7 @@ void Beam::begin(Work work, unsigned latches, uint8_t* pixels) {
     line_end_acts_ = true;
     quiet_ = false;
     stale_ = 0x3f;
-    reach_stale_ = 3;
+    cells_stale_ = true;
     unknown_ = 0xffff;
     for (unsigned player : {0u, 1u}) {
         enable(kP0 + player, t.vdelp[player] ? t.old_grp[player] : t.grp[player]);
@@ -258,7 +258,7 @@ inline void Beam::show(unsigned player) {
 // The place or the size of an object has changed.
 inline void Beam::moved(unsigned object) {
     stale_ |= bit_of(object);
-    reach_stale_ |= bit_of(object);
+    cells_stale_ |= object == kPF;
     unknown_ |= kPairsWith[static_cast<size_t>(object)];
     quiet_ = false;
 }
@@ -455,37 +455,45 @@ inline const Mask& Beam::mask(int object) {
     return masks_[object];
 }
 
-// The pixels an object could show where it is, whatever its graphics.
-inline const Mask& Beam::reach_of(int object) {
-    if (object > kP1) return mask(object);
-    if (reach_stale_ & bit_of(object)) {
-        reach_stale_ &= ~bit_of(object);
-        reach_[object] = player_mask(0xff, t_.pos[object], t_.nusiz[object] & 7, false);
-    }
-    return reach_[object];
-}
-
-// Pixels from the first one of an object's first copy to the last one of its last.
-inline int Beam::extent_of(int object) const {
-    static constexpr uint8_t kPlayer[8] = {8, 24, 40, 40, 72, 17, 72, 33}, kMissile[8] = {0, 16, 32, 32, 64, 0, 64, 0};
+// Copies of a player or missile, and how many pixels wide each can be.
+inline int Beam::width_of(unsigned object) const {
     const Tia& t = t_;
-    switch (object) {
-        case kP0: case kP1: return kPlayer[t.nusiz[object] & 7];
-        case kM0: case kM1: {
-            const int nusiz = t.nusiz[object - kM0];
-            return kMissile[nusiz & 7] + (1 << ((nusiz >> 4 & 3) | (t.m0_variant == kWide ? 1 : 0)));
-        }
-        default: return 1 << (t.ctrlpf >> 4 & 3);
-    }
+    if (object == kBL) return 1 << (t.ctrlpf >> 4 & 3);
+    if (object >= kM0) return 1 << ((t.nusiz[object - kM0] >> 4 & 3) | (t.m0_variant == kWide ? 1 : 0));
+    const int mode = t.nusiz[object] & 7;
+    return mode == 5 ? 17 : mode == 7 ? 33 : 8;  // wide players begin a pixel late
 }
 
-// Whether two objects could share a pixel where they are now.
-bool Beam::may_touch(int a, int b) {
-    if (a != kPF && b != kPF) {
-        const int from_a = t_.pos[b] - t_.pos[a], distance = from_a < 0 ? from_a + kScreenWidth : from_a;
-        if (distance >= extent_of(a) && distance + extent_of(b) <= kScreenWidth) return false;
+// Calls `visit` with the first pixel of each copy of an object, not wrapped.
+template <typename Visit>
+inline void Beam::visit_copies(unsigned object, Visit&& visit) const {
+    const int position = t_.pos[object];
+    if (object == kBL) return visit(position);
+    const auto& copies = kCopies[t_.nusiz[object & 1] & 7];
+    for (int copy = 0; copy < copies.count; ++copy) visit(position + copies.offset[copy]);
+}
+
+// Whether two objects could share a pixel where they are now, whatever the graphics of players.
+bool Beam::may_touch(unsigned a, unsigned b) {
+    bool touch = false;
+    if (b == kPF) {
+        // Cells of four pixels are near enough.
+        if (cells_stale_) {
+            cells_stale_ = false;
+            cells_ = playfield_cells(t_.playfield, t_.pf_mirror);
+        }
+        const int width = width_of(a);
+        visit_copies(a, [&](int x) { touch |= (cells_of_run(x % kScreenWidth, width) & cells_) != 0; });
+        return touch;
     }
-    return meets(reach_of(a), reach_of(b));
+    const int width_a = width_of(a), width_b = width_of(b);
+    visit_copies(a, [&](int xa) {
+        visit_copies(b, [&](int xb) {
+            const int behind = (xb - xa + 2 * kScreenWidth) % kScreenWidth;
+            touch |= behind < width_a || behind + width_b > kScreenWidth;
+        });
+    });
+    return touch;
 }
 
 // Pairs of objects that may collide in what is drawn next and whose latch is still open.

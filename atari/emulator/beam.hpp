@@ -82,9 +82,10 @@ class Beam {
     void show(unsigned player);
     void moved(unsigned object);
     const Mask& mask(int object);
-    const Mask& reach_of(int object);
-    int extent_of(int object) const;
-    bool may_touch(int a, int b);
+    int width_of(unsigned object) const;
+    template <typename Visit>
+    void visit_copies(unsigned object, Visit&& visit) const;
+    bool may_touch(unsigned a, unsigned b);
     unsigned possible_pairs();
     void collide(int first, int last);
     void draw(int first, int last);
@@ -102,9 +103,11 @@ class Beam {
     bool line_end_acts_ = false; // the end of a line would change something
     bool quiet_ = false;         // nothing can collide, nor does a line's end act, until one of them changes
 
-    // The pixels of each object, and for players also the pixels that any graphics could reach; made when needed.
-    unsigned stale_ = 0x3f, reach_stale_ = 3;
-    Mask masks_[6], reach_[2];
+    // The pixels of each object, and the cells of the playfield; made when needed.
+    unsigned stale_ = 0x3f;
+    Mask masks_[6];
+    bool cells_stale_ = true;
+    uint64_t cells_;
     // Pairs of objects that could collide where they are now, of those that have been looked at.
     unsigned touching_ = 0, unknown_ = 0xffff;
 };

@@ -124,15 +124,27 @@ inline Mask ball_mask(int position, int size) {
     return mask;
 }
 
+// Of the 40 cells of four pixels in a line those that a run of `width` pixels at x reaches, as a set of bits. The run goes
+// on at pixel 0 behind pixel 159.
+inline uint64_t cells_of_run(int x, int width) {
+    const int first = x / 4, last = (x + width - 1) / 4;
+    const uint64_t cells = (2ull << last) - (1ull << first);
+    return (cells | cells >> 40) & 0xffffffffff;
+}
+
 // `playfield` as in `Tia`: PF0 is drawn lowest bit first, PF1 highest first, PF2 lowest first, in cells of 4 pixels.
-inline Mask playfield_mask(uint32_t playfield, bool mirror) {
+inline uint64_t playfield_cells(uint32_t playfield, bool mirror) {
     const uint64_t left = (playfield & 0xff00f) | uint64_t{kReversed[(playfield >> 4) & 0xff]} << 4;
     uint64_t right = left;
     if (mirror) {
         right = uint64_t{kReversed[left & 0xff]} << 12 | uint64_t{kReversed[(left >> 8) & 0xff]} << 4 |
                 kReversed[(left >> 16) & 0xf] >> 4;
     }
-    const uint64_t cells = left | right << 20;
+    return left | right << 20;
+}
+
+inline Mask playfield_mask(uint32_t playfield, bool mirror) {
+    const uint64_t cells = playfield_cells(playfield, mirror);
     const auto stretched = [&](int byte) { return uint64_t{kStretched<4>[(cells >> (8 * byte)) & 0xff]}; };
     return {{stretched(0) | stretched(1) << 32, stretched(2) | stretched(3) << 32, stretched(4)}};
 }
