@@ -76,7 +76,7 @@ void Beam::begin(Work work, unsigned latches, uint8_t* pixels) {
     first_cycle_ = static_cast<uint32_t>(t.frame_start / 3);
     blanked_at_ = t.draw_start;
     line_end_acts_ = true;
-    quiet_ = false;
+    quiet_ = layers_known_ = false;
     stale_ = 0x3f;
     cells_stale_ = true;
     unknown_ = 0xffff;
@@ -164,7 +164,7 @@ INLINE void Beam::apply_one(Tia& t, const Write& write, int32_t& pending) {
             if (t.refp[player] == ((value & 8) != 0)) break;
             advance<work>(pending);
             t.refp[player] = value & 8;
-            stale_ |= bit_of(player);
+            outdate(bit_of(player));
             break;
         }
         case PF0: write_playfield<work>((t.playfield & ~0xfu) | value >> 4, pending); break;
@@ -252,12 +252,12 @@ INLINE void Beam::apply_one(Tia& t, const Write& write, int32_t& pending) {
 inline void Beam::show(unsigned player) {
     const Tia& t = t_;
     enable(player, t.vdelp[player] ? t.old_grp[player] : t.grp[player]);
-    stale_ |= bit_of(player);
+    outdate(bit_of(player));
 }
 
 // The place or the size of an object has changed.
 inline void Beam::moved(unsigned object) {
-    stale_ |= bit_of(object);
+    outdate(bit_of(object));
     cells_stale_ |= object == kPF;
     unknown_ |= kPairsWith[static_cast<size_t>(object)];
     quiet_ = false;
@@ -336,7 +336,7 @@ inline void Beam::move_objects(const Write& write, uint32_t cycle_in_line, int32
         }
     }
     if (t.skip_first[0] || t.skip_first[1]) {
-        stale_ |= bit_of(kP0) | bit_of(kP1);
+        outdate(bit_of(kP0) | bit_of(kP1));
         t.skip_first[0] = t.skip_first[1] = false;
     }
     if (t.m0_variant != kPlain) {
@@ -367,6 +367,10 @@ INLINE void Beam::advance(int32_t pending) {
     Tia& t = t_;
     if (pending < t.draw_start || t.drawn_to >= t.draw_stop || t.drawn_to >= pending) return;
     const int32_t target = std::min(pending, t.draw_stop);
+    if (work != kCollisions && !t.hmove_blank && target <= line_end_ - kScreenWidth) {
+        t.drawn_to = target;  // still in front of the first pixel
+        return;
+    }
     if (work == kCollisions) {
         if (!quiet_) quiet_ = !line_end_acts_ && !possible_pairs();
         if (quiet_) {
@@ -436,7 +440,7 @@ void Beam::end_line() {
     for (int player : {0, 1}) {
         if (!t.skip_first[player]) continue;
         t.skip_first[player] = false;
-        stale_ |= bit_of(player);
+        outdate(bit_of(player));
     }
     if (t.cosmic_ark) {
         static constexpr uint8_t kStep[4] = {18, 33, 0, 17};
@@ -526,24 +530,28 @@ void Beam::collide(int first, int last) {
 // Draws pixels first .. last-1 of the line.
 void Beam::draw(int first, int last) {
     const Tia& t = t_;
-    const unsigned objects = enabled_;
-    if ((t.vblank & 2) || !objects) {
+    if ((t.vblank & 2) || !enabled_) {
         std::memset(row_ + first, t.vblank & 2 ? 0 : t.colour[3], static_cast<size_t>(last - first));
         return;
     }
+    if (!layers_known_) make_layers();
+    kPaint(row_, layers_, t.colour, first, last);
+}
+
+void Beam::make_layers() {
+    layers_known_ = true;
     Mask lit[6];
     for (int object = kP0; object <= kPF; ++object)
-        if (objects & bit_of(object)) lit[object] = mask(object);
-
+        if (enabled_ & bit_of(object)) lit[object] = mask(object);
     static constexpr Mask kLeft = Mask::range(0, 80);
-    const bool score = t.ctrlpf & 2, playfield_first = t.ctrlpf & 4;
+    const bool score = t_.ctrlpf & 2, playfield_first = t_.ctrlpf & 4;
     const Mask side0 = lit[kP0] | lit[kM0], side1 = lit[kP1] | lit[kM1];
-    Layers layers;
+    Layers& layers = layers_;
     if (playfield_first) {
         layers.playfield = lit[kPF] | lit[kBL];
         layers.player0 = without(side0, layers.playfield);
         layers.player1 = without(side1, layers.playfield | side0);
-        if (score && objects == bit_of(kPF)) {
+        if (score && enabled_ == bit_of(kPF)) {
             layers.player0 = lit[kPF] & kLeft;
             layers.player1 = without(lit[kPF], kLeft);
             layers.playfield = {};
@@ -553,7 +561,6 @@ void Beam::draw(int first, int last) {
         layers.player1 = without(score ? side1 | without(lit[kPF], kLeft) : side1, layers.player0);
         layers.playfield = without(lit[kPF] | lit[kBL], layers.player0 | layers.player1);
     }
-    kPaint(row_, layers, t.colour, first, last);
 }
 
 }  // namespace atari

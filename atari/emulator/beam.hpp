@@ -9,6 +9,7 @@
 #include <cstdint>
 
 #include "masks.hpp"
+#include "paint.hpp"
 #include "state.hpp"
 
 namespace atari {
@@ -76,8 +77,13 @@ class Beam {
 
     void enable(unsigned object, bool on) {
         const unsigned bit = 1u << object, now = on ? enabled_ | bit : enabled_ & ~bit;
-        quiet_ &= now == enabled_;
+        if (now == enabled_) return;
         enabled_ = now;
+        quiet_ = layers_known_ = false;
+    }
+    void outdate(unsigned objects) {
+        stale_ |= objects;
+        layers_known_ = false;
     }
     void show(unsigned player);
     void moved(unsigned object);
@@ -89,6 +95,7 @@ class Beam {
     unsigned possible_pairs();
     void collide(int first, int last);
     void draw(int first, int last);
+    void make_layers();
 
     Tia& t_;
     const ConsoleConfig& config_;
@@ -106,6 +113,8 @@ class Beam {
     // The pixels of each object, and the cells of the playfield; made when needed.
     unsigned stale_ = 0x3f;
     Mask masks_[6];
+    bool layers_known_ = false;
+    Layers layers_;              // what is painted, as long as nothing but colours changes
     bool cells_stale_ = true;
     uint64_t cells_;
     // Pairs of objects that could collide where they are now, of those that have been looked at.

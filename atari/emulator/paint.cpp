@@ -1,5 +1,6 @@
 #include "paint.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
@@ -8,10 +9,11 @@
 
 #if defined(__x86_64__) && defined(__GNUC__)
 #include <immintrin.h>
-#define ATARI_AVX2 1
+#define ATARI_WIDE 1
 #define WIDE __attribute__((target("avx2")))
+#define WIDER __attribute__((target("avx512f,avx512bw,avx512vl,avx512vbmi")))
 #else
-#define ATARI_AVX2 0
+#define ATARI_WIDE 0
 #endif
 
 namespace atari {
@@ -30,7 +32,7 @@ constexpr auto kByteMasks = [] {
 
 constexpr uint64_t repeated(uint8_t byte) { return byte * 0x0101010101010101ull; }
 
-#if ATARI_AVX2
+#if ATARI_WIDE
 // 32 bits as 32 bytes of 0x00 or 0xff.
 WIDE inline __m256i bytes_of(uint32_t bits) {
     const __m256i which = _mm256_setr_epi64x(0, 0x0101010101010101, 0x0202020202020202, 0x0303030303030303);
@@ -57,6 +59,73 @@ WIDE void paint_wide(uint8_t* row, const Layers& layers, const uint8_t colours[4
         line = _mm256_blendv_epi8(line, colour0, bytes_of(block_of(layers.player0, block)));
         if (!whole) line = _mm256_blendv_epi8(_mm256_loadu_si256(pixels), line, bytes_of(block_of(span, block)));
         _mm256_storeu_si256(pixels, line);
+    }
+}
+
+bool goes_wider() {
+    return __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512vbmi");
+}
+
+// Here the sets of pixels are the masks of the instructions.
+WIDER void paint_wider(uint8_t* row, const Layers& layers, const uint8_t colours[4], int first, int last) {
+    const __m512i colour0 = _mm512_set1_epi8(static_cast<char>(colours[0]));
+    const __m512i colour1 = _mm512_set1_epi8(static_cast<char>(colours[1]));
+    const __m512i colour_pf = _mm512_set1_epi8(static_cast<char>(colours[2]));
+    const __m512i background = _mm512_set1_epi8(static_cast<char>(colours[3]));
+    const Mask span = Mask::range(first, last);
+    for (int word = first / 64; word <= (last - 1) / 64; ++word) {
+        __m512i line = _mm512_mask_mov_epi8(background, layers.playfield.word[word], colour_pf);
+        line = _mm512_mask_mov_epi8(line, layers.player1.word[word], colour1);
+        line = _mm512_mask_mov_epi8(line, layers.player0.word[word], colour0);
+        _mm512_mask_storeu_epi8(row + 64 * word, span.word[word], line);
+    }
+}
+
+// One of 256 bytes for each of 64 indices.
+WIDER inline __m512i look_up(const __m512i table[4], __m512i indices) {
+    const __m512i low = _mm512_permutex2var_epi8(table[0], indices, table[1]);
+    const __m512i high = _mm512_permutex2var_epi8(table[2], indices, table[3]);
+    return _mm512_mask_mov_epi8(low, _mm512_movepi8_mask(indices), high);
+}
+
+// Where the three times 64 bytes of 64 pixels come from: from red or green (64 and more), or from blue.
+constexpr auto kInterleaved = [] {
+    struct {
+        uint8_t red_green[3][64] = {}, blue[3][64] = {};
+        uint64_t is_blue[3] = {};
+    } places;
+    for (int i = 0; i < 192; ++i) {
+        const auto pixel = static_cast<uint8_t>(i / 3);
+        places.red_green[i / 64][i % 64] = static_cast<uint8_t>(i % 3 == 1 ? 64 + pixel : pixel);
+        places.blue[i / 64][i % 64] = pixel;
+        if (i % 3 == 2) places.is_blue[i / 64] |= 1ull << (i % 64);
+    }
+    return places;
+}();
+
+WIDER void to_rgb_wider(const uint8_t* picture, int rows, const Palette& palette, uint8_t* out) {
+    uint8_t channels[3][256];
+    for (int i = 0; i < 256; ++i)
+        for (int channel = 0; channel < 3; ++channel) channels[channel][i] = static_cast<uint8_t>(palette.rgb[i] >> (16 - 8 * channel));
+    __m512i tables[3][4], red_green[3], blue[3];
+    for (int channel = 0; channel < 3; ++channel) {
+        for (int part = 0; part < 4; ++part) tables[channel][part] = _mm512_loadu_si512(channels[channel] + 64 * part);
+        red_green[channel] = _mm512_loadu_si512(kInterleaved.red_green[channel]);
+        blue[channel] = _mm512_loadu_si512(kInterleaved.blue[channel]);
+    }
+    const int pixels = rows * kScreenWidth;
+    for (int i = 0; i < pixels; i += 64) {
+        const int count = pixels - i;  // less than 64 in the last round, perhaps
+        const __mmask64 here = count >= 64 ? ~0ull : (1ull << count) - 1;
+        const __m512i indices = _mm512_maskz_loadu_epi8(here, picture + i);
+        __m512i colour[3];
+        for (int channel = 0; channel < 3; ++channel) colour[channel] = look_up(tables[channel], indices);
+        for (int part = 0; part < 3; ++part) {
+            const __m512i mixed = _mm512_permutex2var_epi8(colour[0], red_green[part], colour[1]);
+            const __m512i bytes = _mm512_mask_permutexvar_epi8(mixed, kInterleaved.is_blue[part], blue[part], colour[2]);
+            const int left = std::clamp(3 * count - 64 * part, 0, 64);
+            _mm512_mask_storeu_epi8(out + 3 * i + 64 * part, left == 64 ? ~0ull : (1ull << left) - 1, bytes);
+        }
     }
 }
 #endif
@@ -104,14 +173,18 @@ void paint_plain(uint8_t* row, const Layers& layers, const uint8_t colours[4], i
     std::memcpy(row + first, reinterpret_cast<const uint8_t*>(line) + first, static_cast<size_t>(last - first));
 }
 
-Painter best_painter() {
-#if ATARI_AVX2
-    if (__builtin_cpu_supports("avx2")) return paint_wide;
+std::vector<Painter> painters() {
+    std::vector<Painter> found = {paint_plain};
+#if ATARI_WIDE
+    if (__builtin_cpu_supports("avx2")) found.push_back(paint_wide);
+    if (goes_wider()) found.push_back(paint_wider);
 #endif
-    return paint_plain;
+    return found;
 }
 
-void to_rgb(const uint8_t* picture, int rows, const Palette& palette, uint8_t* out) {
+Painter best_painter() { return painters().back(); }
+
+void to_rgb_plain(const uint8_t* picture, int rows, const Palette& palette, uint8_t* out) {
     uint64_t colours[256];  // red in the lowest byte
     for (int i = 0; i < 256; ++i) {
         const uint32_t rgb = palette.rgb[i];
@@ -124,6 +197,14 @@ void to_rgb(const uint8_t* picture, int rows, const Palette& palette, uint8_t* o
                                    c[5] >> 8 | c[6] << 16 | c[7] << 40};
         std::memcpy(to, words, sizeof words);
     });
+}
+
+void to_rgb(const uint8_t* picture, int rows, const Palette& palette, uint8_t* out) {
+#if ATARI_WIDE
+    static const bool wider = goes_wider();
+    if (wider) return to_rgb_wider(picture, rows, palette, out);
+#endif
+    to_rgb_plain(picture, rows, palette, out);
 }
 
 void to_gray(const uint8_t* picture, int rows, const Palette& palette, uint8_t* out) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "masks.hpp"
 #include "palettes.hpp"
@@ -20,8 +21,12 @@ void paint_plain(uint8_t* row, const Layers& layers, const uint8_t colours[4], i
 // The fastest way of this processor.
 Painter best_painter();
 
+// The ways of this processor, the portable one first, for tests.
+std::vector<Painter> painters();
+
 // A picture of palette indices, rows x 160, as red, green and blue bytes, or as luminance.
 void to_rgb(const uint8_t* picture, int rows, const Palette& palette, uint8_t* out);
+void to_rgb_plain(const uint8_t* picture, int rows, const Palette& palette, uint8_t* out);
 void to_gray(const uint8_t* picture, int rows, const Palette& palette, uint8_t* out);
 
 }  // namespace atari
