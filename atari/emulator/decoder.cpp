@@ -76,10 +76,16 @@ bool plain_in_image(const Cartridge& cartridge, size_t offset) {
     }
 }
 
+bool is_ram(uint16_t address) { return (address & 0x1280) == 0x80; }
+
 bool is_timer(uint16_t address) { return (address & 0x1285) == 0x284; }
 
 Operand absolute(uint16_t address, const Cartridge& cartridge, const uint8_t* bank, uint16_t& value) {
     if (is_timer(address)) return Operand::Timer;
+    if (is_ram(address)) {
+        value = address & 0x7f;
+        return Operand::RamA;
+    }
     if (!(address & 0x1000)) return Operand::PortA;
     if (cartridge.type() == Type::kDPC && (address & 0xfff) < 0x40) return Operand::Dpc;
     if (cartridge.type() == Type::kFE) {
@@ -126,7 +132,8 @@ Operand operand_of(Opcode opcode, uint16_t& operand, const Cartridge& cartridge,
                                within(operand & 0xfff, cartridge.plain_window())
                            ? Operand::Near
                            : Operand::Far;
-            return is_store(opcode.operation) ? Operand::PortA : absolute(operand, cartridge, bank, operand);
+            if (is_store(opcode.operation) && !is_ram(operand)) return Operand::PortA;
+            return absolute(operand, cartridge, bank, operand);
         case AbsX:
         case AbsY: {
             const bool plain = !is_store(opcode.operation) && reaches_plain_image(operand, cartridge, bank);

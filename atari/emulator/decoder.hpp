@@ -22,6 +22,7 @@ enum class Operand : uint8_t {
     Imp, Acc, Imm, Rel,
     Near, Far, Ind,    // jumps: within the 4 KiB bank, anywhere, through a pointer
     Ram, RamX, RamY,   // zero page: RAM, and indexed (RAM or TIA, as the index says)
+    RamA,              // RAM by an address of two bytes
     Fixed,             // a byte of the image that this code always sees at this address: a constant
     Timer,             // INTIM
     Dpc,               // the registers of the DPC chip

@@ -35,7 +35,7 @@ enum Exit {
 constexpr int length_of(Operand operand) {
     switch (operand) {
         case Operand::Imp: case Operand::Acc: return 1;
-        case Operand::Fixed: case Operand::Timer: case Operand::Dpc: case Operand::RomX: case Operand::RomY: case Operand::AnyX:
+        case Operand::Fixed: case Operand::RamA: case Operand::Timer: case Operand::Dpc: case Operand::RomX: case Operand::RomY: case Operand::AnyX:
         case Operand::AnyY: case Operand::PortA: case Operand::Near: case Operand::Far: case Operand::Ind: return 3;
         default: return 2;
     }
@@ -53,7 +53,7 @@ constexpr uint32_t read_cost(Operand operand) {
 }
 constexpr uint32_t store_cost(Operand operand) {
     switch (operand) {
-        case Operand::RamX: case Operand::RamY: case Operand::PortA: return 4;
+        case Operand::RamX: case Operand::RamY: case Operand::RamA: case Operand::PortA: return 4;
         case Operand::AnyX: case Operand::AnyY: return 5;
         case Operand::IndX: case Operand::IndY: return 6;
         default: return 3;
@@ -216,7 +216,7 @@ struct FastCpu {
         r.cycles += read_cost(operand);
         if constexpr (operand == Operand::Imm || operand == Operand::Fixed) {
             value = given & 0xff;
-        } else if constexpr (operand == Operand::Ram) {
+        } else if constexpr (operand == Operand::Ram || operand == Operand::RamA) {
             value = c.m_.riot.ram[given];
         } else if constexpr (operand == Operand::RamX || operand == Operand::RamY) {
             const uint32_t address = (given + (operand == Operand::RamX ? r.x : r.y)) & 0xff;
@@ -313,7 +313,8 @@ struct FastCpu {
         const uint32_t value = op == STA ? r.a : op == STX ? r.x : r.y;
         const uint32_t given = r.at->operand;
         uint32_t address = given;
-        if constexpr (operand == Operand::Ram) {
+        constexpr bool ram = operand == Operand::Ram || operand == Operand::RamA;
+        if constexpr (ram) {
             c.m_.riot.ram[given] = static_cast<uint8_t>(value);
         } else if constexpr (operand == Operand::RamX || operand == Operand::RamY) {
             address = (given + (operand == Operand::RamX ? r.x : r.y)) & 0xff;
@@ -326,7 +327,7 @@ struct FastCpu {
         }
         r.cycles += store_cost(operand);
         r.at += length_of(operand);
-        if constexpr (operand == Operand::Ram) return kNext;
+        if constexpr (ram) return kNext;
         constexpr bool direct = operand >= Operand::Tia;
         if (direct && r.cycles < c.overlong_) return write_tia<operand>(r, c, given, value);
         return write_any(r, c, address, value);
