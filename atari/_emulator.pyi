@@ -107,6 +107,19 @@ class Emulator:
 
     def close(self) -> None: ...
 
+class AreaResize:
+    """
+    Scales a gray picture, (rows, 160), down to (height, width) as OpenCV's INTER_AREA does, to the byte.
+
+    Raises ValueError if the size is not served: larger than the picture, narrower than 11, or
+    dividing the picture's in both directions.
+    """
+
+    def __init__(self, rows: int, height: int, width: int) -> None: ...
+    def __call__(self, picture: numpy.typing.NDArray[numpy.uint8], out: numpy.typing.NDArray[numpy.uint8]) -> None: ...
+    def __getstate__(self) -> tuple[int, int, int]: ...
+    def __setstate__(self, arg: tuple[int, int, int], /) -> None: ...
+
 class Console:
     """
     A bare console, driven by hand: for tests and for looking inside.

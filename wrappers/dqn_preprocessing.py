@@ -8,6 +8,9 @@ Implementations agree on the idea and differ in details, mostly in what is shown
 `atari.wrappers.preset` has the parameters of each.
 """
 
+import contextlib
+from collections.abc import Callable
+from functools import partial
 from typing import Any, Literal, get_args
 
 import cv2
@@ -17,6 +20,7 @@ from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
 from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker
 
+from atari import _emulator
 from atari.cores import ByteArray
 from atari.cores.options import check_integer
 from atari.env import AtariEnv
@@ -138,6 +142,7 @@ class DqnPreprocessing(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorA
         self._stacked = stack_size is not None
         picture = (self._size[1], self._size[0], *colours)
         self._stack: ByteArray = np.zeros((stack_size or 1, *picture), np.uint8)
+        self._shrink = _shrinker(self._atari.game.screen.shape[0], self._size, self._grayscale)
         self.observation_space = spaces.Box(0, 255, self._stack.shape if self._stacked else picture, np.uint8)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
@@ -249,7 +254,7 @@ class DqnPreprocessing(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorA
         if picture is None:
             stack[-1] = self._stack[-1]
         else:
-            cv2.resize(picture, self._size, dst=stack[-1], interpolation=cv2.INTER_AREA)
+            self._shrink(picture, stack[-1])
         if not fill:
             stack[:-1] = self._stack[1:]
         else:
@@ -266,6 +271,18 @@ def _check_size(screen_size: Any) -> tuple[int, int]:
         raise ValueError(f"screen_size must be an integer or (width, height), got {screen_size!r}")
     width, height = (check_integer("screen_size", length, 1, 10_000) for length in pair)
     return width, height
+
+
+def _shrinker(rows: int, size: tuple[int, int], grayscale: bool) -> Callable[[ByteArray, ByteArray], object]:
+    """What scales a picture down: our own where it serves, with the same bytes in a tenth of the time; else OpenCV."""
+    if grayscale:
+        with contextlib.suppress(ValueError):
+            return _emulator.AreaResize(rows, size[1], size[0])
+    return partial(_shrink, size)
+
+
+def _shrink(size: tuple[int, int], picture: ByteArray, out: ByteArray) -> None:
+    cv2.resize(picture, size, dst=out, interpolation=cv2.INTER_AREA)
 
 
 def _can_drive_directly(env: Environment, atari: AtariEnv) -> bool:

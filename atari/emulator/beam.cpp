@@ -86,6 +86,7 @@ void Beam::begin(Work work, unsigned latches, uint8_t* pixels) {
     }
     enable(kBL, t.vdelbl ? t.old_enabl : t.enabl);
     enable(kPF, t.playfield);
+    find_open_pairs();
 }
 
 void Beam::apply(const Write* first, const Write* last, const Write* collisions_from) {
@@ -242,10 +243,15 @@ INLINE void Beam::apply_one(Tia& t, const Write& write, int32_t& pending) {
         case CXCLR:
             advance<work>(pending);
             t.collisions = 0;
-            quiet_ = false;
+            find_open_pairs();
             break;
         default: break;
     }
+}
+
+void Beam::find_open_pairs() {
+    open_pairs_ = kPairsOf[enabled_] & watched_ & ~t_.collisions;
+    quiet_ = false;
 }
 
 // The graphics of a player that show have changed.
@@ -259,8 +265,9 @@ inline void Beam::show(unsigned player) {
 inline void Beam::moved(unsigned object) {
     outdate(bit_of(object));
     cells_stale_ |= object == kPF;
-    unknown_ |= kPairsWith[static_cast<size_t>(object)];
-    quiet_ = false;
+    const unsigned pairs = kPairsWith[object];
+    unknown_ |= pairs;
+    if (open_pairs_ & pairs) quiet_ = false;
 }
 
 template <Beam::Work work>
@@ -504,7 +511,7 @@ bool Beam::may_touch(unsigned a, unsigned b) {
 inline unsigned Beam::possible_pairs() {
     const Tia& t = t_;
     if (!collecting_ || (t.vblank & 2)) return 0;
-    const unsigned pairs = kPairsOf[enabled_] & watched_ & ~t.collisions;
+    const unsigned pairs = open_pairs_;
     for (unsigned unknown = pairs & unknown_; unknown; unknown &= unknown - 1) {
         const Pair& pair = kPairOf[static_cast<size_t>(std::countr_zero(unknown))];
         unknown_ &= ~static_cast<unsigned>(pair.latch);
@@ -523,7 +530,9 @@ void Beam::collide(int first, int last) {
     do {
         const Pair& pair = kPairOf[static_cast<size_t>(std::countr_zero(pairs))];
         pairs &= pairs - 1;
-        if (meets(mask(pair.a) & span, mask(pair.b))) t.collisions |= pair.latch;
+        if (!meets(mask(pair.a) & span, mask(pair.b))) continue;
+        t.collisions |= pair.latch;
+        find_open_pairs();
     } while (pairs);
 }
 

@@ -38,7 +38,7 @@ class Beam {
     // From now on collisions are made for these latches.
     void watch(unsigned latches) {
         watched_ = latches;
-        quiet_ = false;
+        find_open_pairs();
     }
 
     // Applies the writes. Collisions of everything before `collisions_from` are left out: they will be cleared.
@@ -79,12 +79,14 @@ class Beam {
         const unsigned bit = 1u << object, now = on ? enabled_ | bit : enabled_ & ~bit;
         if (now == enabled_) return;
         enabled_ = now;
-        quiet_ = layers_known_ = false;
+        layers_known_ = false;
+        find_open_pairs();
     }
     void outdate(unsigned objects) {
         stale_ |= objects;
         layers_known_ = false;
     }
+    void find_open_pairs();
     void show(unsigned player);
     void moved(unsigned object);
     const Mask& mask(int object);
@@ -117,6 +119,7 @@ class Beam {
     Layers layers_;              // what is painted, as long as nothing but colours changes
     bool cells_stale_ = true;
     uint64_t cells_;
+    unsigned open_pairs_ = 0;    // of enabled objects, watched, and not latched yet
     // Pairs of objects that could collide where they are now, of those that have been looked at.
     unsigned touching_ = 0, unknown_ = 0xffff;
 };

@@ -144,7 +144,7 @@ void pool_gray(const uint8_t* early, const uint8_t* late, int rows, const uint8_
 }
 
 AreaResize::AreaResize(int rows, int height, int width, bool plain)
-    : height_(height), width_(width), wide_(goes_wide(plain)) {
+    : rows_(rows), height_(height), width_(width), wide_(goes_wide(plain)) {
     if (height < 1 || height > rows || width < 11 || width > kScreenWidth)
         throw std::invalid_argument("a picture is only made smaller here, and no narrower than 11");
     if (rows % height == 0 && kScreenWidth % width == 0)

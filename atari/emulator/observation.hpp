@@ -28,6 +28,10 @@ class AreaResize {
     // Throws std::invalid_argument if the size is not served.
     AreaResize(int rows, int height, int width, bool plain = false);
 
+    int rows() const { return rows_; }
+    int height() const { return height_; }
+    int width() const { return width_; }
+
     // `repeats` as pool_gray tells it; null takes every row for a new one.
     void operator()(const uint8_t* picture, const uint8_t* repeats, uint8_t* out) const;
 
@@ -55,7 +59,7 @@ class AreaResize {
     void run(const uint8_t* picture, const uint8_t* repeats, uint8_t* out) const;
     void run_wide(const uint8_t* picture, const uint8_t* repeats, uint8_t* out) const;
 
-    int height_, width_;
+    int rows_, height_, width_;
     [[maybe_unused]] bool wide_;
     std::vector<Tap> down_;  // ordered by source
     std::vector<Window> windows_;
