@@ -235,6 +235,24 @@ class Console:
     def load(self, state: bytes) -> None:
         """Continue from `save`; ValueError if the bytes cannot be a state."""
 
+def paint_ways() -> int:
+    """How many ways of painting this processor has."""
+
+def paint(
+    layers: Sequence[numpy.typing.NDArray[numpy.uint8]], colours: Sequence[int], first: int, last: int, way: int
+) -> numpy.typing.NDArray[numpy.uint8]:
+    """
+    A row of 160 zeros in which pixels first .. last-1 have been painted: those of the three layers, (160,) each,
+    in the first three colours, the others in the fourth. Way 0 is the portable one.
+    """
+
+def to_rgb(
+    picture: numpy.typing.NDArray[numpy.uint8], format: str, plain: bool = False
+) -> numpy.typing.NDArray[numpy.uint8]:
+    """
+    A picture of palette indices, (rows, 160), in the colours of a TV format. `plain` as in `pool_gray`.
+    """
+
 def pool_gray(
     early: numpy.typing.NDArray[numpy.uint8],
     late: numpy.typing.NDArray[numpy.uint8],

@@ -18,6 +18,7 @@
 
 #include "console.hpp"
 #include "observation.hpp"
+#include "paint.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -224,6 +225,29 @@ Array resized(Picture picture, int height, int width, std::optional<Bytes> repea
     return as_array(small.data(), {extents[0], extents[1]});
 }
 
+// A row of 160 zeros with pixels first .. last-1 painted in way number `way`.
+Array painted(std::array<Bytes, 3> layers, std::array<uint8_t, 4> colours, int first, int last, size_t way) {
+    if (way >= painters().size()) throw nb::value_error("this processor has no such way");
+    if (first < 0 || first >= last || last > kScreenWidth) throw nb::value_error("0 <= first < last <= 160 is needed");
+    Mask masks[3];
+    for (size_t i = 0; i < 3; ++i) {
+        if (layers[i].shape(0) != kScreenWidth) throw nb::value_error("a layer has 160 pixels");
+        for (size_t x = 0; x < kScreenWidth; ++x) masks[i].word[x / 64] |= uint64_t{layers[i].data()[x] != 0} << (x % 64);
+    }
+    uint8_t row[kScreenWidth] = {};
+    painters()[way](row, {masks[0], masks[1], masks[2]}, colours.data(), first, last);
+    return as_array(row, {kScreenWidth});
+}
+
+Array coloured(Picture picture, const std::string& format, bool plain) {
+    const size_t rows = picture.shape(0);
+    if (rows < 1 || rows > kFrameRows || picture.shape(1) != kScreenWidth) throw nb::value_error("a picture is (1..300, 160)");
+    const Palette& palette = format == "PAL" ? PAL : format == "SECAM" ? SECAM : NTSC;
+    std::vector<uint8_t> rgb(3 * picture.size());
+    (plain ? to_rgb_plain : to_rgb)(picture.data(), static_cast<int>(rows), palette, rgb.data());
+    return as_array(rgb.data(), {rows, kScreenWidth, 3});
+}
+
 }  // namespace
 
 void register_inspection(nb::module_& m) {
@@ -275,6 +299,16 @@ void register_inspection(nb::module_& m) {
         .def("save", &save, "The whole state as bytes.")
         .def("load", &load, "state"_a, "Continue from `save`; ValueError if the bytes cannot be a state.");
 
+    m.def("paint_ways", [] { return painters().size(); }, "How many ways of painting this processor has.");
+    m.def("paint", &painted, "layers"_a, "colours"_a, "first"_a, "last"_a, "way"_a,
+          nb::sig("def paint(layers: Sequence[numpy.typing.NDArray[numpy.uint8]], colours: Sequence[int], first: int, last: int, "
+                  "way: int) -> numpy.typing.NDArray[numpy.uint8]"),
+          "A row of 160 zeros in which pixels first .. last-1 have been painted: those of the three layers, (160,) each,\n"
+          "in the first three colours, the others in the fourth. Way 0 is the portable one.");
+    m.def("to_rgb", &coloured, "picture"_a, "format"_a, "plain"_a = false,
+          nb::sig("def to_rgb(picture: numpy.typing.NDArray[numpy.uint8], format: str, plain: bool = False) -> "
+                  "numpy.typing.NDArray[numpy.uint8]"),
+          "A picture of palette indices, (rows, 160), in the colours of a TV format. `plain` as in `pool_gray`.");
     m.def("pool_gray", &pooled, "early"_a, "late"_a, "table"_a, "plain"_a = false,
           nb::sig("def pool_gray(early: numpy.typing.NDArray[numpy.uint8], late: numpy.typing.NDArray[numpy.uint8], "
                   "table: numpy.typing.NDArray[numpy.uint8], plain: bool = False) -> "
