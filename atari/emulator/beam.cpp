@@ -154,8 +154,7 @@ INLINE void Beam::apply_one(Tia& t, const Write& write, int32_t& pending) {
             if (t.pf_mirror != mirror) moved(kPF);
             t.pf_mirror = mirror;
             if (mirror != (value & 1)) {
-                line_end_acts_ = true;
-                quiet_ = false;
+                line_end_matters();
             }
             moved(kBL);
             break;
@@ -208,8 +207,8 @@ INLINE void Beam::apply_one(Tia& t, const Write& write, int32_t& pending) {
         case HMM0:  // kept only if the motion goes from 7 to 6
             if (static_cast<uint32_t>(clock - t.last_hmove) != 63) break;
             advance<work>(pending);
-            t.cosmic_ark = line_end_acts_ = true;
-            quiet_ = false;
+            t.cosmic_ark = true;
+            line_end_matters();
             t.ark_counter = 0;
             break;
         case VDELP0: case VDELP1: {
@@ -319,7 +318,7 @@ void Beam::reset_player(unsigned player, int hpos, int32_t clock, int32_t& pendi
     advance<work>(pending);
     t.pos[player] = position;
     t.skip_first[player] = strobe.hidden;
-    line_end_acts_ |= strobe.hidden;
+    if (strobe.hidden) line_end_matters();
     moved(kP0 + player);
 }
 

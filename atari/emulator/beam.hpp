@@ -86,6 +86,10 @@ class Beam {
         stale_ |= objects;
         layers_known_ = false;
     }
+    void line_end_matters() {
+        line_end_acts_ = true;
+        quiet_ = false;
+    }
     void find_open_pairs();
     void show(unsigned player);
     void moved(unsigned object);

@@ -76,7 +76,7 @@ void Console::run_frame() {
         settle_latches();
         forget_logs();
         stale_ = 0x3f;
-        run_cpu();
+        logs_ ? run_counted() : run_cpu();
         catch_up();
     }
     t.current_line = scan_lines();

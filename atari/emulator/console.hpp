@@ -162,6 +162,7 @@ class Console {
     // deferred.cpp
     bool run_deferred();
     bool run_fast();
+    void run_counted();
     void begin_log();
     void end_log();
     void keep_write(uint8_t reg, uint8_t value);
@@ -258,6 +259,7 @@ class Console {
     const Record* base_record_;     // the record whose instruction is at `origin_`
     uint32_t origin_ = 0;
     uint32_t overlong_ = 0;         // from this cycle on, a write to the TIA ends the frame
+    uint32_t cycle_limit_ = 0;      // from this cycle on, the limit of instructions may be near
     uint32_t first_cycle_ = 0;      // of line 0
     Write* log_end_ = nullptr;
     Written written_{};

@@ -82,7 +82,11 @@ constexpr bool is_modify(int op) {
 
 // The bodies of the handlers; a friend of the console.
 struct FastCpu {
+    // Until the frame ends, or so many cycles have passed that the limit of instructions may be near (kLimit).
     static Exit run(Console& c);
+
+    // As many instructions, one by one, or to the end of the frame.
+    static void run_counted(Console& c, int left);
 
   private:
     using R = Registers;
@@ -137,10 +141,10 @@ struct FastCpu {
         if (!target) return kPlainly;
         r.at = target;
         r.cycles += cost;
-        return r.cycles >= kCyclesBelowLimit ? kLimit : kNext;
+        return r.cycles >= c.cycle_limit_ ? kLimit : kNext;
     }
 
-    INLINE static Exit branch(R& r, bool taken) {
+    INLINE static Exit branch(R& r, const Console& c, bool taken) {
         if (!taken) {
             r.cycles += 2;
             r.at += 2;
@@ -148,7 +152,7 @@ struct FastCpu {
         }
         r.cycles += r.at->taken;
         r.at += r.at->jump;
-        return r.cycles >= kCyclesBelowLimit ? kLimit : kNext;
+        return r.cycles >= c.cycle_limit_ ? kLimit : kNext;
     }
 
     // --- memory ---
@@ -462,7 +466,7 @@ struct FastCpu {
             if (((target ^ pc_of(c, r.at)) & 0xf000) == 0) {
                 r.at += r.at->jump;
                 r.cycles += cost;
-                return r.cycles >= kCyclesBelowLimit ? kLimit : kNext;
+                return r.cycles >= c.cycle_limit_ ? kLimit : kNext;
             }
         }
         return jump(r, c, target, cost);
@@ -530,18 +534,23 @@ struct FastCpu {
         if constexpr (is_read(op)) return read<op, operand>(r, c);
         else if constexpr (is_store(op)) return store<op, operand>(r, c);
         else if constexpr (is_modify(op)) return modify<op, operand>(r, c);
-        else if constexpr (op == BPL) return branch(r, !(r.nz & 0x180));
-        else if constexpr (op == BMI) return branch(r, r.nz & 0x180);
-        else if constexpr (op == BNE) return branch(r, r.nz & 0xff);
-        else if constexpr (op == BEQ) return branch(r, !(r.nz & 0xff));
-        else if constexpr (op == BCC) return branch(r, !r.carry);
-        else if constexpr (op == BCS) return branch(r, r.carry);
-        else if constexpr (op == BVC) return branch(r, !c.m_.cpu.v);
-        else if constexpr (op == BVS) return branch(r, c.m_.cpu.v);
+        else if constexpr (op == BPL) return branch(r, c, !(r.nz & 0x180));
+        else if constexpr (op == BMI) return branch(r, c, r.nz & 0x180);
+        else if constexpr (op == BNE) return branch(r, c, r.nz & 0xff);
+        else if constexpr (op == BEQ) return branch(r, c, !(r.nz & 0xff));
+        else if constexpr (op == BCC) return branch(r, c, !r.carry);
+        else if constexpr (op == BCS) return branch(r, c, r.carry);
+        else if constexpr (op == BVC) return branch(r, c, !c.m_.cpu.v);
+        else if constexpr (op == BVS) return branch(r, c, c.m_.cpu.v);
         else if constexpr (op == JMP && operand == Operand::Ind) return jump_indirect(r, c);
         else if constexpr (op == JMP) return go_to<operand>(r, c, 3);
         else if constexpr (op == JSR) return call<operand>(r, c);
         else return implied<op>(r, c);
+    }
+
+    template <int op, Operand operand>
+    static Exit run_single(Registers& r, Console& c) {
+        return run_one<op, operand>(r, c);
     }
 
     // Skips the rounds of a loop `load INTIM; branch back` that will find the timer not yet where the loop waits for
@@ -555,7 +564,7 @@ struct FastCpu {
         const uint32_t last = wait == BNE_Rel ? 1 : wait == BPL_Rel ? 0 : 128;
         if (value > 255 || value < last || (wait == BPL_Rel && value > 127)) return;
         const uint32_t end = (riot.timer - last) << riot.shift;  // the first time at which the value is less than `last`
-        if (end <= passed || r.cycles + (end - passed) >= kCyclesBelowLimit) return;
+        if (end <= passed || r.cycles + (end - passed) >= c.cycle_limit_) return;
         r.cycles += (end - 1 - passed) / r.at->taken * r.at->taken;
     }
 
@@ -670,7 +679,7 @@ plain_at_pc:
     c.run_instruction();
     take(r, c.m_.cpu, c.m_.cycles);
     pc = c.m_.cpu.pc;
-    if (r.cycles >= kCyclesBelowLimit) {
+    if (r.cycles >= c.cycle_limit_) {
         exit = kLimit;
         goto stop;
     }
@@ -682,6 +691,70 @@ stop:
     return exit;
 }
 
-bool Console::run_fast() { return FastCpu::run(*this) != kLimit && !m_.cpu.jammed; }
+namespace {
+
+// The handler of a record's first instruction alone.
+constexpr auto kFirstOf = [] {
+    std::array<uint16_t, kHandlers> table{kStep, kPollTimer, kRamCode};
+#define SINGLE(operation, operand) table[operation##_##operand] = operation##_##operand;
+#define PAIR(operation1, operand1, operation2, operand2) \
+    table[operation1##_##operand1##_##operation2##_##operand2] = operation1##_##operand1;
+#include "handlers.def"
+#undef SINGLE
+#undef PAIR
+    return table;
+}();
+
+}  // namespace
+
+void FastCpu::run_counted(Console& c, int left) {
+    using Step = Exit (*)(Registers&, Console&);
+    static constexpr Step kSteps[] = {
+        nullptr, nullptr, nullptr,
+#define SINGLE(operation, operand) run_single<operation, Operand::operand>,
+#define PAIR(...)
+#include "handlers.def"
+#undef SINGLE
+#undef PAIR
+    };
+    Registers r;
+    take(r, c.m_.cpu, c.m_.cycles);
+    uint32_t pc = c.m_.cpu.pc;
+    bool here = false;  // r.at is the record at which to go on
+    for (; left > 0 && !c.m_.cpu.stop && !c.m_.cpu.jammed; --left) {
+        if (!here || c.remapped_) {
+            c.remapped_ = false;
+            r.at = enter(c, pc);
+        }
+        uint16_t handler = r.at ? kFirstOf[r.at->handler] : uint16_t{kStep};
+        if (handler == kPollTimer) handler = static_cast<uint16_t>(r.at->jump);
+        if (handler == kRamCode) handler = decode_ram(c, r.at);
+        here = handler != kStep && kSteps[handler](r, c) != kPlainly;
+        if (here) {
+            pc = pc_of(c, r.at);
+            continue;
+        }
+        give(r, c.m_);
+        c.m_.cpu.pc = static_cast<uint16_t>(pc);
+        c.run_instruction();
+        take(r, c.m_.cpu, c.m_.cycles);
+        pc = c.m_.cpu.pc;
+    }
+    give(r, c.m_);
+    c.m_.cpu.pc = static_cast<uint16_t>(pc);
+}
+
+// The whole frame, or what is left of it, with every instruction counted and the TIA drawing as it goes.
+void Console::run_counted() {
+    m_.cpu.stop = false;
+    overlong_ = 0;  // no write is kept for later
+    cycle_limit_ = 0xffffffff;
+    FastCpu::run_counted(*this, kInstructionLimit);
+}
+
+bool Console::run_fast() {
+    cycle_limit_ = kCyclesBelowLimit;
+    return FastCpu::run(*this) != kLimit && !m_.cpu.jammed;
+}
 
 }  // namespace atari
