@@ -2,7 +2,6 @@
 #include "console.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace atari {
@@ -181,18 +180,6 @@ void Console::cartridge_watches(uint16_t address, uint8_t value) {
 }
 
 // --- DPC: eight data fetchers, a random number generator and three square waves ---
-
-void Console::clock_dpc_random() {
-    static constexpr auto kNext = [] {
-        std::array<uint8_t, 256> table{};
-        for (unsigned random = 0; random < 256; ++random) {
-            const unsigned bit = ~(random >> 7 ^ random >> 5 ^ random >> 4 ^ random >> 3) & 1;
-            table[random] = static_cast<uint8_t>(random << 1 | bit);
-        }
-        return table;
-    }();
-    m_.cart.random = kNext[m_.cart.random];
-}
 
 void Console::switch_dpc_bank(uint16_t offset) {
     if (offset != 0xff8 && offset != 0xff9) return;

@@ -22,6 +22,16 @@ namespace atari {
 // The pixels of an object as it now is.
 Mask object_mask(const Tia& tia, int object);
 
+// The DPC chip's next random number behind each.
+inline constexpr auto kDpcRandom = [] {
+    std::array<uint8_t, 256> table{};
+    for (unsigned random = 0; random < 256; ++random) {
+        const unsigned bit = ~(random >> 7 ^ random >> 5 ^ random >> 4 ^ random >> 3) & 1;
+        table[random] = static_cast<uint8_t>(random << 1 | bit);
+    }
+    return table;
+}();
+
 // What does not change while a game is loaded.
 struct ConsoleConfig {
     int first_line = 34;       // scan line of the first row of the picture
@@ -203,7 +213,7 @@ class Console {
     void hotspot(uint16_t offset, bool reading);
     uint8_t read_dpc(uint16_t offset);
     void write_dpc(uint16_t offset, uint8_t value);
-    void clock_dpc_random();
+    void clock_dpc_random() { m_.cart.random = kDpcRandom[m_.cart.random]; }
     void switch_dpc_bank(uint16_t offset);
     void update_dpc_music();
     void reset_cartridge();

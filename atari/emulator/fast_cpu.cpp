@@ -180,6 +180,9 @@ struct FastCpu {
                 keep(cycles, c, reg, value);
                 return false;
             }
+            c.m_.cpu.last_access_was_read = true;
+            c.keep_write(static_cast<uint8_t>(reg), static_cast<uint8_t>(value));
+            return c.m_.cpu.stop;
         }
         c.m_.cpu.last_access_was_read = true;
         c.write(static_cast<uint16_t>(address), static_cast<uint8_t>(value));
@@ -229,8 +232,7 @@ struct FastCpu {
         } else if constexpr (operand == Operand::Timer) {
             value = timer(r, c);
         } else if constexpr (operand == Operand::Dpc) {
-            c.m_.cycles = r.cycles;
-            value = c.m_.bus = c.read_dpc(static_cast<uint16_t>(given & 0x3f));
+            value = read_dpc(c, r.cycles, given & 0x3f);
         } else if constexpr (operand == Operand::RomX || operand == Operand::RomY) {
             const uint32_t index = operand == Operand::RomX ? r.x : r.y;
             r.cycles += page_crossed(given, index);
@@ -254,6 +256,23 @@ struct FastCpu {
             value = read_port(c, r.cycles, given, operand == Operand::PortZ ? given : given >> 8);
         }
         return kNext;
+    }
+
+    // The two functions of a data fetcher that nearly all reads want; the others are `Console::read_dpc`'s.
+    [[gnu::noinline]] static uint32_t read_dpc(Console& c, uint32_t cycles, uint32_t offset) {
+        const uint32_t function = offset >> 3, i = offset & 7;
+        if (function != 1 && function != 2) {
+            c.m_.cycles = cycles;
+            return c.read_dpc(static_cast<uint16_t>(offset));
+        }
+        CartridgeState& cart = c.m_.cart;
+        c.clock_dpc_random();
+        const uint32_t counter = cart.counter[i];
+        if ((counter & 0xff) == cart.top[i]) cart.flag[i] = 0xff;
+        else if ((counter & 0xff) == cart.bottom[i]) cart.flag[i] = 0;
+        if (i < 5 || !cart.music[i]) cart.counter[i] = (counter - 1) & 0x7ff;
+        const uint32_t value = c.image_[8192 + 2047 - counter];
+        return function == 1 ? value : value & cart.flag[i];
     }
 
     INLINE static uint32_t timer(const R& r, Console& c) {
