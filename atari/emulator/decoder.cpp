@@ -185,7 +185,7 @@ std::vector<Record> decode_image(const Cartridge& cartridge) {
     const uint8_t* image = cartridge.image();
     std::vector<Record> records(size + 1, Record{kStep, 0, 0, 0, 0});
     const auto decodable = [&](size_t first, size_t from, size_t to) {
-        if (to > first + slice || to > size) return false;
+        if (to > first + slice || first + slice > size) return false;
         for (size_t i = from; i < to; ++i)
             if (!plain_in_image(cartridge, i)) return false;
         return true;
