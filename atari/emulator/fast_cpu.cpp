@@ -125,6 +125,8 @@ struct FastCpu {
         if (known.handler != kHandlers && known.bytes == now) return known.handler;
         Record record = decode(bytes, available, *c.cartridge_, nullptr);
         known = {now, record.handler};
+        // What runs out of RAM goes on in the TIA, where a program sees the byte last on the bus.
+        if (static_cast<int>(place) + length_of(kOpcodes[bytes[0]].form) > 127) known.handler = kStep;
         if (is_branch(record.handler)) {
             const int target = static_cast<int>(place) + record.jump;
             if (target < 0 || target > 127 || place + 2 > 127) known.handler = kStep;
