@@ -65,7 +65,12 @@ class Emulator:
         sound: bool,
         color_averaging: bool,
         seed: int,
-    ) -> None: ...
+        plain: bool = False,
+    ) -> None:
+        """
+        `plain`: by the plain interpreter and TIA, which are slower and give the same.
+        """
+
     def seed(self, seed: int) -> None: ...
     def reset(self) -> None: ...
     def act(self, action: int, strength: float = 1.0) -> int: ...
@@ -102,23 +107,13 @@ class Emulator:
 
     def restore_state(self, state: State) -> None:
         """
-        Continue from a state of `clone_state`; ValueError if it is of another game.
+        Continue from a state of `clone_state`; ValueError if it is of another game or core.
         """
 
     def close(self) -> None: ...
 
-class AreaResize:
-    """
-    Scales a gray picture, (rows, 160), down to (height, width) as OpenCV's INTER_AREA does, to the byte.
-
-    Raises ValueError if the size is not served: larger than the picture, narrower than 11, or
-    dividing the picture's in both directions.
-    """
-
-    def __init__(self, rows: int, height: int, width: int) -> None: ...
-    def __call__(self, picture: numpy.typing.NDArray[numpy.uint8], out: numpy.typing.NDArray[numpy.uint8]) -> None: ...
-    def __getstate__(self) -> tuple[int, int, int]: ...
-    def __setstate__(self, arg: tuple[int, int, int], /) -> None: ...
+class Moment:
+    """A state in memory, as `Console.remember` returned it."""
 
 class Console:
     """
@@ -126,6 +121,7 @@ class Console:
 
     Made as at power-on, after one reset; no frame has begun. `cartridge` names the type of bank
     switching, "" recognises it; the other arguments are those of a game's screen and controllers.
+    `plain`: by the plain interpreter and TIA; if not, `run_frame` runs frames fast.
     Raises ValueError if the image is of no supported type.
     """
 
@@ -141,6 +137,7 @@ class Console:
         paddles: tuple[bool, bool] = (False, False),
         swap_ports: bool = False,
         swap_paddles: bool = False,
+        plain: bool = True,
     ) -> None: ...
     def reset(self) -> None:
         """The reset of all chips, as a game is reset. RAM survives."""
@@ -235,22 +232,16 @@ class Console:
     def load(self, state: bytes) -> None:
         """Continue from `save`; ValueError if the bytes cannot be a state."""
 
-def paint_ways() -> int:
-    """How many ways of painting this processor has."""
+    def remember(self) -> Moment:
+        """The whole state in memory, with what is still to be drawn."""
 
-def paint(
-    layers: Sequence[numpy.typing.NDArray[numpy.uint8]], colours: Sequence[int], first: int, last: int, way: int
-) -> numpy.typing.NDArray[numpy.uint8]:
-    """
-    A row of 160 zeros in which pixels first .. last-1 have been painted: those of the three layers, (160,) each,
-    in the first three colours, the others in the fourth. Way 0 is the portable one.
-    """
+    def go_back(self, moment: Moment) -> None:
+        """Continue from `remember` of this console."""
 
-def to_rgb(
-    picture: numpy.typing.NDArray[numpy.uint8], format: str, plain: bool = False
-) -> numpy.typing.NDArray[numpy.uint8]:
+def same_state(first: Console, second: Console, complete: bool) -> bool:
     """
-    A picture of palette indices, (rows, 160), in the colours of a TV format. `plain` as in `pool_gray`.
+    Whether two consoles are in the same state to the byte. Unless this is `complete`, pictures and collision
+    latches are left out; a console that runs frames fast then goes on leaving them for later.
     """
 
 def pool_gray(

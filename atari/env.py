@@ -47,7 +47,8 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         render_mode: "human" shows a window (extra `play`), "rgb_array" returns the screen from `render`,
             "rgb_array_list" the screens since the last `render`, one a step.
         sound_obs: observations become {"image": ..., "sound": (512,) uint8 samples of the step's last frame}.
-        core: the emulator, "native" (ours) or "ale" (ale-py); both give the same bytes.
+        core: the emulator, "native" (ours), "plain" (ours without its shortcuts, slower) or "ale" (ale-py); all
+            give the same bytes.
         rom: path of the ROM file; None searches (see `atari.roms`).
 
     Raises:

@@ -1,7 +1,8 @@
 """The differential test: two cores play the same game side by side, and everything is compared at every frame.
 
-ale-py is the oracle: a difference is a bug in ours. What is compared: RAM, picture, sound, reward, lives, end of game,
-truncation and both frame counters. A difference can be written to a file that plays it again.
+ale-py is the oracle of the native core, and the plain core is that of its shortcuts: a difference is a bug in ours.
+What is compared: RAM, picture, sound, reward, lives, end of game, truncation and both frame counters. A difference can
+be written to a file that plays it again.
 """
 
 import json

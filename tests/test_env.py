@@ -95,8 +95,8 @@ def test_options_and_defaults_are_those_of_ale_py() -> None:
         ("max_num_frames_per_episode", -1, ValueError, "must be within 0..2147483647, got -1"),
         ("max_num_frames_per_episode", 99.5, TypeError, "must be an integer within 0..2147483647, got 99.5"),
         ("render_mode", "ansi", ValueError, "must be one of 'human', 'rgb_array', 'rgb_array_list', got 'ansi'"),
-        ("core", "stella", ValueError, "core must be one of 'native', 'ale', got 'stella'"),
-        ("core", [], ValueError, "core must be one of 'native', 'ale', got []"),
+        ("core", "stella", ValueError, "core must be one of 'native', 'ale', 'plain', got 'stella'"),
+        ("core", [], ValueError, "core must be one of 'native', 'ale', 'plain', got []"),
     ],
 )
 def test_a_wrong_option_is_refused(option: str, value: Any, error: type[Exception], text: str) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from atari.cli import main
-from atari.cores import NativeCore
+from atari.cores import NativeCore, PlainCore
 from atari.verify import Run, read, verify
 
 
@@ -27,7 +27,7 @@ def broken_at_frame_20(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_equal_cores_have_no_difference() -> None:
     assert verify(Run("pong", frames=50)) is None
-    assert verify(Run("pong", frames=50, cores=("native", "native"))) is None
+    assert verify(Run("pong", frames=50, cores=("native", "plain"))) is None
 
 
 @pytest.mark.usefixtures("broken_at_frame_20")
@@ -95,6 +95,17 @@ def test_the_command_reports_writes_and_fails(tmp_path: Path, capsys: pytest.Cap
     assert reported["differences"][0]["frame"] == 20
 
 
+def test_the_command_compares_with_the_plain_core(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["verify", "pong", "--core", "plain", "--frames", "30", "--jobs", "1", "-o", str(tmp_path)]
+    assert main(arguments) == 0
+    assert capsys.readouterr().out == "1 runs, 30 frames, 0 differences\n"
+    monkeypatch.setattr(PlainCore, "act", lambda self, action, strength=1.0: 7)
+    assert main(arguments) == 1
+    assert "pong: native differs from plain at frame 0" in capsys.readouterr().out
+
+
 def test_several_processes_give_the_same(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["verify", "pong", "enduro", "--frames", "20", "--jobs", "2"]) == 0
     assert capsys.readouterr().out == "2 runs, 40 frames, 0 differences\n"
@@ -107,7 +118,7 @@ def test_several_processes_give_the_same(capsys: pytest.CaptureFixture[str]) -> 
         (["verify", "pong", "--frames", "0"], 1, "--frames and --jobs must be at least 1"),
         (["verify", "pong", "--sticky", "2"], 1, "repeat_action_probability must be within 0..1"),
         (["verify", "--replay", "nowhere.json"], 1, "nowhere.json"),
-        (["verify", "pong", "--cores", "native", "stella"], 2, "invalid choice"),
+        (["verify", "pong", "--core", "native"], 2, "invalid choice"),
     ],
 )
 def test_wrong_arguments(arguments: list[str], code: int, text: str, capsys: pytest.CaptureFixture[str]) -> None:

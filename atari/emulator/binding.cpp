@@ -118,9 +118,9 @@ struct State {
 class Emulator {
   public:
     Emulator(std::shared_ptr<Game> game, double probability, int frame_skip, int max_frames, bool sound,
-             bool colour_averaging, uint32_t seed) {
+             bool colour_averaging, uint32_t seed, bool plain) {
         if (frame_skip < 1) throw std::invalid_argument("frame_skip must be at least 1");
-        const Settings settings{probability, frame_skip, max_frames, sound, colour_averaging};
+        const Settings settings{probability, frame_skip, max_frames, sound, colour_averaging, plain};
         environment_ = std::make_unique<Environment>(std::move(game), settings, seed);
     }
 
@@ -170,7 +170,7 @@ class Emulator {
             if (!state.include_rng) e.set_generator(generator);
             return true;
         });
-        if (!good) throw nb::value_error("the state is of another game than this core");
+        if (!good) throw nb::value_error("the state is of another game than this core, or of another kind of core");
     }
 
     // A new array, or `out`, filled by `fill(environment, pointer)`.
@@ -254,9 +254,10 @@ NB_MODULE(_emulator, m) {
     };
 
     nb::class_<Emulator>(m, "Emulator", "A running game. The lock of the interpreter is released while it emulates.")
-        .def(nb::init<std::shared_ptr<Game>, double, int, int, bool, bool, uint32_t>(), nb::kw_only(), "game"_a,
+        .def(nb::init<std::shared_ptr<Game>, double, int, int, bool, bool, uint32_t, bool>(), nb::kw_only(), "game"_a,
              "repeat_action_probability"_a, "frame_skip"_a, "max_num_frames_per_episode"_a, "sound"_a,
-             "color_averaging"_a, "seed"_a)
+             "color_averaging"_a, "seed"_a, "plain"_a = false,
+             "`plain`: by the plain interpreter and TIA, which are slower and give the same.")
         .def("seed", [](Emulator& x, uint32_t seed) { x.locked([&](Environment& e) { e.seed(seed); return 0; }); }, "seed"_a)
         .def("reset", [](Emulator& x) { x.locked([](Environment& e) { e.reset(); return 0; }); })
         .def("act", &Emulator::act, "action"_a.none(), "strength"_a.none() = 1.0,
@@ -293,7 +294,7 @@ NB_MODULE(_emulator, m) {
         .def("clone_state", &Emulator::clone_state, "include_rng"_a = false,
              "The whole state in memory; `include_rng` says whether restoring it takes the generator along.")
         .def("restore_state", &Emulator::restore_state, "state"_a,
-             "Continue from a state of `clone_state`; ValueError if it is of another game.")
+             "Continue from a state of `clone_state`; ValueError if it is of another game or core.")
         .def("close", &Emulator::close);
 
     using Picture = nb::ndarray<const uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -30,13 +31,13 @@ using Array = nb::ndarray<nb::numpy, uint8_t, nb::c_contig, nb::device::cpu>;
 using Flags = std::pair<bool, bool>;
 
 void make(Console* self, nb::bytes image, const std::string& cartridge, int first_line, int height, bool pal,
-          bool hmove_blanks, Flags paddles, bool swap_ports, bool swap_paddles) {
+          bool hmove_blanks, Flags paddles, bool swap_ports, bool swap_paddles, bool plain) {
     if (first_line < 0 || height < 1 || first_line + height > kFrameRows)
         throw nb::value_error("the picture must lie within 300 lines");
     const auto* bytes = static_cast<const uint8_t*>(image.data());
     auto plugged = std::make_shared<const Cartridge>(std::vector<uint8_t>(bytes, bytes + image.size()), cartridge);
     const ConsoleConfig config{first_line, height, pal, hmove_blanks, {paddles.first, paddles.second}, swap_ports, swap_paddles};
-    new (self) Console(std::move(plugged), config);
+    new (self) Console(std::move(plugged), config, plain);
     self->construct();
     self->reset();
 }
@@ -102,7 +103,7 @@ void set_registers(Console& console, nb::kwargs changes) {
 nb::dict state(const Console& console) {
     const Machine& m = console.machine();
     const Tia& t = m.tia;
-    nb::dict riot, tia, cart, all;
+    nb::dict riot, tia, cart, sound, all;
     riot["timer"] = m.riot.timer;
     riot["shift"] = m.riot.shift;
     riot["ddr_a"] = m.riot.ddr_a;
@@ -112,6 +113,14 @@ nb::dict state(const Console& console) {
 
     tia["frame_start"] = t.frame_start;
     tia["last_hmove"] = t.last_hmove;
+    tia["draw_start"] = t.draw_start;
+    tia["draw_stop"] = t.draw_stop;
+    tia["drawn_to"] = t.drawn_to;
+    tia["pending"] = t.pending;
+    tia["to_line_end"] = t.to_line_end;
+    tia["write_pos"] = t.write_pos;
+    tia["vsync_done"] = t.vsync_done;
+    tia["dump_off_cycle"] = t.dump_off_cycle;
     tia["last_line_count"] = t.last_line_count;
     tia["current_line"] = t.current_line;
     tia["playfield"] = t.playfield;
@@ -131,6 +140,7 @@ nb::dict state(const Console& console) {
     tia["skip_first"] = as_list(t.skip_first);
     tia["m0_variant"] = static_cast<int>(t.m0_variant);
     tia["ark_counter"] = t.ark_counter;
+    tia["current"] = t.current;
     const std::pair<const char*, Flag> flags[9] = {
         {"enabl", t.enabl}, {"old_enabl", t.old_enabl}, {"vdelbl", t.vdelbl}, {"pf_mirror", t.pf_mirror},
         {"hmove_blank", t.hmove_blank}, {"cosmic_ark", t.cosmic_ark}, {"dump_on", t.dump_on}, {"partial", t.partial},
@@ -145,16 +155,24 @@ nb::dict state(const Console& console) {
     cart["counter"] = as_list(m.cart.counter);
     cart["music"] = as_list(m.cart.music);
     cart["random"] = m.cart.random;
+    cart["stamp"] = m.cart.stamp;
     cart["fraction"] = m.cart.fraction;
+
+    const std::pair<const char*, const uint8_t*> channels[6] = {{"audc", m.sound.audc}, {"audf", m.sound.audf},
+                                                                {"audv", m.sound.audv}, {"counter", m.sound.counter},
+                                                                {"p4", m.sound.p4}, {"p5", m.sound.p5}};
+    for (const auto& [name, values] : channels) sound[name] = as_list(values, 2);
 
     all["cycles"] = m.cycles;
     all["bus"] = m.bus;
     all["stop"] = static_cast<bool>(m.cpu.stop);
+    all["last_access_was_read"] = static_cast<bool>(m.cpu.last_access_was_read);
     all["jammed"] = static_cast<bool>(m.cpu.jammed);
     all["random_words"] = m.random_words;
     all["riot"] = riot;
     all["tia"] = tia;
     all["cart"] = cart;
+    all["sound"] = sound;
     return all;
 }
 
@@ -200,6 +218,41 @@ nb::bytes save(Console& console) {
 void load(Console& console, nb::bytes state) {
     if (state.size() != console.state_size() || !console.load(static_cast<const uint8_t*>(state.data())))
         throw nb::value_error("the state is damaged, or of another cartridge");
+}
+
+// A state in memory. Only the console that it is of can go back to it.
+struct Moment {
+    const Console* of;
+    ConsoleCopy copy;
+};
+
+Moment remember(const Console& console) {
+    Moment moment{&console, {}};
+    console.copy_to(moment.copy);
+    return moment;
+}
+
+void go_back(Console& console, const Moment& moment) {
+    if (moment.of != &console) throw nb::value_error("this moment is of another console");
+    console.copy_from(moment.copy);
+}
+
+// Whether two machines of a cartridge are in the same state. What a fast console leaves until somebody asks for it, the
+// pictures and the collision latches, is only asked for, and compared, if this is `complete`.
+bool same_state(Console& first, Console& second, bool complete) {
+    if (first.state_size() != second.state_size()) throw nb::value_error("the consoles are of different cartridges");
+    if (complete) {
+        std::vector<uint8_t> saved(first.state_size()), also(second.state_size());
+        first.save(saved.data());
+        second.save(also.data());
+        return saved == also;
+    }
+    Machine machines[2];
+    std::memcpy(&machines[0], &first.machine(), sizeof(Machine));
+    std::memcpy(&machines[1], &second.machine(), sizeof(Machine));
+    machines[0].tia.collisions = machines[1].tia.collisions;
+    return std::memcmp(&machines[0], &machines[1], sizeof(Machine)) == 0 &&
+           std::equal(first.cartridge_ram(), first.cartridge_ram() + first.cartridge_ram_size(), second.cartridge_ram());
 }
 
 using Bytes = nb::ndarray<const uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
@@ -251,14 +304,16 @@ Array coloured(Picture picture, const std::string& format, bool plain) {
 }  // namespace
 
 void register_inspection(nb::module_& m) {
+    nb::class_<Moment>(m, "Moment", "A state in memory, as `Console.remember` returned it.");
     nb::class_<Console>(m, "Console",
                         "A bare console, driven by hand: for tests and for looking inside.\n\n"
                         "Made as at power-on, after one reset; no frame has begun. `cartridge` names the type of bank\n"
                         "switching, \"\" recognises it; the other arguments are those of a game's screen and controllers.\n"
+                        "`plain`: by the plain interpreter and TIA; if not, `run_frame` runs frames fast.\n"
                         "Raises ValueError if the image is of no supported type.")
         .def("__init__", &make, "image"_a, "cartridge"_a = "", nb::kw_only(), "first_line"_a = 34, "height"_a = 210,
              "pal"_a = false, "hmove_blanks"_a = true, "paddles"_a = Flags{false, false}, "swap_ports"_a = false,
-             "swap_paddles"_a = false)
+             "swap_paddles"_a = false, "plain"_a = true)
         .def("reset", &Console::reset, "The reset of all chips, as a game is reset. RAM survives.")
         .def("read", &Console::read, "address"_a, "A read on the bus, at the present cycle; an int within 0..255.")
         .def("write", &Console::write, "address"_a, "value"_a, "A write on the bus, at the present cycle.")
@@ -297,7 +352,9 @@ void register_inspection(nb::module_& m) {
         .def("state", &state, nb::sig("def state(self) -> dict[str, typing.Any]"),
              "All chips' registers and latches, by name, as nested dicts. For looking, not for saving.")
         .def("save", &save, "The whole state as bytes.")
-        .def("load", &load, "state"_a, "Continue from `save`; ValueError if the bytes cannot be a state.");
+        .def("load", &load, "state"_a, "Continue from `save`; ValueError if the bytes cannot be a state.")
+        .def("remember", &remember, "The whole state in memory, with what is still to be drawn.")
+        .def("go_back", &go_back, "moment"_a, "Continue from `remember` of this console.");
 
     m.def("paint_ways", [] { return painters().size(); }, "How many ways of painting this processor has.");
     m.def("paint", &painted, "layers"_a, "colours"_a, "first"_a, "last"_a, "way"_a,
@@ -309,6 +366,9 @@ void register_inspection(nb::module_& m) {
           nb::sig("def to_rgb(picture: numpy.typing.NDArray[numpy.uint8], format: str, plain: bool = False) -> "
                   "numpy.typing.NDArray[numpy.uint8]"),
           "A picture of palette indices, (rows, 160), in the colours of a TV format. `plain` as in `pool_gray`.");
+    m.def("same_state", &same_state, "first"_a, "second"_a, "complete"_a,
+          "Whether two consoles are in the same state to the byte. Unless this is `complete`, pictures and collision\n"
+          "latches are left out; a console that runs frames fast then goes on leaving them for later.");
     m.def("pool_gray", &pooled, "early"_a, "late"_a, "table"_a, "plain"_a = false,
           nb::sig("def pool_gray(early: numpy.typing.NDArray[numpy.uint8], late: numpy.typing.NDArray[numpy.uint8], "
                   "table: numpy.typing.NDArray[numpy.uint8], plain: bool = False) -> "

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,12 +10,16 @@ from core_contract import CoreContract
 from core_tools import play, some_actions, visible
 
 import atari
-from atari.cores import NativeCore
+from atari.cores import NativeCore, PlainCore
 from atari.roms import find
 
 
 class TestNativeCore(CoreContract):
     core_type = NativeCore
+
+
+class TestPlainCore(CoreContract):
+    core_type = PlainCore
 
 
 @pytest.mark.parametrize("game", ["combat", "joust", "maze_craze", "warlords"])
@@ -101,3 +106,22 @@ def test_the_state_is_refused_if_it_could_not_have_been_saved() -> None:
         with pytest.raises(ValueError, match="the state is damaged, or of another game or version"):
             core.load(bad)
         assert visible(core) == seen
+
+
+@pytest.mark.parametrize("game", ["pong", "pitfall2", "klax"])
+def test_snapshots_of_the_plain_core_are_those_of_the_native_one(game: str) -> None:
+    """Both ways, and either goes on in the same way from them. Cloned states are of one kind of core."""
+    options: dict[str, Any] = {"seed": 4, "sound": True, "repeat_action_probability": 0.25}
+    for first, second in ((NativeCore, PlainCore), (PlainCore, NativeCore)):
+        core, copy = first(game, **options), second(game, **options)
+        core.reset()
+        play(core, some_actions(core, 40))
+        saved = core.snapshot()
+        copy.restore(saved)
+        with pytest.raises(ValueError, match="or of another kind of core"):
+            copy.restore_state(core.clone_state())
+        assert copy.snapshot() == saved
+        assert visible(copy) == visible(core)
+        actions = some_actions(core, 40, seed=1)
+        assert play(core, actions) == play(copy, actions)
+        assert core.snapshot() == copy.snapshot()
