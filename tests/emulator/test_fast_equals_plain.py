@@ -1,0 +1,221 @@
+"""The fast interpreter and the deferred TIA against the plain ones, which are the oracle: after every frame all of both
+machines is compared, to the byte.
+
+Pictures and collision latches are worked out only when somebody asks for them, so they are asked for, and compared, at
+random frames, and the pictures also of many frames in a row. Between frames the machines are reset, their RAM is
+overwritten, they go back to where they were, and each may go on from the state that the other has saved.
+"""
+
+import random
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from emulator import wild_programs
+from emulator.programs import cpu_program, tia_program
+from emulator.wild_programs import SIZES
+
+import atari
+from atari._emulator import Console, same_state
+from atari.roms import find
+
+
+class Pair:
+    """A fast and a plain console with the same cartridge, to which the same is done."""
+
+    def __init__(self, image: bytes, cartridge: str, what: str, rng: random.Random, **options: Any) -> None:
+        self.fast = Console(image, cartridge, plain=False, **options)
+        self.plain = Console(image, cartridge, plain=True, **options)
+        self.what, self.rng, self.frames = what, rng, 0
+        self.watching = False
+        self.remembered = self.fast.remember(), self.plain.remember()
+
+    @property
+    def both(self) -> tuple[Console, Console]:
+        return self.fast, self.plain
+
+    def play(self, frames: int, *, pokes: float = 0.03, resets: float = 0.01, looks: float = 0.15) -> None:
+        """Frames, between which things happen with these probabilities."""
+        for _ in range(frames):
+            if self.rng.random() < pokes:
+                self.poke()
+            if self.rng.random() < resets:
+                for console in self.both:
+                    console.reset()
+            self.travel()
+            for console in self.both:
+                console.run_frame()
+            self.frames += 1
+            self.watching ^= self.rng.random() < 0.08
+            if self.watching or self.rng.random() < looks:
+                self.compare_pictures()
+            self.compare(self.rng.random() < looks)
+            if self.rng.random() < 0.05:
+                first, second = (console.make_samples() for console in self.both)
+                assert np.array_equal(first, second), f"{self.what}, frame {self.frames}: sound"
+
+    def poke(self) -> None:
+        ram = bytearray(self.plain.ram)
+        ram[self.rng.randrange(128)] = self.rng.randrange(256)
+        for console in self.both:
+            console.ram = bytes(ram)
+
+    def travel(self) -> None:
+        """Seldom: one goes on from where the other is; both remember this moment, or go back to it."""
+        choice = self.rng.random()
+        if choice < 0.03:
+            source, target = self.rng.sample(self.both, 2)
+            target.load(source.save())
+        elif choice < 0.06:
+            self.remembered = self.fast.remember(), self.plain.remember()
+        elif choice < 0.08:
+            for console, moment in zip(self.both, self.remembered, strict=True):
+                console.go_back(moment)
+
+    def compare_pictures(self) -> None:
+        first, second = (console.picture() for console in self.both)
+        assert np.array_equal(first, second), f"{self.what}, frame {self.frames}: picture"
+
+    def compare(self, complete: bool) -> None:
+        if not same_state(self.fast, self.plain, complete):
+            differing = "; ".join(differences(*map(seen, self.both)))
+            pytest.fail(f"{self.what}, frame {self.frames}: {differing} (fast, plain)")
+
+
+def seen(console: Console) -> dict[str, Any]:
+    """Everything of a console by name, the picture asked for."""
+    picture = console.picture()
+    return {
+        **{name: list(part) for name, part in (("ram", console.ram), ("cartridge_ram", console.cartridge_ram))},
+        "registers": console.registers,
+        **console.state(),
+        "picture": [list(row) for row in picture],
+    }
+
+
+def differences(first: Any, second: Any, name: str = "") -> Iterator[str]:
+    """The first differing number of each part, by its path."""
+    if isinstance(first, dict):
+        for key in first:
+            yield from differences(first[key], second[key], f"{name}.{key}".strip("."))
+    elif isinstance(first, list) and first != second:
+        index = next(index for index, pair in enumerate(zip(first, second, strict=True)) if pair[0] != pair[1])
+        yield from differences(first[index], second[index], f"{name}[{index}]")
+    elif first != second:
+        yield f"{name} {first} and {second}"
+
+
+def press(pair: Pair, player: bool) -> None:
+    """Some buttons for the next frames: of a player who starts games, or anything."""
+    rng = pair.rng
+    start = 0x3E if rng.random() < 0.05 else 0x3F
+    inputs: dict[str, Any] = {
+        "switches": start if player else rng.randrange(256),
+        "sticks": [rng.choice((0, 0, 1, 2, 4, 8, 5, 10)), rng.choice((0, 1, 2, 4, 8))],
+        "fire": [rng.random() < 0.4, rng.random() < 0.2],
+        "resistances": [rng.randrange(800_000) for _ in range(4)],
+        "paddle_fire": [rng.random() < 0.4, rng.random() < 0.2, False, False],
+    }
+    for console in pair.both:
+        console.set_inputs(**inputs)
+
+
+@pytest.mark.parametrize("game", list(atari.games))
+def test_games(game: str) -> None:
+    """All cartridges there are: a game started and played."""
+    facts = atari.games[game]
+    pair = Pair(
+        find(game).read_bytes(),
+        facts.rom.cartridge,
+        game,
+        random.Random(game),
+        first_line=facts.screen.first_line,
+        height=facts.screen.height,
+        pal=facts.screen.format == "PAL",
+        hmove_blanks=facts.screen.hmove_blanks,
+        paddles=(facts.controllers.left == "paddles", facts.controllers.right == "paddles"),
+        swap_ports=facts.controllers.swap_ports,
+        swap_paddles=facts.controllers.swap_paddles,
+    )
+    pair.play(40, pokes=0, resets=0)
+    for _ in range(45):
+        press(pair, player=True)
+        pair.play(6, pokes=0.005, resets=0.001)
+
+
+def options(rng: random.Random) -> dict[str, Any]:
+    """Of a console, any."""
+    first = rng.choice((0, 0, 20, 34, 34, 34, 60))
+    return {
+        "first_line": first,
+        "height": rng.choice((1, 8, 210, 210, 240, 300 - first)),
+        "pal": rng.random() < 0.2,
+        "hmove_blanks": rng.random() < 0.8,
+        "paddles": (rng.random() < 0.5, rng.random() < 0.5),
+        "swap_ports": rng.random() < 0.3,
+        "swap_paddles": rng.random() < 0.3,
+    }
+
+
+def play(image: bytes, cartridge: str, what: str, rng: random.Random, rounds: int = 4, **chances: float) -> None:
+    pair = Pair(image, cartridge, what, rng, **options(rng))
+    for _ in range(rounds):
+        press(pair, player=False)
+        pair.play(5, **chances)
+
+
+@pytest.mark.parametrize("kind", list(SIZES))
+def test_roms_of_noise(kind: str) -> None:
+    for seed in range(20):
+        play(
+            wild_programs.noise(random.Random(seed), kind),
+            kind,
+            f"noise {kind} {seed}",
+            random.Random(seed),
+            resets=0.2,
+        )
+
+
+@pytest.mark.parametrize("kind", list(SIZES))
+def test_wild_instructions(kind: str) -> None:
+    for seed in range(40):
+        play(
+            wild_programs.soup(random.Random(seed), kind), kind, f"soup {kind} {seed}", random.Random(seed), resets=0.1
+        )
+
+
+@pytest.mark.parametrize("batch", range(10))
+def test_pictures_that_change(batch: int) -> None:
+    for seed in range(20 * batch, 20 * batch + 20):
+        rng = random.Random(seed)
+        play(wild_programs.changing_picture(rng), "4K", f"changing_picture {seed}", rng, rounds=6)
+
+
+@pytest.mark.parametrize("batch", range(4))
+def test_stars_in_motion(batch: int) -> None:
+    for seed in range(15 * batch, 15 * batch + 15):
+        rng = random.Random(seed)
+        play(wild_programs.starfield(rng), "4K", f"starfield {seed}", rng, pokes=0, resets=0)
+
+
+@pytest.mark.parametrize("batch", range(4))
+def test_short_frames(batch: int) -> None:
+    for seed in range(40 * batch, 40 * batch + 40):
+        rng = random.Random(seed)
+        play(wild_programs.short_frames(rng), "4K", f"short_frames {seed}", rng, looks=0.4)
+
+
+@pytest.mark.parametrize("batch", range(4))
+def test_waiting_for_the_timer(batch: int) -> None:
+    for seed in range(15 * batch, 15 * batch + 15):
+        rng = random.Random(seed)
+        play(wild_programs.waiting(rng), "4K", f"waiting {seed}", rng)
+
+
+@pytest.mark.parametrize("batch", range(4))
+@pytest.mark.parametrize("make", [tia_program, cpu_program])
+def test_programs_that_are_compared_with_ale_py(make: Any, batch: int) -> None:
+    for seed in range(15 * batch, 15 * batch + 15):
+        rng = random.Random(seed)
+        play(make(rng), "4K", f"{make.__name__} {seed}", rng)
