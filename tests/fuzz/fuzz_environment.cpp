@@ -3,13 +3,14 @@
 // An input is a cartridge, the options of a console, and then one of two scenarios: the bare console, whose frames are
 // cheap, or a whole environment with rules, where a construction alone takes 68 frames. Both end with a row of steps,
 // among them snapshots that were damaged. Nothing may crash, hang, leave defined behaviour, or throw anything but the
-// two documented exceptions. Inputs are described in seeds.cpp, which writes the ones to start from.
+// two documented exceptions. Everything is played twice, fast and plainly, and must be the same both times. Inputs are described in seeds.cpp, which writes the ones to start from.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -132,7 +133,7 @@ Settings read_settings(Reader& in) {
 }
 
 template <typename Saved>
-Bytes saved(const Saved& from) {
+Bytes saved(Saved& from) {
     Bytes state(from.state_size());
     from.save(state.data());
     return state;
@@ -173,9 +174,41 @@ bool offer(Saved& to, const Bytes& state) {
     return taken;
 }
 
-template <typename Saved>
-void save_and_load(Saved& from) {
-    expect(offer(from, saved(from)), "load takes what save made");
+// A fast and a plain machine, to which the same is done: the fast one must give what the plain one gives.
+template <typename Machines>
+struct Twins {
+    Machines &fast, &plain;
+    bool comparable = true;  // no state that no machine could have saved has been taken since the last reset
+
+    void alike(bool same, const char* what) const { expect(same || !comparable, what); }
+
+    // The whole states, for which the fast one has to work out all that it has put off.
+    void compare_states() const { alike(saved(fast) == saved(plain), "the whole states of fast and plain are equal"); }
+
+    // Each goes on from what the other has saved.
+    void change_places() const {
+        const Bytes state = saved(fast), other = saved(plain);
+        alike(state == other, "fast and plain save the same");
+        expect(offer(plain, state) && offer(fast, other), "load takes what save made");
+    }
+
+    void damage(Reader& in, std::initializer_list<size_t> parts) {
+        const Bytes state = damaged(in, saved(plain), parts);
+        const bool taken = offer(plain, state);
+        expect(offer(fast, state) == taken, "fast and plain take the same states");
+        if (taken) comparable = false;
+    }
+};
+
+// What can be compared without asking for a picture or a collision.
+void compare_quickly(const Twins<Console>& twins) {
+    const auto equal = [](const auto& a, const auto& b) { return std::memcmp(&a, &b, sizeof a) == 0; };
+    const Machine &a = twins.fast.machine(), &b = twins.plain.machine();
+    const bool same = a.cycles == b.cycles && equal(a.cpu, b.cpu) && equal(a.riot, b.riot) && equal(a.tia.pos, b.tia.pos) &&
+                      a.tia.write_pos == b.tia.write_pos && a.tia.current_line == b.tia.current_line &&
+                      std::equal(twins.fast.cartridge_ram(), twins.fast.cartridge_ram() + twins.fast.cartridge_ram_size(),
+                                 twins.plain.cartridge_ram());
+    twins.alike(same, "fast and plain frames end alike");
 }
 
 void press(Reader& in, Inputs& inputs) {
@@ -192,45 +225,75 @@ void play_console(Reader& in) {
     game.cartridge = read_cartridge(in);
     game.console = read_config(in);
     game.check();
-    Console console(game.cartridge, game.console), other(game.cartridge, game.console);
-    console.construct();
-    console.reset();
-    Bytes samples(kAudioSamples);
+    Console fast(game.cartridge, game.console, false), plain(game.cartridge, game.console, true);
+    Twins<Console> twins{fast, plain};
+    const auto both = [&](auto&& work) {
+        work(fast);
+        work(plain);
+    };
+    both([](Console& console) {
+        console.construct();
+        console.reset();
+    });
+    Bytes samples(kAudioSamples), others(kAudioSamples);
     int frames = 0;
     for (int steps = 0; steps < kSteps && !in.empty(); ++steps) {
-        switch (static_cast<ConsoleStep>(in.byte() % static_cast<int>(ConsoleStep::kCount))) {
+        const auto step = static_cast<ConsoleStep>(in.byte() % static_cast<int>(ConsoleStep::kCount));
+        // What follows is done by hand, and so plainly: nothing may be put off any more.
+        if (step == ConsoleStep::kInstructions || step == ConsoleStep::kRead || step == ConsoleStep::kWrite)
+            expect(offer(fast, saved(fast)), "load takes what save made");
+        switch (step) {
             case ConsoleStep::kFrame:
                 if (++frames > kFrames) return;
-                console.run_frame();
+                both([](Console& console) { console.run_frame(); });
+                compare_quickly(twins);
                 break;
-            case ConsoleStep::kInstructions:
-                for (int i = in.byte(); i > 0; --i) console.run_instruction();
-                break;
-            case ConsoleStep::kPress: press(in, console.inputs()); break;
-            case ConsoleStep::kSaveAndLoad: save_and_load(console); break;
-            case ConsoleStep::kDamage: offer(console, damaged(in, saved(console), {0, 200})); break;
-            case ConsoleStep::kReset: console.reset(); break;
-            case ConsoleStep::kSamples: console.make_samples(samples.data()); break;
-            case ConsoleStep::kRead: console.read(in.word()); break;
-            case ConsoleStep::kWrite: {
-                const uint16_t address = in.word();
-                console.write(address, in.byte());
+            case ConsoleStep::kInstructions: {
+                const int count = in.byte();
+                both([&](Console& console) {
+                    for (int i = count; i > 0; --i) console.run_instruction();
+                });
                 break;
             }
-            case ConsoleStep::kTwin:  // another console goes on from the same state in the same way
-                if (++frames > kFrames) return;
-                expect(other.load(saved(console).data()), "load takes what another console saved");
-                console.run_frame();
-                other.run_frame();
-                expect(saved(console) == saved(other), "equal states have equal next frames");
+            case ConsoleStep::kPress:
+                press(in, fast.inputs());
+                plain.inputs() = fast.inputs();
                 break;
+            case ConsoleStep::kLook: {
+                const size_t shown = static_cast<size_t>(game.console.height) * kScreenWidth;
+                twins.alike(std::equal(fast.picture(), fast.picture() + shown, plain.picture()), "fast and plain pictures are equal");
+                break;
+            }
+            case ConsoleStep::kCompare: twins.compare_states(); break;
+            case ConsoleStep::kChangePlaces: twins.change_places(); break;
+            case ConsoleStep::kDamage: twins.damage(in, {0, 200}); break;
+            case ConsoleStep::kReset:
+                both([](Console& console) { console.reset(); });
+                twins.comparable = true;
+                break;
+            case ConsoleStep::kSamples:
+                fast.make_samples(samples.data());
+                plain.make_samples(others.data());
+                twins.alike(samples == others, "fast and plain sound are equal");
+                break;
+            case ConsoleStep::kRead: {
+                const uint16_t address = in.word();
+                both([&](Console& console) { console.read(address); });
+                break;
+            }
+            case ConsoleStep::kWrite: {
+                const uint16_t address = in.word();
+                const uint8_t value = in.byte();
+                both([&](Console& console) { console.write(address, value); });
+                break;
+            }
             case ConsoleStep::kCount: break;
         }
     }
 }
 
 // All pictures, into memory of exactly their sizes; colours and greys are those of the indices.
-void look(const Environment& environment) {
+Bytes look(Environment& environment) {
     const size_t pixels = static_cast<size_t>(environment.height()) * kScreenWidth;
     Bytes indices(pixels), rgb(3 * pixels), gray(pixels);
     environment.screen(indices.data());
@@ -241,65 +304,100 @@ void look(const Environment& environment) {
         const uint32_t colour = uint32_t{rgb[3 * i]} << 16 | uint32_t{rgb[3 * i + 1]} << 8 | rgb[3 * i + 2];
         if (palette.rgb[indices[i]] != colour || palette.gray[indices[i]] != gray[i]) expect(false, "pictures agree");
     }
+    return indices;
 }
 
-void act(Reader& in, Environment& environment, const Settings& settings) {
+int act(int action, float strength, Environment& environment, const Settings& settings) {
     const auto before = static_cast<uint32_t>(environment.frame_number());
-    const int action = in.byte() % 18;
-    const float strength = static_cast<float>(in.number()) / 16.0f;
-    if (!(std::abs(strength) <= 1000.0f)) refuse();
     const bool over = environment.game_over() || environment.truncated();
-    environment.act(action, strength);
+    const int reward = environment.act(action, strength);
     const uint32_t played = static_cast<uint32_t>(environment.frame_number()) - before;
     expect(played <= static_cast<uint32_t>(settings.frame_skip) && !(over && played), "an act plays up to frame_skip frames");
+    return reward;
+}
+
+// What can be compared without asking for a picture.
+void compare_quickly(const Twins<Environment>& twins) {
+    const Environment &a = twins.fast, &b = twins.plain;
+    twins.alike(std::equal(a.ram(), a.ram() + 128, b.ram()), "fast and plain RAM are equal");
+    twins.alike(std::equal(a.audio(), a.audio() + kAudioSamples, b.audio()), "fast and plain sound are equal");
+    twins.alike(a.lives() == b.lives() && a.game_over() == b.game_over() && a.truncated() == b.truncated() &&
+                    a.frame_number() == b.frame_number() && a.episode_frame_number() == b.episode_frame_number(),
+                "fast and plain rules and counters are equal");
 }
 
 void play_environment(Reader& in) {
     const std::shared_ptr<const Game> game = read_game(in);
     const Settings settings = read_settings(in);
-    Environment environment(game, settings, static_cast<uint32_t>(in.number()));
+    Settings plainly = settings;
+    plainly.plain = true;
+    const auto seed = static_cast<uint32_t>(in.number());
+    Environment fast(game, settings, seed), plain(game, plainly, seed);
+    Twins<Environment> twins{fast, plain};
+    const auto both = [&](auto&& work) {
+        work(fast);
+        work(plain);
+        compare_quickly(twins);
+    };
     const size_t machine = sizeof(EnvironmentState);
+    std::optional<EnvironmentCopy> fast_moment, plain_moment;
     int acts = 0, resets = 0;
     for (int steps = 0; steps < kSteps && !in.empty(); ++steps) {
         switch (static_cast<EnvironmentStep>(in.byte() % static_cast<int>(EnvironmentStep::kCount))) {
-            case EnvironmentStep::kAct:
+            case EnvironmentStep::kAct: {
                 if (++acts > kActs) return;
-                act(in, environment, settings);
+                const int action = in.byte() % 18;
+                const float strength = static_cast<float>(in.number()) / 16.0f;
+                if (!(std::abs(strength) <= 1000.0f)) refuse();
+                int rewards[2], *reward = rewards;
+                both([&](Environment& environment) { *reward++ = act(action, strength, environment, settings); });
+                twins.alike(rewards[0] == rewards[1], "fast and plain rewards are equal");
                 break;
+            }
             case EnvironmentStep::kReset:
                 if (++resets > kResets) return;
-                environment.reset();
+                both([](Environment& environment) { environment.reset(); });
                 break;
-            case EnvironmentStep::kLook: look(environment); break;
-            case EnvironmentStep::kSaveAndLoad: save_and_load(environment); break;
-            case EnvironmentStep::kDamage:
-                offer(environment, damaged(in, saved(environment), {machine, machine + 200, kNumbers}));
+            case EnvironmentStep::kLook: twins.alike(look(fast) == look(plain), "fast and plain pictures are equal"); break;
+            case EnvironmentStep::kCompare: twins.compare_states(); break;
+            case EnvironmentStep::kChangePlaces: twins.change_places(); break;
+            case EnvironmentStep::kGoBack:  // to where the step before of this kind was, which was remembered in memory
+                if (!twins.comparable) break;
+                if (fast_moment) {
+                    expect(fast.copy_from(*fast_moment) && plain.copy_from(*plain_moment), "a copy is taken");
+                    expect(!plain.copy_from(*fast_moment), "a copy of another kind of machine is refused");
+                }
+                fast.copy_to(fast_moment.emplace());
+                plain.copy_to(plain_moment.emplace());
                 break;
+            case EnvironmentStep::kDamage: twins.damage(in, {machine, machine + 200, kNumbers}); break;
             case EnvironmentStep::kSeed: {  // the same as a new environment with that seed
                 if (++resets > kResets) return;
-                const auto seed = static_cast<uint32_t>(in.number());
-                environment.set_mode(game->default_mode);
-                environment.set_difficulty(0);
-                environment.seed(seed);
-                expect(saved(environment) == saved(Environment(game, settings, seed)), "a seed starts over");
+                const auto other = static_cast<uint32_t>(in.number());
+                twins.comparable = true;
+                both([&](Environment& environment) {
+                    environment.set_mode(game->default_mode);
+                    environment.set_difficulty(0);
+                    environment.seed(other);
+                });
+                Environment made(game, settings, other);
+                expect(saved(fast) == saved(made), "a seed starts over");
                 break;
             }
             case EnvironmentStep::kSetRam: {
                 const int index = in.byte() & 127, value = in.byte();
-                environment.set_ram(index, value);
-                expect(environment.ram()[index] == value, "RAM holds what was set");
+                both([&](Environment& environment) { environment.set_ram(index, value); });
+                expect(fast.ram()[index] == value, "RAM holds what was set");
                 break;
             }
-            case EnvironmentStep::kMode: environment.set_mode(in.number()); break;
-            case EnvironmentStep::kDifficulty: environment.set_difficulty(in.number()); break;
-            case EnvironmentStep::kTwin: {  // a copy goes on in the same way
-                if (++acts > kActs) return;
-                Environment other(environment);
-                const Reader same = in;
-                act(in, environment, settings);
-                Reader again = same;
-                act(again, other, settings);
-                expect(saved(environment) == saved(other), "equal states have equal next frames");
+            case EnvironmentStep::kMode: {
+                const int mode = in.number();
+                both([&](Environment& environment) { environment.set_mode(mode); });
+                break;
+            }
+            case EnvironmentStep::kDifficulty: {
+                const int difficulty = in.number();
+                both([&](Environment& environment) { environment.set_difficulty(difficulty); });
                 break;
             }
             case EnvironmentStep::kCount: break;

@@ -11,10 +11,10 @@ namespace atari {
 
 // Of what the row of steps at the end of an input consists.
 enum class ConsoleStep : uint8_t {
-    kFrame, kInstructions, kPress, kSaveAndLoad, kDamage, kReset, kSamples, kRead, kWrite, kTwin, kCount
+    kFrame, kInstructions, kPress, kLook, kCompare, kChangePlaces, kDamage, kReset, kSamples, kRead, kWrite, kCount
 };
 enum class EnvironmentStep : uint8_t {
-    kAct, kReset, kLook, kSaveAndLoad, kDamage, kSeed, kSetRam, kMode, kDifficulty, kTwin, kCount
+    kAct, kReset, kLook, kCompare, kChangePlaces, kGoBack, kDamage, kSeed, kSetRam, kMode, kDifficulty, kCount
 };
 
 class Reader {

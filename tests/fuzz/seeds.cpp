@@ -20,7 +20,7 @@ using Step = ConsoleStep;
 using Act = EnvironmentStep;
 
 constexpr uint8_t kTypes = 20;          // the first: recognised
-constexpr uint8_t k2K = 1, k4K = 2, k64K = 8;  // sizes, by their number
+constexpr uint8_t k2K = 1, k4K = 2, k64K = 8, kDpcSize = 10;  // sizes, by their number
 constexpr uint8_t kWhole = 2, kVectors = 8;  // layouts: the code once in 4 KiB; vectors that start it
 
 // A frame of three lines and few instructions: VSYNC on, two lines, off, and a count in RAM.
@@ -113,11 +113,12 @@ Writer& damage(Writer& to, Which which, std::initializer_list<Patch> patches, in
 Bytes all_console_steps(Writer to) {
     step(to, Step::kPress).byte(0x3f).byte(5).byte(10).byte(0x15);
     for (int i = 0; i < 4; ++i) to.number(27450 * (i + 1));
-    for (Step each : {Step::kFrame, Step::kSaveAndLoad, Step::kTwin, Step::kFrame, Step::kSamples, Step::kTwin}) step(to, each);
+    for (Step each : {Step::kFrame, Step::kChangePlaces, Step::kFrame, Step::kFrame, Step::kLook, Step::kSamples, Step::kFrame, Step::kCompare})
+        step(to, each);
     step(to, Step::kInstructions).byte(100);
     step(to, Step::kWrite).word(0x1ff8).byte(1);
     step(to, Step::kRead).word(0x1ff9);
-    for (Step each : {Step::kSaveAndLoad, Step::kReset, Step::kFrame}) step(to, each);
+    for (Step each : {Step::kFrame, Step::kChangePlaces, Step::kReset, Step::kFrame}) step(to, each);
     damage(to, Step::kDamage, {{offsetof(Machine, riot.ram), 0x55}});
     return step(to, Step::kFrame).bytes();
 }
@@ -181,16 +182,16 @@ const std::vector<Rule> kSelection = {
     {Op::kJump, 2}, {Op::kSoftReset, 0}, {Op::kAct, 1}, {Op::kEnd, 0}};
 
 Bytes all_environment_steps(Writer to) {
-    for (int i = 0; i < 4; ++i) step(to, Act::kAct).byte(static_cast<uint8_t>(3 * i)).number(16 - i);
-    for (Act each : {Act::kLook, Act::kSaveAndLoad}) step(to, each);
+    for (int i = 0; i < 4; ++i) step(step(to, Act::kAct).byte(static_cast<uint8_t>(3 * i)).number(16 - i), Act::kGoBack);
+    for (Act each : {Act::kLook, Act::kChangePlaces}) step(to, each);
     step(to, Act::kSetRam).byte(3).byte(0x77);
     step(to, Act::kMode).number(2);
     step(to, Act::kDifficulty).number(3);
-    step(to, Act::kTwin).byte(4).number(8);
+    step(to, Act::kAct).byte(4).number(8);
     for (Act each : {Act::kReset, Act::kLook}) step(to, each);
     step(to, Act::kSeed).number(99);
-    step(to, Act::kTwin).byte(3).number(16);
-    return step(to, Act::kLook).bytes();
+    step(to, Act::kAct).byte(3).number(16);
+    return step(step(to, Act::kCompare), Act::kLook).bytes();
 }
 
 // A state no machine could have saved, then some steps.
@@ -215,17 +216,19 @@ void add_found(const std::function<void(const std::string&, const Bytes&)>& add)
     Writer late = console(2, k4K, kShort);
     damage(step(late, Step::kFrame), Step::kDamage, {{kCycles, 1 << 29}});
     step(late, Step::kRead).word(0);
-    add("found-own-state-refused", step(late, Step::kSaveAndLoad).bytes());
+    add("found-own-state-refused", step(late, Step::kChangePlaces).bytes());
     // A frame that no instruction ends, in a line whose first pixel has no number.
     Writer below = console(2, k4K, {0x02});
     damage(step(below, Step::kFrame), Step::kDamage, {{kCycles, -(1 << 28)}, {offsetof(Machine, tia.partial), 1}});
     add("found-line-far-below", step(below, Step::kFrame).bytes());
+    // A bank of which the image has only the beginning, with an operand behind the end.
+    add("found-bank-cut-off", console(0, kDpcSize, {0xad, 0xf0, 0xff}).bytes());
     add("found-picture-beyond-numbers", console(2, k4K, kShort, 2, kMost).bytes());
 
     Writer last_frame = environment(kShort, kUsualRules, kEmpty);
     constexpr size_t kOwnStart = offsetof(EnvironmentState, random.position);
     damage(last_frame, Act::kDamage, {{offsetof(EnvironmentState, frame) - kOwnStart, kMost}}, kOwn);
-    add("found-last-frame", step(step(last_frame, Act::kAct).byte(0).number(16), Act::kSaveAndLoad).bytes());
+    add("found-last-frame", step(step(last_frame, Act::kAct).byte(0).number(16), Act::kChangePlaces).bytes());
 
     // Quotients and remainders by numbers near the end of 64 bits, and of the smallest one.
     const auto huge = [](int shift) { return std::vector<Rule>{{Op::kPush, 1}, {Op::kPush, 31}, {Op::kShiftLeft, 0}, {Op::kPush, shift}, {Op::kShiftLeft, 0}}; };
