@@ -112,6 +112,19 @@ class Emulator:
 
     def close(self) -> None: ...
 
+class AreaResize:
+    """
+    Scales a gray picture, (rows, 160), down to (height, width) as OpenCV's INTER_AREA does, to the byte.
+
+    Raises ValueError if the size is not served: larger than the picture, narrower than 11, or
+    dividing the picture's in both directions.
+    """
+
+    def __init__(self, rows: int, height: int, width: int) -> None: ...
+    def __call__(self, picture: numpy.typing.NDArray[numpy.uint8], out: numpy.typing.NDArray[numpy.uint8]) -> None: ...
+    def __getstate__(self) -> tuple[int, int, int]: ...
+    def __setstate__(self, arg: tuple[int, int, int], /) -> None: ...
+
 class Moment:
     """A state in memory, as `Console.remember` returned it."""
 
@@ -237,6 +250,24 @@ class Console:
 
     def go_back(self, moment: Moment) -> None:
         """Continue from `remember` of this console."""
+
+def paint_ways() -> int:
+    """How many ways of painting this processor has."""
+
+def paint(
+    layers: Sequence[numpy.typing.NDArray[numpy.uint8]], colours: Sequence[int], first: int, last: int, way: int
+) -> numpy.typing.NDArray[numpy.uint8]:
+    """
+    A row of 160 zeros in which pixels first .. last-1 have been painted: those of the three layers, (160,) each,
+    in the first three colours, the others in the fourth. Way 0 is the portable one.
+    """
+
+def to_rgb(
+    picture: numpy.typing.NDArray[numpy.uint8], format: str, plain: bool = False
+) -> numpy.typing.NDArray[numpy.uint8]:
+    """
+    A picture of palette indices, (rows, 160), in the colours of a TV format. `plain` as in `pool_gray`.
+    """
 
 def same_state(first: Console, second: Console, complete: bool) -> bool:
     """

@@ -91,6 +91,7 @@ def pairs(counts: Path, known: set[str]) -> list[tuple[str, str]]:
 
 
 def main() -> None:
+    """Write the file anew."""
     path = EMULATOR / "handlers.def"
     known = singles()
     if len(sys.argv) > 1:

@@ -127,6 +127,7 @@ struct FastCpu {
         known = {now, record.handler};
         // What runs out of RAM goes on in the TIA, where a program sees the byte last on the bus.
         if (static_cast<int>(place) + length_of(kOpcodes[bytes[0]].form) > 127) known.handler = kStep;
+        if (record.handler == JSR_Far) known.handler = kStep;  // what it pushes may be its own address
         if (is_branch(record.handler)) {
             const int target = static_cast<int>(place) + record.jump;
             if (target < 0 || target > 127 || place + 2 > 127) known.handler = kStep;
@@ -184,6 +185,8 @@ struct FastCpu {
             }
             c.m_.cpu.last_access_was_read = true;
             c.keep_write(static_cast<uint8_t>(reg), static_cast<uint8_t>(value));
+            c.m_.bus = static_cast<uint8_t>(value);
+            c.m_.cpu.last_access_was_read = false;
             return c.m_.cpu.stop;
         }
         c.m_.cpu.last_access_was_read = true;
@@ -750,6 +753,7 @@ void FastCpu::run_counted(Console& c, int left) {
         uint16_t handler = r.at ? kFirstOf[r.at->handler] : uint16_t{kStep};
         if (handler == kPollTimer) handler = static_cast<uint16_t>(r.at->jump);
         if (handler == kRamCode) handler = decode_ram(c, r.at);
+        if (left == 1) handler = kStep;  // what the last instruction leaves on the bus stays in the state
         here = handler != kStep && kSteps[handler](r, c) != kPlainly;
         if (here) {
             pc = pc_of(c, r.at);
