@@ -185,7 +185,8 @@ std::vector<Record> decode_image(const Cartridge& cartridge) {
     const uint8_t* image = cartridge.image();
     std::vector<Record> records(size + 1, Record{kStep, 0, 0, 0, 0});
     const auto decodable = [&](size_t first, size_t from, size_t to) {
-        if (to > first + slice || first + slice > size) return false;
+        // An instruction that ends a slice is not: behind it is another slice, or the TIA, where programs see the bus.
+        if (to >= first + slice || first + slice > size) return false;
         for (size_t i = from; i < to; ++i)
             if (!plain_in_image(cartridge, i)) return false;
         return true;
