@@ -100,7 +100,9 @@ def branch(rng: random.Random) -> bytes:
 
 
 def jump(rng: random.Random) -> bytes:
-    return bytes([rng.choice((0x4C, 0x20, 0x20))]) + word(rng.choice((0x1000, 0xF000, 0xD000)) + rng.randrange(0xFF0))
+    """Anywhere in the window, often to where an instruction ahead of it switches banks."""
+    target = rng.choice((0x1000, 0xF000, 0xD000)) + rng.choice((rng.randrange(0xFF0), rng.randrange(0xFD0, 0xFF0)))
+    return bytes([rng.choice((0x4C, 0x20, 0x20))]) + word(target)
 
 
 def return_or_stack(rng: random.Random) -> bytes:
@@ -273,7 +275,9 @@ def starfield(rng: random.Random) -> bytes:
     code.emit(0xE6, COUNTER)
     code.begin_frame()
     code.store(0x70, W.HMM0)
-    code.emit(0xA9, 0x60, 0x85, W.WSYNC, 0x85, W.HMOVE, *[0xEA] * 9, 0x85, W.HMM0)
+    code.emit(0xA9, 0x60, 0x85, W.WSYNC, 0x85, W.HMOVE)
+    writes = (*[0xEA] * 9, 0x85, W.HMM0), (*[0xEA] * 8, 0x99, W.HMM0, 0), (*[0xEA] * 7, 0x24, 0x80, 0x8D, W.HMM0, 0)
+    code.emit(*rng.choice(writes))
     for _ in range(rng.choice((1, 2, 3))):
         code.emit(0xA2, rng.randrange(20, 100))
         line = len(code.bytes)
@@ -298,12 +302,12 @@ def short_frames(rng: random.Random) -> bytes:
     for register in rng.sample([W.COLUBK, W.PF2, W.GRP0, W.HMP0], 2):
         sometimes(code, rng, lambda _, register=register: bytes([0xA5, COUNTER, 0x85, register]))
     code.store(2, W.VSYNC)
+    code.emit(0xA5, COUNTER, 0x29, rng.choice((1, 4, 8)), 0xA8)  # in Y 0 or not
     code.emit(0xA5, COUNTER, 0x29, rng.choice((1, 2, 3, 7)), 0x09, rng.choice((1, 1, 8, 0x28)), 0xAA)
     code.emit(0x85, W.WSYNC, 0xCA, 0xD0, 0xFB, 0xA9, 0)
-    delay = rng.choice((0, rng.randrange(70), 65, 66, 66, 67))  # cycles; with 66, HMOVE ends in cycle 75
+    delay = rng.choice((0, 0, rng.randrange(70), 64, 66, 66, 67))  # cycles; with 66, HMOVE ends in cycle 75
     code.emit(*[0xEA] * (delay // 2 - delay % 2), *[0x24, 0x80] * (delay % 2))
-    if rng.random() < 0.8:
-        code.emit(0x85, W.HMOVE)
+    code.emit(*rng.choice(((), (0x85, W.HMOVE), (0x99, W.HMOVE, 0))))  # the last where Y is 0
     code.emit(*[0xEA] * rng.choice((0, 0, 1, 5, 9, 20)), 0x85, W.VSYNC)
     return code.image(again)
 
@@ -327,7 +331,10 @@ def waiting(rng: random.Random) -> bytes:
             code.emit(*count_down(rng))
         elif part < 0.8:
             code.emit(*nothing(rng))
-        elif part < 0.9:
+        elif part < 0.88:
+            code.emit(*vertical_sync(rng))
+        elif part < 0.9:  # longer than a frame may take
+            code.emit(0xA9, rng.randrange(256), 0x8D, *word(R.T1024T), 0xAD, *word(R.INTIM), 0xD0, 0xFB)
             code.emit(*vertical_sync(rng))
         else:
             code.emit(*store_in_tia(rng))
