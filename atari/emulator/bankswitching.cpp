@@ -82,7 +82,7 @@ uint8_t Console::read_cartridge(uint16_t address) {
             break;
         default: hotspot(offset, true);
     }
-    return image[segment_[address >> 10 & 15] + (offset & 0x3ff)];
+    return image[segment_[(address >> 10 & 15) | 4] + (offset & 0x3ff)];  // 3F and 3E answer below the window, too
 }
 
 void Console::write_cartridge(uint16_t address, uint8_t value) {
