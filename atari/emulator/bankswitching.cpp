@@ -42,7 +42,9 @@ void Console::map_segments() {
 // A page that is only partly plain image is none.
 void Console::map_pages() {
     const unsigned first = (plain_.from + 63) / 64, last = (plain_.from + plain_.size) / 64;
-    const bool two_halves = cartridge_->type() == Type::kFE, one_bank = segment_[15] == segment_[12] + 3072;
+    const bool two_halves = cartridge_->type() == Type::kFE;
+    bool one_bank = true;
+    for (uint32_t i = 1; i < 4; ++i) one_bank &= segment_[12 + i] == segment_[12] + 1024 * i;
     for (unsigned page = first; page < last; ++page) {
         const uint32_t start = one_bank ? segment_[12] + 64 * page : segment_[12 + page / 16] + 64 * (page & 15);
         pages_[64 + page] = pages_[192 + page] = image_ + start;
