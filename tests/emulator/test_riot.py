@@ -107,7 +107,7 @@ def test_edge_detect_writes_are_ignored(address: int) -> None:
     machine = console()
     before = machine.state()
     machine.write(address, 0x55)
-    assert machine.state() == before | {"bus": 0x55}
+    assert machine.state() == before | {"bus": 0x55, "last_access_was_read": False}
 
 
 @pytest.mark.parametrize("address", [0x280, 0x290, 0x294 - 4, 0x298])
@@ -116,7 +116,7 @@ def test_writes_of_ports_reach_the_ports_whatever_bit_4(address: int) -> None:
     machine = console()
     before = machine.state()
     machine.write(address, 0x00)
-    assert machine.state() == before | {"bus": 0x00}
+    assert machine.state() == before | {"bus": 0x00, "last_access_was_read": False}
     assert machine.read(R.SWCHA) == 0xFF
 
 
