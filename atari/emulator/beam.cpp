@@ -101,6 +101,10 @@ void Beam::reach(int32_t clock) {
     if (work_ == kCollisions) advance<kCollisions>(t.pending);
     else if (work_ == kPixels) advance<kPixels>(t.pending);
     else advance<kAll>(t.pending);
+}
+
+void Beam::finish() {
+    Tia& t = t_;
     if (t.hmove_blank && blank_is_over()) t.hmove_blank = false;
     t.to_line_end = line_end() - t.drawn_to;
     const int32_t drawn = t.drawn_to - t.draw_start;

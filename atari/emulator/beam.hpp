@@ -47,6 +47,9 @@ class Beam {
     // Brings the picture and the collisions up to a clock, as an access at that clock does.
     void reach(int32_t clock);
 
+    // The frame has ended: brings what follows from the rest of the state up to date.
+    void finish();
+
   private:
     template <Work work>
     void apply_all(const Write* first, const Write* last, const Write* collisions_from);

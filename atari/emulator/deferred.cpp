@@ -83,6 +83,7 @@ void Console::end_log() {
     FrameLog& log = logs_[log_];
     log.size = static_cast<int>(log_end_ - log.writes);
     apply_kept(end_clock_);
+    beam_.finish();
     for (int object = kP0; object <= kBL; ++object) t.hm[object] = written_.reg[HMP0 + object] >> 4;
     log.reached = t.pending;
     // In front of the last line a blank may reach further.
