@@ -1,5 +1,7 @@
 """`NativeCore`: the contract of every core, and what only our own emulator does."""
 
+import threading
+import time
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -125,3 +127,27 @@ def test_snapshots_of_the_plain_core_are_those_of_the_native_one(game: str) -> N
         actions = some_actions(core, 40, seed=1)
         assert play(core, actions) == play(copy, actions)
         assert core.snapshot() == copy.snapshot()
+
+
+def test_other_threads_run_while_frames_are_played() -> None:
+    """A call of 10,000 frames takes a good while, in which another thread gets on."""
+    core = NativeCore("pitfall", frame_skip=10_000)
+    core.reset()
+    rounds = 0
+    playing = True
+
+    def count() -> None:
+        nonlocal rounds
+        while playing:
+            rounds += 1
+            time.sleep(0)
+
+    other = threading.Thread(target=count)
+    other.start()
+    before = rounds
+    core.act(0)
+    during = rounds - before
+    playing = False
+    other.join()
+    assert core.frame_number >= 10_000
+    assert during > 100
