@@ -89,7 +89,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         self._options = {key: value for key, value in locals().items() if key not in ("self", "__class__")}
         self.game: Game = games.find(game)
         self._obs_type = _check_name("obs_type", obs_type, _OBS_TYPES)
-        self._frameskip = _check_frameskip(frameskip)
+        self._frameskip = check_frameskip(frameskip)
         _check_name("core", core, tuple(CORES))
         if render_mode is not None:
             _check_name("render_mode", render_mode, _RENDER_MODES)
@@ -342,7 +342,8 @@ def _check_name(name: str, value: Any, choices: tuple[str, ...]) -> str:
     return str(value)
 
 
-def _check_frameskip(frameskip: Any) -> int | tuple[int, int]:
+def check_frameskip(frameskip: Any) -> int | tuple[int, int]:
+    """`frameskip` as a number of frames, or as (low, high)."""
     if not isinstance(frameskip, (tuple, list)):
         return check_integer("frameskip", frameskip, 1, 10_000)
     if len(frameskip) != 2:

@@ -74,9 +74,8 @@ class NativeCore(_emulator.Emulator):
         image = rom_image.read_image(find(self.game, rom))
         self._rom_md5 = rom_image.md5(image)
         super().__init__(
-            game=_compiled(self.game, image),
-            # ALE keeps settings as text of six digits and reads them back as float32.
-            repeat_action_probability=float(np.float32(f"{np.float32(self._options.repeat_action_probability):g}")),
+            game=compiled(self.game, image),
+            repeat_action_probability=as_ale_reads(self._options.repeat_action_probability),
             frame_skip=self._options.frame_skip,
             max_num_frames_per_episode=self._options.max_num_frames_per_episode,
             sound=self.sound,
@@ -144,13 +143,18 @@ class PlainCore(NativeCore):
     _plain = True
 
 
+def as_ale_reads(probability: float) -> float:
+    """ALE keeps settings as text of six digits and reads them back as float32."""
+    return float(np.float32(f"{np.float32(probability):g}"))
+
+
 def _usable(seed: int) -> int:
     """ale-py reads 2**32 - 1 as the clock, so `AleCore` takes the seed below it instead, and so does this core."""
     return min(seed, door.SEED_LIMIT - 2)
 
 
 @lru_cache(maxsize=128)
-def _compiled(game: Game, image: bytes) -> _emulator.Game:
+def compiled(game: Game, image: bytes) -> _emulator.Game:
     """The game as the emulator takes it, made once and shared by all its cores."""
     rules = compile_rules(game.rules) if game.rules else _NO_RULES
     controllers = game.controllers

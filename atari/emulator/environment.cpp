@@ -45,9 +45,10 @@ void Game::check() const {
         if ((action < 0 || action > 17) && action != kReset) throw std::invalid_argument("a starting action does not exist");
 }
 
-Environment::Environment(std::shared_ptr<const Game> game, const Settings& settings, uint32_t seed_value)
+Environment::Environment(std::shared_ptr<const Game> game, const Settings& settings, uint32_t seed_value,
+                         const Environment* twin)
     : game_(std::move(game)), settings_(settings), console_(game_->cartridge, game_->console, settings.plain),
-      mode_(game_->default_mode) {
+      mode_(game_->default_mode), loaded_(twin ? twin->loaded_ : nullptr) {
     seed(seed_value);
 }
 
@@ -63,8 +64,9 @@ void Environment::seed(uint32_t value) {
         const MersenneTwister before = state_.random;
         reset();
         if (std::memcmp(&before, &state_.random, sizeof before) == 0) {
-            loaded_ = std::make_unique<EnvironmentCopy>();
-            copy_to(*loaded_);
+            const auto loaded = std::make_shared<EnvironmentCopy>();
+            copy_to(*loaded);
+            loaded_ = loaded;
         }
     } else {
         copy_from(*loaded_);

@@ -64,7 +64,8 @@ struct EnvironmentCopy {
 
 class Environment {
   public:
-    Environment(std::shared_ptr<const Game> game, const Settings& settings, uint32_t seed);
+    // A `twin` of the same game and settings has done the loading already.
+    Environment(std::shared_ptr<const Game> game, const Settings& settings, uint32_t seed, const Environment* twin = nullptr);
 
     void seed(uint32_t seed);  // as a fresh load with this seed; mode and difficulty stay
     void reset();              // throws std::runtime_error if the mode cannot be selected
@@ -120,7 +121,7 @@ class Environment {
     Console console_;
     EnvironmentState state_{};
     int mode_, difficulty_ = 0;
-    std::unique_ptr<EnvironmentCopy> loaded_;  // the state after a load, where it does not depend on the seed
+    std::shared_ptr<const EnvironmentCopy> loaded_;  // the state after a load, where it does not depend on the seed
     int select_budget_ = 0;           // frames the selection of a mode may still take
     std::vector<uint8_t> averaged_;
 };

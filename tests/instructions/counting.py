@@ -40,7 +40,7 @@ def describe(game_id: str) -> str:
     game = atari.games.find(game_id)
     # The arguments that the core itself would pass, so that what is counted is the game as it is played.
     with mock.patch("atari._emulator.make_game") as make_game:
-        native._compiled.__wrapped__(game, b"")
+        native.compiled.__wrapped__(game, b"")
     values = {**make_game.call_args.kwargs, "minimal_actions": game.minimal_actions}
     return "".join(f"{name} {words(value)}\n" for name, value in values.items() if name != "image")
 
