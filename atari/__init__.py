@@ -22,12 +22,25 @@ from atari.catalog import games
 from atari.env import AtariEnv
 from atari.game import Game
 from atari.registration import explain, make, register_all, register_game
+from atari.vector import AtariVectorEnv
 
 if TYPE_CHECKING:
     from atari import roms, wrappers
 
 __version__ = "0.1.0"
-__all__ = ["Action", "AtariEnv", "Game", "cores", "explain", "games", "make", "register_game", "roms", "wrappers"]
+__all__ = [
+    "Action",
+    "AtariEnv",
+    "AtariVectorEnv",
+    "Game",
+    "cores",
+    "explain",
+    "games",
+    "make",
+    "register_game",
+    "roms",
+    "wrappers",
+]
 
 # `atari/games/` holds data files, no module: without this, `import atari.games` would put an empty namespace package
 # in the place of the mapping.

@@ -297,3 +297,79 @@ def resize_area(
     A gray picture, (rows, 160), scaled down as by OpenCV's INTER_AREA. `repeats` and `plain` as in `pool_gray`.
     Raises ValueError if the size is not served.
     """
+class Batch:
+    """
+    Arrays for the results of a batch. Threads write to them between start and receive.
+    """
+
+    def __init__(
+        self,
+        vector: Vector,
+        *,
+        pixels: numpy.typing.NDArray[numpy.uint8] | None,
+        ram: numpy.typing.NDArray[numpy.uint8] | None,
+        final_pixels: numpy.typing.NDArray[numpy.uint8] | None,
+        final_ram: numpy.typing.NDArray[numpy.uint8] | None,
+        numbers: numpy.typing.NDArray[numpy.int32],
+        flags: numpy.typing.NDArray[numpy.bool],
+    ) -> None:
+        """
+        `numbers` is int32 (8, rows): reward, environment, lives, frame and episode frame number, and the last three
+        of the final observation; `flags` bool (3, rows): terminated, truncated, has a final observation.
+        """
+
+class Vector:
+    """
+    Environments played by a pool of threads. Use it through atari.AtariVectorEnv.
+    """
+
+    def __init__(
+        self,
+        *,
+        games: Sequence[Game],
+        actions: Sequence[Sequence[int]],
+        modes: Sequence[int | None],
+        difficulties: Sequence[int | None],
+        seeds: numpy.typing.NDArray[numpy.uint32],
+        repeat_action_probability: float,
+        frame_skip: tuple[int, int],
+        noop_max: int,
+        fire: bool,
+        episodic_life: bool,
+        life_loss_info: bool,
+        clip_reward: bool,
+        max_frames: int,
+        pixels: str,
+        height: int,
+        width: int,
+        stack: int,
+        max_pool: bool,
+        ram: bool,
+        batch_size: int,
+        threads: int,
+        first_core: int,
+        autoreset: str,
+    ) -> None: ...
+    def start(
+        self,
+        actions: numpy.typing.NDArray[numpy.int64],
+        strengths: numpy.typing.NDArray[numpy.float32] | None,
+        batch: Batch | None,
+    ) -> None:
+        """
+        Begin a step of the environments of the last batch; the batch is where results go if it is of all of them.
+        """
+
+    def reset(
+        self,
+        mask: numpy.typing.NDArray[numpy.bool],
+        seeded: numpy.typing.NDArray[numpy.bool],
+        seeds: numpy.typing.NDArray[numpy.uint32],
+        batch: Batch | None,
+    ) -> None:
+        """
+        Begin a reset of the environments in `mask`; `seeds` is (environments, 2): the emulator's, and the other.
+        """
+
+    def receive(self, batch: Batch) -> None:
+        """Wait for a batch of results."""

@@ -34,6 +34,7 @@ MAX_FRAMES = 108_000
 
 
 _ENTRY_POINT = "atari.env:AtariEnv"
+_VECTOR_ENTRY_POINT = "atari.vector:AtariVectorEnv"
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,9 @@ class Family:
             "max_num_frames_per_episode": MAX_FRAMES,
         }
         if self.obs_type == "rgb":
-            del options["obs_type"]  # the default; ale-py's specs do not name it, and its vector entry point refuses it
+            del options[
+                "obs_type"
+            ]  # the default; ale-py's specs do not name it, and vectors then show their preprocessing
         return options
 
 
@@ -99,12 +102,11 @@ def register_all() -> None:
     """Put every ID into Gymnasium's registry, taking the place of ale-py's where it has the same one."""
     for env_id, (family, game) in ids().items():
         # Not gymnasium.register(), which warns when it replaces an ID.
-        vector = "ale_py.vector_env:AtariVectorEnv" if env_id.startswith("ALE/") and family.obs_type == "rgb" else None
         gymnasium.registry[env_id] = EnvSpec(
             id=env_id,
             entry_point=_ENTRY_POINT,
             kwargs=family.options(game),
-            vector_entry_point=vector,
+            vector_entry_point=_VECTOR_ENTRY_POINT,
         )
 
 
@@ -177,7 +179,9 @@ def register_game(file: str | PathLike[str], rom: str | PathLike[str]) -> tuple[
             "obs_type": obs_type,
             "max_num_frames_per_episode": MAX_FRAMES,
         }
-        gymnasium.registry[env_id] = EnvSpec(id=env_id, entry_point=_ENTRY_POINT, kwargs=options)
+        gymnasium.registry[env_id] = EnvSpec(
+            id=env_id, entry_point=_ENTRY_POINT, kwargs=options, vector_entry_point=_VECTOR_ENTRY_POINT
+        )
         registered.append(env_id)
     return registered[0], registered[1]
 

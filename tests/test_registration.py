@@ -25,7 +25,7 @@ def theirs() -> dict[str, dict[str, Any]]:
     program = (
         "import json, gymnasium, ale_py\n"
         "fields = ('kwargs', 'max_episode_steps', 'reward_threshold', 'nondeterministic', 'order_enforce',\n"
-        "          'disable_env_checker', 'vector_entry_point', 'additional_wrappers')\n"
+        "          'disable_env_checker', 'additional_wrappers')\n"
         "specs = {i: s for i, s in gymnasium.registry.items() if str(s.entry_point).startswith('ale_py')}\n"
         "print(json.dumps({i: {f: getattr(s, f) for f in fields} for i, s in specs.items()}))"
     )

@@ -217,6 +217,7 @@ class Emulator {
 }  // namespace
 
 void register_inspection(nb::module_& m);  // inspect.cpp
+void register_vector(nb::module_& m);      // binding_vector.cpp
 
 }  // namespace atari
 
@@ -321,4 +322,5 @@ NB_MODULE(_emulator, m) {
         });
 
     register_inspection(m);
+    register_vector(m);
 }

@@ -25,6 +25,15 @@ struct MersenneTwister {
         return y ^ (y >> 18);
     }
 
+    // Uniform in 0 .. count-1, without a bias (Lemire 2019).
+    uint32_t below(uint32_t count) {
+        uint64_t product = uint64_t{next()} * count;
+        if (static_cast<uint32_t>(product) < count)
+            for (const uint32_t limit = (0u - count) % count; static_cast<uint32_t>(product) < limit;)
+                product = uint64_t{next()} * count;
+        return static_cast<uint32_t>(product >> 32);
+    }
+
     // As `count` calls of `next`.
     void skip(uint64_t count) {
         while (count > 624 - position) {

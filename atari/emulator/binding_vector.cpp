@@ -1,0 +1,248 @@
+// `_emulator.Vector` and `_emulator.Batch`: the vector environment, bound for atari/vector.py, which checks options.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <numeric>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "vector.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace atari {
+namespace {
+
+template <typename T>
+using Rows = nb::ndarray<T, nb::c_contig, nb::device::cpu>;
+template <typename T>
+using List = nb::ndarray<const T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Seeds = nb::ndarray<const uint32_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
+template <typename T>
+T chosen(const std::map<std::string, T>& choices, const std::string& name) {
+    const auto found = choices.find(name);
+    if (found == choices.end()) throw nb::value_error(("there is no choice " + name).c_str());
+    return found->second;
+}
+
+const std::map<std::string, Pixels> kPixels = {
+    {"none", Pixels::kNone}, {"gray", Pixels::kGray}, {"rgb", Pixels::kRgb}, {"gray of rgb", Pixels::kGrayOfRgb}};
+const std::map<std::string, Autoreset> kAutoresets = {
+    {"NextStep", Autoreset::kNextStep}, {"SameStep", Autoreset::kSameStep}, {"Disabled", Autoreset::kDisabled}};
+
+// Arrays for the results of a batch, with the pointers to their parts.
+struct BoundBatch {
+    Batch batch;
+    std::vector<nb::object> arrays;
+    size_t rows = 0;
+};
+
+// The vector with its lock: two threads may share it, one call at a time goes through. The interpreter's lock is released
+// while environments are played or waited for.
+class BoundVector {
+  public:
+    BoundVector(std::vector<Vector::Member> members, const VectorSettings& settings)
+        : engine_(std::make_unique<Vector>(std::move(members), settings)) {
+        recent_.resize(static_cast<size_t>(settings.batch_size));
+        std::iota(recent_.begin(), recent_.end(), 0);
+    }
+
+    void start(List<int64_t> actions, std::optional<List<float>> strengths, nb::object batch) {
+        const auto lock = acquire();
+        if (sent_) throw std::runtime_error("a step has been started; receive it first");
+        const size_t count = actions.shape(0);
+        if (count != recent_.size() || (strengths && strengths->shape(0) != count))
+            throw nb::value_error("there must be an action for each environment of the batch");
+        for (size_t i = 0; i < count; ++i) {
+            const int most = engine_->actions_of(recent_[i]) - 1;
+            if (actions(i) < 0 || actions(i) > most)
+                throw nb::value_error(("action " + std::to_string(actions(i)) + " in row " + std::to_string(i) +
+                                       " is not within 0.." + std::to_string(most)).c_str());
+        }
+        const Batch* target = hold(batch);
+        sent_ = true;
+        const nb::gil_scoped_release release;
+        engine_->step(recent_.data(), actions.data(), strengths ? strengths->data() : nullptr, static_cast<int>(count),
+                      target);
+    }
+
+    void reset(List<bool> mask, List<bool> seeded, Seeds seeds, nb::object batch) {
+        const auto lock = acquire();
+        const auto size = static_cast<size_t>(engine_->size());
+        if (mask.shape(0) != size || seeded.shape(0) != size || seeds.shape(0) != size || seeds.shape(1) != 2)
+            throw nb::value_error("there must be an entry for each environment");
+        {
+            const nb::gil_scoped_release release;
+            engine_->drain();
+        }
+        const Batch* target = hold(batch);
+        std::vector<Seed> values(size);
+        std::vector<const Seed*> given(size);
+        std::vector<bool> which(size);
+        for (size_t i = 0; i < size; ++i) {
+            values[i] = {seeds(i, 0), seeds(i, 1)};
+            given[i] = seeded(i) ? &values[i] : nullptr;
+            which[i] = mask(i);
+        }
+        sent_ = true;
+        const nb::gil_scoped_release release;
+        engine_->reset(which, given, target);
+    }
+
+    void receive(const BoundBatch& batch) {
+        const auto lock = acquire();
+        if (!sent_) throw std::runtime_error("no step has been started");
+        if (batch.rows != recent_.size()) throw nb::value_error("the batch has another number of rows");
+        sent_ = false;
+        const nb::gil_scoped_release release;
+        engine_->receive(batch.batch);
+        std::copy_n(batch.batch.environment, recent_.size(), recent_.begin());
+    }
+
+    Vector& engine() { return *engine_; }
+
+  private:
+    // Whoever waits for this lock has given up the interpreter's.
+    std::unique_lock<std::mutex> acquire() {
+        const nb::gil_scoped_release release;
+        return std::unique_lock(mutex_);
+    }
+
+    const Batch* hold(nb::object batch) {
+        current_ = batch;
+        return batch.is_none() ? nullptr : &nb::cast<BoundBatch&>(batch).batch;
+    }
+
+    std::mutex mutex_;
+    nb::object current_;       // threads may be writing to it, so it goes after them
+    std::vector<int> recent_;  // the environments of the last batch, by row
+    bool sent_ = false;        // has the batch not been received?
+    std::unique_ptr<Vector> engine_;
+};
+
+template <typename T>
+T* rows_of(BoundBatch& batch, nb::object array, size_t size, const char* what) {
+    if (array.is_none()) return nullptr;
+    Rows<T> rows;
+    if (!nb::try_cast(array, rows, false) || rows.size() != size)
+        throw nb::value_error((std::string(what) + " must be a writable C-contiguous array of " + std::to_string(size) +
+                               " values").c_str());
+    batch.arrays.push_back(array);
+    return rows.data();
+}
+
+void make_batch(BoundBatch* self, BoundVector& vector, nb::object pixels, nb::object ram, nb::object final_pixels,
+                       nb::object final_ram, nb::object numbers, nb::object flags) {
+    auto bound = BoundBatch{};
+    const auto rows = static_cast<size_t>(vector.engine().batch_size());
+    bound.rows = rows;
+    Batch& batch = bound.batch;
+    const size_t size = rows * vector.engine().player(0).view().size();
+    batch.observation = {rows_of<uint8_t>(bound, pixels, size, "pixels"), rows_of<uint8_t>(bound, ram, 128 * rows, "ram")};
+    batch.final_observation = {rows_of<uint8_t>(bound, final_pixels, size, "final_pixels"),
+                               rows_of<uint8_t>(bound, final_ram, 128 * rows, "final_ram")};
+    int32_t* const number = rows_of<int32_t>(bound, numbers, 8 * rows, "numbers");
+    uint8_t* const flag = reinterpret_cast<uint8_t*>(rows_of<bool>(bound, flags, 3 * rows, "flags"));
+    if (!number || !flag) throw nb::value_error("numbers and flags are needed");
+    batch.reward = number;
+    batch.environment = number + rows;
+    batch.numbers = {number + 2 * rows, number + 3 * rows, number + 4 * rows};
+    batch.final_numbers = {number + 5 * rows, number + 6 * rows, number + 7 * rows};
+    batch.terminated = flag;
+    batch.truncated = flag + rows;
+    batch.ended = flag + 2 * rows;
+    new (self) BoundBatch(std::move(bound));
+}
+
+void make_vector(BoundVector* self, const std::vector<std::shared_ptr<Game>>& games,
+                 const std::vector<std::vector<int>>& actions, const std::vector<std::optional<int>>& modes,
+                 const std::vector<std::optional<int>>& difficulties, List<uint32_t> seeds, double probability,
+                 std::pair<int, int> frame_skip, int noop_max, bool fire, bool episodic_life, bool life_loss_info,
+                 bool clip_reward, int max_frames, const std::string& pixels, int height, int width, int stack,
+                 bool max_pool, bool ram, int batch_size, int threads, int first_core, const std::string& autoreset) {
+    const size_t size = games.size();
+    if (size == 0 || actions.size() != size || modes.size() != size || difficulties.size() != size || seeds.shape(0) != size)
+        throw nb::value_error("there must be an entry for each environment, and at least one");
+    if (batch_size < 1 || static_cast<size_t>(batch_size) > size || threads < 1 || stack < 1 || frame_skip.first < 1 ||
+        frame_skip.second <= frame_skip.first)
+        throw nb::value_error("batch_size, threads, stack or frame_skip is out of range");
+    const Settings settings{probability, 1, 0, false, false};
+    const PlaySettings play{frame_skip, noop_max, fire, episodic_life, life_loss_info, clip_reward, max_frames};
+    ViewSettings view;
+    view.pixels = chosen(kPixels, pixels);
+    view.height = height;
+    view.width = width;
+    view.stack = stack;
+    view.max_pool = max_pool;
+    const VectorSettings vector{batch_size, threads, first_core, chosen(kAutoresets, autoreset), ram};
+    std::vector<Vector::Member> members;
+    {
+        nb::gil_scoped_release release;
+        std::map<int, std::shared_ptr<const Scaler>> scalers;  // by height of the picture
+        std::map<const Game*, const Environment*> twins;
+        for (size_t i = 0; i < size; ++i) {
+            const Environment*& twin = twins[games[i].get()];
+            auto environment = std::make_unique<Environment>(games[i], settings, seeds(i), twin);
+            if (!twin) twin = environment.get();
+            if (modes[i]) environment->set_mode(*modes[i]);
+            if (difficulties[i]) environment->set_difficulty(*difficulties[i]);
+            auto& scaler = scalers[environment->height()];
+            if (!scaler && view.pixels != Pixels::kNone)
+                scaler = std::make_shared<const Scaler>(environment->height(), height, width);
+            const std::vector<int>& own = actions[i];
+            const bool has_fire = std::find(own.begin(), own.end(), 1) != own.end();
+            auto player = std::make_unique<AlePlayer>(std::move(environment), play, view, scaler, has_fire, seeds(i));
+            members.push_back({std::move(player), own});
+        }
+    }
+    new (self) BoundVector(std::move(members), vector);
+}
+
+}  // namespace
+
+#define ARRAY(type) "numpy.typing.NDArray[numpy." type "]"
+
+void register_vector(nb::module_& m) {
+    nb::class_<BoundBatch>(m, "Batch", "Arrays for the results of a batch. Threads write to them between start and receive.")
+        .def("__init__", &make_batch, "vector"_a, nb::kw_only(), "pixels"_a.none(), "ram"_a.none(), "final_pixels"_a.none(),
+             "final_ram"_a.none(), "numbers"_a, "flags"_a,
+             nb::sig("def __init__(self, vector: Vector, *, pixels: " ARRAY("uint8") " | None, ram: " ARRAY("uint8")
+                     " | None, final_pixels: " ARRAY("uint8") " | None, final_ram: " ARRAY("uint8")
+                     " | None, numbers: " ARRAY("int32") ", flags: " ARRAY("bool") ") -> None"),
+             "`numbers` is int32 (8, rows): reward, environment, lives, frame and episode frame number, and the last three\n"
+             "of the final observation; `flags` bool (3, rows): terminated, truncated, has a final observation.");
+    nb::class_<BoundVector>(m, "Vector", "Environments played by a pool of threads. Use it through atari.AtariVectorEnv.")
+        .def("__init__", &make_vector, nb::kw_only(), "games"_a, "actions"_a, "modes"_a, "difficulties"_a, "seeds"_a,
+             "repeat_action_probability"_a, "frame_skip"_a, "noop_max"_a, "fire"_a, "episodic_life"_a, "life_loss_info"_a,
+             "clip_reward"_a, "max_frames"_a, "pixels"_a, "height"_a, "width"_a, "stack"_a, "max_pool"_a, "ram"_a,
+             "batch_size"_a, "threads"_a, "first_core"_a, "autoreset"_a,
+             nb::sig("def __init__(self, *, games: Sequence[Game], actions: Sequence[Sequence[int]], "
+                     "modes: Sequence[int | None], difficulties: Sequence[int | None], seeds: " ARRAY("uint32") ", "
+                     "repeat_action_probability: float, frame_skip: tuple[int, int], noop_max: int, fire: bool, "
+                     "episodic_life: bool, life_loss_info: bool, clip_reward: bool, max_frames: int, pixels: str, "
+                     "height: int, width: int, stack: int, max_pool: bool, ram: bool, batch_size: int, threads: int, "
+                     "first_core: int, autoreset: str) -> None"))
+        .def("start", &BoundVector::start, "actions"_a, "strengths"_a.none(), "batch"_a.none(),
+             nb::sig("def start(self, actions: " ARRAY("int64") ", strengths: " ARRAY("float32")
+                     " | None, batch: Batch | None) -> None"),
+             "Begin a step of the environments of the last batch; the batch is where results go if it is of all of them.")
+        .def("reset", &BoundVector::reset, "mask"_a, "seeded"_a, "seeds"_a, "batch"_a.none(),
+             nb::sig("def reset(self, mask: " ARRAY("bool") ", seeded: " ARRAY("bool") ", seeds: " ARRAY("uint32")
+                     ", batch: Batch | None) -> None"),
+             "Begin a reset of the environments in `mask`; `seeds` is (environments, 2): the emulator's, and the other.")
+        .def("receive", &BoundVector::receive, "batch"_a, "Wait for a batch of results.");
+}
+
+}  // namespace atari

@@ -1,0 +1,167 @@
+#include "view.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+namespace atari {
+namespace {
+
+void pool_pairs(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
+                uint8_t* repeats) {
+    for (int row = 0; row < rows; ++row, early += kScreenWidth, late += kScreenWidth, out += kScreenWidth) {
+        const auto same = [](const uint8_t* line) { return std::memcmp(line, line - kScreenWidth, kScreenWidth) == 0; };
+        repeats[row] = row > 0 && same(early) && same(late);
+        if (repeats[row]) std::memcpy(out, out - kScreenWidth, kScreenWidth);
+        else
+            for (int x = 0; x < kScreenWidth; ++x) out[x] = table[early[x] << 8 | late[x]];
+    }
+}
+
+}  // namespace
+
+View::View(Environment& environment, const ViewSettings& settings, std::shared_ptr<const Scaler> scaler)
+    : environment_(environment), settings_(settings), scaler_(std::move(scaler)),
+      planes_(settings.pixels == Pixels::kNone ? 0 : settings.pixels == Pixels::kRgb ? 3 : 1) {
+    const Palette& palette = *environment.game()->palette;
+    tables_[0] = settings_.pixels == Pixels::kGrayOfRgb ? settings_.pairs->data() : palette.gray;
+    if (settings_.pixels == Pixels::kRgb) {
+        for (int plane = 0; plane < 3; ++plane)
+            for (int i = 0; i < 256; ++i) colours_.push_back(static_cast<uint8_t>(palette.rgb[i] >> (16 - 8 * plane)));
+        for (int plane = 0; plane < 3; ++plane) tables_[plane] = colours_.data() + 256 * plane;
+    }
+    const auto planes = static_cast<size_t>(planes_);
+    pooled_.resize(planes * plane_size());
+    repeats_.resize(planes * static_cast<size_t>(environment.height()));
+    if (planes && settings_.end_frames == EndFrames::kBaselines) late_.resize(plane_size());
+    picture_size_ = planes * static_cast<size_t>(settings_.height) * static_cast<size_t>(settings_.width);
+    ring_.resize(picture_size_ * static_cast<size_t>(settings_.stack));
+}
+
+void View::begin(bool fill) {
+    if (!planes_) return;
+    early_noted_ = false;
+    pool(current(), current());
+    std::fill(late_.begin(), late_.end(), uint8_t{0});
+    push(true);
+    if (fill) repeat(true);
+}
+
+void View::repeat(bool fill) {
+    if (!planes_) return;
+    if (!fill) {
+        const uint8_t* const last = ring_.data() + picture_size_ * static_cast<size_t>(newest_);
+        uint8_t* const place = next_place();
+        if (place != last) std::memcpy(place, last, picture_size_);
+        return;
+    }
+    const uint8_t* const last = ring_.data() + picture_size_ * static_cast<size_t>(newest_);
+    for (uint8_t* place = ring_.data(); place != ring_.data() + ring_.size(); place += picture_size_) {
+        if (place == last) continue;
+        if (settings_.pads_zero) std::memset(place, 0, picture_size_);
+        else std::memcpy(place, last, picture_size_);
+    }
+}
+
+// A frame goes to the console's other buffer, where the next one leaves it alone, unless that one continues it.
+void View::played(int left, bool ended) {
+    if (left != 1 || !planes_ || !settings_.max_pool || (ended && settings_.end_frames == EndFrames::kGymnasium)) return;
+    early_noted_ = true;
+    early_copied_ = environment_.console().machine().tia.partial;
+    if (early_copied_) early_.assign(current(), current() + plane_size());
+}
+
+void View::end(int left, bool ended) {
+    if (!planes_) return;
+    const bool pools = std::exchange(early_noted_, false);
+    if (left == 0 && !(ended && settings_.end_frames == EndFrames::kGymnasium)) {
+        pool(pools ? early() : current(), current());
+        if (!late_.empty()) std::copy_n(current(), late_.size(), late_.begin());
+        return push(true);
+    }
+    switch (settings_.end_frames) {
+        case EndFrames::kLast:
+            pool(current(), current());
+            return push(true);
+        case EndFrames::kGymnasium:  // not the frame that ended it, but perhaps the one before
+            if (!pools) break;
+            pool_with_last();
+            return push(false);
+        case EndFrames::kBaselines:
+            if (!pools) break;
+            pool(current(), late_.data());
+            return push(true);
+        case EndFrames::kEnvpool:
+            if (!pools) break;
+            pool(current(), current());
+            return push(true);
+    }
+    repeat(false);
+}
+
+void View::pool(Index early, Index late) {
+    for (int plane = 0; plane < planes_; ++plane)
+        pool_plane(early, late, plane, pooled_.data() + plane_size() * static_cast<size_t>(plane),
+                   repeats_.data() + environment_.height() * plane);
+}
+
+void View::pool_plane(Index early, Index late, int plane, uint8_t* out, uint8_t* repeats) const {
+    const auto pooling = [&](auto function) {
+        function(early, late, environment_.height(), tables_[plane], out, repeats);
+    };
+    if (settings_.pixels == Pixels::kGrayOfRgb) pooling(pool_pairs);
+    else pooling([](auto... arguments) { pool_gray(arguments...); });
+}
+
+// The skip's last frame but one, pooled with the last picture.
+void View::pool_with_last() {
+    std::vector<uint8_t> plane(plane_size());
+    for (int k = 0; k < planes_; ++k) {
+        pool_plane(early(), early(), k, plane.data(), repeats_.data());
+        uint8_t* const pooled = pooled_.data() + plane_size() * static_cast<size_t>(k);
+        for (size_t i = 0; i < plane.size(); ++i) pooled[i] = std::max(pooled[i], plane[i]);
+    }
+}
+
+uint8_t* View::next_place() {
+    newest_ = (newest_ + 1) % settings_.stack;
+    return ring_.data() + picture_size_ * static_cast<size_t>(newest_);
+}
+
+void View::push(bool rows_are_marked) {
+    uint8_t* const place = next_place();
+    const uint8_t* const repeats = rows_are_marked ? repeats_.data() : nullptr;
+    if (planes_ == 1) return (*scaler_)(pooled_.data(), repeats, place);
+    const size_t count = picture_size_ / 3;
+    std::vector<uint8_t> small(count);
+    for (size_t k = 0; k < 3; ++k) {
+        (*scaler_)(pooled_.data() + k * plane_size(), repeats ? repeats + k * repeats_.size() / 3 : nullptr, small.data());
+        for (size_t i = 0; i < count; ++i) place[3 * i + k] = small[i];
+    }
+}
+
+void View::write(uint8_t* out) const {
+    const size_t oldest = picture_size_ * static_cast<size_t>((newest_ + 1) % settings_.stack);
+    std::memcpy(out, ring_.data() + oldest, ring_.size() - oldest);
+    std::memcpy(out + (ring_.size() - oldest), ring_.data(), oldest);
+}
+
+size_t View::state_size() const { return pooled_.size() + late_.size() + ring_.size() + sizeof newest_; }
+
+uint8_t* View::save(uint8_t* out) const {
+    for (const std::vector<uint8_t>* part : {&pooled_, &late_, &ring_}) out = std::copy(part->begin(), part->end(), out);
+    std::memcpy(out, &newest_, sizeof newest_);
+    return out + sizeof newest_;
+}
+
+const uint8_t* View::load(const uint8_t* in) {
+    for (std::vector<uint8_t>* part : {&pooled_, &late_, &ring_}) {
+        std::copy_n(in, part->size(), part->begin());
+        in += part->size();
+    }
+    std::memcpy(&newest_, in, sizeof newest_);
+    newest_ = std::clamp(newest_, 0, settings_.stack - 1);
+    return in + sizeof newest_;
+}
+
+}  // namespace atari

@@ -1,0 +1,73 @@
+// What an agent sees of an environment: the last frames of each skip pooled, made small, and stacked.
+//
+// Frames are only drawn where they are looked at, here. Implementations of this preprocessing differ in what they show
+// when an episode ends inside a skip; see `EndFrames`, and atari/wrappers/dqn_preprocessing.py for the same in Python.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "environment.hpp"
+#include "scaler.hpp"
+
+namespace atari {
+
+enum class Pixels { kNone, kGray, kRgb, kGrayOfRgb };  // the last: colours pooled, then made gray by a table of pairs
+enum class EndFrames { kLast, kGymnasium, kBaselines, kEnvpool };
+
+struct ViewSettings {
+    Pixels pixels = Pixels::kGray;
+    int height = 84, width = 84, stack = 4;
+    bool max_pool = true;
+    EndFrames end_frames = EndFrames::kGymnasium;
+    bool pads_zero = true;  // before the first picture of an episode; otherwise that one, repeated
+    std::shared_ptr<const std::vector<uint8_t>> pairs;  // for kGrayOfRgb: 256 x 256 gray values
+};
+
+class View {
+  public:
+    View(Environment& environment, const ViewSettings& settings, std::shared_ptr<const Scaler> scaler);
+
+    void begin(bool fill);           // shows the screen; `fill` begins a new stack
+    void repeat(bool fill);          // shows the last picture again
+    // A frame of a skip has been played, `left` are still to be; has the episode ended?
+    void played(int left, bool ended);
+    // A skip has been played, but for `left` frames after which the episode ended.
+    void end(int left, bool ended);
+
+    size_t size() const { return ring_.size(); }
+    void write(uint8_t* out) const;  // (stack, height, width), for kRgb (stack, height, width, 3); the oldest first
+
+    size_t state_size() const;
+    uint8_t* save(uint8_t* out) const;  // return what follows
+    const uint8_t* load(const uint8_t* in);
+
+  private:
+    using Index = const uint8_t*;
+    void pool(Index early, Index late);
+    void pool_plane(Index early, Index late, int plane, uint8_t* out, uint8_t* repeats) const;
+    void pool_with_last();
+    void push(bool rows_are_marked);
+    uint8_t* next_place();
+    Index early() { return early_copied_ ? early_.data() : environment_.console().previous_picture(); }
+    Index current() { return environment_.console().picture(); }
+    size_t plane_size() const { return static_cast<size_t>(environment_.height()) * kScreenWidth; }
+
+    Environment& environment_;
+    const ViewSettings settings_;
+    const std::shared_ptr<const Scaler> scaler_;
+    const int planes_;
+    const uint8_t* tables_[3];           // of 256 values, by plane
+    std::vector<uint8_t> colours_;       // what they point to for kRgb
+    std::vector<uint8_t> pooled_;        // planes: the last picture before it was made small
+    std::vector<uint8_t> repeats_;       // of its rows, by plane
+    std::vector<uint8_t> late_;          // for kBaselines: the last whole skip's last frame
+    std::vector<uint8_t> early_;         // a frame that the console will not keep
+    bool early_noted_ = false, early_copied_ = false;
+    std::vector<uint8_t> ring_;          // of small pictures
+    size_t picture_size_;
+    int newest_ = 0;
+};
+
+}  // namespace atari

@@ -1,0 +1,283 @@
+"""`AtariVectorEnv`: many Atari games as one Gymnasium vector environment, played in C++ by a pool of threads.
+
+Frame skip, pooling, scaling and stacking happen where the games are played, and results are written straight into the
+arrays that the user gets. Options, their defaults and what they do are those of ale-py's environment of the same name;
+equality to the byte is a test. What is added is marked below.
+"""
+
+import os
+from collections.abc import Sequence
+from os import PathLike
+from typing import Any, Literal
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from atari import _emulator
+from atari.game import Game
+from atari.vector_options import VectorOptions
+from atari.vector_results import Results
+
+ObsType = Literal["grayscale", "rgb", "ram", "dict"]
+GameLike = str | PathLike[str] | Game
+IntArray = npt.NDArray[np.int64]
+
+SEED_LIMIT = 2**31
+"""Seeds are below this, as in ALE."""
+
+
+class AtariVectorEnv(VectorEnv[Any, Any, Any]):
+    """Environments of one game, or of several, played together.
+
+    Observations are uint8: (batch, stack_num, img_height, img_width), in RGB with a last axis of 3, the oldest picture
+    first; rewards int32, terminations and truncations bool, each (batch,). **Observations lie in one of two buffers
+    used in turn**: they stay as they are during the next step and are overwritten by the one after it. Copy what is to
+    live longer, or pass `out`. All other arrays are new each time.
+
+    `info` has, (batch,) each, int32: `env_id`, `lives`, `frame_number`, `episode_frame_number`, with Gymnasium's masks
+    (`_lives`, ...). In SAME_STEP, when an episode has ended (or a life was lost, with `life_loss_info`), also
+    `final_obs`, of the shape of the observations and zero where nothing ended, its mask `_final_obs`, and `final_info`,
+    `_final_info`.
+
+    Args:
+        game: id such as "breakout", or the path of a game file of your own; a sequence has one for each environment
+            (added). Games whose actions differ get all 18 as their common action space; `info["action_mask"]`, bool
+            (batch, 18), tells which of them a game uses.
+        num_envs: how many environments; may be left out if `game` is a sequence.
+        batch_size: results of so many environments make a batch, 0 is all. With fewer than all, `recv` returns the
+            first that are ready, and `info["env_id"]` tells which.
+        num_threads: at most so many, of which the caller's is one; 0 is as many as the machine has cores.
+        thread_affinity_offset: if 0 or more, bind thread i to core offset + i, but not the caller's own (Linux).
+        max_num_frames_per_episode: truncate after so many frames, not counting the no-ops; None is never.
+        repeat_action_probability: of repeating the previous action, drawn each frame ("sticky actions").
+        full_action_space: all legal actions (18 in nearly all games) instead of those the game uses.
+        continuous: actions are (batch, 3) float32: radius, angle, fire (Farebrother and Castro 2024, "CALE").
+        continuous_action_threshold: how far the stick must be moved, or fire pressed, to count.
+        autoreset_mode: `gymnasium.vector.AutoresetMode` or its value. With DISABLED (added), environments that are done
+            ignore actions, with reward 0, until `reset(options={"reset_mask": ...})`.
+        img_height, img_width: of the pictures; no larger than the game's (210 x 160 in most), and no narrower than 11.
+        grayscale: False is RGB.
+        stack_num: pictures in an observation.
+        frameskip: frames for each action; (low, high) draws from low..high-1 each step (added).
+        maxpool: show the maximum of a skip's last two frames; False shows the last one.
+        noop_max: an episode begins with 0 to noop_max-1 frames of NOOP, among which the FIRE below counts as one.
+        episodic_life: a lost life ends the episode. The next one is a new game (in most other implementations it is
+            the same one, going on).
+        life_loss_info: a lost life is told as a termination, but the episode goes on without a reset.
+        reward_clipping: rewards are clipped to -1..1.
+        use_fire_reset: an episode begins with FIRE in games that have it.
+        obs_type: "grayscale", "rgb", "ram" ((batch, 128), no stack), or "dict" of "image" and "ram"; None is what
+            `grayscale` says (added).
+        mode, difficulty: of the game, None the default; a sequence has one for each environment (added).
+        render_mode: "rgb_array" for `render` (added).
+        rom: path of the ROM file; None searches (see `atari.roms`) (added).
+
+    Raises:
+        TypeError, ValueError: an option is of the wrong kind or out of range.
+        FileNotFoundError: no ROM file of a game was found.
+    """
+
+    def __init__(
+        self,
+        game: GameLike | Sequence[GameLike],
+        num_envs: int | None = None,
+        *,
+        batch_size: int = 0,
+        num_threads: int = 0,
+        thread_affinity_offset: int = -1,
+        max_num_frames_per_episode: int | None = 108_000,
+        repeat_action_probability: float = 0.0,
+        full_action_space: bool = False,
+        continuous: bool = False,
+        continuous_action_threshold: float = 0.5,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        img_height: int = 84,
+        img_width: int = 84,
+        grayscale: bool = True,
+        stack_num: int = 4,
+        frameskip: int | tuple[int, int] = 4,
+        maxpool: bool = True,
+        noop_max: int = 30,
+        episodic_life: bool = False,
+        life_loss_info: bool = False,
+        reward_clipping: bool = True,
+        use_fire_reset: bool = True,
+        obs_type: ObsType | None = None,
+        mode: int | Sequence[int | None] | None = None,
+        difficulty: int | Sequence[int | None] | None = None,
+        render_mode: Literal["rgb_array"] | None = None,
+        rom: str | PathLike[str] | None = None,
+    ) -> None:
+        given = {key: value for key, value in locals().items() if key not in ("self", "__class__")}
+        self._given = given
+        options = VectorOptions.check(**given)
+        self._options = options
+        self.num_envs = len(options.games)
+        self.batch_size = options.batch_size
+        self.games: tuple[Game, ...] = options.games
+        self.render_mode = render_mode
+        self.metadata = {
+            "autoreset_mode": options.autoreset_mode,
+            "render_modes": ["rgb_array"],
+            "render_fps": options.games[0].screen.frame_rate / (sum(options.frame_skip) - 1) * 2,
+        }
+        self._engine: _emulator.Vector | None = options.make_engine()
+        self._process = os.getpid()
+        self.single_action_space = options.action_space()
+        self.single_observation_space = options.observation_space()
+        self.action_space = batch_space(self.single_action_space, self.batch_size)
+        self.observation_space = batch_space(self.single_observation_space, self.batch_size)
+        self._buffers = [Results(self._engine, options) for _ in range(2)]
+        self._flying: Results | None = None  # what the environments are writing to
+        self._phase: Literal["new", "idle", "sent"] = "new"
+        self._masks = options.action_masks()
+
+    def reset(
+        self,
+        *,
+        seed: int | Sequence[int | None] | IntArray | None = None,
+        options: dict[str, Any] | None = None,
+    ) -> tuple[Any, dict[str, Any]]:
+        """Reset all environments, or those chosen, and return a batch of first observations.
+
+        Args:
+            seed: environment i gets seed + i; an array has a seed for each environment that is reset, of which negative
+                ones (and None) keep the generator as it is. Below 2**31.
+            options: {"reset_mask": bool (num_envs,)} resets only these; the others are shown as they are.
+
+        Raises:
+            TypeError, ValueError: the seeds or the mask are of the wrong kind or length.
+        """
+        engine = self._open()
+        mask = self._reset_mask(options)
+        seeded, seeds = _seeds(seed, mask)
+        self._phase = "new"  # until it has succeeded
+        results = self._take_buffer(None)
+        engine.reset(mask, seeded, seeds, results.batch if self.batch_size == self.num_envs else None)
+        self._flying = results
+        observation, _, _, _, info = self._receive(engine)
+        return observation, info
+
+    def step(self, actions: Any, out: Any = None) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """Play a step of the environments of the last batch.
+
+        Args:
+            actions: integers (batch,), with `continuous` floats (batch, 3); row i is for the environment of row i of
+                the last batch, which is environment i unless `batch_size` is less than `num_envs`.
+            out: where to write the observations, instead of a buffer: a C-contiguous uint8 array of their shape, or
+                with obs_type="dict" a dict of two.
+
+        Returns:
+            Observations, rewards, terminations, truncations and info, see above.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset, or after an error in an environment.
+            TypeError, ValueError: the actions are not in the action space, or `out` does not fit; nothing is played.
+        """
+        self.send(actions, out)
+        return self.recv()
+
+    def send(self, actions: Any, out: Any = None) -> None:
+        """Begin a step; `recv` returns its results. Arguments and errors are those of `step`.
+
+        With one thread the environments are played in `recv`.
+
+        Raises:
+            gymnasium.error.AlreadyPendingCallError: the last step has not been received.
+        """
+        engine = self._open()
+        if self._phase == "new":
+            raise gymnasium.error.ResetNeeded("call reset() before the first step, and after an error in one")
+        if self._phase == "sent":
+            raise gymnasium.error.AlreadyPendingCallError("call recv() before the next send()", "send")
+        indices, strengths = self._options.moves(actions)
+        results = self._take_buffer(out)
+        engine.start(indices, strengths, results.batch if self.batch_size == self.num_envs else None)
+        self._flying = results
+        self._phase = "sent"
+
+    def recv(self) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """Wait for a batch of results, as `step` returns them.
+
+        Raises:
+            gymnasium.error.NoAsyncCallError: nothing has been sent.
+        """
+        engine = self._open()
+        if self._phase != "sent":
+            raise gymnasium.error.NoAsyncCallError("call send() before recv()", "recv")
+        return self._receive(engine)
+
+    def _receive(self, engine: _emulator.Vector) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        results = self._flying
+        assert results is not None
+        self._phase = "new"  # should an environment have failed
+        engine.receive(results.batch)
+        self._phase = "idle"
+        return results.read(self._masks)
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Join the threads and release the environments."""
+        self._engine = None
+        self._flying = None
+        self._buffers = []
+
+    def _open(self) -> _emulator.Vector:
+        if self._engine is None:
+            raise gymnasium.error.ClosedEnvironmentError("this vector environment is closed; make a new one")
+        if self._process != os.getpid():
+            raise RuntimeError(
+                "this vector environment was made before the process was forked, and its threads stayed behind; "
+                "make it in the new process, or start that with the method 'spawn'"
+            )
+        return self._engine
+
+    def _take_buffer(self, out: Any) -> Results:
+        if out is not None:
+            assert self._engine is not None
+            return Results(self._engine, self._options, out)
+        self._buffers.reverse()
+        return self._buffers[0]
+
+    def _reset_mask(self, options: dict[str, Any] | None) -> npt.NDArray[np.bool_]:
+        mask = (options or {}).get("reset_mask")
+        if mask is None:
+            return np.ones(self.num_envs, np.bool_)
+        if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
+            raise TypeError(f"reset_mask must be a bool array ({self.num_envs},), got {mask!r}")
+        if mask.shape != (self.num_envs,):
+            raise ValueError(f"reset_mask must have the shape ({self.num_envs},), got {mask.shape}")
+        if self.batch_size != self.num_envs:
+            raise ValueError("reset_mask needs batches of all environments, with batch_size=0")
+        if self._phase == "new" and not mask.all():
+            raise gymnasium.error.ResetNeeded("the first reset must be of all environments, without reset_mask")
+        return np.ascontiguousarray(mask)
+
+
+def _seeds(seed: Any, mask: npt.NDArray[np.bool_]) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.uint32]]:
+    """For each environment whether it is seeded, and the seeds of its two generators."""
+    chosen = np.flatnonzero(mask)
+    if seed is None:
+        values = np.full(len(chosen), -1, np.int64)
+    elif isinstance(seed, (int, np.integer)) and not isinstance(seed, bool):
+        if not 0 <= seed <= SEED_LIMIT - max(1, len(chosen)):
+            raise ValueError(f"seed must be within 0..2**31 - num_envs, got {seed}")
+        values = int(seed) + np.arange(len(chosen))
+    else:
+        try:
+            values = np.array([-1 if value is None else value for value in seed])
+        except (TypeError, ValueError):
+            values = np.array("")
+        if values.dtype.kind not in "iu" and values.shape != (0,):
+            raise TypeError(f"seed must be an integer, integers for each environment, or None, got {seed!r}")
+        if values.shape != (len(chosen),):
+            raise ValueError(f"there must be a seed for each of the {len(chosen)} environments, got {len(values)}")
+        if (values >= SEED_LIMIT).any():
+            raise ValueError(f"seeds must be below 2**31, got {seed!r}")
+    seeds = np.zeros((len(mask), 2), np.uint32)
+    seeds[chosen] = np.maximum(values, 0)[:, None]
+    seeded = np.zeros(len(mask), np.bool_)
+    seeded[chosen] = values >= 0
+    return seeded, seeds

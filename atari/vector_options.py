@@ -1,0 +1,278 @@
+"""The options of a vector environment, checked, and what follows from them: the engine and the spaces."""
+
+import math
+import operator
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from os import PathLike
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from gymnasium import spaces
+from gymnasium.vector import AutoresetMode
+
+from atari import _emulator
+from atari.actions import PLAYER_ACTIONS, Action
+from atari.catalog import games as catalog
+from atari.cores.native import as_ale_reads, compiled
+from atari.cores.options import CoreOptions, check_integer, check_probability
+from atari.env import check_frameskip
+from atari.game import Game
+from atari.roms import find
+from atari.roms.image import read_image
+
+_MOST = 2**31 - 1
+
+
+@dataclass(frozen=True)
+class VectorOptions:
+    """What a vector environment is made with. `check` makes one of what a user gives."""
+
+    games: tuple[Game, ...]
+    modes: tuple[int | None, ...]
+    difficulties: tuple[int | None, ...]
+    rom: str | PathLike[str] | None
+    batch_size: int
+    num_threads: int
+    thread_affinity_offset: int
+    max_num_frames_per_episode: int
+    repeat_action_probability: float
+    full_action_space: bool
+    continuous: bool
+    threshold: np.float32
+    autoreset_mode: AutoresetMode
+    img_height: int
+    img_width: int
+    obs_type: str
+    grayscale: bool
+    stack_num: int
+    frame_skip: tuple[int, int]
+    maxpool: bool
+    noop_max: int
+    episodic_life: bool
+    life_loss_info: bool
+    reward_clipping: bool
+    use_fire_reset: bool
+
+    @classmethod
+    def check(cls, **given: Any) -> "VectorOptions":
+        """The options of `AtariVectorEnv`, checked.
+
+        Raises:
+            TypeError, ValueError: one is of the wrong kind or out of range.
+        """
+        games = _check_games(given["game"], given["num_envs"])
+        frameskip = check_frameskip(given["frameskip"])
+        limit = given["max_num_frames_per_episode"]
+        threads = check_integer("num_threads", given["num_threads"], -_MOST, _MOST)
+        batch_size = check_integer("batch_size", given["batch_size"], 0, len(games)) or len(games)
+        if given["render_mode"] not in (None, "rgb_array"):
+            raise ValueError(f"render_mode must be 'rgb_array' or None, got {given['render_mode']!r}")
+        obs_type, grayscale = _check_obs_type(given["obs_type"], bool(given["grayscale"]))
+        options = cls(
+            games=games,
+            modes=_spread("mode", given["mode"], len(games)),
+            difficulties=_spread("difficulty", given["difficulty"], len(games)),
+            rom=given["rom"],
+            batch_size=batch_size,
+            num_threads=min(threads if threads > 0 else _cores(), len(games)),
+            thread_affinity_offset=check_integer("thread_affinity_offset", given["thread_affinity_offset"], -1, 10_000),
+            max_num_frames_per_episode=(
+                _MOST if limit is None else check_integer("max_num_frames_per_episode", limit, 1, _MOST)
+            ),
+            repeat_action_probability=check_probability(
+                "repeat_action_probability", given["repeat_action_probability"]
+            ),
+            full_action_space=bool(given["full_action_space"]),
+            continuous=bool(given["continuous"]),
+            threshold=np.float32(
+                check_probability("continuous_action_threshold", given["continuous_action_threshold"])
+            ),
+            autoreset_mode=_check_autoreset(given["autoreset_mode"]),
+            img_height=check_integer("img_height", given["img_height"], 1, _MOST),
+            img_width=check_integer("img_width", given["img_width"], 1, _MOST),
+            obs_type=obs_type,
+            grayscale=grayscale,
+            stack_num=check_integer("stack_num", given["stack_num"], 1, 10_000),
+            frame_skip=frameskip if isinstance(frameskip, tuple) else (frameskip, frameskip + 1),
+            maxpool=bool(given["maxpool"]),
+            noop_max=check_integer("noop_max", given["noop_max"], 0, 1_000_000),
+            episodic_life=bool(given["episodic_life"]),
+            life_loss_info=bool(given["life_loss_info"]),
+            reward_clipping=bool(given["reward_clipping"]),
+            use_fire_reset=bool(given["use_fire_reset"]),
+        )
+        for game, mode, difficulty in set(zip(games, options.modes, options.difficulties, strict=True)):
+            CoreOptions.check(
+                game,
+                repeat_action_probability=options.repeat_action_probability,
+                mode=mode,
+                difficulty=difficulty,
+                frame_skip=1,
+                max_num_frames_per_episode=0,
+                sound=False,
+                color_averaging=False,
+            )
+        return options
+
+    def make_engine(self) -> _emulator.Vector:
+        """The environments and their threads."""
+        native = {game: compiled(game, read_image(find(game, self.rom))) for game in set(self.games)}
+        pixels = "none" if self.obs_type == "ram" else "gray" if self.grayscale else "rgb"
+        return _emulator.Vector(
+            games=[native[game] for game in self.games],
+            actions=[[int(action) for action in actions] for actions in self._actions],
+            modes=self.modes,
+            difficulties=self.difficulties,
+            seeds=np.random.SeedSequence().generate_state(len(self.games)).astype(np.uint32),
+            repeat_action_probability=as_ale_reads(self.repeat_action_probability),
+            frame_skip=self.frame_skip,
+            noop_max=self.noop_max,
+            fire=self.use_fire_reset,
+            episodic_life=self.episodic_life,
+            life_loss_info=self.life_loss_info,
+            clip_reward=self.reward_clipping,
+            max_frames=self.max_num_frames_per_episode,
+            pixels=pixels,
+            height=self.img_height,
+            width=self.img_width,
+            stack=self.stack_num,
+            max_pool=self.maxpool,
+            ram=self.obs_type in ("ram", "dict"),
+            batch_size=self.batch_size,
+            threads=self.num_threads,
+            first_core=self.thread_affinity_offset,
+            autoreset=self.autoreset_mode.value,
+        )
+
+    @cached_property
+    def action_sets(self) -> tuple[tuple[Action, ...], ...]:
+        """By environment, the actions that its game has."""
+        every = self.full_action_space or self.continuous
+        return tuple(game.legal_actions if every else game.minimal_actions for game in self.games)
+
+    @property
+    def _mixed(self) -> bool:
+        return len(set(self.action_sets)) > 1
+
+    @property
+    def _actions(self) -> tuple[tuple[Action, ...], ...]:
+        """By environment, what the indices that users give stand for."""
+        return (PLAYER_ACTIONS,) * len(self.games) if self.continuous or self._mixed else self.action_sets
+
+    def action_space(self) -> spaces.Space[Any]:
+        """Of one environment."""
+        if self.continuous:
+            low, high = np.array([0, -np.pi, 0], np.float32), np.array([1, np.pi, 1], np.float32)
+            return spaces.Box(low, high, dtype=np.float32)
+        return spaces.Discrete(len(self._actions[0]))
+
+    def action_masks(self) -> npt.NDArray[np.bool_] | None:
+        """(environments, 18): which actions each game has; None if all have the same."""
+        if self.continuous or not self._mixed:
+            return None
+        return np.array([[action in actions for action in PLAYER_ACTIONS] for actions in self.action_sets])
+
+    def observation_space(self) -> spaces.Space[Any]:
+        """Of one environment."""
+        colours = () if self.grayscale else (3,)
+        image = spaces.Box(0, 255, (self.stack_num, self.img_height, self.img_width, *colours), np.uint8)
+        ram = spaces.Box(0, 255, (128,), np.uint8)
+        if self.obs_type == "dict":
+            return spaces.Dict({"image": image, "ram": ram})
+        return ram if self.obs_type == "ram" else image
+
+    def part_names(self) -> tuple[str, str]:
+        """The names of picture and RAM among the parts of an observation; one that is no dict has the name ""."""
+        return {"dict": ("image", "ram"), "ram": ("none", "")}.get(self.obs_type, ("", "none"))
+
+    def moves(self, actions: Any) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float32] | None]:
+        """The indices of actions and how strongly paddles are turned; indices are not checked for their range.
+
+        Raises:
+            TypeError, ValueError: of the wrong kind or shape.
+        """
+        array = np.asarray(actions)
+        shape = (self.batch_size, 3) if self.continuous else (self.batch_size,)
+        kinds = "f" if self.continuous else "iu"
+        if array.dtype.kind not in kinds:
+            kind = "floats (radius, angle, fire)" if self.continuous else "integers"
+            raise TypeError(f"actions must be {kind} of shape {shape}, got {array.dtype}")
+        if array.shape != shape:
+            raise ValueError(f"actions must have the shape {shape}, got {array.shape}")
+        if self.continuous:
+            return self._motions(array)
+        return np.ascontiguousarray(array, np.int64), None
+
+    def _motions(self, actions: npt.NDArray[Any]) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float32]]:
+        """Indices and strengths of continuous actions, computed in float32 as in CALE."""
+        with np.errstate(over="ignore"):
+            radius, angle, fire = np.ascontiguousarray(actions.T, np.float32)
+        pi = np.float32(math.pi)
+        good = (radius >= 0) & (radius <= 1) & (angle >= -pi) & (angle <= pi) & (fire >= 0) & (fire <= 1)
+        if not good.all():
+            row = int(np.argmin(good))
+            raise ValueError(
+                f"a continuous action is radius 0..1, angle -pi..pi, fire 0..1, got {actions[row]} in row {row}"
+            )
+        x, y = radius * np.cos(angle), radius * np.sin(angle)
+        limit = self.threshold
+        horizontal = (x > limit).astype(np.int64) - (x < -limit)
+        vertical = (y > limit).astype(np.int64) - (y < -limit)
+        return _ACTION_BY_MOTION[vertical, horizontal, (fire > limit).astype(np.int64)], radius
+
+
+_ACTION_BY_MOTION = np.zeros((3, 3, 2), np.int64)  # by vertical, horizontal (-1 is the last) and fire
+for _action in PLAYER_ACTIONS:
+    _ACTION_BY_MOTION[_action.vertical, _action.horizontal, int(_action.fire)] = int(_action)
+
+
+def _check_games(game: Any, num_envs: Any) -> tuple[Game, ...]:
+    many = isinstance(game, Sequence) and not isinstance(game, str)
+    if num_envs is None and not many:
+        raise TypeError("num_envs is needed: how many environments of the game to make")
+    if many and len(game) == 0:
+        raise ValueError("game must name at least one game")
+    count = len(game) if num_envs is None else check_integer("num_envs", num_envs, 1, 1_000_000)
+    if not many:
+        return (catalog.find(game),) * count
+    if count != len(game):
+        raise ValueError(f"there must be a game for each of the {count} environments, got {len(game)}")
+    return tuple(catalog.find(one) for one in game)
+
+
+def _spread(name: str, value: Any, count: int) -> tuple[int | None, ...]:
+    """One value for each environment."""
+    values = [value] * count if value is None or isinstance(value, (int, np.integer)) else value
+    if not isinstance(values, (Sequence, np.ndarray)) or isinstance(values, str):
+        raise TypeError(f"{name} must be an integer, None, or a sequence of these, got {value!r}")
+    if len(values) != count:
+        raise ValueError(f"there must be a {name} for each of the {count} environments, got {len(values)}")
+    try:
+        return tuple(None if one is None else operator.index(one) for one in values)
+    except TypeError:
+        raise TypeError(f"{name} must be an integer, None, or a sequence of these, got {value!r}") from None
+
+
+def _check_obs_type(obs_type: Any, grayscale: bool) -> tuple[str, bool]:
+    if obs_type is None:
+        return "grayscale" if grayscale else "rgb", grayscale
+    if obs_type not in ("grayscale", "rgb", "ram", "dict"):
+        raise ValueError(f"obs_type must be one of 'grayscale', 'rgb', 'ram', 'dict', got {obs_type!r}")
+    return obs_type, grayscale and obs_type != "rgb"
+
+
+def _check_autoreset(mode: Any) -> AutoresetMode:
+    try:
+        return AutoresetMode(mode)
+    except ValueError:
+        modes = ", ".join(repr(one.value) for one in AutoresetMode)
+        raise ValueError(f"autoreset_mode must be an AutoresetMode or one of {modes}, got {mode!r}") from None
+
+
+def _cores() -> int:
+    """The processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

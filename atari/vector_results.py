@@ -1,0 +1,84 @@
+"""Where the results of a vector environment's batch are written, and how they are handed out."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from gymnasium import spaces
+from gymnasium.vector import AutoresetMode
+
+from atari import _emulator
+from atari.vector_options import VectorOptions
+
+_INFO = ("env_id", "lives", "frame_number", "episode_frame_number")
+
+
+class Results:
+    """The arrays of one batch.
+
+    Args:
+        engine: whose results they are.
+        options: its options.
+        out: the user's array, or dict of arrays, for the observations.
+
+    Raises:
+        TypeError, ValueError: `out` does not fit.
+    """
+
+    def __init__(self, engine: _emulator.Vector, options: VectorOptions, out: Any = None) -> None:
+        space, rows = options.observation_space(), options.batch_size
+        parts = space.spaces if isinstance(space, spaces.Dict) else {"": space}
+        self._named = isinstance(space, spaces.Dict)
+        shapes = {name: (rows, *(part.shape or ())) for name, part in parts.items()}
+        self._observation = _checked(out, shapes) if out is not None else _empty(shapes)
+        self._final = _empty(shapes) if options.autoreset_mode == AutoresetMode.SAME_STEP else {}
+        self._numbers = np.zeros((8, rows), np.int32)
+        self._flags = np.zeros((3, rows), np.bool_)
+        self._everyone = np.ones(rows, np.bool_)
+        self._everyone.flags.writeable = False
+        pixels, ram = options.part_names()
+        self.batch = _emulator.Batch(
+            engine,
+            pixels=self._observation.get(pixels),
+            ram=self._observation.get(ram),
+            final_pixels=self._final.get(pixels),
+            final_ram=self._final.get(ram),
+            numbers=self._numbers,
+            flags=self._flags,
+        )
+
+    def read(self, action_masks: npt.NDArray[np.bool_] | None) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """Observations, which stay where they are, and copies of all else."""
+        reward, *numbers = self._numbers.copy()
+        terminated, truncated, ended = self._flags.copy()
+        info: dict[str, Any] = dict(zip(_INFO, numbers, strict=False))
+        for name in _INFO:
+            info["_" + name] = self._everyone
+        if action_masks is not None:
+            info["action_mask"], info["_action_mask"] = action_masks[info["env_id"]], self._everyone
+        if self._final and (terminated.any() or truncated.any()):
+            info["final_obs"], info["_final_obs"] = self._shown(self._final), ended
+            final_info: dict[str, Any] = {}
+            for name, values in zip(_INFO[1:], numbers[4:], strict=True):
+                final_info[name], final_info["_" + name] = values, ended
+            info["final_info"], info["_final_info"] = final_info, ended
+        return self._shown(self._observation), reward, terminated, truncated, info
+
+    def _shown(self, parts: dict[str, npt.NDArray[np.uint8]]) -> Any:
+        return dict(parts) if self._named else parts[""]
+
+
+def _empty(shapes: dict[str, tuple[int, ...]]) -> dict[str, npt.NDArray[np.uint8]]:
+    return {name: np.zeros(shape, np.uint8) for name, shape in shapes.items()}
+
+
+def _checked(out: Any, shapes: dict[str, tuple[int, ...]]) -> dict[str, npt.NDArray[np.uint8]]:
+    parts = out if isinstance(out, dict) else {"": out}
+    if set(parts) != set(shapes):
+        raise TypeError(f"out must be {'a dict of ' + ' and '.join(shapes) if '' not in shapes else 'an array'}")
+    for name, shape in shapes.items():
+        array = parts[name]
+        good = isinstance(array, np.ndarray) and array.dtype == np.uint8 and array.shape == shape
+        if not (good and array.flags.c_contiguous and array.flags.writeable):
+            raise ValueError(f"out must be a writable C-contiguous uint8 array of shape {shape}")
+    return dict(parts)

@@ -1,0 +1,37 @@
+"""The same arrays as ale-py's vector environment, to the byte."""
+
+from typing import Any
+
+import pytest
+from gymnasium.vector import AutoresetMode
+from vector_peer import compare, option_sets
+
+import atari
+
+GAMES = [game.id for game in atari.games.playable()]
+
+
+@pytest.mark.parametrize("game", GAMES)
+def test_every_game(game: str) -> None:
+    number = GAMES.index(game)
+    mode = (AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP)[number % 2]
+    compare(game, 20, seed=number, num_envs=1, autoreset_mode=mode, max_num_frames_per_episode=41)
+
+
+@pytest.mark.parametrize(("game", "options"), option_sets(30, seed=1))
+def test_random_options(game: str, options: dict[str, Any]) -> None:
+    compare(game, 60, seed=7, **options)
+
+
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+def test_whole_episodes(mode: AutoresetMode) -> None:
+    assert compare("breakout", 400, seed=3, autoreset_mode=mode, frameskip=5) > 2
+
+
+def test_lives_that_end_episodes() -> None:
+    assert compare("breakout", 300, seed=11, episodic_life=True) > 8
+    assert compare("ms_pacman", 300, seed=2, life_loss_info=True, autoreset_mode=AutoresetMode.SAME_STEP) > 0
+
+
+def test_more_noops_than_an_episode_has_frames() -> None:
+    compare("alien", 10, seed=6, noop_max=1000, num_envs=1)

@@ -1,0 +1,589 @@
+"""What the vector environment promises beside equality with ale-py's."""
+
+import gc
+import os
+import signal
+import threading
+import time
+import weakref
+from typing import Any
+
+import ale_py
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode
+
+import atari
+from atari.cores.options import CoreOptions
+
+
+def play(envs: atari.AtariVectorEnv, steps: int, seed: int = 5) -> list[bytes]:
+    """Everything that some steps of random actions return, as bytes."""
+    generator = np.random.default_rng(seed)
+    observation, info = envs.reset(seed=seed)
+    results = [observation.tobytes()]
+    for _ in range(steps):
+        actions = generator.integers(0, envs.single_action_space.n, envs.batch_size)  # type: ignore[attr-defined]
+        observation, *rest, info = envs.step(actions)
+        numbers = [info[name] for name in ("env_id", "lives", "frame_number", "episode_frame_number")]
+        results.append(b"".join(array.tobytes() for array in (observation, *rest, *numbers)))
+    return results
+
+
+def make(game: Any = "breakout", num_envs: int | None = 3, **options: Any) -> atari.AtariVectorEnv:
+    return atari.AtariVectorEnv(game, num_envs, **{"num_threads": 2, **options})
+
+
+def test_the_number_of_threads_does_not_show() -> None:
+    runs = [play(make(num_envs=5, num_threads=threads, episodic_life=True), 150) for threads in (1, 2, 3, 8)]
+    assert runs[1] == runs[0]
+    assert runs[2] == runs[0]
+    assert runs[3] == runs[0]
+
+
+def test_an_environment_does_not_depend_on_its_neighbours() -> None:
+    together, alone = make("seaquest", 3), make("seaquest", 1)
+    observations, _ = together.reset(seed=8)
+    observation, _ = alone.reset(seed=9)
+    for step in range(30):
+        assert np.array_equal(observations[1], observation[0])
+        observations, *_ = together.step(np.array([0, step % 18, 3]))
+        observation, *_ = alone.step(np.array([step % 18]))
+
+
+class TestSpaces:
+    @pytest.mark.parametrize(
+        ("options", "shape"),
+        [
+            ({}, (3, 4, 84, 84)),
+            ({"obs_type": "rgb", "stack_num": 1, "img_height": 210, "img_width": 160}, (3, 1, 210, 160, 3)),
+            ({"obs_type": "ram"}, (3, 128)),
+            ({"grayscale": False, "img_height": 30, "img_width": 20}, (3, 4, 30, 20, 3)),
+        ],
+    )
+    def test_observations_are_in_their_space(self, options: dict[str, Any], shape: tuple[int, ...]) -> None:
+        envs = make(**options)
+        observation, _ = envs.reset(seed=0)
+        assert observation.shape == shape
+        assert observation in envs.observation_space
+        assert observation[0] in envs.single_observation_space
+        assert observation.any()
+
+    def test_ram_is_that_of_the_emulator(self) -> None:
+        envs = make("pong", 1, obs_type="dict", noop_max=0, frameskip=3)
+        core = atari.cores.NativeCore("pong", seed=4, repeat_action_probability=0.0)
+        core.reset()
+        core.act(1)  # FIRE, with which an episode begins
+        observation, _ = envs.reset(seed=4)
+        assert np.array_equal(observation["ram"][0], core.ram())
+        observation, *_ = envs.step(np.array([2]))
+        for _ in range(3):
+            core.act(int(core.game.minimal_actions[2]))
+        assert np.array_equal(observation["ram"][0], core.ram())
+        assert observation in envs.observation_space
+        assert observation["image"].shape == (1, 4, 84, 84)
+
+    def test_rgb_at_full_size_is_the_screen(self) -> None:
+        envs = make("pong", 1, obs_type="rgb", stack_num=1, img_height=210, img_width=160, maxpool=False, noop_max=0)
+        core = atari.cores.NativeCore("pong", seed=4, repeat_action_probability=0.0)
+        core.reset()
+        core.act(1)
+        observation, _ = envs.reset(seed=4)
+        assert np.array_equal(observation[0, 0], core.screen_rgb())
+
+    def test_a_random_frameskip_is_within_its_bounds(self) -> None:
+        envs = make("pong", 4, frameskip=(2, 5))
+        _, info = envs.reset(seed=0)
+        seen = set()
+        for _ in range(40):
+            before = info["frame_number"]
+            *_, info = envs.step(np.zeros(4, int))
+            seen |= set((info["frame_number"] - before).tolist())
+        assert seen == {2, 3, 4}
+
+
+class TestGames:
+    def test_several_in_one_pool(self) -> None:
+        envs = make(["pong", "breakout", "skiing"], None)
+        assert envs.single_action_space == gymnasium.spaces.Discrete(18)
+        observation, info = envs.reset(seed=1)
+        assert info["action_mask"].sum(1).tolist() == [6, 4, 3]
+        assert info["action_mask"][1].tolist() == [index in (0, 1, 3, 4) for index in range(18)]
+        single = make("breakout", 1, full_action_space=True)
+        alone, _ = single.reset(seed=2)
+        for action in (1, 4, 4, 0, 3, 11):
+            assert np.array_equal(observation[1], alone[0])
+            observation, *_, info = envs.step(np.full(3, action))
+            alone, *_ = single.step(np.array([action]))
+        assert info["lives"].tolist()[1] == 5
+
+    def test_their_number_is_checked(self) -> None:
+        with pytest.raises(ValueError, match="a game for each of the 3 environments, got 2"):
+            make(["pong", "breakout"], 3)
+        with pytest.raises(ValueError, match="did you mean 'breakout'"):
+            make(["pong", "brekout"], None)
+
+    def test_modes_and_difficulties_of_each(self) -> None:
+        envs = make("breakout", 2, mode=[0, 20], difficulty=[0, 1], obs_type="ram")
+        observation, _ = envs.reset(seed=3)
+        for index, (mode, difficulty) in enumerate([(0, 0), (20, 1)]):
+            alone, _ = make("breakout", 1, mode=mode, difficulty=difficulty, obs_type="ram").reset(seed=3 + index)
+            assert np.array_equal(observation[index], alone[0])
+        with pytest.raises(ValueError, match="breakout has no mode 7"):
+            make("breakout", 2, mode=[0, 7])
+        with pytest.raises(ValueError, match="a difficulty for each of the 2 environments"):
+            make("breakout", 2, difficulty=[0])
+
+    def test_the_games_whose_continuous_actions_ale_py_mistakes(self) -> None:
+        envs = make("skiing", 1, continuous=True, obs_type="ram", use_fire_reset=False, noop_max=0, frameskip=1)
+        core = atari.cores.NativeCore("skiing", seed=0, repeat_action_probability=0.0)
+        core.reset()
+        envs.reset(seed=0)
+        for _ in range(30):
+            observation, *_ = envs.step(np.array([[1.0, 0.0, 0.0]], np.float32))
+            core.act(atari.Action.RIGHT)
+        assert np.array_equal(observation[0], core.ram())
+
+
+class TestBuffers:
+    def test_a_batch_stays_during_the_next_step(self) -> None:
+        envs = make("pong", 2)
+        first, _ = envs.reset(seed=0)
+        kept = first.copy()
+        second, *_ = envs.step(np.array([0, 0]))
+        assert np.array_equal(first, kept)
+        third, *_ = envs.step(np.array([0, 0]))
+        assert np.shares_memory(first, third)
+        assert not np.shares_memory(second, third)
+
+    def test_results_do_not_depend_on_what_users_do_to_them(self) -> None:
+        mine, untouched = make("pong", 2), make("pong", 2)
+        observation, _ = mine.reset(seed=0)
+        untouched.reset(seed=0)
+        for _ in range(6):
+            observation[:] = 77
+            observation, reward, *_ = mine.step(np.array([2, 3]))
+            reward[:] = 9
+            assert np.array_equal(observation, untouched.step(np.array([2, 3]))[0])
+
+    def test_out(self) -> None:
+        envs, other = make("pong", 2), make("pong", 2)
+        envs.reset(seed=0)
+        other.reset(seed=0)
+        rollout = np.zeros((5, 2, 4, 84, 84), np.uint8)
+        for out in rollout:
+            observation, *_ = envs.step(np.array([1, 2]), out=out)
+            assert np.shares_memory(observation, out)
+            assert np.array_equal(out, other.step(np.array([1, 2]))[0])
+
+    @pytest.mark.parametrize(
+        "out",
+        [
+            np.zeros((2, 4, 84, 84), np.int8),
+            np.zeros((1, 4, 84, 84), np.uint8),
+            np.zeros((2, 4, 84, 168), np.uint8)[..., ::2],
+            np.frombuffer(bytes(2 * 4 * 84 * 84), np.uint8).reshape(2, 4, 84, 84),
+            [1],
+        ],
+    )
+    def test_out_is_checked(self, out: Any) -> None:
+        envs = make("pong", 2)
+        envs.reset(seed=0)
+        with pytest.raises(
+            ValueError, match=r"out must be a writable C-contiguous uint8 array of shape \(2, 4, 84, 84\)"
+        ):
+            envs.step(np.array([0, 0]), out=out)
+        _, _, _, _, info = envs.step(np.array([0, 0]))
+        assert np.all(info["episode_frame_number"] > 0)
+
+    def test_out_of_a_dict(self) -> None:
+        envs = make("pong", 2, obs_type="dict")
+        envs.reset(seed=0)
+        out = {"image": np.zeros((2, 4, 84, 84), np.uint8), "ram": np.zeros((2, 128), np.uint8)}
+        observation, *_ = envs.step(np.array([0, 0]), out=out)
+        assert observation["ram"] is out["ram"]
+        assert out["ram"].any()
+        assert out["image"].any()
+        with pytest.raises(TypeError, match="a dict of image and ram"):
+            envs.step(np.array([0, 0]), out=out["image"])
+
+
+class TestAutoreset:
+    def test_next_step_ignores_the_action(self) -> None:
+        envs = make("pong", 2, max_num_frames_per_episode=8)
+        envs.reset(seed=0)
+        truncations = [envs.step(np.array([0, 0]))[3].tolist() for _ in range(6)]
+        assert truncations == [[False] * 2, [True] * 2, [False] * 2] * 2
+
+    def test_same_step_has_final_observations(self) -> None:
+        same, next_ = (
+            make("pong", 2, max_num_frames_per_episode=8, autoreset_mode=m) for m in ("SameStep", "NextStep")
+        )
+        for envs in (same, next_):
+            envs.reset(seed=0)
+            envs.step(np.array([2, 3]))
+        observation, _, _, truncated, info = same.step(np.array([2, 3]))
+        final, _, _, _, final_info = next_.step(np.array([2, 3]))
+        assert truncated.all()
+        assert info["_final_obs"].all()
+        assert np.array_equal(info["final_obs"], final)
+        assert info["final_info"]["episode_frame_number"].tolist() == final_info["episode_frame_number"].tolist()
+        assert info["final_info"]["_lives"].all()
+        first, *_ = next_.step(np.array([0, 0]))
+        assert np.array_equal(observation, first)
+        _, _, _, _, info = same.step(np.array([2, 3]))
+        assert "final_obs" not in info
+
+    def test_disabled_waits_for_a_reset(self) -> None:
+        envs = make("breakout", 3, autoreset_mode=AutoresetMode.DISABLED, max_num_frames_per_episode=8)
+        envs.reset(seed=0)
+        envs.step(np.zeros(3, int))
+        observation, _, _, truncated, _ = envs.step(np.zeros(3, int))
+        assert truncated.tolist() == [True, True, True]
+        kept = observation.copy()
+        mask = np.array([False, True, False])
+        observation, _ = envs.reset(options={"reset_mask": mask})
+        assert np.array_equal(observation[~mask], kept[~mask])
+        assert not observation[1, :3].any()  # a new stack
+        observation, reward, _, truncated, _ = envs.step(np.ones(3, int))
+        assert truncated.tolist() == [True, False, True]
+        assert np.array_equal(observation[~mask], kept[~mask])
+        assert reward.tolist() == [0, 0, 0]
+
+    def test_seeds_of_a_partial_reset_are_for_those_reset(self) -> None:
+        envs, other = make("pong", 3, obs_type="ram"), make("pong", 1, obs_type="ram")
+        envs.reset(seed=0)
+        observation, _ = envs.reset(seed=np.array([41]), options={"reset_mask": np.array([False, False, True])})
+        assert np.array_equal(observation[2], other.reset(seed=41)[0][0])
+
+    @pytest.mark.parametrize(
+        ("mask", "error", "text"),
+        [
+            ([True, False, True], TypeError, "reset_mask must be a bool array"),
+            (np.array([1, 0, 1]), TypeError, "reset_mask must be a bool array"),
+            (np.array([True]), ValueError, r"shape \(3,\), got \(1,\)"),
+        ],
+    )
+    def test_masks_are_checked(self, mask: Any, error: type[Exception], text: str) -> None:
+        envs = make()
+        envs.reset(seed=0)
+        with pytest.raises(error, match=text):
+            envs.reset(options={"reset_mask": mask})
+
+    def test_the_first_reset_is_of_all(self) -> None:
+        with pytest.raises(gymnasium.error.ResetNeeded, match="the first reset must be of all"):
+            make().reset(options={"reset_mask": np.array([True, False, True])})
+
+
+class TestSeeds:
+    def test_one_number_is_the_first_of_several(self) -> None:
+        envs = make("alien", 3)
+        first = envs.reset(seed=10)[0].copy()
+        assert np.array_equal(envs.reset(seed=[10, 11, 12])[0], first)
+        assert np.array_equal(envs.reset(seed=np.array([10, 11, 12], np.int32))[0], first)
+
+    def test_negative_ones_and_none_keep_the_generators(self) -> None:
+        envs, other = make("alien", 2), make("alien", 2)
+        envs.reset(seed=1)
+        other.reset(seed=1)
+        assert np.array_equal(envs.reset(seed=[-1, 5])[0][0], other.reset()[0][0])
+        assert np.array_equal(envs.reset(seed=[None, 5])[0][0], other.reset()[0][0])
+
+    @pytest.mark.parametrize(
+        ("seed", "error"),
+        [
+            ("3", TypeError),
+            (1.5, TypeError),
+            (True, TypeError),
+            ([1.5, 2.0, 3.0], TypeError),
+            ([1], ValueError),
+            ([[1], [2], [3]], ValueError),
+            (-3, ValueError),
+            (2**31, ValueError),
+            ([1, 2, 2**31], ValueError),
+        ],
+    )
+    def test_others_are_refused(self, seed: Any, error: type[Exception]) -> None:
+        envs = make()
+        with pytest.raises(error, match="seed"):
+            envs.reset(seed=seed)
+        envs.reset(seed=1)
+
+    def test_without_a_seed_starts_differ(self) -> None:
+        frames = {tuple(make("pong", 4).reset()[1]["frame_number"].tolist()) for _ in range(6)}
+        assert len(frames) > 1
+
+
+class TestBadInput:
+    @pytest.mark.parametrize(
+        ("actions", "error", "text"),
+        [
+            (np.array([0, 99, 0]), ValueError, "action 99 in row 1 is not within 0..3"),
+            (np.array([0, 0, -1]), ValueError, "action -1 in row 2 is not within 0..3"),
+            (np.array([0, 1]), ValueError, r"shape \(3,\), got \(2,\)"),
+            (np.array([[0, 1, 2]]), ValueError, r"shape \(3,\), got \(1, 3\)"),
+            (np.array([0.0, 1.0, np.nan]), TypeError, "must be integers"),
+            (np.array([True, False, True]), TypeError, "must be integers"),
+            (np.array([0, 1, 2**63], np.uint64), ValueError, "not within"),
+            ("abc", TypeError, "must be integers"),
+            (None, TypeError, "must be integers"),
+        ],
+    )
+    def test_actions(self, actions: Any, error: type[Exception], text: str) -> None:
+        envs = make()
+        envs.reset(seed=0)
+        with pytest.raises(error, match=text):
+            envs.step(actions)
+        *_, info = envs.step([0, 1, 2])
+        assert info["env_id"].tolist() == [0, 1, 2]
+
+    @pytest.mark.parametrize(
+        ("motion", "error"),
+        [
+            ((0.5, np.nan, 0.0), ValueError),
+            ((1.5, 0.0, 0.0), ValueError),
+            ((0.5, 0.0), ValueError),
+            (("a", 0, 0), TypeError),
+        ],
+    )
+    def test_continuous_actions(self, motion: Any, error: type[Exception]) -> None:
+        envs = make("pong", 1, continuous=True)
+        envs.reset(seed=0)
+        with pytest.raises(error, match="action"):
+            envs.step(np.array([motion]))
+        envs.step(np.zeros((1, 3), np.float32))
+
+    @pytest.mark.parametrize(
+        ("options", "error", "text"),
+        [
+            ({"num_envs": 0}, ValueError, "num_envs must be within 1..1000000, got 0"),
+            ({"num_envs": None}, TypeError, "num_envs is needed"),
+            ({"game": []}, ValueError, "at least one game"),
+            ({"game": "pongg"}, ValueError, "did you mean 'pong'"),
+            ({"batch_size": 4}, ValueError, "batch_size must be within 0..3, got 4"),
+            ({"frameskip": 0}, ValueError, "frameskip"),
+            ({"frameskip": True}, TypeError, "frameskip"),
+            ({"frameskip": (3, 3)}, ValueError, "low < high"),
+            ({"stack_num": 0}, ValueError, "stack_num"),
+            ({"img_height": 0}, ValueError, "img_height"),
+            ({"img_height": 211}, ValueError, r"cannot be made 211 x 84: the height must be within 1..210"),
+            ({"img_width": 7}, ValueError, "the width within 11..160"),
+            ({"noop_max": -1}, ValueError, "noop_max"),
+            ({"repeat_action_probability": 1.5}, ValueError, "repeat_action_probability"),
+            ({"repeat_action_probability": float("nan")}, TypeError, "repeat_action_probability"),
+            ({"max_num_frames_per_episode": 0}, ValueError, "max_num_frames_per_episode"),
+            ({"autoreset_mode": "Never"}, ValueError, "'NextStep', 'SameStep', 'Disabled', got 'Never'"),
+            ({"obs_type": "pixels"}, ValueError, "obs_type must be one of"),
+            ({"render_mode": "human"}, ValueError, "render_mode must be 'rgb_array' or None"),
+            ({"mode": "1"}, TypeError, "mode must be an integer, None, or a sequence"),
+            ({"num_threads": 1.5}, TypeError, "num_threads"),
+        ],
+    )
+    def test_options(self, options: dict[str, Any], error: type[Exception], text: str) -> None:
+        with pytest.raises(error, match=text):
+            make(**options)
+
+    def test_calls_out_of_turn(self) -> None:
+        envs = make()
+        actions = np.zeros(3, int)
+        with pytest.raises(gymnasium.error.ResetNeeded):
+            envs.step(actions)
+        with pytest.raises(gymnasium.error.NoAsyncCallError, match="send"):
+            envs.recv()
+        envs.reset(seed=0)
+        with pytest.raises(gymnasium.error.NoAsyncCallError, match="send"):
+            envs.recv()
+        envs.send(actions)
+        with pytest.raises(gymnasium.error.AlreadyPendingCallError, match="recv"):
+            envs.send(actions)
+        with pytest.raises(gymnasium.error.AlreadyPendingCallError, match="recv"):
+            envs.step(actions)
+        *_, info = envs.recv()
+        assert info["env_id"].tolist() == [0, 1, 2]
+        envs.send(actions)
+        first, _ = envs.reset(seed=0)  # what was sent is forgotten
+        assert np.array_equal(first, make().reset(seed=0)[0])
+
+
+class TestAsync:
+    def test_batches_are_of_those_that_are_ready(self) -> None:
+        envs, all_of_them = make("pong", 4, batch_size=2), make("pong", 4, batch_size=0)
+        assert envs.action_space.shape == (2,)
+        expected = [all_of_them.reset(seed=3)[0].copy()]
+        for _ in range(40):
+            expected.append(all_of_them.step(np.full(4, 2))[0].copy())
+        observation, info = envs.reset(seed=3)
+        steps = np.zeros(4, int)
+        for _ in range(60):
+            assert observation.shape == (2, 4, 84, 84)
+            for row, index in enumerate(info["env_id"]):
+                if steps[index] <= 40:
+                    assert np.array_equal(observation[row], expected[steps[index]][index])
+            steps[info["env_id"]] += 1
+            envs.send(np.full(2, 2))
+            observation, _, _, _, info = envs.recv()
+        assert steps.min() > 5  # nobody starves
+
+    def test_one_thread_serves_all_in_turn(self) -> None:
+        envs = make("pong", 5, batch_size=2, num_threads=1)
+        order = [envs.reset(seed=0)[1]["env_id"].tolist()]
+        order += [envs.step(np.zeros(2, int))[4]["env_id"].tolist() for _ in range(4)]
+        assert order == [[0, 1], [2, 3], [4, 0], [1, 2], [3, 4]]
+
+    def test_final_observations(self) -> None:
+        options = {"autoreset_mode": "SameStep", "max_num_frames_per_episode": 4, "num_threads": 1}
+        envs, whole = make("pong", 4, batch_size=2, **options), make("pong", 4, **options)
+        envs.reset(seed=0)
+        whole.reset(seed=0)
+        expected = whole.step(np.zeros(4, int))
+        for _ in range(2):
+            envs.send(np.zeros(2, int))
+            envs.recv()
+        *_, info = envs.step(np.zeros(2, int))
+        assert info["env_id"].tolist() == [2, 3]
+        assert np.array_equal(info["final_obs"], expected[4]["final_obs"][2:])
+
+    def test_a_reset_forgets_what_is_in_flight(self) -> None:
+        envs = make("pong", 4, batch_size=1)
+        envs.reset(seed=0)
+        envs.send(np.array([0]))
+        for _ in range(3):
+            _, info = envs.reset(seed=0)
+            assert info["episode_frame_number"][0] <= 30
+
+    def test_no_partial_resets(self) -> None:
+        envs = make("pong", 4, batch_size=2)
+        envs.reset()
+        with pytest.raises(ValueError, match="batch_size=0"):
+            envs.reset(options={"reset_mask": np.array([True, False, True, True])})
+
+
+class TestEnds:
+    def test_close(self) -> None:
+        before = threading_count()
+        envs = make(num_envs=4, num_threads=4)
+        assert threading_count() == before + 3
+        envs.reset()
+        envs.close()
+        assert threading_count() == before
+        with pytest.raises(gymnasium.error.ClosedEnvironmentError):
+            envs.step(np.zeros(4, int))
+        with pytest.raises(gymnasium.error.ClosedEnvironmentError):
+            envs.reset()
+        envs.close()
+
+    def test_close_while_environments_are_stepped(self) -> None:
+        envs = make(num_envs=8, num_threads=3)
+        envs.reset()
+        envs.send(np.zeros(8, int))
+        envs.close()
+
+    def test_garbage_collection(self) -> None:
+        before = threading_count()
+        envs = make(num_envs=4, num_threads=4)
+        envs.reset()
+        envs.send(np.zeros(4, int))
+        gone = weakref.ref(envs)
+        del envs
+        gc.collect()
+        assert gone() is None
+        assert threading_count() == before
+
+    def test_many_constructions(self) -> None:
+        make(num_envs=2).close()
+        before = threading_count()
+        for _ in range(60):
+            make(num_envs=2).close()
+        assert threading_count() == before
+
+    def test_an_error_in_an_environment_reaches_the_caller(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr(CoreOptions, "check", lambda *_, **__: None)
+        for batch_size, num_threads in ((0, 2), (1, 1)):
+            envs = make("freeway", 3, mode=[0, 99, 0], batch_size=batch_size, num_threads=num_threads)
+            for _ in range(2):
+                with pytest.raises(RuntimeError, match="the mode cannot be selected"):
+                    play(envs, 3)
+                with pytest.raises(gymnasium.error.ResetNeeded):
+                    envs.step(np.zeros(envs.batch_size, int))
+            envs.close()
+
+    def test_two_threads_share_one(self) -> None:
+        envs = make(num_envs=2)
+        envs.reset(seed=0)
+        errors = []
+
+        def use() -> None:
+            for _ in range(50):
+                try:
+                    envs.step(np.zeros(2, int))
+                except (RuntimeError, gymnasium.error.Error) as error:
+                    errors.append(error)
+
+        users = [threading.Thread(target=use) for _ in range(2)]
+        for user in users:
+            user.start()
+        for user in users:
+            user.join()
+        envs.reset(seed=0)
+        *_, info = envs.step(np.zeros(2, int))
+        assert info["env_id"].tolist() == [0, 1]
+
+
+if hasattr(os, "fork"):
+
+    def test_a_forked_process_is_told() -> None:
+        envs = make(num_envs=2)
+        envs.reset(seed=0)
+        child = os.fork()
+        if child == 0:
+            try:
+                envs.step(np.zeros(2, int))
+            except RuntimeError as error:
+                told = "was made before the process was forked" in str(error)
+                envs.close()
+                new = make(num_envs=2)
+                new.reset(seed=0)
+                new.step(np.zeros(2, int))
+                os._exit(0 if told else 1)
+            os._exit(2)
+        deadline = time.monotonic() + 60
+        while (status := os.waitpid(child, os.WNOHANG))[0] == 0 and time.monotonic() < deadline:
+            time.sleep(0.01)
+        if status[0] == 0:
+            os.kill(child, signal.SIGKILL)
+        assert status == (child, 0)
+        envs.step(np.zeros(2, int))
+
+
+def threading_count() -> int:
+    """Threads of this process, those started in C++ too."""
+    return len(os.listdir("/proc/self/task")) if os.path.isdir("/proc/self/task") else threading.active_count()
+
+
+class TestRegistration:
+    def test_make_vec_is_that_of_ale_py(self) -> None:
+        ours = gymnasium.make_vec("ALE/Pong-v5", num_envs=2, num_threads=1)
+        assert isinstance(ours.unwrapped, atari.AtariVectorEnv)
+        theirs = ale_py.AtariVectorEnv("pong", 2, repeat_action_probability=0.25)
+        for envs in (ours, theirs):
+            envs.reset(seed=1)
+        for action in (2, 3, 4, 2):
+            mine, other = (envs.step(np.full(2, action)) for envs in (ours, theirs))
+            assert np.array_equal(mine[0], other[0])
+
+    def test_every_id_arrives_here(self) -> None:
+        for env_id in atari.registration.ids():
+            assert gymnasium.registry[env_id].vector_entry_point == "atari.vector:AtariVectorEnv"
+        ram = gymnasium.make_vec("Breakout-ramNoFrameskip-v4", num_envs=2)
+        observation, info = ram.reset(seed=0)
+        assert observation.shape == (2, 128)
+        before = info["frame_number"]
+        assert np.all(ram.step(np.zeros(2, int))[4]["frame_number"] - before == 1)
+        skipping = gymnasium.make_vec("Breakout-v0", num_envs=2)
+        assert skipping.reset(seed=0)[0].shape == (2, 4, 84, 84)
+
+    def test_metadata_is_its_own(self) -> None:
+        envs = make("pong", 1, autoreset_mode="SameStep")
+        assert envs.metadata["autoreset_mode"] is AutoresetMode.SAME_STEP
+        assert gymnasium.vector.VectorEnv.metadata.get("autoreset_mode") is not AutoresetMode.SAME_STEP
