@@ -297,6 +297,7 @@ def resize_area(
     A gray picture, (rows, 160), scaled down as by OpenCV's INTER_AREA. `repeats` and `plain` as in `pool_gray`.
     Raises ValueError if the size is not served.
     """
+
 class Batch:
     """
     Arrays for the results of a batch. Threads write to them between start and receive.
@@ -328,15 +329,23 @@ class Vector:
         *,
         games: Sequence[Game],
         actions: Sequence[Sequence[int]],
+        action_sets: Sequence[Sequence[int]],
         modes: Sequence[int | None],
         difficulties: Sequence[int | None],
         seeds: numpy.typing.NDArray[numpy.uint32],
+        pairs: Sequence[bytes],
         repeat_action_probability: float,
+        episode_limit: int,
+        protocol: str,
         frame_skip: tuple[int, int],
-        noop_max: int,
-        fire: bool,
+        noops: tuple[int, int],
+        fire_counts: bool,
+        fire: str,
         episodic_life: bool,
         life_loss_info: bool,
+        on_reset: str,
+        last_life: bool,
+        seamless_lives: bool,
         clip_reward: bool,
         max_frames: int,
         pixels: str,
@@ -344,12 +353,17 @@ class Vector:
         width: int,
         stack: int,
         max_pool: bool,
-        ram: bool,
+        end_frames: str,
+        pads_zero: bool,
         batch_size: int,
         threads: int,
         first_core: int,
         autoreset: str,
-    ) -> None: ...
+    ) -> None:
+        """
+        `seeds` is (environments, 9): the emulator's, and eight words for the other generator.
+        """
+
     def start(
         self,
         actions: numpy.typing.NDArray[numpy.int64],
@@ -367,9 +381,7 @@ class Vector:
         seeds: numpy.typing.NDArray[numpy.uint32],
         batch: Batch | None,
     ) -> None:
-        """
-        Begin a reset of the environments in `mask`; `seeds` is (environments, 2): the emulator's, and the other.
-        """
+        """Begin a reset of the environments in `mask`; `seeds` as above."""
 
     def receive(self, batch: Batch) -> None:
         """Wait for a batch of results."""

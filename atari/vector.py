@@ -52,8 +52,10 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         num_threads: at most so many, of which the caller's is one; 0 is as many as the machine has cores.
         thread_affinity_offset: if 0 or more, bind thread i to core offset + i, but not the caller's own (Linux).
         max_num_frames_per_episode: truncate after so many frames, not counting the no-ops; None is never.
-        repeat_action_probability: of repeating the previous action, drawn each frame ("sticky actions").
-        full_action_space: all legal actions (18 in nearly all games) instead of those the game uses.
+        repeat_action_probability: of repeating the previous action, drawn each frame ("sticky actions"); None is 0.0, or what the
+            preset has.
+        full_action_space: all legal actions (18 in nearly all games) instead of those the game uses; None is False, or
+            what the preset has.
         continuous: actions are (batch, 3) float32: radius, angle, fire (Farebrother and Castro 2024, "CALE").
         continuous_action_threshold: how far the stick must be moved, or fire pressed, to count.
         autoreset_mode: `gymnasium.vector.AutoresetMode` or its value. With DISABLED (added), environments that are done
@@ -65,10 +67,13 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         maxpool: show the maximum of a skip's last two frames; False shows the last one.
         noop_max: an episode begins with 0 to noop_max-1 frames of NOOP, among which the FIRE below counts as one.
         episodic_life: a lost life ends the episode. The next one is a new game (in most other implementations it is
-            the same one, going on).
+            the same one, going on). None is False, or what the preset has.
         life_loss_info: a lost life is told as a termination, but the episode goes on without a reset.
-        reward_clipping: rewards are clipped to -1..1.
+        reward_clipping: rewards are clipped to -1..1; None is True, or what the preset has.
         use_fire_reset: an episode begins with FIRE in games that have it.
+        preset: name of a preprocessing, one of `atari.wrappers.PRESETS` (added). Environment i then is
+            `atari.wrappers.preset(env, name)` with seed + i, to the byte: no-ops, FIRE, lost lives, pooling, padding and
+            limits are the preset's, and the options of ale-py that shape them must be left out.
         obs_type: "grayscale", "rgb", "ram" ((batch, 128), no stack), or "dict" of "image" and "ram"; None is what
             `grayscale` says (added).
         mode, difficulty: of the game, None the default; a sequence has one for each environment (added).
@@ -89,8 +94,8 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         num_threads: int = 0,
         thread_affinity_offset: int = -1,
         max_num_frames_per_episode: int | None = 108_000,
-        repeat_action_probability: float = 0.0,
-        full_action_space: bool = False,
+        repeat_action_probability: float | None = None,
+        full_action_space: bool | None = None,
         continuous: bool = False,
         continuous_action_threshold: float = 0.5,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
@@ -101,10 +106,11 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         frameskip: int | tuple[int, int] = 4,
         maxpool: bool = True,
         noop_max: int = 30,
-        episodic_life: bool = False,
+        episodic_life: bool | None = None,
         life_loss_info: bool = False,
-        reward_clipping: bool = True,
+        reward_clipping: bool | None = None,
         use_fire_reset: bool = True,
+        preset: str | None = None,
         obs_type: ObsType | None = None,
         mode: int | Sequence[int | None] | None = None,
         difficulty: int | Sequence[int | None] | None = None,
@@ -122,7 +128,7 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         self.metadata = {
             "autoreset_mode": options.autoreset_mode,
             "render_modes": ["rgb_array"],
-            "render_fps": options.games[0].screen.frame_rate / (sum(options.frame_skip) - 1) * 2,
+            "render_fps": options.games[0].screen.frame_rate / (sum(options.protocol.frame_skip) - 1) * 2,
         }
         self._engine: _emulator.Vector | None = options.make_engine()
         self._process = os.getpid()
@@ -153,7 +159,7 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         """
         engine = self._open()
         mask = self._reset_mask(options)
-        seeded, seeds = _seeds(seed, mask)
+        seeded, seeds = _seeds(seed, mask, self._options.protocol.seeds)
         self._phase = "new"  # until it has succeeded
         results = self._take_buffer(None)
         engine.reset(mask, seeded, seeds, results.batch if self.batch_size == self.num_envs else None)
@@ -256,8 +262,10 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         return np.ascontiguousarray(mask)
 
 
-def _seeds(seed: Any, mask: npt.NDArray[np.bool_]) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.uint32]]:
-    """For each environment whether it is seeded, and the seeds of its two generators."""
+def _seeds(
+    seed: Any, mask: npt.NDArray[np.bool_], manner: Literal["ale", "gymnasium"]
+) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.uint32]]:
+    """For each environment whether it is seeded, and the seeds of its two generators, as the engine takes them."""
     chosen = np.flatnonzero(mask)
     if seed is None:
         values = np.full(len(chosen), -1, np.int64)
@@ -276,8 +284,18 @@ def _seeds(seed: Any, mask: npt.NDArray[np.bool_]) -> tuple[npt.NDArray[np.bool_
             raise ValueError(f"there must be a seed for each of the {len(chosen)} environments, got {len(values)}")
         if (values >= SEED_LIMIT).any():
             raise ValueError(f"seeds must be below 2**31, got {seed!r}")
-    seeds = np.zeros((len(mask), 2), np.uint32)
-    seeds[chosen] = np.maximum(values, 0)[:, None]
+    seeds = np.zeros((len(mask), 9), np.uint32)
+    for environment, value in zip(chosen.tolist(), values.tolist(), strict=True):
+        if value >= 0:
+            seeds[environment] = value if manner == "ale" else _gymnasium_seed(value)
     seeded = np.zeros(len(mask), np.bool_)
     seeded[chosen] = values >= 0
     return seeded, seeds
+
+
+def _gymnasium_seed(seed: int) -> list[int]:
+    """The emulator's seed and the state of `np_random` that `AtariEnv.reset` makes of a seed."""
+    first, second = (int(word) for word in np.random.SeedSequence(seed).generate_state(2))
+    state: Any = np.random.PCG64(np.random.SeedSequence(first)).state["state"]
+    words = [state[name] >> shift & 0xFFFFFFFF for name in ("state", "inc") for shift in (0, 32, 64, 96)]
+    return [min(second, 2**32 - 2), *words]

@@ -23,8 +23,7 @@ from atari.env import check_frameskip
 from atari.game import Game
 from atari.roms import find
 from atari.roms.image import read_image
-
-_MOST = 2**31 - 1
+from atari.vector_presets import NEVER, Protocol, gray_of_pairs, of_preset
 
 
 @dataclass(frozen=True)
@@ -38,9 +37,6 @@ class VectorOptions:
     batch_size: int
     num_threads: int
     thread_affinity_offset: int
-    max_num_frames_per_episode: int
-    repeat_action_probability: float
-    full_action_space: bool
     continuous: bool
     threshold: np.float32
     autoreset_mode: AutoresetMode
@@ -49,13 +45,7 @@ class VectorOptions:
     obs_type: str
     grayscale: bool
     stack_num: int
-    frame_skip: tuple[int, int]
-    maxpool: bool
-    noop_max: int
-    episodic_life: bool
-    life_loss_info: bool
-    reward_clipping: bool
-    use_fire_reset: bool
+    protocol: Protocol
 
     @classmethod
     def check(cls, **given: Any) -> "VectorOptions":
@@ -65,13 +55,13 @@ class VectorOptions:
             TypeError, ValueError: one is of the wrong kind or out of range.
         """
         games = _check_games(given["game"], given["num_envs"])
-        frameskip = check_frameskip(given["frameskip"])
-        limit = given["max_num_frames_per_episode"]
-        threads = check_integer("num_threads", given["num_threads"], -_MOST, _MOST)
+        threads = check_integer("num_threads", given["num_threads"], -NEVER, NEVER)
         batch_size = check_integer("batch_size", given["batch_size"], 0, len(games)) or len(games)
         if given["render_mode"] not in (None, "rgb_array"):
             raise ValueError(f"render_mode must be 'rgb_array' or None, got {given['render_mode']!r}")
         obs_type, grayscale = _check_obs_type(given["obs_type"], bool(given["grayscale"]))
+        if given["preset"] is not None and obs_type == "rgb":
+            raise ValueError("the presets' pictures are gray; leave obs_type='rgb' out")
         options = cls(
             games=games,
             modes=_spread("mode", given["mode"], len(games)),
@@ -80,35 +70,24 @@ class VectorOptions:
             batch_size=batch_size,
             num_threads=min(threads if threads > 0 else _cores(), len(games)),
             thread_affinity_offset=check_integer("thread_affinity_offset", given["thread_affinity_offset"], -1, 10_000),
-            max_num_frames_per_episode=(
-                _MOST if limit is None else check_integer("max_num_frames_per_episode", limit, 1, _MOST)
-            ),
-            repeat_action_probability=check_probability(
-                "repeat_action_probability", given["repeat_action_probability"]
-            ),
-            full_action_space=bool(given["full_action_space"]),
             continuous=bool(given["continuous"]),
             threshold=np.float32(
                 check_probability("continuous_action_threshold", given["continuous_action_threshold"])
             ),
             autoreset_mode=_check_autoreset(given["autoreset_mode"]),
-            img_height=check_integer("img_height", given["img_height"], 1, _MOST),
-            img_width=check_integer("img_width", given["img_width"], 1, _MOST),
+            img_height=check_integer("img_height", given["img_height"], 1, NEVER),
+            img_width=check_integer("img_width", given["img_width"], 1, NEVER),
             obs_type=obs_type,
             grayscale=grayscale,
             stack_num=check_integer("stack_num", given["stack_num"], 1, 10_000),
-            frame_skip=frameskip if isinstance(frameskip, tuple) else (frameskip, frameskip + 1),
-            maxpool=bool(given["maxpool"]),
-            noop_max=check_integer("noop_max", given["noop_max"], 0, 1_000_000),
-            episodic_life=bool(given["episodic_life"]),
-            life_loss_info=bool(given["life_loss_info"]),
-            reward_clipping=bool(given["reward_clipping"]),
-            use_fire_reset=bool(given["use_fire_reset"]),
+            protocol=_check_protocol(given),
         )
+        if options.protocol.protocol == "baselines":
+            _check_third_actions(options.action_sets, games)
         for game, mode, difficulty in set(zip(games, options.modes, options.difficulties, strict=True)):
             CoreOptions.check(
                 game,
-                repeat_action_probability=options.repeat_action_probability,
+                repeat_action_probability=options.protocol.repeat_action_probability,
                 mode=mode,
                 difficulty=difficulty,
                 frame_skip=1,
@@ -121,27 +100,38 @@ class VectorOptions:
     def make_engine(self) -> _emulator.Vector:
         """The environments and their threads."""
         native = {game: compiled(game, read_image(find(game, self.rom))) for game in set(self.games)}
-        pixels = "none" if self.obs_type == "ram" else "gray" if self.grayscale else "rgb"
+        protocol = self.protocol
+        tables = {game: gray_of_pairs(game) if protocol.pool_rgb else b"" for game in set(self.games)}
+        pixels = "gray of rgb" if protocol.pool_rgb else "gray" if self.grayscale else "rgb"
         return _emulator.Vector(
             games=[native[game] for game in self.games],
-            actions=[[int(action) for action in actions] for actions in self._actions],
+            actions=_numbers(self._actions),
+            action_sets=_numbers(self.action_sets),
             modes=self.modes,
             difficulties=self.difficulties,
-            seeds=np.random.SeedSequence().generate_state(len(self.games)).astype(np.uint32),
-            repeat_action_probability=as_ale_reads(self.repeat_action_probability),
-            frame_skip=self.frame_skip,
-            noop_max=self.noop_max,
-            fire=self.use_fire_reset,
-            episodic_life=self.episodic_life,
-            life_loss_info=self.life_loss_info,
-            clip_reward=self.reward_clipping,
-            max_frames=self.max_num_frames_per_episode,
-            pixels=pixels,
+            seeds=np.random.SeedSequence().generate_state(9 * len(self.games)).astype(np.uint32).reshape(-1, 9),
+            pairs=[tables[game] for game in self.games],
+            repeat_action_probability=as_ale_reads(protocol.repeat_action_probability),
+            episode_limit=protocol.episode_limit,
+            protocol=protocol.protocol,
+            frame_skip=protocol.frame_skip,
+            noops=protocol.noops,
+            fire_counts=protocol.fire_counts,
+            fire=protocol.fire,
+            episodic_life=protocol.episodic_life,
+            life_loss_info=protocol.life_loss_info,
+            on_reset=protocol.on_reset,
+            last_life=protocol.last_life,
+            seamless_lives=protocol.seamless_lives,
+            clip_reward=protocol.clip_reward,
+            max_frames=protocol.max_frames,
+            pixels="none" if self.obs_type == "ram" else pixels,
             height=self.img_height,
             width=self.img_width,
             stack=self.stack_num,
-            max_pool=self.maxpool,
-            ram=self.obs_type in ("ram", "dict"),
+            max_pool=protocol.max_pool,
+            end_frames=protocol.end_frames,
+            pads_zero=protocol.pads_zero,
             batch_size=self.batch_size,
             threads=self.num_threads,
             first_core=self.thread_affinity_offset,
@@ -151,7 +141,7 @@ class VectorOptions:
     @cached_property
     def action_sets(self) -> tuple[tuple[Action, ...], ...]:
         """By environment, the actions that its game has."""
-        every = self.full_action_space or self.continuous
+        every = self.protocol.full_action_space or self.continuous
         return tuple(game.legal_actions if every else game.minimal_actions for game in self.games)
 
     @property
@@ -228,6 +218,66 @@ class VectorOptions:
 _ACTION_BY_MOTION = np.zeros((3, 3, 2), np.int64)  # by vertical, horizontal (-1 is the last) and fire
 for _action in PLAYER_ACTIONS:
     _ACTION_BY_MOTION[_action.vertical, _action.horizontal, int(_action.fire)] = int(_action)
+
+
+_SHAPING = {
+    "max_num_frames_per_episode": 108_000,
+    "continuous": False,
+    "img_height": 84,
+    "img_width": 84,
+    "grayscale": True,
+    "stack_num": 4,
+    "frameskip": 4,
+    "maxpool": True,
+    "noop_max": 30,
+    "life_loss_info": False,
+    "use_fire_reset": True,
+}
+"""What a preset decides, with the defaults of these options, which mean that nothing was asked for."""
+
+
+def _check_protocol(given: dict[str, Any]) -> Protocol:
+    probability, full = given["repeat_action_probability"], given["full_action_space"]
+    if probability is not None:
+        probability = check_probability("repeat_action_probability", probability)
+    if given["preset"] is not None:
+        for name, default in _SHAPING.items():
+            if given[name] != default:
+                raise ValueError(f"preset={given['preset']!r} decides about {name}; leave {name}={given[name]!r} out")
+        return of_preset(
+            given["preset"],
+            episodic_life=given["episodic_life"],
+            clip_reward=given["reward_clipping"],
+            repeat_action_probability=probability,
+            full_action_space=full,
+        )
+    frameskip = check_frameskip(given["frameskip"])
+    limit = given["max_num_frames_per_episode"]
+    return Protocol(
+        repeat_action_probability=probability or 0.0,
+        full_action_space=bool(full),
+        frame_skip=frameskip if isinstance(frameskip, tuple) else (frameskip, frameskip + 1),
+        noops=(0, max(check_integer("noop_max", given["noop_max"], 0, 1_000_000), 1) - 1),
+        fire="before" if given["use_fire_reset"] else "never",
+        episodic_life=bool(given["episodic_life"]),
+        life_loss_info=bool(given["life_loss_info"]),
+        clip_reward=given["reward_clipping"] is None or bool(given["reward_clipping"]),
+        max_frames=NEVER if limit is None else check_integer("max_num_frames_per_episode", limit, 1, NEVER),
+        max_pool=bool(given["maxpool"]),
+    )
+
+
+def _check_third_actions(action_sets: tuple[tuple[Action, ...], ...], games: tuple[Game, ...]) -> None:
+    for actions, game in zip(action_sets, games, strict=True):
+        if Action.FIRE in actions and len(actions) < 3:
+            raise ValueError(
+                f"this preset begins with the third action, and {game.id} has only {len(actions)}; "
+                "use full_action_space=True"
+            )
+
+
+def _numbers(action_sets: tuple[tuple[Action, ...], ...]) -> list[list[int]]:
+    return [[int(action) for action in actions] for actions in action_sets]
 
 
 def _check_games(game: Any, num_envs: Any) -> tuple[Game, ...]:

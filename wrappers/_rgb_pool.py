@@ -18,7 +18,7 @@ class RgbPool:
     """Pools frames of palette indices of a TV format. The result is OpenCV's gray of the maximum of their colours."""
 
     def __init__(self, tv_format: str) -> None:
-        self._of_pair = _gray_of_pairs(tv_format)
+        self._of_pair = gray_of_pairs(tv_format)
         self._of_one = np.ascontiguousarray(self._of_pair.diagonal())
 
     def gray(self, frame: ByteArray, out: ByteArray) -> ByteArray:
@@ -36,7 +36,7 @@ class RgbPool:
 
 
 @cache
-def _gray_of_pairs(tv_format: str) -> ByteArray:
+def gray_of_pairs(tv_format: str) -> ByteArray:
     """(256, 256): the gray value of the maximum of two colours."""
     palette = PALETTES[tv_format]
     table: ByteArray = cv2.cvtColor(np.maximum(palette[:, None], palette[None]), cv2.COLOR_RGB2GRAY)  # type: ignore[assignment]

@@ -39,8 +39,24 @@ T chosen(const std::map<std::string, T>& choices, const std::string& name) {
 
 const std::map<std::string, Pixels> kPixels = {
     {"none", Pixels::kNone}, {"gray", Pixels::kGray}, {"rgb", Pixels::kRgb}, {"gray of rgb", Pixels::kGrayOfRgb}};
+const std::map<std::string, EndFrames> kEndFrames = {{"last", EndFrames::kLast},
+                                                     {"gymnasium", EndFrames::kGymnasium},
+                                                     {"baselines", EndFrames::kBaselines},
+                                                     {"envpool", EndFrames::kEnvpool}};
+const std::map<std::string, Fire> kFires = {
+    {"never", Fire::kNever}, {"before", Fire::kBeforeNoops}, {"after", Fire::kAfterNoops}};
+const std::map<std::string, OnReset> kOnResets = {
+    {"noop", OnReset::kNoop}, {"continue", OnReset::kContinue}, {"new_game", OnReset::kNewGame}};
 const std::map<std::string, Autoreset> kAutoresets = {
     {"NextStep", Autoreset::kNextStep}, {"SameStep", Autoreset::kSameStep}, {"Disabled", Autoreset::kDisabled}};
+
+constexpr size_t kSeedWords = 9;
+
+Seed seed_of(const Seeds& seeds, size_t i) {
+    Seed seed{seeds(i, 0), {}};
+    for (size_t word = 1; word < kSeedWords; ++word) seed.own[word - 1] = seeds(i, word);
+    return seed;
+}
 
 // Arrays for the results of a batch, with the pointers to their parts.
 struct BoundBatch {
@@ -81,7 +97,7 @@ class BoundVector {
     void reset(List<bool> mask, List<bool> seeded, Seeds seeds, nb::object batch) {
         const auto lock = acquire();
         const auto size = static_cast<size_t>(engine_->size());
-        if (mask.shape(0) != size || seeded.shape(0) != size || seeds.shape(0) != size || seeds.shape(1) != 2)
+        if (mask.shape(0) != size || seeded.shape(0) != size || seeds.shape(0) != size || seeds.shape(1) != kSeedWords)
             throw nb::value_error("there must be an entry for each environment");
         {
             const nb::gil_scoped_release release;
@@ -92,7 +108,7 @@ class BoundVector {
         std::vector<const Seed*> given(size);
         std::vector<bool> which(size);
         for (size_t i = 0; i < size; ++i) {
-            values[i] = {seeds(i, 0), seeds(i, 1)};
+            values[i] = seed_of(seeds, i);
             given[i] = seeded(i) ? &values[i] : nullptr;
             which[i] = mask(i);
         }
@@ -166,45 +182,73 @@ void make_batch(BoundBatch* self, BoundVector& vector, nb::object pixels, nb::ob
     new (self) BoundBatch(std::move(bound));
 }
 
+using Pairs = std::shared_ptr<const std::vector<uint8_t>>;
+
+std::unique_ptr<Player> make_player(const std::string& protocol, std::unique_ptr<Environment> environment,
+                                    const PlaySettings& play, const ViewSettings& view,
+                                    std::shared_ptr<const Scaler> scaler, const Start& start, const Seed& seed) {
+    if (protocol == "ale") return std::make_unique<AlePlayer>(std::move(environment), play, view, scaler, start, seed);
+    if (protocol == "frames")
+        return std::make_unique<FramePlayer>(std::move(environment), play, view, scaler, start, seed);
+    if (protocol == "baselines")
+        return std::make_unique<BaselinesPlayer>(std::move(environment), play, view, scaler, start, seed);
+    throw std::invalid_argument("there is no protocol " + protocol);
+}
+
 void make_vector(BoundVector* self, const std::vector<std::shared_ptr<Game>>& games,
-                 const std::vector<std::vector<int>>& actions, const std::vector<std::optional<int>>& modes,
-                 const std::vector<std::optional<int>>& difficulties, List<uint32_t> seeds, double probability,
-                 std::pair<int, int> frame_skip, int noop_max, bool fire, bool episodic_life, bool life_loss_info,
-                 bool clip_reward, int max_frames, const std::string& pixels, int height, int width, int stack,
-                 bool max_pool, bool ram, int batch_size, int threads, int first_core, const std::string& autoreset) {
+                 const std::vector<std::vector<int>>& actions, const std::vector<std::vector<int>>& action_sets,
+                 const std::vector<std::optional<int>>& modes, const std::vector<std::optional<int>>& difficulties,
+                 Seeds seeds, const std::vector<nb::bytes>& pairs, double probability, int episode_limit,
+                 const std::string& protocol, std::pair<int, int> frame_skip, std::pair<int, int> noops,
+                 bool fire_counts, const std::string& fire, bool episodic_life, bool life_loss_info,
+                 const std::string& on_reset, bool last_life, bool seamless_lives, bool clip_reward, int max_frames,
+                 const std::string& pixels, int height, int width, int stack, bool max_pool,
+                 const std::string& end_frames, bool pads_zero, int batch_size, int threads, int first_core,
+                 const std::string& autoreset) {
     const size_t size = games.size();
-    if (size == 0 || actions.size() != size || modes.size() != size || difficulties.size() != size || seeds.shape(0) != size)
+    if (size == 0 || actions.size() != size || action_sets.size() != size || modes.size() != size ||
+        difficulties.size() != size || seeds.shape(0) != size || seeds.shape(1) != kSeedWords || pairs.size() != size)
         throw nb::value_error("there must be an entry for each environment, and at least one");
     if (batch_size < 1 || static_cast<size_t>(batch_size) > size || threads < 1 || stack < 1 || frame_skip.first < 1 ||
-        frame_skip.second <= frame_skip.first)
-        throw nb::value_error("batch_size, threads, stack or frame_skip is out of range");
-    const Settings settings{probability, 1, 0, false, false};
-    const PlaySettings play{frame_skip, noop_max, fire, episodic_life, life_loss_info, clip_reward, max_frames};
-    ViewSettings view;
-    view.pixels = chosen(kPixels, pixels);
-    view.height = height;
-    view.width = width;
-    view.stack = stack;
-    view.max_pool = max_pool;
-    const VectorSettings vector{batch_size, threads, first_core, chosen(kAutoresets, autoreset), ram};
+        frame_skip.second <= frame_skip.first || noops.first < 0 || noops.second < noops.first)
+        throw nb::value_error("batch_size, threads, stack, frame_skip or noops is out of range");
+    const Settings settings{probability, 1, episode_limit, false, false};
+    const PlaySettings play{frame_skip,    noops.first,    noops.second,
+                            fire_counts,   chosen(kFires, fire), episodic_life,
+                            life_loss_info, chosen(kOnResets, on_reset), last_life,
+                            seamless_lives, clip_reward,   max_frames};
+    ViewSettings view{chosen(kPixels, pixels), height, width, stack, max_pool, chosen(kEndFrames, end_frames), pads_zero, {}};
+    std::map<const char*, Pairs> tables;  // by where Python keeps them
+    std::vector<Pairs> table_of;
+    for (const nb::bytes& bytes : pairs) {
+        if (bytes.size() != 65536 && view.pixels == Pixels::kGrayOfRgb)
+            throw nb::value_error("the gray values of pairs of colours are 65536 bytes");
+        Pairs& table = tables[bytes.c_str()];
+        const auto* data = reinterpret_cast<const uint8_t*>(bytes.c_str());
+        if (!table) table = std::make_shared<const std::vector<uint8_t>>(data, data + bytes.size());
+        table_of.push_back(table);
+    }
+    const VectorSettings vector{batch_size, threads, first_core, chosen(kAutoresets, autoreset)};
     std::vector<Vector::Member> members;
     {
-        nb::gil_scoped_release release;
+        const nb::gil_scoped_release release;
         std::map<int, std::shared_ptr<const Scaler>> scalers;  // by height of the picture
         std::map<const Game*, const Environment*> twins;
         for (size_t i = 0; i < size; ++i) {
             const Environment*& twin = twins[games[i].get()];
-            auto environment = std::make_unique<Environment>(games[i], settings, seeds(i), twin);
+            const Seed seed = seed_of(seeds, i);
+            auto environment = std::make_unique<Environment>(games[i], settings, seed.emulator, twin);
             if (!twin) twin = environment.get();
             if (modes[i]) environment->set_mode(*modes[i]);
             if (difficulties[i]) environment->set_difficulty(*difficulties[i]);
             auto& scaler = scalers[environment->height()];
             if (!scaler && view.pixels != Pixels::kNone)
                 scaler = std::make_shared<const Scaler>(environment->height(), height, width);
-            const std::vector<int>& own = actions[i];
-            const bool has_fire = std::find(own.begin(), own.end(), 1) != own.end();
-            auto player = std::make_unique<AlePlayer>(std::move(environment), play, view, scaler, has_fire, seeds(i));
-            members.push_back({std::move(player), own});
+            view.pairs = table_of[i];
+            const std::vector<int>& own = action_sets[i];
+            const auto has = [&](int action) { return std::find(own.begin(), own.end(), action) != own.end(); };
+            const Start start{has(0), has(1), own.size() > 2 ? own[2] : 0};
+            members.push_back({make_player(protocol, std::move(environment), play, view, scaler, start, seed), actions[i]});
         }
     }
     new (self) BoundVector(std::move(members), vector);
@@ -224,16 +268,20 @@ void register_vector(nb::module_& m) {
              "`numbers` is int32 (8, rows): reward, environment, lives, frame and episode frame number, and the last three\n"
              "of the final observation; `flags` bool (3, rows): terminated, truncated, has a final observation.");
     nb::class_<BoundVector>(m, "Vector", "Environments played by a pool of threads. Use it through atari.AtariVectorEnv.")
-        .def("__init__", &make_vector, nb::kw_only(), "games"_a, "actions"_a, "modes"_a, "difficulties"_a, "seeds"_a,
-             "repeat_action_probability"_a, "frame_skip"_a, "noop_max"_a, "fire"_a, "episodic_life"_a, "life_loss_info"_a,
-             "clip_reward"_a, "max_frames"_a, "pixels"_a, "height"_a, "width"_a, "stack"_a, "max_pool"_a, "ram"_a,
-             "batch_size"_a, "threads"_a, "first_core"_a, "autoreset"_a,
+        .def("__init__", &make_vector, nb::kw_only(), "games"_a, "actions"_a, "action_sets"_a, "modes"_a, "difficulties"_a,
+             "seeds"_a, "pairs"_a, "repeat_action_probability"_a, "episode_limit"_a, "protocol"_a, "frame_skip"_a,
+             "noops"_a, "fire_counts"_a, "fire"_a, "episodic_life"_a, "life_loss_info"_a, "on_reset"_a, "last_life"_a,
+             "seamless_lives"_a, "clip_reward"_a, "max_frames"_a, "pixels"_a, "height"_a, "width"_a, "stack"_a,
+             "max_pool"_a, "end_frames"_a, "pads_zero"_a, "batch_size"_a, "threads"_a, "first_core"_a, "autoreset"_a,
              nb::sig("def __init__(self, *, games: Sequence[Game], actions: Sequence[Sequence[int]], "
-                     "modes: Sequence[int | None], difficulties: Sequence[int | None], seeds: " ARRAY("uint32") ", "
-                     "repeat_action_probability: float, frame_skip: tuple[int, int], noop_max: int, fire: bool, "
-                     "episodic_life: bool, life_loss_info: bool, clip_reward: bool, max_frames: int, pixels: str, "
-                     "height: int, width: int, stack: int, max_pool: bool, ram: bool, batch_size: int, threads: int, "
-                     "first_core: int, autoreset: str) -> None"))
+                     "action_sets: Sequence[Sequence[int]], modes: Sequence[int | None], "
+                     "difficulties: Sequence[int | None], seeds: " ARRAY("uint32") ", pairs: Sequence[bytes], "
+                     "repeat_action_probability: float, episode_limit: int, protocol: str, frame_skip: tuple[int, int], "
+                     "noops: tuple[int, int], fire_counts: bool, fire: str, episodic_life: bool, life_loss_info: bool, "
+                     "on_reset: str, last_life: bool, seamless_lives: bool, clip_reward: bool, max_frames: int, "
+                     "pixels: str, height: int, width: int, stack: int, max_pool: bool, end_frames: str, "
+                     "pads_zero: bool, batch_size: int, threads: int, first_core: int, autoreset: str) -> None"),
+             "`seeds` is (environments, 9): the emulator's, and eight words for the other generator.")
         .def("start", &BoundVector::start, "actions"_a, "strengths"_a.none(), "batch"_a.none(),
              nb::sig("def start(self, actions: " ARRAY("int64") ", strengths: " ARRAY("float32")
                      " | None, batch: Batch | None) -> None"),
@@ -241,7 +289,7 @@ void register_vector(nb::module_& m) {
         .def("reset", &BoundVector::reset, "mask"_a, "seeded"_a, "seeds"_a, "batch"_a.none(),
              nb::sig("def reset(self, mask: " ARRAY("bool") ", seeded: " ARRAY("bool") ", seeds: " ARRAY("uint32")
                      ", batch: Batch | None) -> None"),
-             "Begin a reset of the environments in `mask`; `seeds` is (environments, 2): the emulator's, and the other.")
+             "Begin a reset of the environments in `mask`; `seeds` as above.")
         .def("receive", &BoundVector::receive, "batch"_a, "Wait for a batch of results.");
 }
 

@@ -22,12 +22,12 @@ void AlePlayer::reset(const Seed* seed) {
     Environment& e = *environment_;
     if (seed) {
         e.seed(seed->emulator);
-        state_.random.seed(seed->own);
+        state_.random.seed(seed->own[0]);
     }
     e.reset();
-    const bool fire = settings_.fire && has_fire_;
+    const bool fire = settings_.fire != Fire::kNever && start_.has_fire;
     if (fire) e.act(1, 1.0f);
-    const int noops = static_cast<int>(state_.random.below(static_cast<uint32_t>(std::max(settings_.noop_max, 1))));
+    const int noops = static_cast<int>(state_.random.below(static_cast<uint32_t>(settings_.noop_max) + 1));
     for (int i = fire; i < noops; ++i) {
         e.act(0, 1.0f);
         if (e.game_over()) e.reset();

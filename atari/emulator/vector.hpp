@@ -32,7 +32,6 @@ struct Batch {
 struct VectorSettings {
     int batch_size, threads, first_core = -1;
     Autoreset autoreset = Autoreset::kNextStep;
-    bool ram = false;  // observations have it
 };
 
 class Vector {

@@ -1,0 +1,129 @@
+"""A preset in the vector environment is the preset's wrappers around single environments, to the byte."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import atari
+from atari import wrappers
+
+NUMBERS = ("lives", "frame_number", "episode_frame_number")
+GAMES = [game.id for game in atari.games.playable()]
+SETTINGS: list[dict[str, bool]] = [{}, {"episodic_life": True}, {"episodic_life": False, "reward_clipping": False}]
+
+
+def compare(name: str, game: str, steps: int, seed: int, **settings: bool) -> int:
+    """Assert equality for some steps of random actions; returns how many episodes ended."""
+    envs = atari.AtariVectorEnv(game, 2, preset=name, num_threads=1, **settings)
+    clip = settings.get("reward_clipping")
+    singles = [
+        wrappers.preset(
+            atari.AtariEnv(game, **wrappers.preset_options(name)),
+            name,
+            episodic_life=settings.get("episodic_life"),
+            clip_reward=clip,
+        )
+        for _ in range(2)
+    ]
+    generator = np.random.default_rng(seed)
+    observation, info = envs.reset(seed=seed)
+    for row, single in enumerate(singles):
+        expected, expected_info = single.reset(seed=seed + row)
+        assert np.array_equal(observation[row], expected)
+        assert [info[key][row] for key in NUMBERS] == [expected_info[key] for key in NUMBERS]
+    done = [False, False]
+    ended = 0
+    for step in range(steps):
+        actions = generator.integers(0, envs.single_action_space.n, 2)  # type: ignore[attr-defined]
+        observation, *outcome, info = envs.step(actions)
+        for row, single in enumerate(singles):
+            result: tuple[Any, ...]
+            if done[row]:
+                picture, facts = single.reset()
+                result = picture, 0.0, False, False, facts
+            else:
+                result = single.step(int(actions[row]))
+            where = f"{name} {game} {settings} step {step} row {row}"
+            assert np.array_equal(observation[row], result[0]), where
+            assert tuple(part[row] for part in outcome) == result[1:4], where
+            assert [info[key][row] for key in NUMBERS] == [result[4][key] for key in NUMBERS], where
+            done[row] = result[2] or result[3]
+            ended += done[row]
+    return ended
+
+
+@pytest.mark.parametrize("settings", SETTINGS)
+@pytest.mark.parametrize("name", wrappers.PRESETS)
+def test_every_preset(name: str, settings: dict[str, bool]) -> None:
+    ended = compare(name, "breakout", 200, seed=3, **settings)
+    assert ended > 2 or not settings.get("episodic_life")
+    compare(name, "ms_pacman", 120, seed=4, **settings)
+
+
+@pytest.mark.parametrize("game", GAMES)
+def test_every_game(game: str) -> None:
+    names = [name for name in wrappers.PRESETS if name != "baselines" or game not in UNFIT]
+    number = GAMES.index(game)
+    compare(names[number % len(names)], game, 40, seed=number, **SETTINGS[number % 3])
+
+
+# Baselines begins with the third action, which these do not have, or with a step of a NOOP that they do not have.
+UNFIT = [game.id for game in atari.games.playable() if len(game.minimal_actions) < 3 or 0 not in game.minimal_actions]
+
+
+def test_a_limit_of_frames() -> None:
+    for name in ("envpool", "dqn2015"):
+        envs = atari.AtariVectorEnv("montezuma_revenge", 1, preset=name, obs_type="ram", num_threads=1)
+        envs.reset(seed=0)
+        for step in range(1, 27_001):
+            _, _, terminated, truncated, info = envs.step(np.zeros(1, int))
+            assert not terminated[0]
+            if truncated[0]:
+                break
+        assert truncated[0]
+        if name == "envpool":  # does not count the frames that begin an episode
+            assert step == 27_000
+            assert 108_000 < info["episode_frame_number"][0] <= 108_031
+        else:
+            assert step < 27_000
+            assert info["episode_frame_number"][0] == 108_000
+
+
+class TestChoice:
+    @pytest.mark.parametrize(
+        ("options", "text"),
+        [
+            ({"preset": "dqn"}, "there is no preset 'dqn'; did you mean 'dqn2015'"),
+            ({"frameskip": 3}, "decides about frameskip; leave frameskip=3 out"),
+            ({"img_width": 80}, "decides about img_width"),
+            ({"continuous": True}, "decides about continuous"),
+            ({"repeat_action_probability": 0.25}, "needs repeat_action_probability=0.0, got 0.25"),
+            ({"full_action_space": True}, "needs full_action_space=False, got True"),
+            ({"obs_type": "rgb"}, "pictures are gray"),
+        ],
+    )
+    def test_is_checked(self, options: dict[str, Any], text: str) -> None:
+        with pytest.raises(ValueError, match=text):
+            atari.AtariVectorEnv("pong", 1, **{"preset": "dqn2015", **options})
+
+    def test_brings_its_options(self) -> None:
+        envs = atari.AtariVectorEnv("pong", 1, preset="machado2018")
+        assert envs.single_action_space.n == 18  # type: ignore[attr-defined]
+
+    def test_sticky_actions_that_are_not_prescribed_can_be_chosen(self) -> None:
+        envs = atari.AtariVectorEnv("pong", 1, preset="gymnasium", repeat_action_probability=0.0, num_threads=1)
+        single = wrappers.preset(atari.AtariEnv("pong", frameskip=1, repeat_action_probability=0.0), "gymnasium")
+        observation, _ = envs.reset(seed=2)
+        expected, _ = single.reset(seed=2)
+        for action in (2, 3, 2, 2, 5, 4):
+            assert np.array_equal(observation[0], expected)
+            observation, *_ = envs.step(np.array([action]))
+            expected, *_ = single.step(action)
+
+    def test_of_several_games(self) -> None:
+        envs = atari.AtariVectorEnv(["pong", "pacman"], preset="dqn2015")
+        observation, _ = envs.reset(seed=6)
+        single = wrappers.preset(atari.AtariEnv("pacman", **wrappers.preset_options("dqn2015")), "dqn2015")
+        expected, _ = single.reset(seed=7)
+        assert np.array_equal(observation[1], expected)
