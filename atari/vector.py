@@ -5,8 +5,11 @@ arrays that the user gets. Options, their defaults and what they do are those of
 equality to the byte is a test. What is added is marked below.
 """
 
+import copy
+import math
+import operator
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from os import PathLike
 from typing import Any, Literal
 
@@ -17,7 +20,9 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from atari import _emulator
+from atari.cores import ByteArray
 from atari.game import Game
+from atari.vector_member import Member
 from atari.vector_options import VectorOptions
 from atari.vector_results import Results
 
@@ -52,8 +57,8 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         num_threads: at most so many, of which the caller's is one; 0 is as many as the machine has cores.
         thread_affinity_offset: if 0 or more, bind thread i to core offset + i, but not the caller's own (Linux).
         max_num_frames_per_episode: truncate after so many frames, not counting the no-ops; None is never.
-        repeat_action_probability: of repeating the previous action, drawn each frame ("sticky actions"); None is 0.0, or what the
-            preset has.
+        repeat_action_probability: of repeating the previous action, drawn each frame ("sticky actions"); None is 0.0,
+            or what the preset has.
         full_action_space: all legal actions (18 in nearly all games) instead of those the game uses; None is False, or
             what the preset has.
         continuous: actions are (batch, 3) float32: radius, angle, fire (Farebrother and Castro 2024, "CALE").
@@ -72,8 +77,8 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         reward_clipping: rewards are clipped to -1..1; None is True, or what the preset has.
         use_fire_reset: an episode begins with FIRE in games that have it.
         preset: name of a preprocessing, one of `atari.wrappers.PRESETS` (added). Environment i then is
-            `atari.wrappers.preset(env, name)` with seed + i, to the byte: no-ops, FIRE, lost lives, pooling, padding and
-            limits are the preset's, and the options of ale-py that shape them must be left out.
+            `atari.wrappers.preset(env, name)` with seed + i, to the byte: no-ops, FIRE, lost lives, pooling, padding
+            and limits are the preset's, and ale-py's options that shape them must be left out.
         obs_type: "grayscale", "rgb", "ram" ((batch, 128), no stack), or "dict" of "image" and "ram"; None is what
             `grayscale` says (added).
         mode, difficulty: of the game, None the default; a sequence has one for each environment (added).
@@ -223,6 +228,120 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         engine.receive(results.batch)
         self._phase = "idle"
         return results.read(self._masks)
+
+    def observe(self) -> tuple[Any, dict[str, Any]]:
+        """What the environments show now, as `reset` returns it; nothing is played. After `restore` and `fork`."""
+        nobody = np.zeros(self.num_envs, np.bool_)
+        return self.reset(options={"reset_mask": nobody})
+
+    def snapshot(self, indices: Iterable[int] | None = None) -> list[_emulator.MemberState]:
+        """The whole state of some environments, or of all, in memory: game, stack, generators, counters.
+
+        Raises:
+            RuntimeError: environments are being played (between `send` and `recv`).
+            IndexError: there is no such environment.
+        """
+        return self._started().snapshot(self._indices(indices))
+
+    def restore(self, indices: Iterable[int] | None, snapshots: Sequence[_emulator.MemberState]) -> None:
+        """Continue some environments, or all, from snapshots; each may be of any environment of the same game.
+
+        Observations already returned stay as they are; `observe` shows the new ones.
+
+        Raises:
+            RuntimeError, IndexError: as `snapshot`.
+            TypeError, ValueError: these are no snapshots, not one for each environment, or of another game or options.
+        """
+        self._started().restore(self._indices(indices), snapshots)
+
+    def fork(self, source: int, targets: Iterable[int]) -> None:
+        """Continue some environments from where another one of the same game is, its generators included.
+
+        Raises:
+            RuntimeError, IndexError, ValueError: as `restore`.
+        """
+        self._started().fork(source, self._indices(targets))
+
+    def render(self) -> tuple[ByteArray, ...] | None:
+        """The screens of all environments, (height, 160, 3) each; None without a render mode."""
+        if self.render_mode is None:
+            return None
+        engine = self._open()
+        return tuple(engine.screen_rgb(index) for index in range(self.num_envs))
+
+    def mosaic(self) -> ByteArray:
+        """The screens of all environments in one picture, as square as it gets, row by row: (rows, columns, 3)."""
+        engine = self._open()
+        screens = [engine.screen_rgb(index) for index in range(self.num_envs)]
+        height, width = max(screen.shape[0] for screen in screens), screens[0].shape[1]
+        columns = math.ceil(math.sqrt(len(screens)))
+        rows = math.ceil(len(screens) / columns)
+        picture = np.zeros((rows, height, columns, width, 3), np.uint8)
+        for index, screen in enumerate(screens):
+            picture[index // columns, : len(screen), index % columns] = screen
+        return picture.reshape(rows * height, columns * width, 3)
+
+    @property
+    def members(self) -> tuple[Member, ...]:
+        """The environments one by one: what they are at, their RAM, mode and difficulty."""
+        engine = self._open()
+        return tuple(
+            Member(engine, index, game, actions)
+            for index, (game, actions) in enumerate(zip(self.games, self._options.action_sets, strict=True))
+        )
+
+    def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
+        """Of each of `members`, the attribute of this name, or what it returns when called with these arguments."""
+        values = [getattr(member, name) for member in self.members]
+        return tuple(value(*args, **kwargs) if callable(value) else value for value in values)
+
+    def get_attr(self, name: str) -> tuple[Any, ...]:
+        """Of each of `members`, the attribute of this name."""
+        return self.call(name)
+
+    def set_attr(self, name: str, values: Any) -> None:
+        """Set an attribute of each of `members`, to one value or to a list or tuple of them.
+
+        Raises:
+            AttributeError: there is none of this name that can be set.
+            TypeError, ValueError: a value is of the wrong kind or out of range; nothing has been set.
+        """
+        if not isinstance(values, (list, tuple)):
+            values = [values] * self.num_envs
+        if len(values) != self.num_envs:
+            raise ValueError(f"there must be a value for each of the {self.num_envs} environments, got {len(values)}")
+        if name not in ("mode", "difficulty"):
+            raise AttributeError(f"'mode' and 'difficulty' can be set, {name!r} cannot")
+        checked = [member.checked(name, value) for member, value in zip(self.members, values, strict=True)]
+        for member, value in zip(self.members, checked, strict=True):
+            setattr(member, name, value)
+        self._given[name] = checked
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickling and copying keep the position in all games; in batches of fewer than all, a reset must follow."""
+        engine = self._open()
+        if self._phase == "sent":
+            raise RuntimeError("environments are being played; call recv() before pickling")
+        states = [engine.save(index) for index in range(self.num_envs)]
+        given = {**self._given, "num_envs": self.num_envs}
+        phase = self._phase if self.batch_size == self.num_envs else "new"
+        return {"given": given, "states": states, "phase": phase, "spec": copy.deepcopy(self.spec)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        AtariVectorEnv.__init__(self, **state["given"])
+        for index, member in enumerate(state["states"]):
+            self._open().load(index, member)
+        self._phase = state["phase"]
+        self.spec = state["spec"]
+
+    def _started(self) -> _emulator.Vector:
+        engine = self._open()
+        if self._phase == "new":
+            raise gymnasium.error.ResetNeeded("call reset() first")
+        return engine
+
+    def _indices(self, indices: Iterable[int] | None) -> list[int]:
+        return list(range(self.num_envs)) if indices is None else [operator.index(index) for index in indices]
 
     def close_extras(self, **kwargs: Any) -> None:
         """Join the threads and release the environments."""

@@ -127,6 +127,66 @@ class BoundVector {
         std::copy_n(batch.batch.environment, recent_.size(), recent_.begin());
     }
 
+    // Calls about single environments, while none is being played.
+    template <typename Work>
+    auto about(const std::vector<int>& environments, Work&& work) {
+        const auto lock = acquire();
+        if (sent_ || engine_->pending()) throw std::runtime_error("environments are being played; call recv() first");
+        for (int environment : environments)
+            if (environment < 0 || environment >= engine_->size())
+                throw nb::index_error(("there is no environment " + std::to_string(environment)).c_str());
+        return work(*engine_);
+    }
+
+    std::vector<Vector::Copy> snapshot(const std::vector<int>& environments) {
+        return about(environments, [&](Vector& engine) {
+            const nb::gil_scoped_release release;
+            std::vector<Vector::Copy> copies(environments.size());
+            for (size_t i = 0; i < copies.size(); ++i) engine.copy_to(environments[i], copies[i]);
+            return copies;
+        });
+    }
+
+    void restore(const std::vector<int>& environments, const std::vector<const Vector::Copy*>& copies) {
+        if (environments.size() != copies.size()) throw nb::value_error("there must be a snapshot for each environment");
+        about(environments, [&](Vector& engine) {
+            for (size_t i = 0; i < copies.size(); ++i)
+                if (!copies[i] || !engine.fits(environments[i], *copies[i]))
+                    throw nb::value_error(("snapshot " + std::to_string(i) + " is of another game than environment " +
+                                           std::to_string(environments[i]) + ", or was taken with other options").c_str());
+            const nb::gil_scoped_release release;
+            for (size_t i = 0; i < copies.size(); ++i) engine.copy_from(environments[i], *copies[i]);
+            return 0;
+        });
+    }
+
+    void fork(int source, const std::vector<int>& targets) {
+        const auto copies = snapshot({source});
+        restore(targets, std::vector<const Vector::Copy*>(targets.size(), &copies[0]));
+    }
+
+    nb::bytes save(int environment) {
+        const auto state = about({environment}, [&](Vector& engine) {
+            std::vector<uint8_t> bytes(engine.state_size(environment));
+            engine.save(environment, bytes.data());
+            return bytes;
+        });
+        return nb::bytes(state.data(), state.size());
+    }
+
+    void load(int environment, nb::bytes state) {
+        const bool good = about({environment}, [&](Vector& engine) {
+            return state.size() == engine.state_size(environment) &&
+                   engine.load(environment, static_cast<const uint8_t*>(state.data()));
+        });
+        if (!good) throw nb::value_error("the state is damaged, or of another game or version");
+    }
+
+    template <typename Value, typename Get>
+    Value ask(int environment, Get&& get) {
+        return about({environment}, [&](Vector& engine) { return Value(get(engine.player(environment).environment())); });
+    }
+
     Vector& engine() { return *engine_; }
 
   private:
@@ -254,6 +314,18 @@ void make_vector(BoundVector* self, const std::vector<std::shared_ptr<Game>>& ga
     new (self) BoundVector(std::move(members), vector);
 }
 
+nb::object screen_of(BoundVector& vector, int environment) {
+    const auto height = vector.ask<size_t>(environment, [](Environment& e) { return e.height(); });
+    auto* bytes = new uint8_t[height * kScreenWidth * 3];
+    nb::capsule owner(bytes, [](void* memory) noexcept { delete[] static_cast<uint8_t*>(memory); });
+    vector.ask<int>(environment, [&](Environment& e) {
+        e.screen_rgb(bytes);
+        return 0;
+    });
+    const size_t shape[3] = {height, kScreenWidth, 3};
+    return nb::cast(nb::ndarray<nb::numpy, uint8_t, nb::c_contig, nb::device::cpu>(bytes, 3, shape, owner));
+}
+
 }  // namespace
 
 #define ARRAY(type) "numpy.typing.NDArray[numpy." type "]"
@@ -267,6 +339,7 @@ void register_vector(nb::module_& m) {
                      " | None, numbers: " ARRAY("int32") ", flags: " ARRAY("bool") ") -> None"),
              "`numbers` is int32 (8, rows): reward, environment, lives, frame and episode frame number, and the last three\n"
              "of the final observation; `flags` bool (3, rows): terminated, truncated, has a final observation.");
+    nb::class_<Vector::Copy>(m, "MemberState", "The state of an environment of a vector, in memory.");
     nb::class_<BoundVector>(m, "Vector", "Environments played by a pool of threads. Use it through atari.AtariVectorEnv.")
         .def("__init__", &make_vector, nb::kw_only(), "games"_a, "actions"_a, "action_sets"_a, "modes"_a, "difficulties"_a,
              "seeds"_a, "pairs"_a, "repeat_action_probability"_a, "episode_limit"_a, "protocol"_a, "frame_skip"_a,
@@ -290,7 +363,39 @@ void register_vector(nb::module_& m) {
              nb::sig("def reset(self, mask: " ARRAY("bool") ", seeded: " ARRAY("bool") ", seeds: " ARRAY("uint32")
                      ", batch: Batch | None) -> None"),
              "Begin a reset of the environments in `mask`; `seeds` as above.")
-        .def("receive", &BoundVector::receive, "batch"_a, "Wait for a batch of results.");
+        .def("receive", &BoundVector::receive, "batch"_a, "Wait for a batch of results.")
+        .def("snapshot", &BoundVector::snapshot, "environments"_a)
+        .def("restore", &BoundVector::restore, "environments"_a, "states"_a)
+        .def("fork", &BoundVector::fork, "source"_a, "targets"_a)
+        .def("save", &BoundVector::save, "environment"_a, "The state of one environment as bytes.")
+        .def("load", &BoundVector::load, "environment"_a, "state"_a)
+        .def("screen_rgb", &screen_of, "environment"_a,
+             nb::sig("def screen_rgb(self, environment: int) -> " ARRAY("uint8")))
+        .def("ram", [](BoundVector& x, int i) {
+                 const auto ram = x.ask<std::vector<uint8_t>>(i, [](Environment& e) {
+                     return std::vector<uint8_t>(e.ram(), e.ram() + 128);
+                 });
+                 return nb::bytes(ram.data(), ram.size());
+             }, "environment"_a)
+        .def("set_ram", [](BoundVector& x, int i, int index, int value) {
+                 x.ask<int>(i, [&](Environment& e) { e.set_ram(index & 127, value & 255); return 0; });
+             }, "environment"_a, "index"_a, "value"_a)
+        .def("numbers", [](BoundVector& x, int i) {
+                 return x.ask<std::vector<int>>(i, [](Environment& e) {
+                     return std::vector<int>{e.lives(), e.frame_number(), e.episode_frame_number()};
+                 });
+             }, "environment"_a, "Lives, frame number, episode frame number.")
+        .def("mode", [](BoundVector& x, int i) { return x.ask<int>(i, [](Environment& e) { return e.mode(); }); },
+             "environment"_a)
+        .def("difficulty",
+             [](BoundVector& x, int i) { return x.ask<int>(i, [](Environment& e) { return e.difficulty(); }); },
+             "environment"_a)
+        .def("set_mode", [](BoundVector& x, int i, int mode) {
+                 x.ask<int>(i, [&](Environment& e) { e.set_mode(mode); return 0; });
+             }, "environment"_a, "mode"_a)
+        .def("set_difficulty", [](BoundVector& x, int i, int difficulty) {
+                 x.ask<int>(i, [&](Environment& e) { e.set_difficulty(difficulty); return 0; });
+             }, "environment"_a, "difficulty"_a);
 }
 
 }  // namespace atari

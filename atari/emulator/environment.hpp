@@ -70,6 +70,8 @@ class Environment {
     void seed(uint32_t seed);  // as a fresh load with this seed; mode and difficulty stay
     void reset();              // throws std::runtime_error if the mode cannot be selected
     int act(int action, float strength);
+    int mode() const { return mode_; }
+    int difficulty() const { return difficulty_; }
     void set_mode(int mode) { mode_ = mode; state_.mode = mode; }
     void set_difficulty(int difficulty) { difficulty_ = difficulty; state_.difficulty = difficulty; }
 

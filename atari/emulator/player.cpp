@@ -16,6 +16,17 @@ bool Player::load(const uint8_t* in) {
     return true;
 }
 
+void Player::copy_to(Copy& copy) const {
+    environment_->copy_to(copy.environment);
+    copy.rest.resize(view_.state_size() + own_state_size());
+    save_own(view_.save(copy.rest.data()));
+}
+
+void Player::copy_from(const Copy& copy) {
+    environment_->copy_from(copy.environment);
+    load_own(view_.load(copy.rest.data()));
+}
+
 // The order of things, and that FIRE counts as one of the no-ops and is not pressed again when the game ends in them,
 // are those of the original.
 void AlePlayer::reset(const Seed* seed) {

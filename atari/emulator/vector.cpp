@@ -70,7 +70,7 @@ void Vector::receive(const Batch& batch) {
     const std::vector<int> environments = pool_->take(settings_.batch_size);
     for (int row = 0; row < settings_.batch_size; ++row) {
         const int environment = environments[static_cast<size_t>(row)];
-        report(slots_[static_cast<size_t>(environment)], environment, row, batch);
+        report(slot(environment), environment, row, batch);
     }
 }
 
@@ -84,9 +84,8 @@ void Vector::drain() {
 }
 
 void Vector::work(int environment) {
-    Slot& slot = slots_[static_cast<size_t>(environment)];
-    play(slot, environment);
-    if (!queued()) report(slot, environment, environment, *batch_);
+    play(slot(environment), environment);
+    if (!queued()) report(slot(environment), environment, environment, *batch_);
 }
 
 void Vector::play(Slot& slot, int environment) {
@@ -160,18 +159,31 @@ void Vector::report_final(Slot& slot, int row, const Batch& batch) {
 }
 
 void Vector::save(int environment, uint8_t* out) {
-    Slot& slot = slots_[static_cast<size_t>(environment)];
-    const Outcome& outcome = slot.outcome;
-    const uint8_t flags = static_cast<uint8_t>(outcome.terminated | outcome.truncated << 1 | outcome.ended << 2);
-    *out = flags;
-    slot.member.player->save(out + 1);
+    const Outcome& outcome = slot(environment).outcome;
+    *out = static_cast<uint8_t>(outcome.terminated | outcome.truncated << 1 | outcome.ended << 2);
+    player(environment).save(out + 1);
 }
 
 bool Vector::load(int environment, const uint8_t* in) {
-    Slot& slot = slots_[static_cast<size_t>(environment)];
-    if (!slot.member.player->load(in + 1)) return false;
-    slot.outcome = {0, (*in & 1) != 0, (*in & 2) != 0, (*in & 4) != 0};
+    if (!player(environment).load(in + 1)) return false;
+    slot(environment).outcome = {0, (*in & 1) != 0, (*in & 2) != 0, (*in & 4) != 0};
     return true;
+}
+
+void Vector::copy_to(int environment, Copy& copy) {
+    copy.game = player(environment).environment().game();
+    player(environment).copy_to(copy.player);
+    copy.outcome = slot(environment).outcome;
+}
+
+bool Vector::fits(int environment, const Copy& copy) {
+    return copy.game == player(environment).environment().game() &&
+           copy.player.rest.size() + 1 + player(environment).environment().state_size() == state_size(environment);
+}
+
+void Vector::copy_from(int environment, const Copy& copy) {
+    player(environment).copy_from(copy.player);
+    slot(environment).outcome = copy.outcome;
 }
 
 }  // namespace atari

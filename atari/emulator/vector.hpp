@@ -48,7 +48,7 @@ class Vector {
     int batch_size() const { return settings_.batch_size; }
     // Environments whose results have not been received.
     int pending() const { return pool_->pending(); }
-    int actions_of(int environment) const { return static_cast<int>(slots_[static_cast<size_t>(environment)].member.actions.size()); }
+    int actions_of(int environment) const { return static_cast<int>(slot(environment).member.actions.size()); }
 
     // Each of these has environments worked on; `receive` gets the results. With a batch of all environments they go to
     // row i for environment i and `batch` must live until then; otherwise it may be null.
@@ -61,11 +61,21 @@ class Vector {
     // Waits for whatever is pending, and forgets it.
     void drain();
 
-    Player& player(int environment) { return *slots_[static_cast<size_t>(environment)].member.player; }
-    // The state of a member, for another of the same game.
-    size_t state_size(int environment) const { return 1 + slots_[static_cast<size_t>(environment)].member.player->state_size(); }
+    Player& player(int environment) { return *slot(environment).member.player; }
+    // The state of a member as bytes, and back; false, and nothing changed, if it is of no such member.
+    size_t state_size(int environment) const { return 1 + slot(environment).member.player->state_size(); }
     void save(int environment, uint8_t* out);
     bool load(int environment, const uint8_t* in);
+
+    // The same in memory and faster, for members of the same game.
+    struct Copy {
+        std::shared_ptr<const Game> game;
+        Player::Copy player;
+        Outcome outcome;
+    };
+    void copy_to(int environment, Copy& copy);
+    bool fits(int environment, const Copy& copy);
+    void copy_from(int environment, const Copy& copy);
 
   private:
     enum class Task : uint8_t { kReset, kStep, kReport };
@@ -84,6 +94,8 @@ class Vector {
         int32_t final_numbers[3];
     };
 
+    Slot& slot(int environment) { return slots_[static_cast<size_t>(environment)]; }
+    const Slot& slot(int environment) const { return slots_[static_cast<size_t>(environment)]; }
     void work(int environment);
     void play(Slot& slot, int environment);
     void keep_final(Slot& slot, int environment);

@@ -1,0 +1,209 @@
+"""Snapshots, forks, pickling, and looking at single environments of a vector."""
+
+import copy
+import pickle
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+import atari
+
+
+def make(game: Any = "breakout", num_envs: int | None = 3, **options: Any) -> atari.AtariVectorEnv:
+    return atari.AtariVectorEnv(game, num_envs, **{"num_threads": 2, "repeat_action_probability": 0.25, **options})
+
+
+def play(envs: atari.AtariVectorEnv, steps: int, seed: int) -> list[bytes]:
+    """All arrays of some steps, from where the environments are."""
+    generator = np.random.default_rng(seed)
+    results = []
+    for _ in range(steps):
+        actions = generator.integers(0, envs.single_action_space.n, envs.num_envs)  # type: ignore[attr-defined]
+        *arrays, info = envs.step(actions)
+        arrays += [info[name] for name in ("lives", "frame_number", "episode_frame_number")]
+        results.append(b"".join(array.tobytes() for array in arrays))
+    return results
+
+
+OPTIONS: list[dict[str, Any]] = [
+    {},
+    {"episodic_life": True, "autoreset_mode": "SameStep"},
+    {"maxpool": False, "stack_num": 3, "grayscale": False, "frameskip": (2, 5)},
+    {"preset": "baselines", "repeat_action_probability": None},
+    {"preset": "envpool", "repeat_action_probability": None},
+    {"preset": "dopamine", "episodic_life": True},
+]
+
+
+@pytest.mark.parametrize("options", OPTIONS)
+def test_a_snapshot_brings_everything_back(options: dict[str, Any]) -> None:
+    envs = make(**options)
+    envs.reset(seed=1)
+    play(envs, 37, seed=1)
+    snapshots = envs.snapshot()
+    first = play(envs, 120, seed=2)
+    envs.restore(None, snapshots)
+    assert play(envs, 120, seed=2) == first
+
+
+@pytest.mark.parametrize("game", ["pitfall2", "elevator_action", "journey_escape", "adventure", "freeway", "pong"])
+def test_of_games_with_more_state(game: str) -> None:
+    envs = make(game, 2)
+    envs.reset(seed=4)
+    play(envs, 10, seed=1)
+    snapshots = envs.snapshot()
+    first = play(envs, 20, seed=2)
+    envs.reset(seed=9)
+    envs.restore(None, snapshots)
+    assert play(envs, 20, seed=2) == first
+
+
+def test_a_snapshot_of_one_continues_in_another() -> None:
+    envs = make("seaquest", 3)
+    envs.reset(seed=5)
+    play(envs, 20, seed=1)
+    (snapshot,) = envs.snapshot([1])
+    envs.restore([0, 2], [snapshot, snapshot])
+    for action in (3, 1, 11, 4, 0, 12):
+        observation, *_, info = envs.step(np.full(3, action))
+        assert np.array_equal(observation[0], observation[1])
+        assert np.array_equal(observation[2], observation[1])
+        assert len(set(info["frame_number"].tolist())) == 1
+
+
+def test_fork() -> None:
+    envs = make("seaquest", 40)
+    envs.reset(seed=5)
+    envs.fork(7, range(40))
+    shown, info = envs.observe()
+    assert (shown == shown[7]).all()
+    assert set(info["frame_number"].tolist()) == {info["frame_number"][7]}
+    observation, *_ = envs.step(np.full(40, 3))
+    assert (observation == observation[7]).all()
+    for _ in range(40):
+        observation, *_ = envs.step(np.arange(40) % 18)
+    assert not (observation == observation[7]).all()
+
+
+def test_observe_changes_nothing() -> None:
+    envs, other = make(), make()
+    observation, info = envs.reset(seed=3)
+    other.reset(seed=3)
+    shown, shown_info = envs.observe()
+    assert np.array_equal(shown, observation)
+    assert np.array_equal(shown_info["frame_number"], info["frame_number"])
+    assert play(envs, 20, seed=1) == play(other, 20, seed=1)
+
+
+def test_what_does_not_fit_is_refused() -> None:
+    envs, other = make(["pong", "breakout"], None), make("pong", 1, stack_num=2)
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        envs.snapshot()
+    envs.reset(seed=0)
+    other.reset(seed=0)
+    pong, breakout = envs.snapshot()
+    with pytest.raises(ValueError, match="snapshot 0 is of another game than environment 1"):
+        envs.restore([1], [pong])
+    with pytest.raises(ValueError, match="or was taken with other options"):
+        other.restore([0], [pong])
+    with pytest.raises(ValueError, match="of another game than environment 1"):
+        envs.fork(0, [1])
+    with pytest.raises(ValueError, match="a snapshot for each"):
+        envs.restore([0, 1], [pong])
+    with pytest.raises(IndexError, match="no environment 2"):
+        envs.snapshot([2])
+    with pytest.raises(IndexError, match=r"no environment -1"):
+        envs.restore([-1], [breakout])
+    for nothing in (None, b"", 3):
+        with pytest.raises((TypeError, ValueError)):
+            envs.restore([0], [nothing])  # type: ignore[list-item]
+    envs.send(np.zeros(2, int))
+    with pytest.raises(RuntimeError, match=r"call recv\(\) first"):
+        envs.snapshot()
+    envs.recv()
+    envs.restore(None, [pong, breakout])
+
+
+@pytest.mark.parametrize("options", OPTIONS)
+def test_pickling_keeps_the_position(options: dict[str, Any]) -> None:
+    envs = make(**options)
+    envs.reset(seed=1)
+    play(envs, 23, seed=1)
+    twin, third = pickle.loads(pickle.dumps(envs)), copy.deepcopy(envs)
+    expected = play(envs, 60, seed=2)
+    assert play(twin, 60, seed=2) == expected
+    assert play(third, 60, seed=2) == expected
+
+
+def test_pickling_of_one_that_is_new_or_asynchronous() -> None:
+    for envs in (make(), make(batch_size=1)):
+        twin = pickle.loads(pickle.dumps(envs))
+        with pytest.raises(gymnasium.error.ResetNeeded):
+            twin.step(np.zeros(twin.batch_size, int))
+        twin.reset(seed=0)
+        twin.step(np.zeros(twin.batch_size, int))
+
+
+def test_pickling_while_stepping_is_refused() -> None:
+    envs = make()
+    envs.reset()
+    envs.send(np.zeros(3, int))
+    with pytest.raises(RuntimeError, match="before pickling"):
+        pickle.dumps(envs)
+
+
+class TestMembers:
+    def test_say_what_they_are_at(self) -> None:
+        envs = make(["pong", "breakout"], None)
+        _, info = envs.reset(seed=0)
+        *_, info = envs.step(np.array([0, 1]))
+        assert envs.get_attr("lives") == tuple(info["lives"].tolist())
+        assert envs.get_attr("frame_number") == tuple(info["frame_number"].tolist())
+        assert envs.get_attr("episode_frame_number") == tuple(info["episode_frame_number"].tolist())
+        assert [game.id for game in envs.get_attr("game")] == ["pong", "breakout"]
+        assert envs.call("get_action_meanings")[1] == ["NOOP", "FIRE", "RIGHT", "LEFT"]
+
+    def test_ram(self) -> None:
+        envs = make("breakout", 2, obs_type="ram")
+        observation, _ = envs.reset(seed=0)
+        assert np.array_equal(np.stack(envs.call("ram")), observation)
+        envs.members[1].set_ram(5, 77)
+        assert envs.members[1].ram()[5] == 77
+        assert envs.members[0].ram()[5] != 77
+        with pytest.raises(ValueError, match=r"index must be within 0\.\.127"):
+            envs.members[0].set_ram(128, 0)
+
+    def test_modes_and_difficulties(self) -> None:
+        envs = make("breakout", 2)
+        envs.reset(seed=3)
+        envs.set_attr("mode", [0, 20])
+        envs.set_attr("difficulty", 1)
+        assert envs.get_attr("mode") == (0, 20)
+        assert envs.get_attr("difficulty") == (1, 1)
+        assert np.array_equal(envs.reset(seed=3)[0], make("breakout", 2, mode=[0, 20], difficulty=1).reset(seed=3)[0])
+        with pytest.raises(ValueError, match="breakout has no mode 7"):
+            envs.set_attr("mode", [20, 7])
+        assert envs.get_attr("mode") == (0, 20)
+        with pytest.raises(AttributeError, match=r"'lives' cannot"):
+            envs.set_attr("lives", 3)
+        with pytest.raises(ValueError, match="a value for each of the 2 environments"):
+            envs.set_attr("mode", [0])
+        with pytest.raises(TypeError, match="mode must be an integer"):
+            envs.set_attr("mode", "0")
+        assert pickle.loads(pickle.dumps(envs)).get_attr("mode") == (0, 20)
+
+    def test_render(self) -> None:
+        envs = make(["pong", "pacman", "breakout"], None, render_mode="rgb_array")
+        envs.reset(seed=0)
+        screens = envs.render()
+        assert screens is not None
+        assert [screen.shape for screen in screens] == [(210, 160, 3), (250, 160, 3), (210, 160, 3)]
+        mosaic = envs.mosaic()
+        assert mosaic.shape == (500, 320, 3)
+        assert np.array_equal(mosaic[:210, :160], screens[0])
+        assert np.array_equal(mosaic[:250, 160:], screens[1])
+        assert np.array_equal(mosaic[250:460, :160], screens[2])
+        assert not mosaic[250:, 160:].any()
+        assert make().render() is None
