@@ -18,6 +18,7 @@ except ImportError as error:
 
 from atari import cores
 from atari.actions import Action
+from atari.arrays import to_jax, to_torch
 from atari.catalog import games
 from atari.env import AtariEnv
 from atari.game import Game
@@ -39,6 +40,8 @@ __all__ = [
     "make",
     "register_game",
     "roms",
+    "to_jax",
+    "to_torch",
     "wrappers",
 ]
 

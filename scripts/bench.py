@@ -9,6 +9,8 @@ Suites:
     env     one step of an environment with RGB observations, resets not counted: `AtariEnv` beside ale-py's `AtariEnv`
     preset  one step of DQN preprocessing (4 frames, 84x84, stack of 4), resets counted: `atari.wrappers.preset` beside
             Gymnasium's wrappers and ale-py's and EnvPool's vector environments with one environment and one thread
+    vector  one step of one environment of a vector, resets counted, with 64, 8 and 1 environments on all cores:
+            `AtariVectorEnv` beside ale-py's and EnvPool's
 
 Each number is the median over the rounds; in each round every contestant runs once, in turn, so that a slow moment of
 the machine hits all alike, and all play the same actions. The ratio is that of the medians. `raw` over all games takes

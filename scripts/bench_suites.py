@@ -1,6 +1,7 @@
 """What `bench.py` compares: for each suite, the contestants and how each is made ready for a game and timed."""
 
 import dataclasses
+import os
 from collections.abc import Callable, Iterator
 from importlib.util import find_spec
 from pathlib import Path
@@ -86,7 +87,32 @@ def preset() -> Iterator[Comparison]:
     yield Comparison("preset.step", [*sides, Contestant("ale-py vector x1", ale_py_vector)])
 
 
-SUITES = {"raw": raw, "state": state, "env": env, "preset": preset}
+def vector() -> Iterator[Comparison]:
+    """One step of one environment of a vector, resets counted."""
+
+    def ours(count: int, **options: Any) -> Callable[[str], Run]:
+        return batches_of(lambda game: atari.AtariVectorEnv(game, count, **options), np.int64)
+
+    def ale_py(count: int, **options: Any) -> Callable[[str], Run]:
+        return batches_of(lambda game: ale_py_envs(game, count, **options), np.int64)
+
+    for count in (64, 8, 1):
+        sides = [
+            Contestant("native", ours(count)),
+            Contestant("native, 1 thread", ours(count, num_threads=1)),
+            Contestant("native dqn2015", ours(count, preset="dqn2015")),
+            Contestant("native RAM", ours(count, obs_type="ram")),
+        ]
+        if find_spec("envpool") is not None:
+            sides.append(Contestant("EnvPool", batches_of(lambda game, n=count: envpool_envs(game, n), np.int32)))
+        yield Comparison(f"{count} x 84x84 gray", [*sides, Contestant("ale-py", ale_py(count))], 10 if count > 1 else 1)
+    rgb = {"grayscale": False, "stack_num": 1, "img_height": 210, "img_width": 160}
+    yield Comparison(
+        "8 x 210x160 RGB", [Contestant("native", ours(8, **rgb)), Contestant("ale-py", ale_py(8, **rgb))], 4
+    )
+
+
+SUITES = {"raw": raw, "state": state, "env": env, "preset": preset, "vector": vector}
 
 
 def random_choices(actions: list[Any], steps: int) -> list[Any]:
@@ -313,6 +339,42 @@ def gymnasium_preset(game: str) -> gymnasium.Env[Any, Any]:
 def ale_py_vector(game: str) -> Run:
     """ale-py's vector environment, one environment, one thread."""
     return vector_steps(ale_py.AtariVectorEnv(game, 1, num_threads=1), np.int64)
+
+
+def ale_py_envs(game: str, count: int, **options: Any) -> Any:
+    """ale-py's vector environment with as many threads as it likes."""
+    return ale_py.AtariVectorEnv(game, count, **options)
+
+
+def envpool_envs(game: str, count: int) -> Any:
+    """EnvPool with as many threads as there are cores."""
+    import envpool
+
+    task = atari.registration.stem(game) + "-v5"
+    threads = min(count, os.cpu_count() or 1)
+    return envpool.make(task, env_type="gymnasium", num_envs=count, num_threads=threads)
+
+
+def batches_of(make: Callable[[str], Any], dtype: type[np.integer[Any]]) -> Callable[[str], Run]:
+    """Steps of a vector environment, counted by its environments."""
+
+    def prepare(game: str) -> Run:
+        envs = make(game)
+        envs.reset()
+        size = envs.num_envs if hasattr(envs, "num_envs") else len(envs)
+        count = int(getattr(envs, "single_action_space", envs.action_space).n)
+
+        def run(steps: int) -> float:
+            batches = -(-steps // size)
+            actions = np.random.default_rng(0).integers(count, size=(batches, size)).astype(dtype)
+            started = perf_counter()
+            for batch in actions:
+                envs.step(batch)
+            return (perf_counter() - started) * steps / (batches * size)
+
+        return run
+
+    return prepare
 
 
 def envpool_vector(game: str) -> Run:

@@ -17,7 +17,7 @@ def bench() -> dict[str, Any]:
     return runpy.run_path(str(SCRIPT))
 
 
-@pytest.mark.parametrize(("suite", "comparisons"), [("raw", 2), ("state", 5), ("env", 1), ("preset", 1)])
+@pytest.mark.parametrize(("suite", "comparisons"), [("raw", 2), ("state", 5), ("env", 1), ("preset", 1), ("vector", 4)])
 def test_a_suite_runs_and_writes_every_measured_value(suite: str, comparisons: int, tmp_path: Path) -> None:
     out = tmp_path / "out.json"
     options = ["--suite", suite, "--games", "pong", "breakout", "--steps", "20", "--rounds", "2", "--json", str(out)]

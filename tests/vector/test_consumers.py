@@ -1,0 +1,69 @@
+"""What people put around a vector environment, or hand its arrays to."""
+
+import subprocess
+import sys
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.wrappers import vector as wrappers
+
+import atari
+
+
+def make(**options: object) -> atari.AtariVectorEnv:
+    return atari.AtariVectorEnv("breakout", 3, num_threads=2, **options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
+def test_record_episode_statistics(mode: str) -> None:
+    envs = wrappers.RecordEpisodeStatistics(make(autoreset_mode=mode, max_num_frames_per_episode=80))
+    envs.reset(seed=0)
+    rewards = np.zeros(3)
+    for step in range(20):
+        _, reward, _, truncated, info = envs.step(np.full(3, 1 + step % 3))
+        rewards += reward
+        assert truncated.all() == (step == 19)
+    assert info["episode"]["l"].tolist() == [20, 20, 20]
+    assert info["episode"]["r"].tolist() == rewards.tolist()
+
+
+def test_reward_and_observation_wrappers() -> None:
+    envs = wrappers.NormalizeReward(wrappers.RecordEpisodeStatistics(make()))
+    envs.reset(seed=0)
+    for _ in range(30):
+        _, reward, _, _, _ = envs.step(np.array([1, 2, 3]))
+    assert np.isfinite(reward).all()
+    scaled = wrappers.TransformObservation(make(), lambda observation: observation / 255.0)
+    observation, _ = scaled.reset(seed=0)
+    assert 0 < observation.max() <= 1
+
+
+def test_infos_as_a_list() -> None:
+    envs = wrappers.DictInfoToList(make())
+    _, infos = envs.reset(seed=0)
+    assert [info["env_id"] for info in infos] == [0, 1, 2]
+    *_, infos = envs.step(np.zeros(3, int))
+    assert [info["lives"] for info in infos] == [5, 5, 5]
+
+
+def test_spaces_sample_what_is_taken() -> None:
+    envs = make()
+    envs.action_space.seed(0)
+    envs.reset(seed=0)
+    for _ in range(10):
+        envs.step(envs.action_space.sample())
+
+
+def test_neither_library_is_imported_before_it_is_asked_for() -> None:
+    code = "import sys, atari; atari.AtariVectorEnv('pong', 1).reset(); print({'torch', 'jax'} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert done.stdout.strip() == "set()"
+
+
+@pytest.mark.parametrize(("name", "package"), [("to_torch", "PyTorch"), ("to_jax", "JAX")])
+def test_a_missing_library_is_named(name: str, package: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    for module in ("torch", "jax"):
+        monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=f"needs {package}: pip install"):
+        getattr(atari, name)(np.zeros(3))
