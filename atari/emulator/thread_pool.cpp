@@ -49,9 +49,10 @@ ThreadPool::ThreadPool(int items, int threads, bool queued, int first_core, std:
     : work_(std::move(work)), queued_(queued) {
     const int count = queued ? 1 : threads;
     for (int i = 0; i < count; ++i) {
-        ranges_.push_back(std::make_unique<Range>());
         const auto bound = [&](int part) { return static_cast<int>(int64_t{items} * part / count); };
-        for (int item = bound(i); item < bound(i + 1); ++item) ranges_.back()->items.push_back(item);
+        ranges_.push_back(std::make_unique<Range>(bound(i + 1) - bound(i)));
+        int item = bound(i);
+        for (std::atomic<int>& place : ranges_.back()->items) place = item++;
     }
     try {
         for (int i = 1; i < threads; ++i) {
@@ -96,7 +97,8 @@ void ThreadPool::submit_all() {
 void ThreadPool::submit(const int* items, int count) {
     Range& range = *ranges_[0];
     uint64_t number = range.submitted;
-    // The place is free: what it stood for has been claimed, or more items than there are would be pending.
+    // The place is free. Were the number that it stood for unclaimed, then all behind it would be, too: more items than
+    // there are.
     for (int i = 0; i < count; ++i) range.items[number++ % range.items.size()] = items[i];
     range.submitted = number;
     pending_ += count;
@@ -107,8 +109,10 @@ int ThreadPool::claim(size_t thread) {
     for (size_t i = 0; i < ranges_.size(); ++i) {
         Range& range = *ranges_[(thread + i) % ranges_.size()];
         uint64_t number = range.next;
-        while (number < range.submitted)
-            if (range.next.compare_exchange_weak(number, number + 1)) return range.items[number % range.items.size()];
+        while (number < range.submitted) {
+            const int item = range.items[number % range.items.size()];  // once claimed, the place may stand for another
+            if (range.next.compare_exchange_weak(number, number + 1)) return item;
+        }
     }
     return -1;
 }

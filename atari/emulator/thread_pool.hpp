@@ -40,10 +40,11 @@ class ThreadPool {
     int pending() const { return pending_; }
 
   private:
-    // Numbers first .. submitted-1 count up for ever; number n stands for items[n % items.size()].
+    // Numbers next .. submitted-1 wait to be claimed, and count up for ever; number n stands for items[n % items.size()].
     struct alignas(64) Range {
+        explicit Range(int size) : items(static_cast<size_t>(size)) {}
         std::atomic<uint64_t> next{0}, submitted{0};
-        std::vector<int> items;
+        std::vector<std::atomic<int>> items;
     };
 
     void run(int thread);

@@ -2,55 +2,19 @@
 // it also shows that what they share - games, cartridges, palettes, tables made on first use - is shared without races.
 //
 // usage: emulator_threads FOLDER    a folder of ROM images (*.bin), of which ten are taken
-#include <algorithm>
 #include <atomic>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <memory>
 #include <optional>
-#include <string>
 #include <thread>
 #include <vector>
 
-#include "environment.hpp"
+#include "games.hpp"
 
 namespace atari {
 namespace {
 
-constexpr int kGames = 10, kEnvironments = 100, kThreads = 8;
+constexpr int kEnvironments = 100, kThreads = 8;
 constexpr int kRounds = 4, kActs = 5;  // an environment plays so many acts at a time, each time on any thread
-
-using Games = std::vector<std::shared_ptr<const Game>>;
-
-// Real images, with rules that read RAM and draw random words each frame.
-Games load_games(const std::filesystem::path& folder) {
-    std::vector<std::filesystem::path> files;
-    for (const auto& entry : std::filesystem::directory_iterator(folder))
-        if (entry.path().extension() == ".bin") files.push_back(entry.path());
-    std::sort(files.begin(), files.end());
-    if (files.size() < kGames) throw std::runtime_error("the folder holds fewer than ten ROM images (*.bin)");
-    std::vector<int32_t> rules;
-    for (auto [op, argument] : std::initializer_list<std::pair<Op, int32_t>>{
-             {Op::kPush, 0x80}, {Op::kPush, 0xff}, {Op::kPositiveSum, 0}, {Op::kRandom, 0}, {Op::kXor, 0},
-             {Op::kStore, 0}, {Op::kEnd, 0}})
-        rules.insert(rules.end(), {static_cast<int32_t>(op), argument});
-    Games games;
-    for (size_t i = 0; i < kGames; ++i) {
-        std::ifstream file(files[i * files.size() / kGames], std::ios::binary);
-        const std::vector<uint8_t> image(std::istreambuf_iterator<char>(file), {});
-        auto game = std::make_shared<Game>();
-        game->cartridge = std::make_shared<const Cartridge>(image, "");
-        game->palette = i % 3 == 0 ? &NTSC : i % 3 == 1 ? &PAL : &SECAM;
-        game->variables = 4;
-        game->mode_variable = 3;
-        game->step = Program(rules, game->variables, false);
-        game->check();
-        games.push_back(game);
-    }
-    return games;
-}
 
 // An environment with a digest (FNV-1a) of everything it has shown, and at the end of its state.
 class Player {
@@ -143,5 +107,5 @@ int main(int count, char** arguments) {
     } catch (const std::exception& error) {
         return std::fprintf(stderr, "%s\n", error.what()), 2;
     }
-    std::printf("%d environments of %d games on %d threads: the same bytes as one after the other\n", kEnvironments, kGames, kThreads);
+    std::printf("%d environments of %d games on %d threads: the same bytes as one after the other\n", kEnvironments, kTestGames, kThreads);
 }
