@@ -2,7 +2,10 @@
 
 import gc
 import os
+import resource
 import signal
+import subprocess
+import sys
 import threading
 import time
 import weakref
@@ -507,6 +510,35 @@ class TestEnds:
                 with pytest.raises(gymnasium.error.ResetNeeded):
                     envs.step(np.zeros(envs.batch_size, int))
             envs.close()
+
+    def test_an_interruption_leaves_it_usable(self) -> None:
+        program = (
+            "import signal, numpy as np, atari\n"
+            "envs = atari.AtariVectorEnv('pong', 4, num_threads=2)\n"
+            "first = envs.reset(seed=0)[0].copy()\n"
+            "for delay in (0.01, 0.013, 0.017, 0.02):\n"
+            "    try:\n"
+            "        signal.setitimer(signal.ITIMER_REAL, delay)\n"
+            "        while True:\n"
+            "            envs.step(np.zeros(4, int))\n"
+            "    except KeyboardInterrupt:\n"
+            "        assert np.array_equal(envs.reset(seed=0)[0], first)\n"
+            "        envs.step(np.zeros(4, int))\n"
+            "print('usable')\n"
+        )
+        prologue = "import signal\nsignal.signal(signal.SIGALRM, signal.default_int_handler)\n"
+        done = subprocess.run([sys.executable, "-c", prologue + program], capture_output=True, text=True, timeout=120)
+        assert done.stdout.strip() == "usable", done.stderr
+
+    def test_long_play_takes_no_more_memory(self) -> None:
+        envs = make("pong", 4, max_num_frames_per_episode=300, autoreset_mode="SameStep")
+        envs.reset(seed=0)
+        peaks = []
+        for _ in range(3):
+            for _ in range(700):
+                envs.step(np.zeros(4, int))
+            peaks.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+        assert peaks[2] - peaks[1] < 1024  # KiB
 
     def test_two_threads_share_one(self) -> None:
         envs = make(num_envs=2)
