@@ -169,14 +169,14 @@ def register_game(file: str | PathLike[str], rom: str | PathLike[str]) -> tuple[
     game = games.find(Path(file))
     NativeCore(game, rom=rom).close()  # whatever is wrong with either shows now
     registered = []
-    for suffix, obs_type in (("", "rgb"), ("-ram", "ram")):
+    for suffix, observation in (("", {}), ("-ram", {"obs_type": "ram"})):
         env_id = f"{stem(game.id)}{suffix}-v5"
         if env_id in gymnasium.registry:
             raise ValueError(f"the ID {env_id!r} is taken; rename the game file")
         options = {
             "game": str(Path(file).absolute()),
             "rom": str(Path(rom).absolute()),
-            "obs_type": obs_type,
+            **observation,
             "max_num_frames_per_episode": MAX_FRAMES,
         }
         gymnasium.registry[env_id] = EnvSpec(

@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 import weakref
+from pathlib import Path
 from typing import Any
 
 import ale_py
@@ -614,6 +615,16 @@ class TestRegistration:
         assert np.all(ram.step(np.zeros(2, int))[4]["frame_number"] - before == 1)
         skipping = gymnasium.make_vec("Breakout-v0", num_envs=2)
         assert skipping.reset(seed=0)[0].shape == (2, 4, 84, 84)
+
+    def test_a_game_of_ones_own(self, tmp_path: Path) -> None:
+        catch = Path(__file__).parents[2] / "examples" / "catch"
+        (tmp_path / "vector_catch.toml").write_text((catch / "catch.toml").read_text())
+        for env_id in atari.register_game(tmp_path / "vector_catch.toml", catch / "catch.bin"):
+            envs = gymnasium.make_vec(env_id, num_envs=2)
+            observation, info = envs.reset(seed=0)
+            assert observation.shape[1:] == ((128,) if "-ram" in env_id else (4, 84, 84))
+            assert info["lives"].tolist() == [3, 3]
+            del gymnasium.registry[env_id]
 
     def test_metadata_is_its_own(self) -> None:
         envs = make("pong", 1, autoreset_mode="SameStep")
