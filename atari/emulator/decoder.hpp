@@ -7,6 +7,7 @@
 // Records never change, so all machines with the cartridge share them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -53,6 +54,45 @@ constexpr Operand stored_in(uint8_t reg) {
             return Operand::Tia;  // COLU.., REFP, PF, ENA.., VDEL.., RESMP
         default: return Operand::PortZ;
     }
+}
+
+constexpr auto kStoredIn = [] {
+    std::array<Operand, 64> table{};
+    for (uint8_t reg = 0; reg < 64; ++reg) table[reg] = stored_in(reg);
+    return table;
+}();
+
+// Bytes of an instruction with such an operand.
+constexpr int length_of(Operand operand) {
+    switch (operand) {
+        case Operand::Imp: case Operand::Acc: return 1;
+        case Operand::Fixed: case Operand::RamA: case Operand::Timer: case Operand::Dpc: case Operand::RomX:
+        case Operand::RomY: case Operand::AnyX: case Operand::AnyY: case Operand::PortA: case Operand::Near:
+        case Operand::Far: case Operand::Ind: return 3;
+        default: return 2;
+    }
+}
+
+// Base cost of a read, a store and a read-modify-write.
+constexpr uint32_t read_cost(Operand operand) {
+    switch (operand) {
+        case Operand::Imm: return 2;
+        case Operand::Ram: case Operand::PortZ: return 3;
+        case Operand::IndY: return 5;
+        case Operand::IndX: return 6;
+        default: return 4;
+    }
+}
+constexpr uint32_t store_cost(Operand operand) {
+    switch (operand) {
+        case Operand::RamX: case Operand::RamY: case Operand::RamA: case Operand::PortA: return 4;
+        case Operand::AnyX: case Operand::AnyY: return 5;
+        case Operand::IndX: case Operand::IndY: return 6;
+        default: return 3;
+    }
+}
+constexpr uint32_t modify_cost(Operand operand) {
+    return operand == Operand::Acc ? 2 : operand == Operand::Ram ? 5 : 6;
 }
 
 enum Handler : uint16_t {

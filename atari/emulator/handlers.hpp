@@ -1,0 +1,576 @@
+// The bodies of the handlers of the fast interpreter (fast_cpu.cpp), one for each operation and kind of operand.
+//
+// A handler either completes its instruction, or hands it to the plain interpreter before it has changed anything
+// (`kPlainly`). Only what the plain interpreter would do in the same place is ever done here; that it is the same is
+// tested frame by frame on all games, random ROMs and random programs (tests/emulator/test_fast_equals_plain.py).
+#pragma once
+
+#include "console.hpp"
+#include "opcodes.hpp"
+
+#if defined(__GNUC__)
+#define INLINE [[gnu::always_inline]] inline
+#else
+#define INLINE __forceinline
+#endif
+
+namespace atari {
+
+struct Registers {
+    const Record* at;
+    uint32_t cycles;
+    uint32_t a, x, y;  // bytes
+    uint32_t nz;       // Z is that the low byte is 0, N is bit 7 or bit 8
+    uint32_t carry;    // 0 or 1
+};
+
+enum Exit {
+    kNext,     // go on with r.at
+    kPlainly,  // run the instruction at r.at plainly; nothing has changed
+    kLeave,    // the frame has ended, or the window shows another bank: look before going on
+    kLimit,    // so many cycles that the limit of instructions may be near
+};
+
+constexpr bool is_read(int op) {
+    return op == ADC || op == AND || op == BIT || op == CMP || op == CPX || op == CPY || op == EOR || op == LDA ||
+           op == LDX || op == LDY || op == ORA || op == SBC;
+}
+constexpr bool is_store(int op) { return op == STA || op == STX || op == STY; }
+constexpr bool is_modify(int op) {
+    return op == ASL || op == DEC || op == INC || op == LSR || op == ROL || op == ROR;
+}
+
+// The bodies of the handlers; a friend of the console.
+struct FastCpu {
+    // Until the frame ends, or so many cycles have passed that the limit of instructions may be near (kLimit).
+    static Exit run(Console& c);
+
+    // As many instructions, one by one, or to the end of the frame.
+    static void run_counted(Console& c, int left);
+
+  private:
+    using R = Registers;
+
+    // --- where the program counter is, and how it moves ---
+
+    static uint16_t pc_of(const Console& c, const Record* at) {
+        return static_cast<uint16_t>(c.origin_ + (at - c.base_record_));
+    }
+
+    // The record of the instruction at `pc`, null where it cannot be run from one.
+    INLINE static const Record* enter(Console& c, uint32_t pc) {
+        if (!(pc & 0x1000)) return enter_ram(c, pc);
+        if ((pc & 0xfff) - c.plain_.from >= c.plain_.size) return nullptr;
+        const uint32_t index = c.segment_[pc >> 10 & 15] + (pc & 0x3ff);
+        c.origin_ = pc - index;
+        c.base_record_ = c.first_record_;
+        return c.first_record_ + index;
+    }
+
+    static const Record* enter_ram(Console& c, uint32_t pc) {
+        if (!is_ram(pc)) return nullptr;
+        c.origin_ = pc & 0xff80;
+        c.base_record_ = c.ram_code_;
+        return c.ram_code_ + (pc & 0x7f);
+    }
+
+    // Code in RAM: the record is made again where the bytes are not those it was made from. Its own handler is returned.
+    static uint16_t decode_ram(Console& c, const Record* at) {
+        const auto place = static_cast<std::size_t>(at - c.ram_code_);
+        if (place >= 128) return kStep;
+        const uint8_t* bytes = c.m_.riot.ram + place;
+        const int available = static_cast<int>(128 - place);
+        Console::RamCode& known = c.ram_known_[place];
+        const std::array<uint8_t, 3> now = {bytes[0], available > 1 ? bytes[1] : uint8_t{0}, available > 2 ? bytes[2] : uint8_t{0}};
+        if (known.handler != kHandlers && known.bytes == now) return known.handler;
+        Record record = decode(bytes, available, *c.cartridge_, nullptr);
+        known = {now, record.handler};
+        // What runs out of RAM goes on in the TIA, where a program sees the byte last on the bus.
+        if (static_cast<int>(place) + length_of(kOpcodes[bytes[0]].form) > 127) known.handler = kStep;
+        if (record.handler == JSR_Far) known.handler = kStep;  // what it pushes may be its own address
+        if (is_branch(record.handler)) {
+            const int target = static_cast<int>(place) + record.jump;
+            if (target < 0 || target > 127 || place + 2 > 127) known.handler = kStep;
+            record.taken = 3;
+        }
+        record.handler = kRamCode;
+        c.ram_code_[place] = record;
+        return known.handler;
+    }
+
+    // A jump to an address that only now is known. All paths of unlimited length come through here or `branch`.
+    INLINE static Exit jump(R& r, Console& c, uint32_t pc, uint32_t cost) {
+        const Record* target = enter(c, pc);
+        if (!target) return kPlainly;
+        r.at = target;
+        r.cycles += cost;
+        return r.cycles >= c.cycle_limit_ ? kLimit : kNext;
+    }
+
+    INLINE static Exit branch(R& r, const Console& c, bool taken) {
+        if (!taken) {
+            r.cycles += 2;
+            r.at += 2;
+            return kNext;
+        }
+        r.cycles += r.at->taken;
+        r.at += r.at->jump;
+        return r.cycles >= c.cycle_limit_ ? kLimit : kNext;
+    }
+
+    // --- memory ---
+
+    static bool is_ram(uint32_t address) { return (address & 0x1280) == 0x80; }
+
+    // A read that is neither RAM nor plain image. `bus` is the byte last on the data bus.
+    [[gnu::noinline]] static uint32_t read_port(Console& c, uint32_t cycles, uint32_t address, uint32_t bus) {
+        c.m_.cycles = cycles;
+        c.m_.bus = static_cast<uint8_t>(bus);
+        return c.read(static_cast<uint16_t>(address));
+    }
+
+    // A store that is not to RAM. True if the frame has ended or another bank is shown.
+    [[gnu::noinline]] static bool write_port(Console& c, uint32_t cycles, uint32_t address, uint32_t value) {
+        c.m_.cycles = cycles;
+        if (!(address & 0x1080) && !c.watches_tia_ && cycles < c.overlong_) {
+            const uint32_t reg = address & 0x3f;
+            const Operand kind = kStoredIn[reg];
+            if (kind == Operand::Tia) {
+                if (c.written_.reg[reg] == value) return false;
+                c.written_.reg[reg] = static_cast<uint8_t>(value);
+            }
+            if (kind == Operand::Tia || kind == Operand::Strobe) {
+                keep(cycles, c, reg, value);
+                return false;
+            }
+            c.m_.cpu.last_access_was_read = true;
+            c.keep_write(static_cast<uint8_t>(reg), static_cast<uint8_t>(value));
+            c.m_.bus = static_cast<uint8_t>(value);
+            c.m_.cpu.last_access_was_read = false;
+            return c.m_.cpu.stop;
+        }
+        c.m_.cpu.last_access_was_read = true;
+        c.write(static_cast<uint16_t>(address), static_cast<uint8_t>(value));
+        return c.m_.cpu.stop || c.remapped_;
+    }
+
+    // `slow` is set if it was none of RAM and plain image: then the window may show another bank.
+    INLINE static uint32_t read_any(R& r, Console& c, uint32_t address, uint32_t bus, bool& slow) {
+        const uint8_t* page = c.pages_[address >> 6 & 255];
+        if (page) [[likely]] return page[address & 63];
+        slow = true;
+        return read_port(c, r.cycles, address, bus);
+    }
+
+    INLINE static Exit write_any(R& r, Console& c, uint32_t address, uint32_t value) {
+        if (is_ram(address)) {
+            c.m_.riot.ram[address & 0x7f] = static_cast<uint8_t>(value);
+            return kNext;
+        }
+        const bool leave = write_port(c, r.cycles, address, value);
+        r.cycles = c.m_.cycles;  // WSYNC waits
+        return leave ? kLeave : kNext;
+    }
+
+    INLINE static uint32_t pointer(const Console& c, uint32_t zero_page) {
+        const uint8_t* low = c.m_.riot.ram + (zero_page & 0x7f);
+        return low[0] | uint32_t{low[1]} << 8;
+    }
+    // Both bytes of the pointer are in RAM, and the second is not the TIA's $0100.
+    static bool pointer_in_ram(uint32_t zero_page) { return zero_page - 0x80 < 0x7f; }
+
+    static uint32_t page_crossed(uint32_t base, uint32_t index) { return ((base & 0xff) + index) >> 8; }
+
+    // The operand of a read. Adds the instruction's cycles first: its accesses happen at their end.
+    template <Operand operand>
+    INLINE static Exit load(R& r, Console& c, uint32_t& value, bool& slow) {
+        const uint32_t given = r.at->operand;
+        r.cycles += read_cost(operand);
+        if constexpr (operand == Operand::Imm || operand == Operand::Fixed) {
+            value = given & 0xff;
+        } else if constexpr (operand == Operand::Ram || operand == Operand::RamA) {
+            value = c.m_.riot.ram[given];
+        } else if constexpr (operand == Operand::RamX || operand == Operand::RamY) {
+            const uint32_t address = (given + (operand == Operand::RamX ? r.x : r.y)) & 0xff;
+            slow = !(address & 0x80);
+            value = slow ? read_port(c, r.cycles, address, given) : c.m_.riot.ram[address & 0x7f];
+        } else if constexpr (operand == Operand::Timer) {
+            value = timer(r, c);
+        } else if constexpr (operand == Operand::Dpc) {
+            value = read_dpc(c, r.cycles, given & 0x3f);
+        } else if constexpr (operand == Operand::RomX || operand == Operand::RomY) {
+            const uint32_t index = operand == Operand::RomX ? r.x : r.y;
+            r.cycles += page_crossed(given, index);
+            value = c.bank_[given + index];
+        } else if constexpr (operand == Operand::AnyX || operand == Operand::AnyY) {
+            const uint32_t index = operand == Operand::AnyX ? r.x : r.y;
+            r.cycles += page_crossed(given, index);
+            value = read_any(r, c, (given + index) & 0xffff, given >> 8, slow);
+        } else if constexpr (operand == Operand::IndY) {
+            if (!pointer_in_ram(given)) return kPlainly;
+            const uint32_t base = pointer(c, given);
+            r.cycles += page_crossed(base, r.y);
+            value = read_any(r, c, (base + r.y) & 0xffff, base >> 8, slow);
+        } else if constexpr (operand == Operand::IndX) {
+            const uint32_t place = (given + r.x) & 0xff;
+            if (!pointer_in_ram(place)) return kPlainly;
+            const uint32_t address = pointer(c, place);
+            value = read_any(r, c, address, address >> 8, slow);
+        } else {
+            slow = true;
+            value = read_port(c, r.cycles, given, operand == Operand::PortZ ? given : given >> 8);
+        }
+        return kNext;
+    }
+
+    // The two functions of a data fetcher that nearly all reads want; the others are `Console::read_dpc`'s.
+    [[gnu::noinline]] static uint32_t read_dpc(Console& c, uint32_t cycles, uint32_t offset) {
+        const uint32_t function = offset >> 3, i = offset & 7;
+        if (function != 1 && function != 2) {
+            c.m_.cycles = cycles;
+            return c.read_dpc(static_cast<uint16_t>(offset));
+        }
+        CartridgeState& cart = c.m_.cart;
+        c.clock_dpc_random();
+        const uint32_t counter = cart.counter[i];
+        if ((counter & 0xff) == cart.top[i]) cart.flag[i] = 0xff;
+        else if ((counter & 0xff) == cart.bottom[i]) cart.flag[i] = 0;
+        if (i < 5 || !cart.music[i]) cart.counter[i] = (counter - 1) & 0x7ff;
+        const uint32_t value = c.image_[8192 + 2047 - counter];
+        return function == 1 ? value : value & cart.flag[i];
+    }
+
+    INLINE static uint32_t timer(const R& r, Console& c) {
+        const Riot& riot = c.m_.riot;
+        const uint32_t intervals = (r.cycles - 1 - static_cast<uint32_t>(riot.set_at)) >> riot.shift;
+        if (intervals < riot.timer) return riot.timer - intervals - 1;
+        return read_port(c, r.cycles, 0x284, 0);
+    }
+
+    // --- operations ---
+
+    static void set_overflow(Console& c, uint32_t value) { c.m_.cpu.v = (value & 0x80) != 0; }
+
+    template <int op, Operand operand>
+    INLINE static Exit read(R& r, Console& c) {
+        if constexpr (op == ADC || op == SBC)
+            if (c.m_.cpu.d) return kPlainly;
+        const uint32_t cycles = r.cycles;
+        uint32_t o;
+        bool slow = false;
+        if (load<operand>(r, c, o, slow) == kPlainly) {
+            r.cycles = cycles;
+            return kPlainly;
+        }
+        r.at += length_of(operand);
+        if constexpr (op == LDA) r.nz = r.a = o;
+        if constexpr (op == LDX) r.nz = r.x = o;
+        if constexpr (op == LDY) r.nz = r.y = o;
+        if constexpr (op == AND) r.nz = r.a &= o;
+        if constexpr (op == ORA) r.nz = r.a |= o;
+        if constexpr (op == EOR) r.nz = r.a ^= o;
+        if constexpr (op == BIT) {
+            r.nz = (r.a & o) | (o & 0x80) << 1;
+            set_overflow(c, o << 1);
+        }
+        if constexpr (op == CMP || op == CPX || op == CPY) {
+            const uint32_t reg = op == CMP ? r.a : op == CPX ? r.x : r.y;
+            r.carry = reg >= o;
+            r.nz = (reg - o) & 0xff;
+        }
+        if constexpr (op == ADC || op == SBC) {
+            const uint32_t added = op == ADC ? o : o ^ 0xff;
+            const uint32_t sum = r.a + added + r.carry;
+            set_overflow(c, (r.a ^ sum) & (added ^ sum));
+            r.carry = sum >> 8;
+            r.nz = r.a = sum & 0xff;
+        }
+        return slow && c.remapped_ ? kLeave : kNext;
+    }
+
+    // Keeps a write to the TIA for later. There is room: see `kLogSize`.
+    INLINE static void keep(uint32_t cycles, Console& c, uint32_t reg, uint32_t value) {
+        Write* write = c.log_end_++;
+        write->cycle = cycles;
+        write->reg = static_cast<uint8_t>(reg);
+        write->value = static_cast<uint8_t>(value);
+    }
+
+    template <int op, Operand operand>
+    INLINE static Exit store(R& r, Console& c) {
+        const uint32_t value = op == STA ? r.a : op == STX ? r.x : r.y;
+        const uint32_t given = r.at->operand;
+        uint32_t address = given;
+        constexpr bool ram = operand == Operand::Ram || operand == Operand::RamA;
+        if constexpr (ram) {
+            c.m_.riot.ram[given] = static_cast<uint8_t>(value);
+        } else if constexpr (operand == Operand::RamX || operand == Operand::RamY) {
+            address = (given + (operand == Operand::RamX ? r.x : r.y)) & 0xff;
+        } else if constexpr (operand == Operand::AnyX || operand == Operand::AnyY) {
+            address = (given + (operand == Operand::AnyX ? r.x : r.y)) & 0xffff;
+        } else if constexpr (operand == Operand::IndY || operand == Operand::IndX) {
+            const uint32_t place = operand == Operand::IndX ? (given + r.x) & 0xff : given;
+            if (!pointer_in_ram(place)) return kPlainly;
+            address = (pointer(c, place) + (operand == Operand::IndY ? r.y : 0)) & 0xffff;
+        }
+        r.cycles += store_cost(operand);
+        r.at += length_of(operand);
+        if constexpr (ram) return kNext;
+        constexpr bool direct = operand >= Operand::Tia;
+        if (direct && r.cycles < c.overlong_) return write_tia<operand>(r, c, given, value);
+        return write_any(r, c, address, value);
+    }
+
+    // Stores to the TIA whose effect is only on the picture: kept in the log, unless they change nothing. What is not
+    // kept would not delay a later write either: the next one is nine clocks away at least, and no delay is longer.
+    // (tests: test_fast_equals_plain.py; the list of writes that change nothing is tia.md 11.3)
+    template <Operand operand>
+    INLINE static Exit write_tia(R& r, Console& c, uint32_t reg, uint32_t value) {
+        Written& w = c.written_;
+        const auto byte = static_cast<uint8_t>(value);
+        if constexpr (operand == Operand::Tia) {
+            if (w.reg[reg] != byte) {
+                w.reg[reg] = byte;
+                keep(r.cycles, c, reg, value);
+            }
+        } else if constexpr (operand == Operand::Strobe) {
+            keep(r.cycles, c, reg, value);
+        } else if constexpr (operand == Operand::Motion) {
+            if (w.reg[reg] >> 4 == 7 && byte >> 4 == 6) keep(r.cycles, c, reg, value);  // perhaps Cosmic Ark's trick
+            w.reg[reg] = byte;
+        } else if constexpr (operand == Operand::Hmove) {
+            c.keep_hmove(r.cycles);
+        } else if constexpr (operand == Operand::Ctrlpf) {
+            // Written again it can act once more, if the mirroring was changed late in a line.
+            if (w.reg[reg] != byte || w.mirror_changed) {
+                w.mirror_changed |= ((w.reg[reg] ^ byte) & 1) != 0;
+                w.reg[reg] = byte;
+                keep(r.cycles, c, reg, value);
+            }
+        } else if constexpr (operand == Operand::Grp0) {
+            if (w.reg[0x1b] != byte || w.old_grp1 != w.reg[0x1c]) {
+                w.reg[0x1b] = byte;
+                w.old_grp1 = w.reg[0x1c];
+                keep(r.cycles, c, reg, value);
+            }
+        } else if constexpr (operand == Operand::Grp1) {
+            if (w.reg[0x1c] != byte || w.old_grp0 != w.reg[0x1b] || w.old_enabl != w.reg[0x1f]) {
+                w.reg[0x1c] = byte;
+                w.old_grp0 = w.reg[0x1b];
+                w.old_enabl = w.reg[0x1f];
+                keep(r.cycles, c, reg, value);
+            }
+        } else {
+            r.cycles = line_start(c, r.cycles);
+        }
+        return kNext;
+    }
+
+    // WSYNC: the beginning of the next line, or now if a line begins now.
+    INLINE static uint32_t line_start(const Console& c, uint32_t cycles) {
+        const uint32_t in_line = (cycles - c.first_cycle_) % 76;
+        return in_line == 0 ? cycles : cycles + 76 - in_line;
+    }
+
+    template <int op, Operand operand>
+    INLINE static Exit modify(R& r, Console& c) {
+        uint32_t address = 0;
+        uint32_t o = r.a;
+        if constexpr (operand == Operand::Ram) address = r.at->operand;
+        if constexpr (operand == Operand::RamX) {
+            address = (r.at->operand + r.x) & 0xff;
+            if (!(address & 0x80)) return kPlainly;
+            address &= 0x7f;
+        }
+        if constexpr (operand != Operand::Acc) o = c.m_.riot.ram[address];
+        uint32_t result;
+        if constexpr (op == ASL) result = o << 1;
+        if constexpr (op == LSR) result = o >> 1;
+        if constexpr (op == ROL) result = o << 1 | r.carry;
+        if constexpr (op == ROR) result = o >> 1 | r.carry << 7;
+        if constexpr (op == INC) result = o + 1;
+        if constexpr (op == DEC) result = o - 1;
+        if constexpr (op == ASL || op == ROL) r.carry = o >> 7;
+        if constexpr (op == LSR || op == ROR) r.carry = o & 1;
+        r.nz = result & 0xff;
+        if constexpr (operand == Operand::Acc) r.a = r.nz;
+        else c.m_.riot.ram[address] = static_cast<uint8_t>(result);
+        r.cycles += modify_cost(operand);
+        r.at += length_of(operand);
+        return kNext;
+    }
+
+    // The stack pointer may point at the TIA, too: several games push flags into its registers.
+    INLINE static Exit push(R& r, Console& c, uint32_t value) {
+        const uint32_t address = 0x100u | c.m_.cpu.sp--;
+        r.cycles += 3;
+        r.at += 1;
+        return write_any(r, c, address, value);
+    }
+
+    // What is at the stack pointer is read first, and stays on the bus; `bus` is what was there before.
+    INLINE static uint32_t pull(R& r, Console& c, uint32_t bus) {
+        uint8_t& sp = c.m_.cpu.sp;
+        r.cycles += 4;
+        r.at += 1;
+        bool slow = false;  // no stack switches banks
+        const uint32_t passed = read_any(r, c, 0x100u | sp, bus, slow);
+        return read_any(r, c, 0x100u | ++sp, passed, slow);
+    }
+
+    static uint32_t status(const R& r, const Cpu& cpu) {
+        return ((r.nz & 0x180) ? 0x80u : 0u) | (cpu.v ? 0x40u : 0u) | 0x30u | (cpu.d ? 8u : 0u) | (cpu.i ? 4u : 0u) |
+               ((r.nz & 0xff) ? 0u : 2u) | r.carry;
+    }
+
+    static void set_status(R& r, Cpu& cpu, uint32_t value) {
+        r.nz = (value & 0x80) << 1 | ((value & 2) ? 0u : 1u);
+        cpu.v = (value & 0x40) != 0;
+        cpu.d = (value & 8) != 0;
+        cpu.i = (value & 4) != 0;
+        r.carry = value & 1;
+    }
+
+    template <Operand operand>
+    INLINE static Exit call(R& r, Console& c) {
+        Cpu& cpu = c.m_.cpu;
+        if (cpu.sp < 0x81) return kPlainly;
+        const uint16_t back = static_cast<uint16_t>(pc_of(c, r.at) + 2);
+        const Exit exit = go_to<operand>(r, c, 6);
+        if (exit == kPlainly) return kPlainly;
+        c.m_.riot.ram[cpu.sp-- & 0x7f] = static_cast<uint8_t>(back >> 8);
+        c.m_.riot.ram[cpu.sp-- & 0x7f] = static_cast<uint8_t>(back);
+        return exit;
+    }
+
+    template <Operand operand>
+    INLINE static Exit go_to(R& r, Console& c, uint32_t cost) {
+        const uint32_t target = r.at->operand;
+        if constexpr (operand == Operand::Near) {
+            if (((target ^ pc_of(c, r.at)) & 0xf000) == 0) {
+                r.at += r.at->jump;
+                r.cycles += cost;
+                return r.cycles >= c.cycle_limit_ ? kLimit : kNext;
+            }
+        }
+        return jump(r, c, target, cost);
+    }
+
+    INLINE static Exit return_from(R& r, Console& c) {
+        Cpu& cpu = c.m_.cpu;
+        if (cpu.sp - 0x80u >= 0x7e) return kPlainly;
+        const uint8_t* stack = c.m_.riot.ram + (cpu.sp & 0x7f);
+        const uint32_t back = stack[1] | uint32_t{stack[2]} << 8;
+        // The byte at `back` is read, too: it must be plain like the one behind it.
+        if (!(back & 0x1000) || (back & 0xfff) - c.plain_.from >= c.plain_.size) return kPlainly;
+        const Exit exit = jump(r, c, (back + 1) & 0xffff, 6);
+        if (exit != kPlainly) cpu.sp = static_cast<uint8_t>(cpu.sp + 2);
+        return exit;
+    }
+
+    INLINE static Exit jump_indirect(R& r, Console& c) {
+        const uint32_t place = r.at->operand;
+        if ((place & 0xff) == 0xff) return kPlainly;
+        if (is_ram(place)) return jump(r, c, pointer(c, place), 5);
+        if (!(place & 0x1000) || (place & 0xfff) - c.plain_.from >= c.plain_.size - 1) return kPlainly;
+        const uint8_t* low = c.image_ + c.segment_[place >> 10 & 15] + (place & 0x3ff);
+        return jump(r, c, low[0] | uint32_t{low[1]} << 8, 5);
+    }
+
+    template <int op>
+    INLINE static Exit implied(R& r, Console& c) {
+        Cpu& cpu = c.m_.cpu;
+        if constexpr (op == PHA) return push(r, c, r.a);
+        if constexpr (op == PHP) return push(r, c, status(r, cpu));
+        if constexpr (op == PLA) {
+            r.nz = r.a = pull(r, c, 0x68);
+            return kNext;
+        }
+        if constexpr (op == PLP) {
+            set_status(r, cpu, pull(r, c, 0x28));
+            return kNext;
+        }
+        if constexpr (op == RTS) return return_from(r, c);
+        if constexpr (op == TAX) r.nz = r.x = r.a;
+        if constexpr (op == TAY) r.nz = r.y = r.a;
+        if constexpr (op == TXA) r.nz = r.a = r.x;
+        if constexpr (op == TYA) r.nz = r.a = r.y;
+        if constexpr (op == TSX) r.nz = r.x = cpu.sp;
+        if constexpr (op == TXS) cpu.sp = static_cast<uint8_t>(r.x);
+        if constexpr (op == INX) r.nz = r.x = (r.x + 1) & 0xff;
+        if constexpr (op == INY) r.nz = r.y = (r.y + 1) & 0xff;
+        if constexpr (op == DEX) r.nz = r.x = (r.x - 1) & 0xff;
+        if constexpr (op == DEY) r.nz = r.y = (r.y - 1) & 0xff;
+        if constexpr (op == CLC) r.carry = 0;
+        if constexpr (op == SEC) r.carry = 1;
+        if constexpr (op == CLI) cpu.i = false;
+        if constexpr (op == SEI) cpu.i = true;
+        if constexpr (op == CLV) cpu.v = false;
+        if constexpr (op == CLD) cpu.d = false;
+        if constexpr (op == SED) cpu.d = true;
+        r.cycles += 2;
+        r.at += 1;
+        return kNext;
+    }
+
+    template <int op, Operand operand>
+    INLINE static Exit run_one(R& r, Console& c) {
+        if constexpr (is_read(op)) return read<op, operand>(r, c);
+        else if constexpr (is_store(op)) return store<op, operand>(r, c);
+        else if constexpr (is_modify(op)) return modify<op, operand>(r, c);
+        else if constexpr (op == BPL) return branch(r, c, !(r.nz & 0x180));
+        else if constexpr (op == BMI) return branch(r, c, r.nz & 0x180);
+        else if constexpr (op == BNE) return branch(r, c, r.nz & 0xff);
+        else if constexpr (op == BEQ) return branch(r, c, !(r.nz & 0xff));
+        else if constexpr (op == BCC) return branch(r, c, !r.carry);
+        else if constexpr (op == BCS) return branch(r, c, r.carry);
+        else if constexpr (op == BVC) return branch(r, c, !c.m_.cpu.v);
+        else if constexpr (op == BVS) return branch(r, c, c.m_.cpu.v);
+        else if constexpr (op == JMP && operand == Operand::Ind) return jump_indirect(r, c);
+        else if constexpr (op == JMP) return go_to<operand>(r, c, 3);
+        else if constexpr (op == JSR) return call<operand>(r, c);
+        else return implied<op>(r, c);
+    }
+
+    template <int op, Operand operand>
+    static Exit run_single(Registers& r, Console& c) {
+        return run_one<op, operand>(r, c);
+    }
+
+    // Skips the rounds of a loop `load INTIM; branch back` that will find the timer not yet where the loop waits for
+    // it, and leaves the last round to the ordinary handlers. A round does nothing but to take its cycles.
+    static void poll_timer(R& r, const Console& c) {
+        const Riot& riot = c.m_.riot;
+        const uint16_t wait = r.at[3].handler;
+        const uint32_t passed = r.cycles + 4 - 1 - static_cast<uint32_t>(riot.set_at);  // at the first read
+        const uint32_t value = riot.timer - (passed >> riot.shift) - 1;                 // of which this is the result
+        // BNE waits for 0, BPL for what comes behind 0, BMI for 127: the value is kept in [last, value] till then.
+        const uint32_t last = wait == BNE_Rel ? 1 : wait == BPL_Rel ? 0 : 128;
+        if (value > 255 || value < last || (wait == BPL_Rel && value > 127)) return;
+        const uint32_t end = (riot.timer - last) << riot.shift;  // the first time at which the value is less than `last`
+        if (end <= passed || r.cycles + (end - passed) >= c.cycle_limit_) return;
+        r.cycles += (end - 1 - passed) / r.at->taken * r.at->taken;
+    }
+
+    static void take(R& r, const Cpu& cpu, uint32_t cycles) {
+        r.cycles = cycles;
+        r.a = cpu.a;
+        r.x = cpu.x;
+        r.y = cpu.y;
+        r.nz = (cpu.z ? 0u : 1u) | (cpu.n ? 0x100u : 0u);
+        r.carry = cpu.c ? 1 : 0;
+    }
+
+    static void give(const R& r, Machine& m) {
+        Cpu& cpu = m.cpu;
+        m.cycles = r.cycles;
+        cpu.a = static_cast<uint8_t>(r.a);
+        cpu.x = static_cast<uint8_t>(r.x);
+        cpu.y = static_cast<uint8_t>(r.y);
+        cpu.n = (r.nz & 0x180) != 0;
+        cpu.z = (r.nz & 0xff) == 0;
+        cpu.c = r.carry != 0;
+    }
+};
+
+}  // namespace atari
