@@ -112,7 +112,9 @@ class Console {
     void poke_ram(uint8_t address, uint8_t value) { m_.bus = m_.riot.ram[address & 0x7f] = value; }
     const uint8_t* cartridge_ram() const { return cart_ram_.data(); }
     size_t cartridge_ram_size() const { return cart_ram_.size(); }
-    // Pictures of frames that were run fast are drawn when they are asked for.
+    // Pictures of frames that were run fast are drawn when they are asked for. Whoever knows that the next one will be
+    // says so: then it is drawn in one go with the rest.
+    void expect_look() { expected_ = true; }
     const uint8_t* picture() {
         wanted_ = true;
         return drawn(m_.tia.current);
@@ -303,7 +305,7 @@ class Console {
     Beam beam_{m_.tia, config_};
     // Whoever looked at the last three pictures will look at the next one: it is drawn in one go with the collisions.
     static constexpr int kWantedInARow = 3;
-    bool wanted_ = false, draws_ = false;
+    bool wanted_ = false, expected_ = false, draws_ = false;
     int wanted_in_a_row_ = 0;
     const Write* applied_ = nullptr;          // up to here the TIA's state contains the log
     const Write* collisions_from_ = nullptr;  // the last CXCLR, or the beginning of the log

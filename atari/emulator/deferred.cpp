@@ -47,9 +47,9 @@ void Console::begin_log() {
     overlong_ = first_cycle_ + 76 * (config_.pal ? 343 : 291);
     watched_latches_ = cleared_ ? read_latches_ : 0xffff;
     cleared_ = false;
-    draws_ = wanted_in_a_row_ >= kWantedInARow;
-    uint8_t* const pixels = draws_ ? drawn(t.current) : nullptr;
-    beam_.begin(draws_ ? Beam::kAll : Beam::kCollisions, watched_latches_, pixels);
+    draws_ = expected_ || wanted_in_a_row_ >= kWantedInARow;
+    expected_ = false;
+    beam_.begin(draws_ ? Beam::kAll : Beam::kCollisions, watched_latches_, draws_ ? pictures_[t.current] : nullptr);
     if (open_log_ < 0 && watched_latches_ != 0xffff) {
         open_log_ = log_;
         open_from_ = log.writes;
@@ -91,10 +91,13 @@ void Console::end_log() {
     last_log_ = log_;
     if (!cleared_) settle_latches();  // or ever more logs would be needed
     wanted_ = false;
-    if (draws_) return;
+    // An older frame that has not been drawn would still show where it reaches further.
     const int owed = owed_[t.current];
-    if (owed >= 0 && logs_[owed].extent > t.write_pos) drawn(t.current);  // some of it will still show
-    owed_[t.current] = log_;
+    if (owed >= 0 && logs_[owed].extent > t.write_pos) {
+        drawn(t.current);
+        draws_ = false;
+    }
+    owed_[t.current] = draws_ ? -1 : log_;
 }
 
 // Brings the state of the TIA up to an access at a clock.

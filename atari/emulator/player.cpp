@@ -57,8 +57,8 @@ Outcome AlePlayer::step(int action, float strength) {
     bool over = false, lost = false;
     int64_t total = 0;
     while (left > 0 && !outcome.ended) {
+        view_.expects(--left);
         total += e.act(action, strength);
-        --left;
         ++state_.elapsed;
         over = e.game_over();
         lost = e.lives() > 0 && e.lives() < state_.lives;

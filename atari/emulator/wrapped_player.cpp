@@ -103,8 +103,8 @@ Outcome FramePlayer::step(int action, float strength) {
     int64_t reward = 0;
     int left = settings_.frame_skip.first;
     while (left > 0 && !ends.any()) {
+        view_.expects(--left);
         ends = frame(action, strength, reward);
-        --left;
         if (seamless && state_.life_lost) ends.terminated = false;  // it is told when the skip has been played
         ++state_.frames_played;
         ends.truncated |= state_.frames_played >= settings_.max_frames && !ends.terminated;
@@ -121,8 +121,9 @@ BaselinesPlayer::Ends BaselinesPlayer::skip(int action, float strength, int64_t&
     Ends ends{};
     int left = settings_.frame_skip.first;
     while (left > 0 && !ends.any()) {
+        view_.expects(--left);
         ends = play(action, strength, reward);
-        view_.played(--left, ends.any());
+        view_.played(left, ends.any());
     }
     view_.end(left, ends.any());
     return ends;
