@@ -1,11 +1,11 @@
 #!/usr/bin/env python
-"""Writes atari/emulator/handlers.def: which instructions the fast interpreter knows, and which pairs it fuses.
+"""Writes atari/emulator/handlers.def: which instructions the fast interpreter knows, and which runs of them it fuses.
 
-usage: scripts/make-handlers.py [PAIR_COUNTS]
+usage: scripts/make-handlers.py [COUNTS]
 
 Single handlers follow from the table of opcodes: every documented instruction, once for each kind of operand that is
-worth code of its own. Pairs come from PAIR_COUNTS, lines of `count first second` as `count_pairs` prints them (see
-tests/instructions); the most frequent are kept. Without PAIR_COUNTS the pairs stay as they are.
+worth code of its own. Runs of two to four come from COUNTS, lines of `count first second ...` as tests/instructions/
+runs.cpp prints them; the most frequent are kept. Without COUNTS the runs stay as they are.
 """
 
 import re
@@ -13,7 +13,8 @@ import sys
 from pathlib import Path
 
 EMULATOR = Path(__file__).parent.parent / "atari" / "emulator"
-PAIRS = 300
+RUNS = {2: 600, 3: 200, 4: 100}
+"""How many of each length."""
 
 READS = "ADC AND BIT CMP CPX CPY EOR LDA LDX LDY ORA SBC".split()
 STORES = "STA STX STY".split()
@@ -45,8 +46,8 @@ STORE_MODES = {
 }
 MODIFY_MODES = {"Zp": ["Ram"], "ZpX": ["RamX"], "Acc": ["Acc"]}
 
-NEVER_FIRST = {"JMP", "JSR", "RTS", *BRANCHES}
-"""After these the next instruction is elsewhere (or is not known to be the next)."""
+LAST = {"JMP", "JSR", "RTS", *BRANCHES}
+"""After these the next instruction is elsewhere. A branch may be followed by what runs if it is not taken."""
 
 
 def opcodes() -> list[tuple[str, str]]:
@@ -78,16 +79,17 @@ def singles() -> list[tuple[str, str]]:
     return sorted(found)
 
 
-def pairs(counts: Path, known: set[str]) -> list[tuple[str, str]]:
-    """The most frequent pairs whose first instruction always goes on to the second."""
+def runs(counts: Path, known: set[str]) -> list[tuple[str, ...]]:
+    """The most frequent runs of each length."""
     rows = [line.split() for line in counts.read_text().splitlines()]
-    ranked = sorted(((int(count), first, second) for count, first, second in rows), reverse=True)
-    chosen = [
-        (first, second)
-        for _, first, second in ranked
-        if first in known and second in known and first.split("_")[0] not in NEVER_FIRST
+    ranked = sorted(((int(count), tuple(names)) for count, *names in rows), reverse=True)
+    good = [
+        names
+        for _, names in ranked
+        if known.issuperset(names) and not any(name.split("_")[0] in LAST for name in names[:-1])
     ]
-    return sorted(chosen[:PAIRS])
+    chosen = [names for length, most in RUNS.items() for names in [run for run in good if len(run) == length][:most]]
+    return sorted(chosen)
 
 
 def main() -> None:
@@ -95,23 +97,22 @@ def main() -> None:
     path = EMULATOR / "handlers.def"
     known = singles()
     if len(sys.argv) > 1:
-        fused = pairs(Path(sys.argv[1]), {f"{operation}_{mode}" for operation, mode in known})
-    elif path.exists():
-        rows = re.findall(r"^PAIR\((\w+), (\w+), (\w+), (\w+)\)", path.read_text(), re.M)
-        fused = [(f"{a}_{b}", f"{c}_{d}") for a, b, c, d in rows]
+        fused = runs(Path(sys.argv[1]), {f"{operation}_{mode}" for operation, mode in known})
     else:
-        fused = []
+        rows = re.findall(r"^RUN\d\((.*)\)", path.read_text(), re.M) if path.exists() else []
+        fused = [tuple(re.findall(r"(\w+), (\w+)", row)) for row in rows]
+        fused = [tuple(f"{operation}_{mode}" for operation, mode in run) for run in fused]
     lines = [
         "// Made by scripts/make-handlers.py. The instructions of the fast interpreter, a row a handler:",
         "//   SINGLE(operation, kind of operand)",
-        "//   PAIR(operation, kind of operand, operation, kind of operand)",
+        "//   RUN2, RUN3, RUN4(operation, kind of operand, ...), the most frequent runs of instructions",
         "",
         *(f"SINGLE({operation}, {mode})" for operation, mode in known),
         "",
-        *("PAIR({}, {}, {}, {})".format(*first.split("_"), *second.split("_")) for first, second in fused),
+        *("RUN{}({})".format(len(run), ", ".join(name.replace("_", ", ") for name in run)) for run in fused),
     ]
     path.write_text("\n".join(lines) + "\n")
-    print(f"{len(known)} single handlers, {len(fused)} pairs")
+    print(f"{len(known)} single handlers, {len(fused)} runs")
 
 
 if __name__ == "__main__":

@@ -16,33 +16,48 @@ using HandlerTable = std::array<std::array<uint16_t, static_cast<size_t>(Operand
 constexpr HandlerTable kSingles = [] {
     HandlerTable table{};
 #define SINGLE(operation, operand) table[operation][static_cast<size_t>(Operand::operand)] = operation##_##operand;
-#define PAIR(...)
+#define RUN2(...)
+#define RUN3(...)
+#define RUN4(...)
 #include "handlers.def"
 #undef SINGLE
-#undef PAIR
+#undef RUN2
+#undef RUN3
+#undef RUN4
     return table;
 }();
 
-struct PairRow {
-    uint16_t first, second, handler;
+// The runs of instructions that have a handler. The rows are sorted by the names of the handlers, and so by their
+// numbers; kStep fills up.
+using Parts = std::array<uint16_t, 4>;
+struct RunRow {
+    Parts parts;
+    uint16_t handler;
 };
-constexpr PairRow kPairRows[] = {
+constexpr RunRow kRuns[] = {
 #define SINGLE(...)
-#define PAIR(operation1, operand1, operation2, operand2) \
-    {operation1##_##operand1, operation2##_##operand2, operation1##_##operand1##_##operation2##_##operand2},
+#define RUN2(o1, k1, o2, k2) {{o1##_##k1, o2##_##k2}, o1##_##k1##_##o2##_##k2},
+#define RUN3(o1, k1, o2, k2, o3, k3) {{o1##_##k1, o2##_##k2, o3##_##k3}, o1##_##k1##_##o2##_##k2##_##o3##_##k3},
+#define RUN4(o1, k1, o2, k2, o3, k3, o4, k4) \
+    {{o1##_##k1, o2##_##k2, o3##_##k3, o4##_##k4}, o1##_##k1##_##o2##_##k2##_##o3##_##k3##_##o4##_##k4},
 #include "handlers.def"
 #undef SINGLE
-#undef PAIR
-    {kHandlers, kHandlers, kHandlers},
+#undef RUN2
+#undef RUN3
+#undef RUN4
 };
 
-// The rows are sorted by the names of the handlers, and so by their numbers.
-uint16_t fused(uint16_t first, uint16_t second) {
-    const auto* row = std::lower_bound(std::begin(kPairRows), std::end(kPairRows), std::pair(first, second),
-                                       [](const PairRow& row, const std::pair<uint16_t, uint16_t>& wanted) {
-                                           return std::pair(row.first, row.second) < wanted;
-                                       });
-    return row->first == first && row->second == second ? row->handler : first;
+// The handler of the longest run that these instructions begin with.
+uint16_t fused(Parts parts) {
+    for (size_t length = 4; length >= 2; --length) {
+        if (parts[length - 1] != kStep) {
+            const auto* row = std::lower_bound(std::begin(kRuns), std::end(kRuns), parts,
+                                               [](const RunRow& row, const Parts& wanted) { return row.parts < wanted; });
+            if (row != std::end(kRuns) && row->parts == parts) return row->handler;
+        }
+        parts[length - 1] = kStep;
+    }
+    return parts[0];
 }
 
 // Whether the whole window is one bank of the image.
@@ -208,18 +223,25 @@ std::vector<Record> decode_image(const Cartridge& cartridge) {
         }
         records[i] = record;
     }
-    // Loops and pairs, from the back: what a pair's second record does is in that record, fused or not.
-    std::vector<Record> plain = records;
+    // Loops and runs. What the later instructions of a run do is in their own records, fused or not.
+    const std::vector<Record> plain = records;
+    const auto behind = [&](size_t i) { return i + static_cast<size_t>(length_of(kOpcodes[image[i]].form)); };
     for (size_t i = 0; i < size; ++i) {
         if (plain[i].handler == kStep) continue;
-        const auto next = i + static_cast<size_t>(length_of(kOpcodes[image[i]].form));
-        if (polls_timer(plain[i], plain[next])) {
+        if (polls_timer(plain[i], plain[behind(i)])) {
             records[i].handler = kPollTimer;
             records[i].jump = static_cast<int16_t>(plain[i].handler);
-            records[i].taken = static_cast<uint8_t>(4 + plain[next].taken);
-        } else {
-            records[i].handler = fused(plain[i].handler, plain[next].handler);
+            records[i].taken = static_cast<uint8_t>(4 + plain[behind(i)].taken);
+            continue;
         }
+        Parts parts{};
+        size_t at = i;
+        for (uint16_t& part : parts) {
+            part = plain[at].handler;
+            if (part == kStep) break;
+            at = behind(at);
+        }
+        records[i].handler = fused(parts);
     }
     return records;
 }

@@ -1,7 +1,8 @@
-// Counts which handlers of the fast interpreter follow each other, over all ROMs of a folder, for
-// scripts/make-handlers.py. Every ROM counts the same. Prints "count first second", counts a million instructions.
+// Counts which handlers of the fast interpreter follow each other, in runs of two, three and four, over all ROMs of a
+// folder, for scripts/make-handlers.py. Every ROM counts the same. Prints "count first second ...", counts a million
+// instructions; what the plain interpreter runs and what follows a wait for the timer is left out.
 //
-// usage: pairs FOLDER > counts
+// usage: runs FOLDER > counts
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -22,13 +23,18 @@ using namespace atari;
 constexpr const char* kNames[] = {
     "kStep", "kPollTimer", "kRamCode",
 #define SINGLE(operation, operand) #operation "_" #operand,
-#define PAIR(...)
+#define RUN2(...)
+#define RUN3(...)
+#define RUN4(...)
 #include "handlers.def"
 #undef SINGLE
-#undef PAIR
+#undef RUN2
+#undef RUN3
+#undef RUN4
 };
 
-using Counts = std::map<std::pair<uint16_t, uint16_t>, double>;
+using Run = std::vector<uint16_t>;
+using Counts = std::map<Run, double>;
 
 void count(const std::filesystem::path& path, Counts& counts) {
     std::ifstream file(path, std::ios::binary);
@@ -47,24 +53,30 @@ void count(const std::filesystem::path& path, Counts& counts) {
         console.inputs().fire[0] = (random >> 20 & 3) == 0;
         console.inputs().switches = frame / 10 == 7 ? 0x3e : 0x3f;  // RESET
         console.start_frame();
-        uint16_t before = kStep;
+        Run run;
+        uint16_t next = 0;  // address behind the last instruction
         for (int i = 0; i < kInstructionLimit; ++i) {
             const Cpu& cpu = console.machine().cpu;
             const uint8_t* bytes = console.image_at(cpu.pc);
-            const uint8_t* bank = bytes && one_bank ? bytes - (cpu.pc & (cartridge->type() == CartridgeType::k2K ? 0x7ff : 0xfff)) : nullptr;
+            const unsigned in_bank = cartridge->type() == CartridgeType::k2K ? 0x7ff : 0xfff;
+            const uint8_t* bank = bytes && one_bank ? bytes - (cpu.pc & in_bank) : nullptr;
             const uint16_t now = bytes ? decode(bytes, 3, *cartridge, bank).handler : uint16_t{kStep};
+            const uint16_t before = run.empty() ? uint16_t{kStep} : run.back();
             const bool waits = before == LDA_Timer || before == LDX_Timer || before == LDY_Timer;
-            if (frame >= 100 && before != kStep && now != kStep && !waits) {
-                here[{before, now}] += 1;
+            if (now == kStep || waits || cpu.pc != next) run.clear();
+            if (now != kStep) run.push_back(now);
+            if (run.size() > 4) run.erase(run.begin());
+            if (frame >= 100) {
+                for (size_t length = 2; length <= run.size(); ++length) here[Run(run.end() - static_cast<long>(length), run.end())] += 1;
                 total += 1;
             }
-            before = now;
+            next = static_cast<uint16_t>(cpu.pc + (bytes ? length_of(kOpcodes[bytes[0]].form) : 1));
             console.run_instruction();
             if (console.machine().cpu.stop || console.machine().cpu.jammed) break;
         }
         console.raw_machine().cpu.stop = false;
     }
-    for (const auto& [pair, times] : here) counts[pair] += 1e6 * times / total;
+    for (const auto& [run, times] : here) counts[run] += 1e6 * times / total;
 }
 
 }  // namespace
@@ -76,6 +88,10 @@ int main(int, char** arguments) {
         if (entry.path().extension() == ".bin") roms.push_back(entry.path());
     std::sort(roms.begin(), roms.end());
     for (const auto& rom : roms) count(rom, counts);
-    for (const auto& [pair, times] : counts)
-        std::printf("%.0f %s %s\n", times / static_cast<double>(roms.size()), kNames[pair.first], kNames[pair.second]);
+    for (const auto& [run, times] : counts) {
+        if (times < 2.0 * static_cast<double>(roms.size())) continue;
+        std::printf("%.0f", times / static_cast<double>(roms.size()));
+        for (uint16_t handler : run) std::printf(" %s", kNames[handler]);
+        std::printf("\n");
+    }
 }
