@@ -1,15 +1,13 @@
 #!/usr/bin/env python
 """Writes atari/emulator/handlers.def: which instructions the fast interpreter knows, and which runs of them it fuses.
 
-usage: scripts/make-handlers.py [COUNTS]
-
 Single handlers follow from the table of opcodes: every documented instruction, once for each kind of operand that is
 worth code of its own. Runs of two to four come from COUNTS, lines of `count first second ...` as tests/instructions/
 runs.cpp prints them; the most frequent are kept. Without COUNTS the runs stay as they are.
 """
 
+import argparse
 import re
-import sys
 from pathlib import Path
 
 EMULATOR = Path(__file__).parent.parent / "atari" / "emulator"
@@ -94,10 +92,13 @@ def runs(counts: Path, known: set[str]) -> list[tuple[str, ...]]:
 
 def main() -> None:
     """Write the file anew."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("counts", nargs="?", type=Path, help="how often runs occur (default: keep the runs there are)")
+    counts: Path | None = parser.parse_args().counts
     path = EMULATOR / "handlers.def"
     known = singles()
-    if len(sys.argv) > 1:
-        fused = runs(Path(sys.argv[1]), {f"{operation}_{mode}" for operation, mode in known})
+    if counts:
+        fused = runs(counts, {f"{operation}_{mode}" for operation, mode in known})
     else:
         rows = re.findall(r"^RUN\d\((.*)\)", path.read_text(), re.M) if path.exists() else []
         fused = [tuple(re.findall(r"(\w+), (\w+)", row)) for row in rows]

@@ -225,3 +225,21 @@ def test_programs_that_are_compared_with_ale_py(make: Any, batch: int) -> None:
     for seed in range(15 * batch, 15 * batch + 15):
         rng = random.Random(seed)
         play(make(rng), "4K", f"{make.__name__} {seed}", rng)
+
+
+@pytest.mark.parametrize("game", ["seaquest", "freeway", "enduro", "galaxian"])
+def test_latches_that_nobody_has_read_come_back(game: str) -> None:
+    """They are found in the log of a frame whose picture has been drawn, and so is not owed any more."""
+    pair = Pair(find(game).read_bytes(), "", game, random.Random(game))
+    pair.play(20, pokes=0, resets=0)
+    for _ in range(60):
+        press(pair, player=True)
+        pair.play(3, pokes=0, resets=0, looks=0)
+        pair.compare_pictures()
+        moments = [console.remember() for console in pair.both]
+        for console in pair.both:
+            for _ in range(4):
+                console.run_frame()
+        for console, moment in zip(pair.both, moments, strict=True):
+            console.go_back(moment)
+        pair.compare(complete=True)
