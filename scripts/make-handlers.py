@@ -11,8 +11,8 @@ import re
 from pathlib import Path
 
 EMULATOR = Path(__file__).parent.parent / "atari" / "emulator"
-RUNS = {2: 600, 3: 200, 4: 100}
-"""How many of each length."""
+RUNS = {2: 300, 3: 0, 4: 0}
+"""How many of each length. More, and longer ones, take minutes to compile for 5 % of time (docs/performance.md)."""
 
 READS = "ADC AND BIT CMP CPX CPY EOR LDA LDX LDY ORA SBC".split()
 STORES = "STA STX STY".split()
@@ -107,6 +107,10 @@ def main() -> None:
         "// Made by scripts/make-handlers.py. The instructions of the fast interpreter, a row a handler:",
         "//   SINGLE(operation, kind of operand)",
         "//   RUN2, RUN3, RUN4(operation, kind of operand, ...), the most frequent runs of instructions",
+        "// ATARI_NO_RUNS leaves runs out: instrumented builds take too long with them.",
+        "#ifdef ATARI_NO_RUNS",
+        *(line for length in (2, 3, 4) for line in (f"#undef RUN{length}", f"#define RUN{length}(...)")),
+        "#endif",
         "",
         *(f"SINGLE({operation}, {mode})" for operation, mode in known),
         "",

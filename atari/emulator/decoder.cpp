@@ -45,6 +45,7 @@ constexpr RunRow kRuns[] = {
 #undef RUN2
 #undef RUN3
 #undef RUN4
+    {{kHandlers}, kStep},  // behind all others
 };
 
 // The handler of the longest run that these instructions begin with.
