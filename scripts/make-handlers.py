@@ -1,9 +1,9 @@
 #!/usr/bin/env python
-"""Writes atari/emulator/handlers.def: which instructions the fast interpreter knows, and which runs of them it fuses.
+"""Writes atari/emulator/handlers.def: which instructions the fast interpreter knows, and which pairs of them it fuses.
 
 Single handlers follow from the table of opcodes: every documented instruction, once for each kind of operand that is
-worth code of its own. Runs of two to four come from COUNTS, lines of `count first second ...` as tests/instructions/
-runs.cpp prints them; the most frequent are kept. Without COUNTS the runs stay as they are.
+worth code of its own. Pairs come from COUNTS, lines of `count first second` as
+tests/instructions/pairs.cpp prints them; the most frequent are kept. Without COUNTS the pairs stay as they are.
 """
 
 import argparse
@@ -11,8 +11,8 @@ import re
 from pathlib import Path
 
 EMULATOR = Path(__file__).parent.parent / "atari" / "emulator"
-RUNS = {2: 300, 3: 0, 4: 0}
-"""How many of each length. More, and longer ones, take minutes to compile for 5 % of time (docs/performance.md)."""
+PAIRS = 300
+"""So many. More, and longer runs, take minutes to compile for 5 % of time (docs/performance.md)."""
 
 READS = "ADC AND BIT CMP CPX CPY EOR LDA LDX LDY ORA SBC".split()
 STORES = "STA STX STY".split()
@@ -45,7 +45,7 @@ STORE_MODES = {
 MODIFY_MODES = {"Zp": ["Ram"], "ZpX": ["RamX"], "Acc": ["Acc"]}
 
 LAST = {"JMP", "JSR", "RTS", *BRANCHES}
-"""After these the next instruction is elsewhere. A branch may be followed by what runs if it is not taken."""
+"""After these the next instruction is elsewhere, or may be."""
 
 
 def opcodes() -> list[tuple[str, str]]:
@@ -77,47 +77,46 @@ def singles() -> list[tuple[str, str]]:
     return sorted(found)
 
 
-def runs(counts: Path, known: set[str]) -> list[tuple[str, ...]]:
-    """The most frequent runs of each length."""
+def pairs(counts: Path, known: set[str]) -> list[tuple[str, ...]]:
+    """The most frequent pairs whose first instruction always goes on to the second."""
     rows = [line.split() for line in counts.read_text().splitlines()]
-    ranked = sorted(((int(count), tuple(names)) for count, *names in rows), reverse=True)
-    good = [
-        names
-        for _, names in ranked
-        if known.issuperset(names) and not any(name.split("_")[0] in LAST for name in names[:-1])
-    ]
-    chosen = [names for length, most in RUNS.items() for names in [run for run in good if len(run) == length][:most]]
-    return sorted(chosen)
+    ranked = sorted(((int(count), tuple(names)) for count, *names in rows if len(names) == 2), reverse=True)
+    good = [names for _, names in ranked if known.issuperset(names) and names[0].split("_")[0] not in LAST]
+    return sorted(good[:PAIRS])
 
 
 def main() -> None:
     """Write the file anew."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("counts", nargs="?", type=Path, help="how often runs occur (default: keep the runs there are)")
+    parser.add_argument("counts", nargs="?", type=Path, help="how often pairs occur (default: keep those there are)")
     counts: Path | None = parser.parse_args().counts
     path = EMULATOR / "handlers.def"
     known = singles()
     if counts:
-        fused = runs(counts, {f"{operation}_{mode}" for operation, mode in known})
+        fused = pairs(counts, {f"{operation}_{mode}" for operation, mode in known})
     else:
-        rows = re.findall(r"^RUN\d\((.*)\)", path.read_text(), re.M) if path.exists() else []
+        rows = re.findall(r"^PAIR\((\w.*)\)", path.read_text(), re.M) if path.exists() else []
         fused = [tuple(re.findall(r"(\w+), (\w+)", row)) for row in rows]
-        fused = [tuple(f"{operation}_{mode}" for operation, mode in run) for run in fused]
+        fused = [tuple(f"{operation}_{mode}" for operation, mode in pair) for pair in fused]
     lines = [
         "// Made by scripts/make-handlers.py. The instructions of the fast interpreter, a row a handler:",
         "//   SINGLE(operation, kind of operand)",
-        "//   RUN2, RUN3, RUN4(operation, kind of operand, ...), the most frequent runs of instructions",
-        "// ATARI_NO_RUNS leaves runs out: instrumented builds take too long with them.",
-        "#ifdef ATARI_NO_RUNS",
-        *(line for length in (2, 3, 4) for line in (f"#undef RUN{length}", f"#define RUN{length}(...)")),
+        "//   PAIR(operation, kind of operand, operation, kind of operand)",
+        "// ATARI_NO_PAIRS leaves pairs out: instrumented builds take too long with them. Both macros end here.",
+        "#ifdef ATARI_NO_PAIRS",
+        "#undef PAIR",
+        "#define PAIR(...)",
         "#endif",
         "",
         *(f"SINGLE({operation}, {mode})" for operation, mode in known),
         "",
-        *("RUN{}({})".format(len(run), ", ".join(name.replace("_", ", ") for name in run)) for run in fused),
+        *("PAIR({})".format(", ".join(name.replace("_", ", ") for name in pair)) for pair in fused),
+        "",
+        "#undef SINGLE",
+        "#undef PAIR",
     ]
     path.write_text("\n".join(lines) + "\n")
-    print(f"{len(known)} single handlers, {len(fused)} runs")
+    print(f"{len(known)} single handlers, {len(fused)} pairs")
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <utility>
 
 #include "cartridge.hpp"
 
@@ -16,49 +17,29 @@ using HandlerTable = std::array<std::array<uint16_t, static_cast<size_t>(Operand
 constexpr HandlerTable kSingles = [] {
     HandlerTable table{};
 #define SINGLE(operation, operand) table[operation][static_cast<size_t>(Operand::operand)] = operation##_##operand;
-#define RUN2(...)
-#define RUN3(...)
-#define RUN4(...)
+#define PAIR(...)
 #include "handlers.def"
-#undef SINGLE
-#undef RUN2
-#undef RUN3
-#undef RUN4
     return table;
 }();
 
-// The runs of instructions that have a handler. The rows are sorted by the names of the handlers, and so by their
-// numbers; kStep fills up.
-using Parts = std::array<uint16_t, 4>;
-struct RunRow {
-    Parts parts;
-    uint16_t handler;
+// The rows are sorted by the names of the handlers, and so by their numbers.
+struct PairRow {
+    uint16_t first, second, handler;
 };
-constexpr RunRow kRuns[] = {
+constexpr PairRow kPairRows[] = {
 #define SINGLE(...)
-#define RUN2(o1, k1, o2, k2) {{o1##_##k1, o2##_##k2}, o1##_##k1##_##o2##_##k2},
-#define RUN3(o1, k1, o2, k2, o3, k3) {{o1##_##k1, o2##_##k2, o3##_##k3}, o1##_##k1##_##o2##_##k2##_##o3##_##k3},
-#define RUN4(o1, k1, o2, k2, o3, k3, o4, k4) \
-    {{o1##_##k1, o2##_##k2, o3##_##k3, o4##_##k4}, o1##_##k1##_##o2##_##k2##_##o3##_##k3##_##o4##_##k4},
+#define PAIR(o1, k1, o2, k2) {o1##_##k1, o2##_##k2, o1##_##k1##_##o2##_##k2},
 #include "handlers.def"
-#undef SINGLE
-#undef RUN2
-#undef RUN3
-#undef RUN4
-    {{kHandlers}, kStep},  // behind all others
+    {kHandlers, kHandlers, kStep},  // behind all others
 };
 
-// The handler of the longest run that these instructions begin with.
-uint16_t fused(Parts parts) {
-    for (size_t length = 4; length >= 2; --length) {
-        if (parts[length - 1] != kStep) {
-            const auto* row = std::lower_bound(std::begin(kRuns), std::end(kRuns), parts,
-                                               [](const RunRow& row, const Parts& wanted) { return row.parts < wanted; });
-            if (row != std::end(kRuns) && row->parts == parts) return row->handler;
-        }
-        parts[length - 1] = kStep;
-    }
-    return parts[0];
+// The handler of two instructions, or of the first alone.
+uint16_t fused(uint16_t first, uint16_t second) {
+    const auto* row = std::lower_bound(std::begin(kPairRows), std::end(kPairRows), std::pair(first, second),
+                                       [](const PairRow& row, const std::pair<uint16_t, uint16_t>& wanted) {
+                                           return std::pair(row.first, row.second) < wanted;
+                                       });
+    return row != std::end(kPairRows) && row->first == first && row->second == second ? row->handler : first;
 }
 
 // Whether the whole window is one bank of the image.
@@ -224,7 +205,7 @@ std::vector<Record> decode_image(const Cartridge& cartridge) {
         }
         records[i] = record;
     }
-    // Loops and runs. What the later instructions of a run do is in their own records, fused or not.
+    // Loops and pairs. What the second instruction of a pair does is in its own record, fused or not.
     const std::vector<Record> plain = records;
     const auto behind = [&](size_t i) { return i + static_cast<size_t>(length_of(kOpcodes[image[i]].form)); };
     for (size_t i = 0; i < size; ++i) {
@@ -235,14 +216,7 @@ std::vector<Record> decode_image(const Cartridge& cartridge) {
             records[i].taken = static_cast<uint8_t>(4 + plain[behind(i)].taken);
             continue;
         }
-        Parts parts{};
-        size_t at = i;
-        for (uint16_t& part : parts) {
-            part = plain[at].handler;
-            if (part == kStep) break;
-            at = behind(at);
-        }
-        records[i].handler = fused(parts);
+        records[i].handler = fused(plain[i].handler, plain[behind(i)].handler);
     }
     return records;
 }

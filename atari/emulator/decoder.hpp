@@ -100,14 +100,8 @@ enum Handler : uint16_t {
     kPollTimer,  // a loop that waits for the timer
     kRamCode,    // an instruction in RAM, which may have changed since it was decoded
 #define SINGLE(operation, operand) operation##_##operand,
-#define RUN2(o1, k1, o2, k2) o1##_##k1##_##o2##_##k2,
-#define RUN3(o1, k1, o2, k2, o3, k3) o1##_##k1##_##o2##_##k2##_##o3##_##k3,
-#define RUN4(o1, k1, o2, k2, o3, k3, o4, k4) o1##_##k1##_##o2##_##k2##_##o3##_##k3##_##o4##_##k4,
+#define PAIR(o1, k1, o2, k2) o1##_##k1##_##o2##_##k2,
 #include "handlers.def"
-#undef SINGLE
-#undef RUN2
-#undef RUN3
-#undef RUN4
     kHandlers
 };
 

@@ -25,14 +25,8 @@ Exit FastCpu::run(Console& c) {
     static const void* const kLabels[] = {
         &&handle_kStep, &&handle_kPollTimer, &&handle_kRamCode,
 #define SINGLE(operation, operand) &&handle_##operation##_##operand,
-#define RUN2(o1, k1, o2, k2) &&handle_##o1##_##k1##_##o2##_##k2,
-#define RUN3(o1, k1, o2, k2, o3, k3) &&handle_##o1##_##k1##_##o2##_##k2##_##o3##_##k3,
-#define RUN4(o1, k1, o2, k2, o3, k3, o4, k4) &&handle_##o1##_##k1##_##o2##_##k2##_##o3##_##k3##_##o4##_##k4,
+#define PAIR(o1, k1, o2, k2) &&handle_##o1##_##k1##_##o2##_##k2,
 #include "handlers.def"
-#undef SINGLE
-#undef RUN2
-#undef RUN3
-#undef RUN4
     };
 #else
     uint16_t chosen;
@@ -50,33 +44,22 @@ dispatch:
     switch (chosen) {
 #endif
 
-// An instruction, and one that others of its run follow: a branch that is taken leaves the run.
-#define LAST(operation, operand)                                 \
-    {                                                            \
-        exit = run_one<operation, Operand::operand>(r, c);       \
-        if (exit != kNext) [[unlikely]] goto other;              \
-        DISPATCH(r.at->handler);                                 \
+#define RUN(operation, operand)                           \
+    exit = run_one<operation, Operand::operand>(r, c);    \
+    if (exit != kNext) [[unlikely]] goto other;
+#define SINGLE(o1, k1)       \
+    HANDLER(o1##_##k1) {     \
+        RUN(o1, k1)          \
+        DISPATCH(r.at->handler); \
     }
-#define FIRST(operation, operand)                                                          \
-    {                                                                                      \
-        [[maybe_unused]] const Record* const next = r.at + 2;                              \
-        exit = run_one<operation, Operand::operand>(r, c);                                 \
-        if (exit != kNext) [[unlikely]] goto other;                                        \
-        if (Operand::operand == Operand::Rel && r.at != next) DISPATCH(r.at->handler);     \
+#define PAIR(o1, k1, o2, k2)             \
+    HANDLER(o1##_##k1##_##o2##_##k2) {   \
+        RUN(o1, k1)                      \
+        RUN(o2, k2)                      \
+        DISPATCH(r.at->handler);         \
     }
-#define SINGLE(o1, k1) HANDLER(o1##_##k1) LAST(o1, k1)
-#define RUN2(o1, k1, o2, k2) HANDLER(o1##_##k1##_##o2##_##k2) FIRST(o1, k1) LAST(o2, k2)
-#define RUN3(o1, k1, o2, k2, o3, k3) \
-    HANDLER(o1##_##k1##_##o2##_##k2##_##o3##_##k3) FIRST(o1, k1) FIRST(o2, k2) LAST(o3, k3)
-#define RUN4(o1, k1, o2, k2, o3, k3, o4, k4) \
-    HANDLER(o1##_##k1##_##o2##_##k2##_##o3##_##k3##_##o4##_##k4) FIRST(o1, k1) FIRST(o2, k2) FIRST(o3, k3) LAST(o4, k4)
 #include "handlers.def"
-#undef SINGLE
-#undef RUN2
-#undef RUN3
-#undef RUN4
-#undef FIRST
-#undef LAST
+#undef RUN
 
     HANDLER(kPollTimer) {
         poll_timer(r, c);
@@ -125,14 +108,8 @@ namespace {
 constexpr auto kFirstOf = [] {
     std::array<uint16_t, kHandlers> table{kStep, kPollTimer, kRamCode};
 #define SINGLE(operation, operand) table[operation##_##operand] = operation##_##operand;
-#define RUN2(o1, k1, o2, k2) table[o1##_##k1##_##o2##_##k2] = o1##_##k1;
-#define RUN3(o1, k1, o2, k2, o3, k3) table[o1##_##k1##_##o2##_##k2##_##o3##_##k3] = o1##_##k1;
-#define RUN4(o1, k1, o2, k2, o3, k3, o4, k4) table[o1##_##k1##_##o2##_##k2##_##o3##_##k3##_##o4##_##k4] = o1##_##k1;
+#define PAIR(o1, k1, o2, k2) table[o1##_##k1##_##o2##_##k2] = o1##_##k1;
 #include "handlers.def"
-#undef SINGLE
-#undef RUN2
-#undef RUN3
-#undef RUN4
     return table;
 }();
 
@@ -143,14 +120,8 @@ void FastCpu::run_counted(Console& c, int left) {
     static constexpr Step kSteps[] = {
         nullptr, nullptr, nullptr,
 #define SINGLE(operation, operand) run_single<operation, Operand::operand>,
-#define RUN2(...)
-#define RUN3(...)
-#define RUN4(...)
+#define PAIR(...)
 #include "handlers.def"
-#undef SINGLE
-#undef RUN2
-#undef RUN3
-#undef RUN4
     };
     Registers r;
     take(r, c.m_.cpu, c.m_.cycles);

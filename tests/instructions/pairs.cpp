@@ -1,8 +1,8 @@
-// Counts which handlers of the fast interpreter follow each other, in runs of two, three and four, over all ROMs of a
-// folder, for scripts/make-handlers.py. Every ROM counts the same. Prints "count first second ...", counts a million
+// Counts which handlers of the fast interpreter follow each other, over all ROMs of a folder, for
+// scripts/make-handlers.py. Every ROM counts the same. Prints "count first second", counts a million
 // instructions; what the plain interpreter runs and what follows a wait for the timer is left out.
 //
-// usage: runs FOLDER > counts
+// usage: pairs FOLDER > counts
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -23,14 +23,8 @@ using namespace atari;
 constexpr const char* kNames[] = {
     "kStep", "kPollTimer", "kRamCode",
 #define SINGLE(operation, operand) #operation "_" #operand,
-#define RUN2(...)
-#define RUN3(...)
-#define RUN4(...)
+#define PAIR(...)
 #include "handlers.def"
-#undef SINGLE
-#undef RUN2
-#undef RUN3
-#undef RUN4
 };
 
 using Run = std::vector<uint16_t>;
@@ -65,9 +59,9 @@ void count(const std::filesystem::path& path, Counts& counts) {
             const bool waits = before == LDA_Timer || before == LDX_Timer || before == LDY_Timer;
             if (now == kStep || waits || cpu.pc != next) run.clear();
             if (now != kStep) run.push_back(now);
-            if (run.size() > 4) run.erase(run.begin());
+            if (run.size() > 2) run.erase(run.begin());
             if (frame >= 100) {
-                for (size_t length = 2; length <= run.size(); ++length) here[Run(run.end() - static_cast<long>(length), run.end())] += 1;
+                if (run.size() == 2) here[run] += 1;
                 total += 1;
             }
             next = static_cast<uint16_t>(cpu.pc + (bytes ? length_of(kOpcodes[bytes[0]].form) : 1));
@@ -76,7 +70,7 @@ void count(const std::filesystem::path& path, Counts& counts) {
         }
         console.raw_machine().cpu.stop = false;
     }
-    for (const auto& [run, times] : here) counts[run] += 1e6 * times / total;
+    for (const auto& [pair, times] : here) counts[pair] += 1e6 * times / total;
 }
 
 }  // namespace
@@ -88,10 +82,10 @@ int main(int, char** arguments) {
         if (entry.path().extension() == ".bin") roms.push_back(entry.path());
     std::sort(roms.begin(), roms.end());
     for (const auto& rom : roms) count(rom, counts);
-    for (const auto& [run, times] : counts) {
+    for (const auto& [pair, times] : counts) {
         if (times < 2.0 * static_cast<double>(roms.size())) continue;
         std::printf("%.0f", times / static_cast<double>(roms.size()));
-        for (uint16_t handler : run) std::printf(" %s", kNames[handler]);
+        for (uint16_t handler : pair) std::printf(" %s", kNames[handler]);
         std::printf("\n");
     }
 }
