@@ -239,9 +239,6 @@ class Console:
         All chips' registers and latches, by name, as nested dicts. For looking, not for saving.
         """
 
-    def expect_look(self) -> None:
-        """The next frame's picture will be looked at; it changes nothing else."""
-
     def save(self) -> bytes:
         """The whole state as bytes."""
 

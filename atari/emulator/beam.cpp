@@ -71,8 +71,8 @@ void Beam::begin(Work work, unsigned latches, uint8_t* pixels) {
     const Tia& t = t_;
     work_ = work;
     watched_ = latches;
-    row_ = pixels;
-    line_end_ = t.draw_start + 228;
+    line_end_ = line_end();
+    if (pixels) row_ = pixels + kScreenWidth * ((line_end_ - t.draw_start) / 228 - 1);
     first_cycle_ = static_cast<uint32_t>(t.frame_start / 3);
     blanked_at_ = t.draw_start;
     line_end_acts_ = true;
@@ -91,16 +91,34 @@ void Beam::begin(Work work, unsigned latches, uint8_t* pixels) {
 
 void Beam::apply(const Write* first, const Write* last, const Write* collisions_from) {
     if (work_ == kCollisions) apply_all<kCollisions>(first, last, collisions_from);
-    else if (work_ == kPixels) apply_all<kPixels>(first, last, collisions_from);
-    else apply_all<kAll>(first, last, collisions_from);
+    else apply_all<kPixels>(first, last, collisions_from);
 }
 
 void Beam::reach(int32_t clock) {
     Tia& t = t_;
     t.pending = std::max(t.pending, clock);
     if (work_ == kCollisions) advance<kCollisions>(t.pending);
-    else if (work_ == kPixels) advance<kPixels>(t.pending);
-    else advance<kAll>(t.pending);
+    else advance<kPixels>(t.pending);
+}
+
+const Write* Beam::draw_line(const Write* first, const Write* last, int32_t line_end) {
+    Tia& t = t_;
+    involved_ = enabled_;
+    if (t.enabl || t.old_enabl) involved_ |= bit_of(kBL);  // which VDELBL hides or shows
+    int32_t pending = t.pending;
+    const Write* write = first;
+    for (; write != last && static_cast<int32_t>(3 * write->cycle) < line_end; ++write) apply_one<kPixels>(t, *write, pending);
+    t.pending = pending;
+    reach(line_end);
+    return write;
+}
+
+void Beam::repeat_row() {
+    involved_ = enabled_;
+    std::memcpy(row_ + kScreenWidth, row_, kScreenWidth);
+    row_ += kScreenWidth;
+    line_end_ += 228;
+    t_.drawn_to = t_.pending = line_end_;
 }
 
 void Beam::finish() {
@@ -146,7 +164,7 @@ INLINE void Beam::apply_one(Tia& t, const Write& write, int32_t& pending) {
         case COLUP0: case COLUP1: case COLUPF: case COLUBK: {
             const auto colour = static_cast<uint8_t>((value & 0xfe) | (config_.pal ? t.last_line_count & 1 : 0));
             uint8_t& field = t.colour[reg - COLUP0];
-            if (work != kCollisions && field != colour) advance<work>(pending);  // colours do not collide
+            if (work == kPixels && field != colour) advance<work>(pending);  // colours do not collide
             field = colour;
             break;
         }
@@ -165,6 +183,7 @@ INLINE void Beam::apply_one(Tia& t, const Write& write, int32_t& pending) {
         }
         case REFP0: case REFP1: {
             const unsigned player = reg - REFP0;
+            involved_ |= bit_of(player);
             if (t.refp[player] == ((value & 8) != 0)) break;
             advance<work>(pending);
             t.refp[player] = value & 8;
@@ -177,6 +196,7 @@ INLINE void Beam::apply_one(Tia& t, const Write& write, int32_t& pending) {
         case RESP0: case RESP1: reset_player<work>(reg - RESP0, hpos(), clock, pending); break;
         case RESM0: case RESM1: {
             const unsigned second = reg - RESM0;
+            involved_ |= bit_of(kM0 + second) | kPlacing;
             advance<work>(pending);
             t.pos[kM0 + second] = strobe_missile(second, hpos(), static_cast<uint32_t>(clock - t.last_hmove));
             if (second == 0) t.m0_variant = kPlain;
@@ -184,6 +204,7 @@ INLINE void Beam::apply_one(Tia& t, const Write& write, int32_t& pending) {
             break;
         }
         case RESBL:
+            involved_ |= bit_of(kBL) | kPlacing;
             advance<work>(pending);
             t.pos[kBL] = strobe_ball(hpos(), static_cast<uint32_t>(clock - t.last_hmove));
             moved(kBL);
@@ -201,6 +222,7 @@ INLINE void Beam::apply_one(Tia& t, const Write& write, int32_t& pending) {
             break;
         }
         case ENABL:
+            involved_ |= bit_of(kBL);
             if (t.enabl == ((value & 2) != 0)) break;
             if (!t.vdelbl) {
                 advance<work>(pending);
@@ -209,6 +231,7 @@ INLINE void Beam::apply_one(Tia& t, const Write& write, int32_t& pending) {
             t.enabl = value & 2;
             break;
         case HMM0:  // kept only if the motion goes from 7 to 6
+            involved_ |= kPlacing;
             if (static_cast<uint32_t>(clock - t.last_hmove) != 63) break;
             advance<work>(pending);
             t.cosmic_ark = true;
@@ -224,6 +247,7 @@ INLINE void Beam::apply_one(Tia& t, const Write& write, int32_t& pending) {
             break;
         }
         case VDELBL:
+            involved_ |= bit_of(kBL);
             if (t.vdelbl == ((value & 1) != 0)) break;
             advance<work>(pending);
             t.vdelbl = value & 1;
@@ -234,6 +258,7 @@ INLINE void Beam::apply_one(Tia& t, const Write& write, int32_t& pending) {
             if (t.resmp[second] == ((value & 2) != 0)) break;
             advance<work>(pending);
             if (t.resmp[second]) {
+                involved_ |= bit_of(second) | bit_of(kM0 + second);
                 t.pos[kM0 + second] = released_missile(t.pos[second], t.nusiz[second] & 7);
                 if (second == 0) t.m0_variant = kPlain;
                 moved(kM0 + second);
@@ -316,6 +341,7 @@ inline void Beam::write_graphics(unsigned player, uint8_t value, int32_t pending
 template <Beam::Work work>
 void Beam::reset_player(unsigned player, int hpos, int32_t clock, int32_t& pending) {
     Tia& t = t_;
+    involved_ |= bit_of(player);
     const uint8_t position = strobe_player(hpos);
     const PlayerStrobe strobe = player_strobe(position, t.pos[player], t.nusiz[player] & 7);
     if (strobe.goes_on) pending = std::max(pending, clock + 11);
@@ -354,6 +380,7 @@ inline void Beam::move_objects(const Write& write, uint32_t cycle_in_line, int32
         moved(kM0);
     }
     t.last_hmove = clock;
+    involved_ |= kPlacing;
     t.cosmic_ark = false;
 }
 
@@ -377,7 +404,7 @@ INLINE void Beam::advance(int32_t pending) {
     Tia& t = t_;
     if (pending < t.draw_start || t.drawn_to >= t.draw_stop || t.drawn_to >= pending) return;
     const int32_t target = std::min(pending, t.draw_stop);
-    if (work != kCollisions && !t.hmove_blank && target <= line_end_ - kScreenWidth) {
+    if (work == kPixels && !t.hmove_blank && target <= line_end_ - kScreenWidth) {
         t.drawn_to = target;  // still in front of the first pixel
         return;
     }
@@ -394,7 +421,7 @@ INLINE void Beam::advance(int32_t pending) {
 template <Beam::Work work>
 void Beam::go_to(int32_t target) {
     Tia& t = t_;
-    constexpr bool drawing = work != kCollisions;
+    constexpr bool drawing = work == kPixels;
     int32_t end = drawing ? line_end_ : line_end();
     while (target > end) {
         line_part<work>(end, end);
@@ -426,8 +453,8 @@ inline void Beam::line_part(int32_t line_end, int32_t until) {
     const int from = 228 - (line_end - t.drawn_to), to = 228 - (line_end - until);
     t.drawn_to = until;
     const bool visible = to > 68 && to > from;
-    if (work != kPixels && visible) collide(std::max(from - 68, 0), to - 68);
-    if constexpr (work != kCollisions) {
+    if (work == kCollisions && visible) collide(std::max(from - 68, 0), to - 68);
+    if constexpr (work == kPixels) {
         if (visible) draw(std::max(from - 68, 0), to - 68);
         if (t.hmove_blank && from < 76) {
             // Eight pixels are black. Where drawing stops in front of them this reaches further, as in the reference.

@@ -27,12 +27,14 @@ struct Write {
 
 class Beam {
   public:
-    enum Work : uint8_t { kCollisions = 1, kPixels = 2, kAll = 3 };
+    enum Work : uint8_t { kCollisions, kPixels };
+    // Among objects that are involved in a line: a missile or the ball is placed, which may depend on when HMOVE was.
+    static constexpr unsigned kPlacing = 1u << 6;
 
     // `tia` is brought forward by the calls below.
     Beam(Tia& tia, const ConsoleConfig& config) : t_(tia), config_(config) {}
 
-    // The frame begins: nothing is drawn yet. `latches` are those that collisions are made for, `pixels` is the picture.
+    // Begins where `tia` is. `latches` are those that collisions are made for, `pixels` is the picture.
     void begin(Work work, unsigned latches, uint8_t* pixels);
 
     // From now on collisions are made for these latches.
@@ -46,6 +48,13 @@ class Beam {
 
     // Brings the picture and the collisions up to a clock, as an access at that clock does.
     void reach(int32_t clock);
+
+    // Goes on to the end of a line at `line_end`, with the writes up to there. Returns what follows.
+    const Write* draw_line(const Write* first, const Write* last, int32_t line_end);
+    // Draws a whole line, at whose beginning drawing is, as the line above was drawn.
+    void repeat_row();
+    // Objects that show or are placed in the line drawn last, and kPlacing.
+    unsigned involved() const { return involved_; }
 
     // The frame has ended: brings what follows from the rest of the state up to date.
     void finish();
@@ -82,6 +91,7 @@ class Beam {
         const unsigned bit = 1u << object, now = on ? enabled_ | bit : enabled_ & ~bit;
         if (now == enabled_) return;
         enabled_ = now;
+        involved_ |= now;
         layers_known_ = false;
         find_open_pairs();
     }
@@ -114,6 +124,7 @@ class Beam {
     uint32_t first_cycle_ = 0;   // of line 0
     int32_t blanked_at_ = 0;     // how far drawing was at the last HMOVE
     unsigned enabled_ = 0;       // objects that can be seen at all, a bit each
+    unsigned involved_ = 0;
     unsigned watched_ = 0xffff;  // collision latches that are wanted
     bool collecting_ = true;     // and wanted now
     bool line_end_acts_ = false; // the end of a line would change something

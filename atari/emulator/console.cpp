@@ -15,8 +15,9 @@ Console::Console(std::shared_ptr<const Cartridge> cartridge, const ConsoleConfig
         if (const unsigned address = 64 * page; (address & 0x1280) == 0x80) pages_[page] = m_.riot.ram + (address & 0x7f);
     std::fill(std::begin(ram_code_), std::end(ram_code_), Record{kRamCode, 0, 0, 0, 0});
     if (!plain) {
-        logs_ = std::make_unique_for_overwrite<FrameLog[]>(3);
+        logs_ = std::make_unique_for_overwrite<FrameLog[]>(kLogs);
         before_ = std::make_unique<Machine>();
+        line_cache_ = std::make_unique<LineCache>(config_);
     }
     const CartridgeType type = cartridge_->type();
     watches_tia_ = type == CartridgeType::k3F || type == CartridgeType::k3E || type == CartridgeType::kUA;

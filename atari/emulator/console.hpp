@@ -15,6 +15,7 @@
 #include "cartridge.hpp"
 #include "masks.hpp"
 #include "random.hpp"
+#include "line_cache.hpp"
 #include "state.hpp"
 
 namespace atari {
@@ -59,6 +60,8 @@ struct FrameLog {
     Write writes[kLogSize];
 };
 
+inline constexpr int kLogs = 4;
+
 // What was last written to the TIA, so that a write that changes nothing can be left out.
 struct Written {
     uint8_t reg[64];
@@ -78,7 +81,7 @@ struct ConsoleCopy {
     Machine machine;
     std::vector<uint8_t> cart_ram;
     std::vector<uint8_t> pictures[2];  // empty where a log replaces the whole picture
-    Log logs[3];
+    Log logs[kLogs];
     int log, last_log, owed[2], open_log;
     std::ptrdiff_t open_from;
     unsigned read_latches, watched_latches;
@@ -112,13 +115,8 @@ class Console {
     void poke_ram(uint8_t address, uint8_t value) { m_.bus = m_.riot.ram[address & 0x7f] = value; }
     const uint8_t* cartridge_ram() const { return cart_ram_.data(); }
     size_t cartridge_ram_size() const { return cart_ram_.size(); }
-    // Pictures of frames that were run fast are drawn when they are asked for. Whoever knows that the next one will be
-    // says so: then it is drawn in one go with the rest.
-    void expect_look() { expected_ = true; }
-    const uint8_t* picture() {
-        wanted_ = true;
-        return drawn(m_.tia.current);
-    }
+    // Pictures of frames that were run fast are drawn when they are asked for.
+    const uint8_t* picture() { return drawn(m_.tia.current); }
     const uint8_t* previous_picture() { return drawn(m_.tia.current ^ 1); }
     const Cartridge& cartridge() const { return *cartridge_; }
     bool plain() const { return !logs_; }
@@ -184,7 +182,6 @@ class Console {
     void settle_latches();
     void forget_logs();
     uint8_t* drawn(int buffer);
-    void draw_log(const FrameLog& log, uint8_t* pixels);
 
     // cpu.cpp
     template <int operation, int form>
@@ -290,23 +287,19 @@ class Console {
     RamCode ram_known_[128];
 
     std::vector<uint8_t> cart_ram_;
-    static constexpr size_t kBehindPicture = 96;  // a blank of HMOVE may reach past the last row drawn
-    uint8_t pictures_[2][kFrameBytes + kBehindPicture];
+    Picture pictures_[2];
     std::shared_ptr<const Cartridge> cartridge_;
     ConsoleConfig config_;
     MachineRandom random_;
     bool watches_tia_;         // the cartridge reacts to accesses of the TIA (3F, 3E, UA)
 
-    // Deferred drawing: the logs of the frame that is being run and of the two before it.
-    std::unique_ptr<FrameLog[]> logs_;  // three
+    // Deferred drawing: the logs of the frame that is being run, of the two before it, and of the one drawn last.
+    std::unique_ptr<FrameLog[]> logs_;  // of kLogs
     int log_ = 0;                       // the one in use
     int last_log_ = -1;                 // that of the frame before, if it had one
     int owed_[2] = {-1, -1};            // by picture: the log that is still to be drawn into it, or -1
     Beam beam_{m_.tia, config_};
-    // Whoever looked at the last three pictures will look at the next one: it is drawn in one go with the collisions.
-    static constexpr int kWantedInARow = 3;
-    bool wanted_ = false, expected_ = false, draws_ = false;
-    int wanted_in_a_row_ = 0;
+    std::unique_ptr<LineCache> line_cache_;  // draws
     const Write* applied_ = nullptr;          // up to here the TIA's state contains the log
     const Write* collisions_from_ = nullptr;  // the last CXCLR, or the beginning of the log
     int32_t end_clock_ = 0;                   // of the write that ended the frame

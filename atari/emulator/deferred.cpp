@@ -16,14 +16,12 @@ bool Console::run_deferred() {
     *before_ = m_;
     cart_ram_before_ = cart_ram_;
     const auto open_before = std::pair(open_log_, open_from_);
-    wanted_in_a_row_ = wanted_ ? wanted_in_a_row_ + 1 : 0;
     m_.cpu.stop = false;
     begin_log();
     deferred_ = true;
     const bool ended = run_fast();
     deferred_ = false;
     if (!ended) {
-        draws_ = false;
         m_ = *before_;
         std::copy(cart_ram_before_.begin(), cart_ram_before_.end(), cart_ram_.begin());
         map_segments();
@@ -38,7 +36,8 @@ bool Console::run_deferred() {
 void Console::begin_log() {
     Tia& t = m_.tia;
     log_ = 0;
-    while (log_ == owed_[0] || log_ == owed_[1] || log_ == last_log_) ++log_;
+    const auto is_needed = [&](int log) { return log == owed_[0] || log == owed_[1] || log == last_log_ || logs_[log].writes == line_cache_->log(); };
+    while (is_needed(log_)) ++log_;
     FrameLog& log = logs_[log_];
     log.start = t;
     log_end_ = log.writes;
@@ -47,9 +46,7 @@ void Console::begin_log() {
     overlong_ = first_cycle_ + 76 * (config_.pal ? 343 : 291);
     watched_latches_ = cleared_ ? read_latches_ : 0xffff;
     cleared_ = false;
-    draws_ = expected_ || wanted_in_a_row_ >= kWantedInARow;
-    expected_ = false;
-    beam_.begin(draws_ ? Beam::kAll : Beam::kCollisions, watched_latches_, draws_ ? pictures_[t.current] : nullptr);
+    beam_.begin(Beam::kCollisions, watched_latches_, nullptr);
     if (open_log_ < 0 && watched_latches_ != 0xffff) {
         open_log_ = log_;
         open_from_ = log.writes;
@@ -90,14 +87,10 @@ void Console::end_log() {
     log.extent = t.write_pos + (t.hmove_blank && t.drawn_to < t.draw_stop ? kScreenWidth : 0);
     last_log_ = log_;
     if (!cleared_) settle_latches();  // or ever more logs would be needed
-    wanted_ = false;
     // An older frame that has not been drawn would still show where it reaches further.
     const int owed = owed_[t.current];
-    if (owed >= 0 && logs_[owed].extent > t.write_pos) {
-        drawn(t.current);
-        draws_ = false;
-    }
-    owed_[t.current] = draws_ ? -1 : log_;
+    if (owed >= 0 && logs_[owed].extent > t.write_pos) drawn(t.current);
+    owed_[t.current] = log_;
 }
 
 // Brings the state of the TIA up to an access at a clock.
@@ -149,7 +142,7 @@ void Console::copy_to(ConsoleCopy& copy) const {
     copy.cart_ram = cart_ram_;
     const size_t shown = kScreenWidth * static_cast<size_t>(std::max(config_.height, 200)) + kBehindPicture;
     const auto whole = static_cast<int>(kScreenWidth) * config_.height;
-    bool needed[3] = {false, false, false};
+    bool needed[kLogs] = {};
     for (int buffer : {0, 1}) {
         const int owed = owed_[buffer];
         copy.owed[buffer] = owed;
@@ -158,7 +151,7 @@ void Console::copy_to(ConsoleCopy& copy) const {
         else copy.pictures[buffer].clear();
     }
     if (open_log_ >= 0) needed[open_log_] = needed[log_] = true;
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < kLogs; ++i) {
         copy.logs[i].used = needed[i];
         if (!needed[i]) continue;
         const FrameLog& log = logs_[i];
@@ -181,7 +174,7 @@ void Console::copy_from(const ConsoleCopy& copy) {
         owed_[buffer] = copy.owed[buffer];
         std::copy(copy.pictures[buffer].begin(), copy.pictures[buffer].end(), pictures_[buffer]);
     }
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < kLogs; ++i) {
         const ConsoleCopy::Log& from = copy.logs[i];
         if (!from.used) continue;
         FrameLog& log = logs_[i];
@@ -198,6 +191,7 @@ void Console::copy_from(const ConsoleCopy& copy) {
     read_latches_ = copy.read_latches;
     watched_latches_ = copy.watched_latches;
     cleared_ = copy.cleared;
+    if (line_cache_) line_cache_->forget();
     stale_ = 0x3f;
     map_segments();
 }
@@ -206,6 +200,7 @@ void Console::copy_from(const ConsoleCopy& copy) {
 void Console::forget_logs() {
     open_log_ = last_log_ = -1;
     cleared_ = false;
+    if (line_cache_) line_cache_->forget();
 }
 
 // A write that the fast interpreter does not take itself. Each is kept that could delay a later one.
@@ -256,19 +251,9 @@ void Console::keep_hmove(uint32_t cycles) {
 
 // The picture, after what is missing has been drawn.
 uint8_t* Console::drawn(int buffer) {
-    if (owed_[buffer] >= 0) {
-        draw_log(logs_[owed_[buffer]], pictures_[buffer]);
-        owed_[buffer] = -1;
-    }
+    const int owed = std::exchange(owed_[buffer], -1);
+    if (owed >= 0) line_cache_->draw(logs_[owed], pictures_, buffer);
     return pictures_[buffer];
-}
-
-void Console::draw_log(const FrameLog& log, uint8_t* pixels) {
-    Tia tia = log.start;
-    Beam beam(tia, config_);
-    beam.begin(Beam::kPixels, 0, pixels);
-    beam.apply(log.writes, log.writes + log.size, log.writes);
-    beam.reach(log.reached);
 }
 
 }  // namespace atari

@@ -290,10 +290,7 @@ struct FastCpu {
 
     // Keeps a write to the TIA for later. There is room: see `kLogSize`.
     INLINE static void keep(uint32_t cycles, Console& c, uint32_t reg, uint32_t value) {
-        Write* write = c.log_end_++;
-        write->cycle = cycles;
-        write->reg = static_cast<uint8_t>(reg);
-        write->value = static_cast<uint8_t>(value);
+        *c.log_end_++ = {cycles, static_cast<uint8_t>(reg), static_cast<uint8_t>(value), 0};
     }
 
     template <int op, Operand operand>

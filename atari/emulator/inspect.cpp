@@ -351,7 +351,6 @@ void register_inspection(nb::module_& m) {
              "What is pressed: SWCHB, both sticks (bits 0-3: up, down, left, right), fire, paddles. Default: nothing.")
         .def("state", &state, nb::sig("def state(self) -> dict[str, typing.Any]"),
              "All chips' registers and latches, by name, as nested dicts. For looking, not for saving.")
-        .def("expect_look", &Console::expect_look, "The next frame's picture will be looked at; it changes nothing else.")
         .def("save", &save, "The whole state as bytes.")
         .def("load", &load, "state"_a, "Continue from `save`; ValueError if the bytes cannot be a state.")
         .def("remember", &remember, "The whole state in memory, with what is still to be drawn.")

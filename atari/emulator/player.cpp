@@ -57,7 +57,7 @@ Outcome AlePlayer::step(int action, float strength) {
     bool over = false, lost = false;
     int64_t total = 0;
     while (left > 0 && !outcome.ended) {
-        view_.expects(--left);
+        --left;
         total += e.act(action, strength);
         ++state_.elapsed;
         over = e.game_over();

@@ -47,30 +47,37 @@ struct Riot {
 
 enum MissileVariant : uint8_t { kPlain, kWide, kOff };  // what the Cosmic Ark effect makes of missile 0
 
-struct Tia {
-    // Clocks: three a CPU cycle. frame_start is where line 0 of the current frame begins, 0 or a little before.
-    int32_t frame_start, draw_start, draw_stop;
+// What a line looks like depends on this at its beginning, and on what is written in it. Clocks are three a CPU cycle.
+struct TiaLine {
     int32_t drawn_to;     // the picture is complete up to this clock
     int32_t pending;      // and may be drawn with the present state up to this one
-    int32_t to_line_end;  // clocks from drawn_to to the end of its line
-    int32_t write_pos;    // next pixel in the current picture
-    int32_t vsync_done;   // from here on, switching VSYNC off ends the frame
-    int32_t last_hmove;
-    int32_t dump_off_cycle;
-    int32_t last_line_count, current_line;
     uint32_t playfield;   // 20 bits: PF0 high nibble, PF1, PF2
-    uint16_t collisions;  // 15 latches, see collision_bit
     uint8_t vblank, ctrlpf;
     uint8_t nusiz[2], colour[4];  // colour: P0, P1, PF, BK
     uint8_t grp[2], old_grp[2];
-    uint8_t hm[5], pos[5];  // P0, P1, M0, M1, BL
-    Flag refp[2], vdelp[2], enam[2], resmp[2];
-    Flag enabl, old_enabl, vdelbl;
+    Flag vdelp[2], enam[2], resmp[2];
+    Flag enabl, old_enabl;
     Flag skip_first[2];  // a player's first copy is hidden until the end of the line
     Flag pf_mirror;      // as latched, not as in CTRLPF
     MissileVariant m0_variant;
     Flag hmove_blank, cosmic_ark;
     uint8_t ark_counter;
+    // The rest makes a difference only where its object shows or is placed; see line_cache.hpp.
+    uint8_t pos[5];  // P0, P1, M0, M1, BL
+    Flag refp[2], vdelbl;
+    int32_t last_hmove;
+};
+
+struct Tia : TiaLine {
+    // frame_start is where line 0 of the current frame begins, 0 or a little before.
+    int32_t frame_start, draw_start, draw_stop;
+    int32_t to_line_end;  // clocks from drawn_to to the end of its line
+    int32_t write_pos;    // next pixel in the current picture
+    int32_t vsync_done;   // from here on, switching VSYNC off ends the frame
+    int32_t dump_off_cycle;
+    int32_t last_line_count, current_line;
+    uint16_t collisions;  // 15 latches, see collision_bit
+    uint8_t hm[5];
     Flag dump_on;
     Flag partial;  // the frame has not ended: the next update goes on with it
     Flag greyed;

@@ -29,11 +29,6 @@ class View {
   public:
     View(Environment& environment, const ViewSettings& settings, std::shared_ptr<const Scaler> scaler);
 
-    // A frame is about to be played, after which so many of the skip are left.
-    void expects(int left) {
-        if (planes_ && left < (settings_.max_pool ? 2 : 1)) environment_.console().expect_look();
-    }
-
     void begin(bool fill);           // shows the screen; `fill` begins a new stack
     void repeat(bool fill);          // shows the last picture again
     // A frame of a skip has been played, `left` are still to be; has the episode ended?

@@ -103,7 +103,7 @@ Outcome FramePlayer::step(int action, float strength) {
     int64_t reward = 0;
     int left = settings_.frame_skip.first;
     while (left > 0 && !ends.any()) {
-        view_.expects(--left);
+        --left;
         ends = frame(action, strength, reward);
         if (seamless && state_.life_lost) ends.terminated = false;  // it is told when the skip has been played
         ++state_.frames_played;
@@ -121,7 +121,7 @@ BaselinesPlayer::Ends BaselinesPlayer::skip(int action, float strength, int64_t&
     Ends ends{};
     int left = settings_.frame_skip.first;
     while (left > 0 && !ends.any()) {
-        view_.expects(--left);
+        --left;
         ends = play(action, strength, reward);
         view_.played(left, ends.any());
     }

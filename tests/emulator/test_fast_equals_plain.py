@@ -47,8 +47,6 @@ class Pair:
                     console.reset()
             if self.rng.random() < travels:
                 self.travel()
-            if self.rng.random() < 0.3:
-                self.fast.expect_look()
             for console in self.both:
                 console.run_frame()
             self.frames += 1
