@@ -16,7 +16,7 @@ except ImportError as error:
         "another one, or install the package with `pip install -e .`"
     ) from error
 
-from atari import cores
+from atari import algorithmic, cores
 from atari.actions import Action
 from atari.arrays import to_jax, to_torch
 from atari.catalog import games
@@ -34,6 +34,7 @@ __all__ = [
     "AtariEnv",
     "AtariVectorEnv",
     "Game",
+    "algorithmic",
     "cores",
     "explain",
     "games",
@@ -50,6 +51,7 @@ __all__ = [
 sys.modules["atari.games"] = games  # type: ignore[assignment]
 
 register_all()
+algorithmic.register_all()
 
 
 def __getattr__(name: str) -> Any:

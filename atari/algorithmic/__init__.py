@@ -1,0 +1,27 @@
+"""The algorithmic tasks of OpenAI Gym: learn to copy, reverse and add what is on a tape, one character at a time.
+
+Also the worked example of an environment of your own. Read in this order: `environment` has the rules and is a whole
+`gymnasium.Env`; `tape` and `grid` say what the input looks like; `tasks` has the five tasks, a few lines each;
+`registration` gives them their IDs; `curriculum` makes them harder, `text` shows them.
+
+The tasks are those of Zaremba et al. 2015, "Learning Simple Algorithms from Examples" (arXiv:1511.07275), with the
+rules of OpenAI Gym 0.7-0.19.
+"""
+
+from atari.algorithmic.environment import AlgorithmicEnv
+from atari.algorithmic.grid import GridEnv
+from atari.algorithmic.registration import register_all
+from atari.algorithmic.tape import TapeEnv
+from atari.algorithmic.tasks import CopyEnv, DuplicatedInputEnv, RepeatCopyEnv, ReversedAdditionEnv, ReverseEnv
+
+__all__ = [
+    "AlgorithmicEnv",
+    "CopyEnv",
+    "DuplicatedInputEnv",
+    "GridEnv",
+    "RepeatCopyEnv",
+    "ReverseEnv",
+    "ReversedAdditionEnv",
+    "TapeEnv",
+    "register_all",
+]

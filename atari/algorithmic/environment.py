@@ -1,0 +1,214 @@
+"""`AlgorithmicEnv`: read characters from an input, write others to an output tape.
+
+The agent sees the one character under its read head. An action says where the head moves, whether to write, and what.
+Each right character is a point; a wrong one ends the episode. What should be written, only the task knows.
+
+This is also how a `gymnasium.Env` is made: spaces in `__init__`, an episode in `reset`, its rules in `step`, randomness
+from `self.np_random` alone, and a picture in `render`.
+"""
+
+from abc import abstractmethod
+from typing import Any, ClassVar, Literal
+
+import gymnasium
+from gymnasium import spaces
+
+from atari.algorithmic import text
+from atari.algorithmic.curriculum import MAX_LENGTH, Curriculum
+
+Action = tuple[int, int, int]
+"""Movement, an index into `moves`; 1 to write and 0 not to; the character."""
+
+Rows = list[list[int]]
+"""An input: rows of characters, all of the same length."""
+
+MOVES = {"left": (-1, 0), "right": (1, 0), "up": (0, -1), "down": (0, 1)}
+"""How the read head moves, columns and rows."""
+
+
+class AlgorithmicEnv(gymnasium.Env[Any, Any]):
+    """What all algorithmic tasks share.
+
+    Args:
+        base: how many different characters there are.
+        min_length: the shortest input at first, 1 to 30; the longest has two characters more.
+        render_mode: "ansi" returns a text from `render`, "human" prints it after each step.
+
+    Observations are characters, 0 to base - 1, or base where the input has none. Actions are tuples of movement,
+    whether to write (0 or 1) and character.
+
+    Rewards are 1 for a right character, -0.5 for a wrong one, which ends the episode, -1 for running out of time, which
+    ends it too, and else 0.
+
+    After `window` solved episodes in a row, the inputs grow by one character. A `reset` with a seed starts from
+    `min_length` again, so that equal seeds and actions give equal episodes.
+
+    `reset` and `step` return with `info`: `input` and `target` as text, `read_head` (column, row), `write_head` (how
+    much is written), `time` and `time_limit` in steps, `min_length` and `solved`.
+
+    Raises:
+        ValueError: an option is out of range.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": ["human", "ansi"], "render_fps": 4}  # noqa: RUF012
+    moves: ClassVar[tuple[str, ...]]
+    """What the first part of an action may be, in order."""
+    alphabet: ClassVar[str]
+    """How characters are shown."""
+    height: int = 1
+    """How many rows an input has."""
+    window: ClassVar[int] = 10
+    """How many episodes in a row must be solved before inputs grow."""
+
+    rows: Rows
+    target: list[int]
+    read_head: tuple[int, int]
+    write_head: int
+    time: int
+    action: Action | None
+    reward: float
+    total_reward: float
+    solved: bool
+
+    def __init__(self, base: int, min_length: int = 2, render_mode: Literal["human", "ansi"] | None = None) -> None:
+        if not 1 <= base <= len(self.alphabet):
+            raise ValueError(f"base is the number of characters, 1 to {len(self.alphabet)}, got {base!r}")
+        if not 1 <= min_length <= MAX_LENGTH:
+            raise ValueError(f"min_length is 1 to {MAX_LENGTH}, got {min_length!r}")
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise ValueError(f"render_mode is 'human', 'ansi' or None, got {render_mode!r}")
+        self.base = base
+        self.render_mode = render_mode
+        self.observation_space = spaces.Discrete(base + 1)
+        self.action_space = spaces.Tuple((spaces.Discrete(len(self.moves)), spaces.Discrete(2), spaces.Discrete(base)))
+        self._first_length = min_length
+        self._curriculum = Curriculum(min_length, self.window)
+        self._playing = False
+        self._begin([[]], [])
+
+    @abstractmethod
+    def draw(self, length: int) -> Rows:
+        """Draw an input of about this length from `self.np_random`."""
+
+    @abstractmethod
+    def solve(self, rows: Rows) -> list[int]:
+        """What must be written for an input."""
+
+    @property
+    def time_limit(self) -> int:
+        """How many steps there are for the current input."""
+        return len(self.rows[0]) + len(self.target) + 4
+
+    @property
+    def min_length(self) -> int:
+        """The shortest input at present; it grows with success."""
+        return self._curriculum.length
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[int, dict[str, Any]]:
+        """Start an episode with a new input.
+
+        Args:
+            seed: restarts the generator and the growth of inputs.
+            options: {"input": text} sets the input, in the form of `info["input"]`.
+
+        Raises:
+            ValueError: `options` is something else.
+        """
+        given = self._parse(options["input"]) if options and "input" in options else None
+        super().reset(seed=seed)
+        if seed is not None:
+            self._curriculum = Curriculum(self._first_length, self.window)
+        elif self.time > 0:
+            self._curriculum.record(self.solved)  # an episode that was given up, too
+        rows = given or self.draw(self.min_length + int(self.np_random.integers(3)))
+        self._begin(rows, self.solve(rows))
+        self._playing = True
+        self._print()
+        return self.read(*self.read_head), self._info()
+
+    def step(self, action: Action) -> tuple[int, float, bool, bool, dict[str, Any]]:
+        """Write if asked to, then move the read head.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first `reset`, and after the end of an episode.
+            ValueError: the action is not in the action space.
+        """
+        if not self._playing:
+            raise gymnasium.error.ResetNeeded("no episode is going on; call env.reset() before env.step()")
+        if not self.action_space.contains(action):
+            raise ValueError(
+                f"an action is (movement 0..{len(self.moves) - 1}, write 0..1, character 0..{self.base - 1}), "
+                f"got {action!r}"
+            )
+        move, write, character = map(int, action)
+        self.action = move, write, character
+        self.time += 1
+        self.reward = self._write(character) if write else 0.0
+        right, down = MOVES[self.moves[move]]
+        self.read_head = self.read_head[0] + right, self.read_head[1] + down
+        if self.time > self.time_limit:
+            self.reward = -1.0
+        self.total_reward += self.reward
+        self.solved = self.write_head == len(self.target) and self.reward > 0
+        self._playing = not (self.solved or self.reward < 0)
+        self._print()
+        return self.read(*self.read_head), self.reward, not self._playing, False, self._info()
+
+    def read(self, column: int, row: int) -> int:
+        """The character at a place of the input, `base` where there is none."""
+        inside = 0 <= row < len(self.rows) and 0 <= column < len(self.rows[row])
+        return self.rows[row][column] if inside else self.base
+
+    def spell(self, characters: list[int]) -> str:
+        """Characters as text, a blank where there is none."""
+        return "".join(self.alphabet[: self.base].ljust(self.base + 1)[character] for character in characters)
+
+    def render(self) -> str | None:
+        """The text of the present state with render mode "ansi"; with "human", it has been printed already."""
+        if self.render_mode is None:
+            raise gymnasium.error.Error(
+                "render() needs a render mode; make the environment with render_mode='ansi' or 'human'"
+            )
+        return text.show(self) if self.render_mode == "ansi" else None
+
+    def _begin(self, rows: Rows, target: list[int]) -> None:
+        self.rows = rows
+        self.target = target
+        self.read_head = 0, 0
+        self.write_head = 0
+        self.time = 0
+        self.action = None
+        self.reward = self.total_reward = 0.0
+        self.solved = False
+
+    def _write(self, character: int) -> float:
+        right = character == self.target[self.write_head]
+        self.write_head += 1
+        return 1.0 if right else -0.5
+
+    def _parse(self, given: Any) -> Rows:
+        """The rows of an input that is given as text."""
+        known = self.alphabet[: self.base]
+        lines = given.split("\n") if isinstance(given, str) else []
+        even = len(lines) == self.height and len({len(line) for line in lines}) == 1
+        if not even or not lines[0] or not set("".join(lines)) <= set(known):
+            raise ValueError(
+                f"options['input'] is {self.height} line(s) of equal length, made of {known!r}, got {given!r}"
+            )
+        return [[known.index(character) for character in line] for line in lines]
+
+    def _info(self) -> dict[str, Any]:
+        return {
+            "input": "\n".join(self.spell(row) for row in self.rows),
+            "target": self.spell(self.target),
+            "read_head": self.read_head,
+            "write_head": self.write_head,
+            "time": self.time,
+            "time_limit": self.time_limit,
+            "min_length": self.min_length,
+            "solved": self.solved,
+        }
+
+    def _print(self) -> None:
+        if self.render_mode == "human":
+            print(text.show(self))

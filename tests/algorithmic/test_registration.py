@@ -1,0 +1,55 @@
+"""The six IDs in Gymnasium, as OpenAI Gym published them."""
+
+import warnings
+
+import gymnasium
+import pytest
+from gymnasium import spaces
+from gymnasium.utils.env_checker import check_env
+
+from atari import algorithmic
+
+TASKS = {
+    "Copy-v0": (algorithmic.CopyEnv, 25.0, (2, 2, 5)),
+    "DuplicatedInput-v0": (algorithmic.DuplicatedInputEnv, 9.0, (2, 2, 5)),
+    "RepeatCopy-v0": (algorithmic.RepeatCopyEnv, 75.0, (2, 2, 5)),
+    "Reverse-v0": (algorithmic.ReverseEnv, 25.0, (2, 2, 2)),
+    "ReversedAddition-v0": (algorithmic.ReversedAdditionEnv, 25.0, (4, 2, 3)),
+    "ReversedAddition3-v0": (algorithmic.ReversedAdditionEnv, 25.0, (4, 2, 3)),
+}
+
+
+@pytest.mark.parametrize("env_id", TASKS)
+def test_an_id_stands_for_the_published_task(env_id: str) -> None:
+    kind, threshold, actions = TASKS[env_id]
+    env = gymnasium.make(env_id)
+    assert type(env.unwrapped) is kind
+    assert env.spec is not None
+    assert (env.spec.reward_threshold, env.spec.max_episode_steps) == (threshold, 200)
+    assert not env.spec.nondeterministic
+    assert env.action_space == spaces.Tuple([spaces.Discrete(count) for count in actions])
+    assert env.observation_space == spaces.Discrete(actions[2] + 1)
+
+
+def test_three_rows_are_three() -> None:
+    rows = [gymnasium.make(env_id).reset()[1]["input"].count("\n") + 1 for env_id in list(TASKS)[-2:]]
+    assert rows == [2, 3]
+
+
+@pytest.mark.parametrize("env_id", TASKS)
+def test_gymnasium_finds_nothing_to_complain_of(env_id: str) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(gymnasium.make(env_id).unwrapped)
+
+
+def test_options_go_through_make() -> None:
+    env = gymnasium.make("Copy-v0", base=26, min_length=30)
+    assert len(env.reset(seed=0)[1]["input"]) >= 30
+    assert env.action_space[2].n == 26  # type: ignore[index]
+
+
+def test_registering_again_is_silent() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        algorithmic.register_all()
