@@ -1,0 +1,29 @@
+"""The interface of OpenAI Gym as textbooks and courses know it: `import atari.classic as gym`.
+
+`reset` returns the observation alone, `step` four values, `render` needs no mode at construction, `seed` is a method.
+`python -m atari.classic script.py` runs a script in which `import gym` means this package.
+"""
+
+import gymnasium.error as error
+
+from atari.classic import envs, spaces, wrappers
+from atari.classic.core import ActionWrapper, Env, GoalEnv, ObservationWrapper, RewardWrapper, Wrapper
+from atari.classic.envs import make, register, spec
+from atari.classic.spaces import Space
+
+__all__ = [
+    "ActionWrapper",
+    "Env",
+    "GoalEnv",
+    "ObservationWrapper",
+    "RewardWrapper",
+    "Space",
+    "Wrapper",
+    "envs",
+    "error",
+    "make",
+    "register",
+    "spaces",
+    "spec",
+    "wrappers",
+]

@@ -1,0 +1,208 @@
+"""A Gymnasium environment, spoken to in the old way.
+
+Gymnasium moved three things that `Adapter` moves back. The seed, from a method to `reset`: it waits for the next one.
+The render mode, from the call to the constructor: the environment is made with a mode that shows nothing by itself,
+and is given another for the length of a call. And `done`, split into terminated and truncated: their sum, with
+`info["TimeLimit.truncated"]` telling which.
+"""
+
+import inspect
+import operator
+import secrets
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+
+from atari.classic.core import Env, GoalEnv, Step
+from atari.classic.spaces import from_gymnasium
+from atari.classic.viewer import Viewer
+from atari.env import AtariEnv
+
+Modern = gymnasium.Env[Any, Any]
+
+_OWN = frozenset({"action_space", "metadata", "observation_space", "reward_range", "spec"})
+
+
+class Adapter(Env):
+    """A Gymnasium environment with the old interface.
+
+    Attributes that it does not have, such as `ale`, `state` or `get_action_meanings`, are those of the unwrapped
+    Gymnasium environment, for reading and writing.
+
+    Args:
+        modern: the environment, made with render mode "rgb_array" or "ansi" if it has one of them.
+
+    `step` raises:
+        gymnasium.error.ResetNeeded: before the first reset.
+        TypeError, ValueError: the action is not in the action space.
+    """
+
+    def __init__(self, modern: Modern) -> None:
+        self.modern = modern
+        self.action_space = from_gymnasium(modern.action_space)
+        self.observation_space = from_gymnasium(modern.observation_space)
+        self.metadata = _old_metadata(modern)
+        self._pending_seed: int | None = None
+        self._started = False
+        self._viewer: Viewer | None = None
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__") or name == "modern":
+            raise AttributeError(name)
+        try:
+            return getattr(self.modern.unwrapped, name)
+        except AttributeError:
+            kind = type(self.modern.unwrapped).__name__
+            raise AttributeError(f"this {kind} has no attribute {name!r}") from None
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name in _OWN or "_viewer" not in self.__dict__ or name in self.__dict__:
+            super().__setattr__(name, value)
+        else:
+            setattr(self.modern.unwrapped, name, value)
+
+    def seed(self, seed: int | None = None) -> list[int]:
+        """Make the next `reset` begin the sequence of episodes of a seed; None chooses one. Returns the seed."""
+        seed = secrets.randbits(31) if seed is None else operator.index(seed)
+        if seed < 0:
+            raise ValueError(f"a seed is an integer of 0 or more, got {seed}")
+        self._pending_seed = seed
+        return [seed]
+
+    def reset(self) -> Any:
+        """Start a new episode and return its first observation."""
+        seed, self._pending_seed = self._pending_seed, None
+        observation, _ = self.modern.reset(seed=seed)
+        self._started = True
+        return observation
+
+    def step(self, action: Any) -> Step:
+        """Take an action; `info["TimeLimit.truncated"]` is there where a limit, not the task, ended the episode."""
+        if not self._started:
+            raise gymnasium.error.ResetNeeded("step() came before the first reset(); call env.reset() first")
+        action = to_action(self.action_space, action)
+        observation, reward, terminated, truncated, info = self.modern.step(action)
+        if truncated:
+            info["TimeLimit.truncated"] = not terminated
+        if "lives" in info:
+            info["ale.lives"] = info["lives"]  # its name until 2021
+        return observation, reward, bool(terminated or truncated), info
+
+    def render(self, mode: str = "human", close: bool = False, **_: Any) -> Any:
+        """Show the environment in a window, or as text if it is one of text; or return it as "rgb_array" or "ansi".
+
+        Raises:
+            gymnasium.error.UnsupportedMode: the environment has no such mode.
+            gymnasium.error.DependencyNotInstalled: pygame is not installed.
+            gymnasium.error.Error: there is no display.
+        """
+        if close:
+            self._close_viewer()
+            return None
+        modes = self.metadata["render.modes"]
+        if mode not in modes:
+            raise gymnasium.error.UnsupportedMode(f"this environment cannot render {mode!r}; it has {', '.join(modes)}")
+        if mode != "human":
+            return self._render_as(mode)
+        if "ansi" in modes:
+            print(self._render_as("ansi"))
+        elif "rgb_array" in modes:
+            self._show(self._render_as("rgb_array"))
+        else:
+            self._render_as("human")
+        return None
+
+    def close(self) -> None:
+        """Close the environment and its window."""
+        self._close_viewer()
+        self.modern.close()
+
+    def __str__(self) -> str:
+        return f"<{type(self.modern.unwrapped).__name__}{f'<{self.spec.id}>' if self.spec else ' instance'}>"
+
+    def _render_as(self, mode: str) -> Any:
+        env = self.modern.unwrapped
+        made_with, env.render_mode = env.render_mode, mode
+        try:
+            return self.modern.render()
+        finally:
+            env.render_mode = made_with
+
+    def _show(self, rgb: Any) -> None:
+        if self._viewer is None:
+            self._viewer = Viewer(
+                self.spec.id if self.spec else "atari.classic",
+                self.metadata["video.frames_per_second"],
+                self.metadata["video.pixel_aspect"],
+            )
+        self._viewer.show(rgb)
+
+    def _close_viewer(self) -> None:
+        viewer, self._viewer = self._viewer, None
+        if viewer is not None:
+            viewer.close()
+
+
+class GoalAdapter(Adapter, GoalEnv):
+    """An `Adapter` of an environment with goals, such as those of Gymnasium-Robotics."""
+
+    def compute_reward(self, achieved_goal: Any, desired_goal: Any, info: dict[str, Any]) -> Any:
+        """The reward of having achieved one goal where another was desired."""
+        return self.modern.unwrapped.compute_reward(achieved_goal, desired_goal, info)  # type: ignore[attr-defined]
+
+
+def adapt(modern: Modern) -> Adapter:
+    """The adapter that goes with an environment."""
+    return (GoalAdapter if hasattr(modern.unwrapped, "compute_reward") else Adapter)(modern)
+
+
+def quiet_options(creator: Any) -> dict[str, Any]:
+    """The render mode to make an environment with, as an argument, so that nothing is shown before `render` is called.
+
+    Empty if the environment has no such mode, takes no such argument, or is of the old interface.
+    """
+    metadata = getattr(creator, "metadata", None)
+    modes = metadata.get("render_modes") or () if isinstance(metadata, dict) else ()
+    quiet = next((mode for mode in ("rgb_array", "ansi") if mode in modes), None)
+    if quiet is None or (isinstance(creator, type) and issubclass(creator, Env)):
+        return {}
+    parameters = inspect.signature(creator).parameters.values()
+    takes_mode = any(p.name == "render_mode" or p.kind is p.VAR_KEYWORD for p in parameters)
+    return {"render_mode": quiet} if takes_mode else {}
+
+
+def to_action(space: spaces.Space[Any], action: Any) -> Any:
+    """The action as the environment expects it.
+
+    Raises:
+        TypeError, ValueError: it is not in the space. Numbers beyond a Box's bounds are taken: environments clip them.
+    """
+    if isinstance(space, spaces.Box):
+        array = np.asarray(action, space.dtype)
+        if array.size != np.prod(space.shape):
+            raise ValueError(f"an action is an array of shape {space.shape}, got one of shape {array.shape}")
+        return array.reshape(space.shape)
+    if isinstance(space, spaces.Discrete):
+        try:
+            action = operator.index(action)
+        except TypeError:
+            raise TypeError(f"an action is an integer within 0..{space.n - 1}, got {action!r}") from None
+    if not space.contains(action):
+        what = f"within 0..{space.n - 1}" if isinstance(space, spaces.Discrete) else f"in {space}"
+        raise ValueError(f"the action {action!r} is not {what}; env.action_space.sample() gives one that is")
+    return action
+
+
+def _old_metadata(modern: Modern) -> dict[str, Any]:
+    metadata = dict(modern.metadata)
+    modes = [mode for mode in metadata.pop("render_modes", None) or [] if mode in ("human", "rgb_array", "ansi")]
+    if modes and "human" not in modes:
+        modes.insert(0, "human")  # whatever can be drawn or written can be shown
+    return {
+        **metadata,
+        "render.modes": modes,
+        "video.frames_per_second": metadata.pop("render_fps", 30),
+        "video.pixel_aspect": (2, 1) if isinstance(modern.unwrapped, AtariEnv) else (1, 1),
+    }

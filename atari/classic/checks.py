@@ -1,0 +1,75 @@
+"""`Checked`: an environment of a user's own, with its most common mistakes answered in a sentence."""
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+
+from atari.classic.core import Env, Step, Wrapper
+
+
+class Checked(Wrapper):
+    """Checks what goes into an old-style environment and what comes out of it. `make` puts it around your own.
+
+    `step` raises:
+        gymnasium.error.ResetNeeded: before the first reset.
+        TypeError: the environment returned something else than observation, reward, done and info.
+        ValueError: the action is not in the action space.
+    """
+
+    def __init__(self, env: Env) -> None:
+        for name in ("action_space", "observation_space"):
+            if not isinstance(getattr(env, name, None), gymnasium.Space):
+                raise TypeError(f"{type(env).__name__} has no {name}; set self.{name} to a space in its __init__")
+        super().__init__(env)
+        self._started = False
+
+    def _reset(self, **options: Any) -> Any:
+        observation = self.env.reset(**options)
+        name = type(self.unwrapped).__name__
+        if observation is None:
+            raise TypeError(f"{name}.reset() returned nothing; it must return the first observation")
+        if _is_pair(observation) and not self.observation_space.contains(observation):
+            raise TypeError(
+                f"{name}.reset() returned (observation, info), as in Gymnasium; here it must return the observation "
+                "alone (or derive the class from gymnasium.Env)"
+            )
+        self._started = True
+        return observation
+
+    def _step(self, action: Any) -> Step:
+        if not self._started:
+            raise gymnasium.error.ResetNeeded("step() came before the first reset(); call env.reset() first")
+        if not self.action_space.contains(action):
+            raise ValueError(
+                f"the action {action!r} is not in {self.action_space}; env.action_space.sample() gives one that is"
+            )
+        return check_step(self.env.step(action), type(self.unwrapped).__name__)
+
+
+def check_step(result: Any, name: str) -> Step:
+    """What `step` returned, if it is what it should be.
+
+    Raises:
+        TypeError: it is not; the text says what to do.
+    """
+    wanted = f"{name}.step() must return observation, reward, done, info"
+    if not isinstance(result, tuple):
+        raise TypeError(f"{wanted}, but returned {'nothing' if result is None else f'a {type(result).__name__}'}")
+    if len(result) == 5:
+        raise TypeError(
+            f"{wanted}, but returned five values, as in Gymnasium; return `terminated or truncated` as done "
+            "(or derive the class from gymnasium.Env)"
+        )
+    if len(result) != 4:
+        raise TypeError(f"{wanted}, but returned {len(result)} values")
+    observation, reward, done, info = result
+    if not isinstance(done, (bool, np.bool_)) and done not in (0, 1):
+        raise TypeError(f"{wanted}, but done is {done!r}; it must be True or False")
+    if not isinstance(info, dict):
+        raise TypeError(f"{wanted}, but info is {info!r}; return {{}} if there is nothing to say")
+    return observation, reward, bool(done), info
+
+
+def _is_pair(value: Any) -> bool:
+    return isinstance(value, tuple) and len(value) == 2 and isinstance(value[1], dict)

@@ -1,0 +1,182 @@
+"""The environment of OpenAI Gym's first years, and wrappers around it.
+
+The interface is that of the paper (Brockman et al. 2016, "OpenAI Gym"): `reset` returns an observation, `step` an
+observation, a reward, whether the episode is over, and a dictionary; `render` is told how at each call; `seed` is a
+method. An environment may spell its methods with an underscore (`_step`), as before 2018.
+"""
+
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+from atari.classic.spaces import Space
+
+if TYPE_CHECKING:
+    from atari.classic.envs.registration import EnvSpec
+
+Step = tuple[Any, Any, bool, dict[str, Any]]
+"""What `step` returns: observation, reward, done, info."""
+
+
+class Env:
+    """An environment.
+
+    Subclass it, set `action_space` and `observation_space`, define `reset` and `step`, and `render`, `seed` and `close`
+    if there is something to do.
+    """
+
+    metadata: dict[str, Any] = {"render.modes": []}  # noqa: RUF012
+    """"render.modes" lists what `render` takes, of "human", "rgb_array" and "ansi"."""
+
+    reward_range: tuple[float, float] = (-float("inf"), float("inf"))
+    spec: "EnvSpec | None" = None
+    """Under which ID, and with which limits, it was made; None if by hand."""
+
+    action_space: Space[Any]
+    observation_space: Space[Any]
+
+    def step(self, action: Any) -> Step:
+        """Take an action; return the observation, the reward, whether the episode is over, and diagnostics."""
+        return self._call("step", action)  # type: ignore[no-any-return]
+
+    def reset(self) -> Any:
+        """Start a new episode and return its first observation."""
+        return self._call("reset")
+
+    def render(self, mode: str = "human", **options: Any) -> Any:
+        """Show the environment ("human"), or return it as (rows, columns, 3) uint8 ("rgb_array") or text ("ansi")."""
+        return self._call("render", mode, **options)
+
+    def close(self) -> None:
+        """Release what it holds."""
+        if callable(getattr(self, "_close", None)):
+            self._call("close")
+
+    def seed(self, seed: int | None = None) -> list[int]:
+        """Seed the random generators and return the seeds; an environment without any returns none."""
+        return list(self._call("seed", seed) or []) if callable(getattr(self, "_seed", None)) else []
+
+    @property
+    def unwrapped(self) -> "Env":
+        """The environment inside all wrappers."""
+        return self
+
+    def _call(self, name: str, *args: Any, **options: Any) -> Any:
+        """Call the method under its name of before 2018."""
+        old = getattr(self, f"_{name}", None)
+        if not callable(old):
+            raise NotImplementedError(f"{type(self).__name__} has no {name}(); define it")
+        return old(*args, **options)
+
+    def __str__(self) -> str:
+        return f"<{type(self).__name__}{f'<{self.spec.id}>' if self.spec else ' instance'}>"
+
+    def __enter__(self) -> "Env":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+class GoalEnv(Env):
+    """An environment of goals: observations are dictionaries of observation, achieved_goal and desired_goal.
+
+    `compute_reward` says what a step would have earned had the goal been another (Andrychowicz et al. 2017,
+    "Hindsight Experience Replay").
+    """
+
+    def compute_reward(self, achieved_goal: Any, desired_goal: Any, info: dict[str, Any]) -> Any:
+        """The reward of having achieved one goal where another was desired."""
+        raise NotImplementedError(f"{type(self).__name__} has no compute_reward(); define it")
+
+
+class Wrapper(Env):
+    """An environment around another, `env`, to which it leaves what it does not define itself."""
+
+    def __init__(self, env: Env) -> None:
+        if not isinstance(env, Env):
+            raise TypeError(f"a wrapper of atari.classic goes around one of its environments, got {env!r}; make() one")
+        self.env = env
+        self.action_space = env.action_space
+        self.observation_space = env.observation_space
+        self.reward_range = env.reward_range
+        self.metadata = env.metadata
+        self.spec = env.spec
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or name == "env":
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        return getattr(self.env, name)
+
+    def reset(self, **options: Any) -> Any:  # noqa: D102
+        return self._call("reset", **options)
+
+    def render(self, *args: Any, **options: Any) -> Any:  # noqa: D102 - an environment's render() may lack a mode
+        return self._call("render", *args, **options)
+
+    # Under these names, so that a subclass may define either `step` or, as before 2018, `_step`.
+
+    def _step(self, action: Any) -> Step:
+        return self.env.step(action)
+
+    def _reset(self, **options: Any) -> Any:
+        return self.env.reset(**options)
+
+    def _render(self, *args: Any, **options: Any) -> Any:
+        return self.env.render(*args, **options)
+
+    def _close(self) -> None:
+        self.env.close()
+
+    def _seed(self, seed: int | None = None) -> list[int]:
+        return self.env.seed(seed)
+
+    @property
+    def unwrapped(self) -> Env:  # noqa: D102
+        return self.env.unwrapped
+
+    def __str__(self) -> str:
+        return f"<{type(self).__name__}{self.env}>"
+
+
+class ObservationWrapper(Wrapper):
+    """A wrapper that changes observations; define `observation`."""
+
+    def _reset(self, **options: Any) -> Any:
+        return self.observation(self.env.reset(**options))
+
+    def _step(self, action: Any) -> Step:
+        observation, reward, done, info = self.env.step(action)
+        return self.observation(observation), reward, done, info
+
+    def observation(self, observation: Any) -> Any:
+        """The observation to show instead."""
+        return self._call("observation", observation)
+
+
+class RewardWrapper(Wrapper):
+    """A wrapper that changes rewards; define `reward`."""
+
+    def _step(self, action: Any) -> Step:
+        observation, reward, done, info = self.env.step(action)
+        return observation, self.reward(reward), done, info
+
+    def reward(self, reward: Any) -> Any:
+        """The reward to give instead."""
+        return self._call("reward", reward)
+
+
+class ActionWrapper(Wrapper):
+    """A wrapper that changes actions; define `action`."""
+
+    def _step(self, action: Any) -> Step:
+        return self.env.step(self.action(action))
+
+    def action(self, action: Any) -> Any:
+        """The action to take instead."""
+        return self._call("action", action)
+
+    def reverse_action(self, action: Any) -> Any:
+        """The action that `action` would turn into this one."""
+        return self._call("reverse_action", action)

@@ -1,0 +1,5 @@
+"""Which environments there are: `registry`, `make`, `spec`, `register`."""
+
+from atari.classic.envs.registration import make, register, registry, spec
+
+__all__ = ["make", "register", "registry", "spec"]

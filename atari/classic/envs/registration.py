@@ -1,0 +1,226 @@
+"""The registry of old, as a view of Gymnasium's.
+
+There is one registry, Gymnasium's: what either interface registers, both can make. `EnvSpec` is what Gym's specs were,
+derived from Gymnasium's when asked for, with the limits that Gym gave to Atari games.
+"""
+
+import copy
+import re
+from collections.abc import Callable, Iterator, MutableMapping, ValuesView
+from dataclasses import dataclass, field
+from typing import Any
+
+import gymnasium
+from gymnasium.envs.registration import EnvSpec as ModernSpec
+from gymnasium.envs.registration import load_env_creator
+
+from atari.classic import history, lookup
+from atari.classic.adapter import adapt, quiet_options
+from atari.classic.checks import Checked
+from atari.classic.core import Env
+from atari.classic.modern import EntryPoint
+from atari.classic.wrappers.time_limit import TimeLimit
+
+_ID = re.compile(r"(?:[\w-]+/)?[\w:.-]+-v(\d+)")
+
+
+@dataclass(frozen=True, repr=False)
+class EnvSpec:
+    """What is registered under an ID.
+
+    `max_episode_steps` is the time limit, None for none; `reward_threshold` the mean return from which the task counts
+    as solved, None if nobody has said; `nondeterministic` whether seeding does not make it repeatable.
+    """
+
+    id: str
+    entry_point: "str | Callable[..., Any] | None" = None
+    reward_threshold: float | None = None
+    nondeterministic: bool = False
+    max_episode_steps: int | None = None
+    kwargs: dict[str, Any] = field(default_factory=dict, compare=False)
+
+    @property
+    def timestep_limit(self) -> int | None:
+        """`max_episode_steps` under its name of 2016."""
+        return self.max_episode_steps
+
+    @property
+    def tags(self) -> dict[str, Any]:
+        """The time limit, where scripts of 2016 looked for it."""
+        return {"wrapper_config.TimeLimit.max_episode_steps": self.max_episode_steps}
+
+    def make(self, **options: Any) -> Env:
+        """Make the environment."""
+        return make(self.id, **options)
+
+    def __repr__(self) -> str:
+        return f"EnvSpec({self.id})"
+
+
+class EnvSpecs(MutableMapping[str, EnvSpec]):
+    """All specs by their ID; deleting one makes place for another of the same ID."""
+
+    def __getitem__(self, env_id: str) -> EnvSpec:
+        if not lookup.is_alive(env_id):
+            raise KeyError(env_id)
+        return _classic_spec(gymnasium.registry[env_id])
+
+    def __setitem__(self, env_id: str, spec: EnvSpec) -> None:
+        entry_point = spec.entry_point
+        gymnasium.registry[env_id] = ModernSpec(
+            id=env_id,
+            entry_point=entry_point if entry_point is None else EntryPoint(entry_point),
+            reward_threshold=spec.reward_threshold,
+            nondeterministic=spec.nondeterministic,
+            max_episode_steps=spec.max_episode_steps,
+            kwargs=spec.kwargs,
+        )
+
+    def __delitem__(self, env_id: str) -> None:
+        del gymnasium.registry[env_id]
+
+    def __iter__(self) -> Iterator[str]:
+        lookup.load_robotics()
+        return iter([env_id for env_id in gymnasium.registry if lookup.is_alive(env_id)])
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    def __repr__(self) -> str:
+        return repr(dict(self))
+
+
+class EnvRegistry:
+    """The registry as an object: `registry.all()`, `registry.env_specs`, `registry.spec(id)`, `registry.make(id)`."""
+
+    def __init__(self) -> None:
+        self.env_specs = EnvSpecs()
+
+    def all(self) -> ValuesView[EnvSpec]:
+        """Every `EnvSpec`."""
+        return dict(self.env_specs).values()
+
+    def spec(self, env_id: str) -> EnvSpec:
+        """See `spec`."""
+        return spec(env_id)
+
+    def make(self, env_id: str, **options: Any) -> Env:
+        """See `make`."""
+        return make(env_id, **options)
+
+    def register(self, env_id: str, **options: Any) -> None:
+        """See `register`."""
+        register(env_id, **options)
+
+
+registry = EnvRegistry()
+
+
+def register(
+    id: str,
+    entry_point: "str | Callable[..., Any] | None" = None,
+    reward_threshold: float | None = None,
+    nondeterministic: bool = False,
+    max_episode_steps: int | None = None,
+    kwargs: dict[str, Any] | None = None,
+    *,
+    timestep_limit: int | None = None,
+    tags: dict[str, Any] | None = None,
+    **_: Any,
+) -> None:
+    """Register an environment, of the old interface or the new, for `make` and for `gymnasium.make`.
+
+    Args:
+        id: such as "Corridor-v0".
+        entry_point: the class, or where it is: "my_module:CorridorEnv".
+        reward_threshold: the mean return from which the task counts as solved.
+        nondeterministic: whether seeding does not make it repeatable.
+        max_episode_steps: the time limit; `timestep_limit` and the tag of 2016 mean the same.
+        kwargs: arguments of the class; `make` can overrule them.
+        timestep_limit: see `max_episode_steps`.
+        tags: of these, only the time limit is used.
+
+    Raises:
+        gymnasium.error.Error: the ID is malformed, or taken by another environment.
+    """
+    if not isinstance(id, str) or not _ID.fullmatch(id):
+        raise gymnasium.error.Error(f"an ID is a name, '-v' and a version, such as 'Corridor-v0', got {id!r}")
+    if not (isinstance(entry_point, str) and ":" in entry_point) and not callable(entry_point):
+        raise gymnasium.error.Error(
+            f"entry_point is a class, or where it is ('my_module:CorridorEnv'), got {entry_point!r}"
+        )
+    taken = gymnasium.registry.get(id)
+    if taken is not None and _place(taken.entry_point) != _place(EntryPoint(entry_point)):
+        raise gymnasium.error.Error(
+            f"the ID {id!r} is taken by {_place(taken.entry_point)}; choose another name or version, "
+            f"or first `del gym.envs.registry.env_specs[{id!r}]`"
+        )
+    limit = max_episode_steps or timestep_limit or (tags or {}).get("wrapper_config.TimeLimit.max_episode_steps")
+    registry.env_specs[id] = EnvSpec(id, entry_point, reward_threshold, nondeterministic, limit, dict(kwargs or {}))
+
+
+def spec(env_id: str) -> EnvSpec:
+    """The `EnvSpec` of an ID; of the newest version, if that of the ID is no longer there.
+
+    Raises:
+        gymnasium.error.UnregisteredEnv: there is no such environment; the text says which there is, or what to install.
+    """
+    return registry.env_specs[lookup.resolve(env_id)]
+
+
+def make(env_id: str, **options: Any) -> Env:
+    """Make an environment with the old interface.
+
+    Args:
+        env_id: an ID, which may name a module to import first: "my_module:Corridor-v0".
+        **options: arguments of the environment.
+
+    Raises:
+        gymnasium.error.UnregisteredEnv: there is no such environment; the text says which there is, or what to install.
+        gymnasium.error.DependencyNotInstalled: it needs a package that is not installed; the text says which.
+    """
+    chosen = spec(env_id)
+    modern = copy.copy(gymnasium.registry[chosen.id])
+    entry_point = modern.entry_point
+    env: Any
+    if isinstance(entry_point, EntryPoint):
+        creator = entry_point.load()
+        env = creator(**{**quiet_options(creator), **chosen.kwargs, **options})
+    else:
+        modern.kwargs = {**chosen.kwargs, **options}
+        env = _make_modern(modern)
+    if not isinstance(env, (Env, gymnasium.Env)):
+        raise TypeError(
+            f"{chosen.id} is made by {_place(entry_point)}, which gave {env!r}; derive the class from gym.Env"
+        )
+    classic = Checked(env) if isinstance(env, Env) else adapt(env)
+    classic.unwrapped.spec = classic.spec = chosen
+    return classic if chosen.max_episode_steps is None else TimeLimit(classic, chosen.max_episode_steps)
+
+
+def _place(entry_point: Any) -> str:
+    """Where an entry point is; the same for a class that is defined once more, as notebooks do."""
+    if isinstance(entry_point, EntryPoint):
+        entry_point = entry_point.entry_point
+    if isinstance(entry_point, str):
+        return entry_point
+    return f"{getattr(entry_point, '__module__', '')}:{getattr(entry_point, '__qualname__', repr(entry_point))}"
+
+
+def _make_modern(modern: ModernSpec) -> gymnasium.Env[Any, Any]:
+    creator = load_env_creator(modern.entry_point) if isinstance(modern.entry_point, str) else modern.entry_point
+    modern.kwargs = {**quiet_options(creator), **modern.kwargs}
+    return gymnasium.make(modern, max_episode_steps=-1, disable_env_checker=True)
+
+
+def _classic_spec(modern: ModernSpec) -> EnvSpec:
+    entry_point = modern.entry_point
+    changes = history.atari_changes(modern)
+    return EnvSpec(
+        modern.id,
+        entry_point.entry_point if isinstance(entry_point, EntryPoint) else entry_point,
+        modern.reward_threshold,
+        changes.nondeterministic or modern.nondeterministic,
+        changes.max_episode_steps or modern.max_episode_steps,
+        {**modern.kwargs, **changes.kwargs},
+    )

@@ -1,0 +1,83 @@
+"""From the ID a script names to the one that is registered today."""
+
+import difflib
+import re
+import sys
+from functools import cache
+from importlib import import_module, util
+
+import gymnasium
+from gymnasium import logger
+
+from atari.classic import history
+
+_VERSION = re.compile(r"(.+)-v(\d+)")
+
+
+def resolve(env_id: str) -> str:
+    """The registered ID that stands for this one: itself, or its newest version, if that is newer, with a warning.
+
+    Args:
+        env_id: an ID, which may name a module to import first: "my_module:Corridor-v0".
+
+    Raises:
+        TypeError: it is no text.
+        gymnasium.error.UnregisteredEnv: there is no such environment; the text says which there is, or what to install.
+    """
+    if not isinstance(env_id, str):
+        raise TypeError(f"make() takes an ID such as 'CartPole-v0', got {env_id!r}")
+    module, _, name = env_id.rpartition(":")
+    if module:
+        import_module(module)
+    if not is_alive(name):
+        load_robotics()
+    if is_alive(name):
+        return name
+    newest = _newest(name)
+    if newest is None:
+        raise gymnasium.error.UnregisteredEnv(f"there is no environment {name!r}; {_cure(name)}")
+    _say_once(f"{name} is no longer there; this is {newest}, its newest version")
+    return newest
+
+
+def is_alive(env_id: str) -> bool:
+    """Whether an ID is registered, and not only to say that it is no longer there."""
+    spec = gymnasium.registry.get(env_id)
+    return spec is not None and not getattr(spec.entry_point, "__name__", "").startswith("_raise_")
+
+
+def load_robotics() -> None:
+    """Let Gymnasium-Robotics, if it is there, register its environments."""
+    if util.find_spec("gymnasium_robotics") is not None:
+        import_module("gymnasium_robotics")
+
+
+@cache
+def _say_once(text: str) -> None:
+    if logger.min_level <= logger.WARN:  # not logger.warn(), which makes three lines of it
+        print(f"atari.classic: {text}", file=sys.stderr)
+
+
+def _newest(env_id: str) -> str | None:
+    match = _VERSION.fullmatch(env_id)
+    if match is None:
+        return None
+    name, version = match.group(1), int(match.group(2))
+    others = [_VERSION.fullmatch(other) for other in gymnasium.registry if is_alive(other)]
+    versions = [int(other.group(2)) for other in others if other and other.group(1) == name]
+    newest = max(versions, default=-1)
+    return f"{name}-v{newest}" if newest > version else None
+
+
+def _cure(env_id: str) -> str:
+    """What to do about an ID that there is not."""
+    gone = history.fate(env_id)
+    if gone is not None:
+        return gone
+    by_name = {_skeleton(other): other for other in gymnasium.registry if is_alive(other)}
+    near = difflib.get_close_matches(_skeleton(env_id), by_name, n=1)
+    return f"did you mean {by_name[near[0]]!r}?" if near else "gym.envs.registry.all() lists what there is"
+
+
+def _skeleton(env_id: str) -> str:
+    return env_id.lower().replace("_", "")

@@ -1,0 +1,17 @@
+"""Spaces, printed as they were: `Discrete(2)`, `Box(4,)`.
+
+They are Gymnasium's spaces, with the constructors and texts of old, so that Gymnasium's wrappers and other libraries
+know them.
+"""
+
+from gymnasium.spaces import Space
+
+from atari.classic.spaces.box import Box
+from atari.classic.spaces.convert import from_gymnasium
+from atari.classic.spaces.dict import Dict
+from atari.classic.spaces.discrete import Discrete
+from atari.classic.spaces.multi_binary import MultiBinary
+from atari.classic.spaces.multi_discrete import MultiDiscrete
+from atari.classic.spaces.tuple import Tuple
+
+__all__ = ["Box", "Dict", "Discrete", "MultiBinary", "MultiDiscrete", "Space", "Tuple", "from_gymnasium"]

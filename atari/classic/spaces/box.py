@@ -1,0 +1,35 @@
+"""`Box`: arrays between bounds."""
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+
+
+class Box(gymnasium.spaces.Box):  # type: ignore[type-arg] - no generic class in earlier Gymnasiums
+    """Arrays of a shape, each number between its bounds.
+
+    Args:
+        low: the lower bounds, an array, or one number for all.
+        high: the upper bounds.
+        shape: of the arrays, if the bounds are numbers.
+        dtype: of the arrays; None is float32.
+    """
+
+    def __init__(self, low: Any, high: Any, shape: Any = None, dtype: Any = None) -> None:
+        dtype = np.dtype(np.float32 if dtype is None else dtype)
+        low, high = (_bound(bound, dtype) for bound in (low, high))
+        super().__init__(low, high, shape, dtype)
+
+    def contains(self, x: Any) -> bool:
+        """Whether `x` has the shape and lies within the bounds, whatever its dtype."""
+        array = np.asarray(x)
+        return array.shape == self.shape and bool(np.all(array >= self.low) and np.all(array <= self.high))
+
+    def __repr__(self) -> str:
+        return f"Box{self.shape}"
+
+
+def _bound(bound: Any, dtype: np.dtype[Any]) -> Any:
+    """Bounds of the dtype of the box: scripts give float64, and Gymnasium would warn of the rounding."""
+    return np.asarray(bound, dtype) if np.ndim(bound) else bound

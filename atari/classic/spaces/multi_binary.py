@@ -1,0 +1,15 @@
+"""`MultiBinary`: n bits."""
+
+from typing import Any
+
+import gymnasium
+
+
+class MultiBinary(gymnasium.spaces.MultiBinary):
+    """Arrays of n numbers, each 0 or 1; `n` may be a shape."""
+
+    def __init__(self, n: Any) -> None:
+        super().__init__(n)
+
+    def __repr__(self) -> str:
+        return f"MultiBinary({self.n})"

@@ -1,0 +1,15 @@
+"""`MultiDiscrete`: several integers, each with a range of its own."""
+
+from typing import Any
+
+import gymnasium
+
+
+class MultiDiscrete(gymnasium.spaces.MultiDiscrete):  # type: ignore[type-arg] - no generic class in earlier Gymnasiums
+    """Arrays of integers, number i within 0 to nvec[i] - 1."""
+
+    def __init__(self, nvec: Any) -> None:
+        super().__init__(nvec)
+
+    def __repr__(self) -> str:
+        return f"MultiDiscrete({self.nvec})"

@@ -1,0 +1,16 @@
+"""`Tuple`: one element of each of several spaces."""
+
+from collections.abc import Iterable
+from typing import Any
+
+import gymnasium
+
+
+class Tuple(gymnasium.spaces.Tuple):  # type: ignore[type-arg] - no generic class in earlier Gymnasiums
+    """Tuples of an element of each space."""
+
+    def __init__(self, spaces: Iterable[gymnasium.Space[Any]]) -> None:
+        super().__init__(spaces)
+
+    def __repr__(self) -> str:
+        return f"Tuple({', '.join(map(repr, self.spaces))})"

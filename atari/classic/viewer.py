@@ -1,0 +1,72 @@
+"""`Viewer`: the window of `render(mode="human")`, through pygame-ce (extra `play`)."""
+
+import os
+from typing import Any
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+
+_LEAST_ROWS = 400  # smaller pictures are shown larger
+
+
+class Viewer:
+    """A window that shows pictures at a rate.
+
+    Args:
+        title: of the window.
+        frames_per_second: how many pictures to show a second, at most.
+        pixel_aspect: how many columns and rows of the window make a pixel of a picture, such as (2, 1) on an Atari.
+
+    Raises:
+        gymnasium.error.DependencyNotInstalled: pygame is not installed.
+    """
+
+    def __init__(self, title: str, frames_per_second: float, pixel_aspect: tuple[int, int] = (1, 1)) -> None:
+        os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
+        try:
+            import pygame
+        except ImportError:
+            raise gymnasium.error.DependencyNotInstalled(
+                "env.render() needs pygame-ce: pip install 'atari-envs[play]'"
+            ) from None
+        self._pygame: Any = pygame
+        self._title, self._rate, self._aspect = title, frames_per_second, pixel_aspect
+        self._clock = pygame.time.Clock()
+        self._surface: Any = None
+
+    def show(self, rgb: npt.NDArray[np.uint8]) -> None:
+        """Show one picture, (rows, columns, 3) uint8, and wait until it is time for the next.
+
+        Raises:
+            gymnasium.error.Error: there is no display.
+        """
+        pygame = self._pygame
+        if self._surface is None:
+            self._surface = self._open(rgb.shape[0], rgb.shape[1])
+        pygame.event.pump()
+        image = pygame.surfarray.make_surface(rgb.swapaxes(0, 1))
+        self._surface.blit(pygame.transform.scale(image, self._surface.get_size()), (0, 0))
+        pygame.display.flip()
+        if pygame.display.get_driver() != "dummy":  # where nobody watches, nobody needs the time to
+            self._clock.tick(self._rate)
+
+    def close(self) -> None:
+        """Close the window."""
+        if self._surface is not None:
+            self._surface = None
+            self._pygame.display.quit()
+
+    def _open(self, rows: int, columns: int) -> Any:
+        pygame = self._pygame
+        scale = max(1, -(-_LEAST_ROWS // rows))
+        try:
+            pygame.display.init()
+            surface = pygame.display.set_mode((scale * columns * self._aspect[0], scale * rows * self._aspect[1]))
+        except pygame.error as error:
+            raise gymnasium.error.Error(
+                f"env.render() needs a display and found none ({error}); set the environment variable "
+                "SDL_VIDEODRIVER=dummy to run without a picture, or call env.render(mode='rgb_array') for an array"
+            ) from None
+        pygame.display.set_caption(self._title)
+        return surface
