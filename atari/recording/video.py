@@ -61,6 +61,7 @@ class VideoWriter:
         fps: screens a second, such as `frame_rate(game)`.
         scale: a pixel of the screen becomes `2 * scale` columns and `scale` rows of the video. H.264 stores
             colours for blocks of 2 x 2, so with an odd scale the colours of neighbouring rows mix at edges.
+        pixel_aspect: (columns, rows) of a pixel at scale 1: (2, 1) on this console, (1, 1) for square pixels.
 
     Raises:
         TypeError, ValueError: an argument is of the wrong kind or out of range.
@@ -72,7 +73,13 @@ class VideoWriter:
     """Screens written so far."""
 
     def __init__(
-        self, path: str | PathLike[str], size: tuple[int, int], fps: Fraction | float, *, scale: int = 2
+        self,
+        path: str | PathLike[str],
+        size: tuple[int, int],
+        fps: Fraction | float,
+        *,
+        scale: int = 2,
+        pixel_aspect: tuple[int, int] = (2, 1),
     ) -> None:
         self.path = Path(path)
         if self.path.suffix.lower() != ".mp4":
@@ -82,8 +89,9 @@ class VideoWriter:
             raise TypeError(f"size is (rows, columns) of the screens, got {size!r}")
         rows, columns = (check_integer("a side of size", side, 1, _H264_LIMIT) for side in size)
         self._shape = (rows, columns, 3)
-        width, height = 2 * scale * columns, scale * rows
-        if height % 2 or max(width, height) > _H264_LIMIT:
+        across, down = (check_integer("a side of pixel_aspect", side, 1, 16) for side in pixel_aspect)
+        width, height = across * scale * columns, down * scale * rows
+        if width % 2 or height % 2 or max(width, height) > _H264_LIMIT:
             raise ValueError(
                 f"the video would be {width}x{height}, but H.264 needs even sides up to {_H264_LIMIT}; "
                 f"choose another scale than {scale}"
