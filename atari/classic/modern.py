@@ -4,56 +4,94 @@
 interface shows when it is first needed, as its name may be all that was registered.
 """
 
+import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import gymnasium
+import numpy as np
 from gymnasium.envs.registration import load_env_creator
 
+from atari.classic.checks import Checked
 from atari.classic.core import Env
 
 
 class Modern(gymnasium.Env[Any, Any]):
     """An old-style environment with Gymnasium's interface.
 
+    The seed of `reset` goes to the environment's `seed` method: without one, its episodes do not repeat. What this
+    class does not have, such as a method of the environment's own, is looked up there; `classic` is the environment.
+
     Args:
         classic: the environment.
-        render_mode: how `render` calls it: "human", "rgb_array", "ansi".
+        render_mode: one of its modes, which its `render` is called with; "human" after each reset and step.
+
+    Raises:
+        gymnasium.error.UnsupportedMode: the environment has no such render mode.
+        TypeError: it lacks a space; and from `reset` and `step`, when it returns something wrong.
     """
 
+    classic: Env
+
     def __init__(self, classic: Env, render_mode: str | None = None) -> None:
+        self._checked = Checked(classic)
         self.classic = classic
+        self.metadata = modern_metadata(classic.metadata)
+        modes = self.metadata["render_modes"]
+        if render_mode not in (None, *modes):
+            raise gymnasium.error.UnsupportedMode(
+                f"{type(classic).__name__} has the render modes {modes}, got {render_mode!r}; "
+                "name what its render() takes in metadata['render.modes']"
+            )
         self.render_mode = render_mode
         self.action_space = classic.action_space
         self.observation_space = classic.observation_space
-        self.metadata = modern_metadata(classic.metadata)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Seed the environment, if asked to, and start a new episode."""
+        """Seed the environment, if asked to, and start a new episode. `options` are ignored."""
         super().reset(seed=seed)
         if seed is not None:
-            self.classic.seed(seed)
-        return self.classic.reset(), {}
+            self._checked.seed(seed)
+        observation = self._observation(self._checked.reset())
+        self._show()
+        return observation, {}
 
-    def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
-        """Take an action; `info["TimeLimit.truncated"]` becomes `truncated`."""
-        observation, reward, done, info = self.classic.step(action)
-        truncated = bool(done and info.get("TimeLimit.truncated", False))
-        return observation, reward, bool(done) and not truncated, truncated, info
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """Take an action; `done` is terminated, or truncated where `info["TimeLimit.truncated"]` says so."""
+        observation, reward, done, info = self._checked.step(action)
+        truncated = done and bool(info.get("TimeLimit.truncated", False))
+        self._show()
+        return self._observation(observation), float(reward), done and not truncated, truncated, info
 
     def render(self) -> Any:
-        """What the environment's `render` returns in this mode."""
-        return None if self.render_mode is None else self.classic.render(mode=self.render_mode)
+        """What the environment's `render` returns in this mode; None in mode "human", which has shown it already."""
+        if self.render_mode is None:
+            raise gymnasium.error.Error("render() needs a render mode; make the environment with one, such as 'human'")
+        return None if self.render_mode == "human" else self._checked.render(self.render_mode)
 
     def close(self) -> None:
         """Close the environment."""
-        self.classic.close()
+        self._checked.close()
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__") or name in ("classic", "_checked"):  # also asked for while a copy is being made
+            raise AttributeError(name)
+        return getattr(self.classic, name)
+
+    def _observation(self, observation: Any) -> Any:
+        """In a Box, an array of its dtype, which Gymnasium's wrappers count on; lists did, too, in Gym."""
+        space = self.observation_space
+        return np.asarray(observation, space.dtype) if isinstance(space, gymnasium.spaces.Box) else observation
+
+    def _show(self) -> None:
+        if self.render_mode == "human":
+            self._checked.render("human")
 
 
 @dataclass(frozen=True)
 class EntryPoint:
-    """A class, or where it is, that makes environments of either interface."""
+    """A class, or where it is, or a function, that makes environments of either interface."""
 
     entry_point: str | Callable[..., Any]
 
@@ -68,16 +106,43 @@ class EntryPoint:
         """That of the class, in Gymnasium's words."""
         return modern_metadata(getattr(self.load(), "metadata", {}))
 
+    def create(self, **options: Any) -> Env | gymnasium.Env[Any, Any]:
+        """Make an environment of the interface it has.
+
+        Raises:
+            TypeError: what was made is neither; the text says what to do.
+        """
+        env = self.load()(**options)
+        if isinstance(env, Env):
+            return env
+        name = type(env).__name__
+        if not isinstance(env, gymnasium.Env):
+            raise TypeError(f"{name} is no environment; derive the class from Env, of atari.classic or of gymnasium")
+        if not _takes(env.unwrapped.reset, "seed"):
+            raise TypeError(
+                f"{name} derives from gymnasium.Env, but its reset() takes no `seed`; derive it from atari.classic.Env, "
+                "or let reset(self, *, seed=None, options=None) return observation and info"
+            )
+        return env
+
     def __call__(self, **options: Any) -> gymnasium.Env[Any, Any]:
         """Make an environment of the new interface."""
-        creator: Any = self.load()
-        if isinstance(creator, type) and issubclass(creator, gymnasium.Env):
-            return creator(**options)  # type: ignore[no-any-return]
-        render_mode = options.pop("render_mode", None)
-        return Modern(creator(**options), render_mode)
+        creator = self.load()
+        render_mode = options.get("render_mode")
+        is_modern = isinstance(creator, type) and issubclass(creator, gymnasium.Env)
+        if not is_modern and not _takes(creator, "render_mode"):
+            options.pop("render_mode", None)
+        env = self.create(**options)
+        return Modern(env, render_mode) if isinstance(env, Env) else env
 
 
 def modern_metadata(metadata: dict[str, Any]) -> dict[str, Any]:
     """Metadata of an old-style environment in Gymnasium's words."""
-    modes = metadata.get("render_modes", metadata.get("render.modes", []))
-    return {**metadata, "render_modes": modes, "render_fps": metadata.get("video.frames_per_second", 30)}
+    old = {"render_modes": metadata.get("render.modes", []), "render_fps": metadata.get("video.frames_per_second", 30)}
+    rest = {name: value for name, value in metadata.items() if name not in ("render.modes", "video.frames_per_second")}
+    return {**old, **rest}
+
+
+def _takes(function: Callable[..., Any], name: str) -> bool:
+    parameters = inspect.signature(function).parameters.values()
+    return any(parameter.name == name or parameter.kind == parameter.VAR_KEYWORD for parameter in parameters)

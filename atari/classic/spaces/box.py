@@ -6,7 +6,7 @@ import gymnasium
 import numpy as np
 
 
-class Box(gymnasium.spaces.Box):  # type: ignore[type-arg] - no generic class in earlier Gymnasiums
+class Box(gymnasium.spaces.Box):
     """Arrays of a shape, each number between its bounds.
 
     Args:

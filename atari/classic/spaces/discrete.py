@@ -3,7 +3,7 @@
 import gymnasium
 
 
-class Discrete(gymnasium.spaces.Discrete):  # type: ignore[type-arg] - no generic class in earlier Gymnasiums
+class Discrete(gymnasium.spaces.Discrete):
     """The integers 0 to n - 1."""
 
     def __init__(self, n: int) -> None:

@@ -5,7 +5,7 @@ from typing import Any
 import gymnasium
 
 
-class MultiDiscrete(gymnasium.spaces.MultiDiscrete):  # type: ignore[type-arg] - no generic class in earlier Gymnasiums
+class MultiDiscrete(gymnasium.spaces.MultiDiscrete):
     """Arrays of integers, number i within 0 to nvec[i] - 1."""
 
     def __init__(self, nvec: Any) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 import gymnasium
 
 
-class Tuple(gymnasium.spaces.Tuple):  # type: ignore[type-arg] - no generic class in earlier Gymnasiums
+class Tuple(gymnasium.spaces.Tuple):  # type: ignore[type-arg]
     """Tuples of an element of each space."""
 
     def __init__(self, spaces: Iterable[gymnasium.Space[Any]]) -> None:
