@@ -68,14 +68,15 @@ class Modern(gymnasium.Env[Any, Any]):
         """What the environment's `render` returns in this mode; None in mode "human", which has shown it already."""
         if self.render_mode is None:
             raise gymnasium.error.Error("render() needs a render mode; make the environment with one, such as 'human'")
-        return None if self.render_mode == "human" else self._checked.render(self.render_mode)
+        return None if self.render_mode == "human" else self._render()
 
     def close(self) -> None:
         """Close the environment."""
         self._checked.close()
 
     def __getattr__(self, name: str) -> Any:
-        if name.startswith("__") or name in ("classic", "_checked"):  # also asked for while a copy is being made
+        # `seed` is an argument of reset() here; the other names are asked for while a copy is being made.
+        if name.startswith("__") or name in ("classic", "_checked", "seed"):
             raise AttributeError(name)
         return getattr(self.classic, name)
 
@@ -86,7 +87,11 @@ class Modern(gymnasium.Env[Any, Any]):
 
     def _show(self) -> None:
         if self.render_mode == "human":
-            self._checked.render("human")
+            self._render()
+
+    def _render(self) -> Any:
+        takes_mode = inspect.signature(self.classic.render).parameters
+        return self._checked.render(self.render_mode) if takes_mode else self._checked.render()
 
 
 @dataclass(frozen=True)
@@ -118,10 +123,10 @@ class EntryPoint:
         name = type(env).__name__
         if not isinstance(env, gymnasium.Env):
             raise TypeError(f"{name} is no environment; derive the class from Env, of atari.classic or of gymnasium")
-        if not _takes(env.unwrapped.reset, "seed"):
+        if not _takes_seed(env.unwrapped.reset):
             raise TypeError(
-                f"{name} derives from gymnasium.Env, but its reset() takes no `seed`; derive it from atari.classic.Env, "
-                "or let reset(self, *, seed=None, options=None) return observation and info"
+                f"{name} derives from gymnasium.Env, but its reset() takes no `seed`; derive it from "
+                "atari.classic.Env, or let reset(self, *, seed=None, options=None) return observation and info"
             )
         return env
 
@@ -129,11 +134,16 @@ class EntryPoint:
         """Make an environment of the new interface."""
         creator = self.load()
         render_mode = options.get("render_mode")
-        is_modern = isinstance(creator, type) and issubclass(creator, gymnasium.Env)
-        if not is_modern and not _takes(creator, "render_mode"):
+        modern_class = isinstance(creator, type) and issubclass(creator, gymnasium.Env)
+        given = modern_class or "render_mode" in inspect.signature(creator).parameters
+        if not given:
             options.pop("render_mode", None)
         env = self.create(**options)
-        return Modern(env, render_mode) if isinstance(env, Env) else env
+        if isinstance(env, Env):
+            return Modern(env, render_mode)
+        if render_mode is not None and not given:
+            raise TypeError(f"the entry point of this {type(env).__name__} has no parameter render_mode; give it one")
+        return env
 
 
 def modern_metadata(metadata: dict[str, Any]) -> dict[str, Any]:
@@ -143,6 +153,6 @@ def modern_metadata(metadata: dict[str, Any]) -> dict[str, Any]:
     return {**old, **rest}
 
 
-def _takes(function: Callable[..., Any], name: str) -> bool:
-    parameters = inspect.signature(function).parameters.values()
-    return any(parameter.name == name or parameter.kind == parameter.VAR_KEYWORD for parameter in parameters)
+def _takes_seed(reset: Callable[..., Any]) -> bool:
+    parameters = inspect.signature(reset).parameters
+    return "seed" in parameters or any(each.kind == each.VAR_KEYWORD for each in parameters.values())

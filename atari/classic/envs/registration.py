@@ -182,17 +182,12 @@ def make(env_id: str, **options: Any) -> Env:
     chosen = spec(env_id)
     modern = copy.copy(gymnasium.registry[chosen.id])
     entry_point = modern.entry_point
-    env: Any
+    env: Env | gymnasium.Env[Any, Any]
     if isinstance(entry_point, EntryPoint):
-        creator = entry_point.load()
-        env = creator(**{**quiet_options(creator), **chosen.kwargs, **options})
+        env = entry_point.create(**{**quiet_options(entry_point.load()), **chosen.kwargs, **options})
     else:
         modern.kwargs = {**chosen.kwargs, **options}
         env = _make_modern(modern)
-    if not isinstance(env, (Env, gymnasium.Env)):
-        raise TypeError(
-            f"{chosen.id} is made by {_place(entry_point)}, which gave {env!r}; derive the class from gym.Env"
-        )
     classic = Checked(env) if isinstance(env, Env) else adapt(env)
     classic.unwrapped.spec = classic.spec = chosen
     return classic if chosen.max_episode_steps is None else TimeLimit(classic, chosen.max_episode_steps)
