@@ -108,8 +108,8 @@ class EntryPoint:
 
     @property
     def metadata(self) -> dict[str, Any]:
-        """That of the class, in Gymnasium's words."""
-        return modern_metadata(getattr(self.load(), "metadata", {}))
+        """That of the class, in Gymnasium's words; a function has none, and no attribute of this name."""
+        return modern_metadata(self.load().metadata)  # type: ignore[attr-defined]
 
     def create(self, **options: Any) -> Env | gymnasium.Env[Any, Any]:
         """Make an environment of the interface it has.
