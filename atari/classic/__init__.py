@@ -6,10 +6,13 @@
 
 import gymnasium.error as error
 
-from atari.classic import envs, spaces, wrappers
+from atari.classic import envs, logger, spaces, utils, wrappers
 from atari.classic.core import ActionWrapper, Env, GoalEnv, ObservationWrapper, RewardWrapper, Wrapper
 from atari.classic.envs import make, register, spec
 from atari.classic.spaces import Space
+
+__version__ = "0.21.0"
+"""The last version of Gym with this interface, for scripts that ask."""
 
 __all__ = [
     "ActionWrapper",
@@ -21,9 +24,11 @@ __all__ = [
     "Wrapper",
     "envs",
     "error",
+    "logger",
     "make",
     "register",
     "spaces",
     "spec",
+    "utils",
     "wrappers",
 ]

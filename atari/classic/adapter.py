@@ -22,6 +22,7 @@ from atari.env import AtariEnv
 
 Modern = gymnasium.Env[Any, Any]
 
+_COUNTED = {"nS": "observation_space", "nA": "action_space"}  # the toy texts knew the sizes of theirs
 _OWN = frozenset({"action_space", "metadata", "observation_space", "reward_range", "spec"})
 
 
@@ -51,6 +52,8 @@ class Adapter(Env):
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__") or name == "modern":
             raise AttributeError(name)
+        if name in _COUNTED and isinstance(space := getattr(self, _COUNTED[name]), spaces.Discrete):
+            return int(space.n)
         try:
             return getattr(self.modern.unwrapped, name)
         except AttributeError:
@@ -65,11 +68,12 @@ class Adapter(Env):
 
     def seed(self, seed: int | None = None) -> list[int]:
         """Make the next `reset` begin the sequence of episodes of a seed; None chooses one. Returns the seed."""
-        seed = secrets.randbits(31) if seed is None else operator.index(seed)
-        if seed < 0:
-            raise ValueError(f"a seed is an integer of 0 or more, got {seed}")
-        self._pending_seed = seed
-        return [seed]
+        if seed is None:
+            seed = secrets.randbits(31)
+        if not isinstance(seed, (int, np.integer)) or seed < 0:
+            raise ValueError(f"a seed is an integer of 0 or more, or None, got {seed!r}")
+        self._pending_seed = int(seed)
+        return [self._pending_seed]
 
     def reset(self) -> Any:
         """Start a new episode and return its first observation."""
@@ -93,10 +97,11 @@ class Adapter(Env):
     def render(self, mode: str = "human", close: bool = False, **_: Any) -> Any:
         """Show the environment in a window, or as text if it is one of text; or return it as "rgb_array" or "ansi".
 
+        Before the first reset, this shows a state in which an episode may begin.
+
         Raises:
             gymnasium.error.UnsupportedMode: the environment has no such mode.
             gymnasium.error.DependencyNotInstalled: pygame is not installed.
-            gymnasium.error.Error: there is no display.
         """
         if close:
             self._close_viewer()
@@ -104,6 +109,8 @@ class Adapter(Env):
         modes = self.metadata["render.modes"]
         if mode not in modes:
             raise gymnasium.error.UnsupportedMode(f"this environment cannot render {mode!r}; it has {', '.join(modes)}")
+        if not self._started:
+            self.modern.reset(seed=self._pending_seed)
         if mode != "human":
             return self._render_as(mode)
         if "ansi" in modes:
@@ -180,7 +187,10 @@ def to_action(space: spaces.Space[Any], action: Any) -> Any:
         TypeError, ValueError: it is not in the space. Numbers beyond a Box's bounds are taken: environments clip them.
     """
     if isinstance(space, spaces.Box):
-        array = np.asarray(action, space.dtype)
+        try:
+            array = np.asarray(action, space.dtype)
+        except (TypeError, ValueError):
+            raise TypeError(f"an action is an array of shape {space.shape}, got {action!r}") from None
         if array.size != np.prod(space.shape):
             raise ValueError(f"an action is an array of shape {space.shape}, got one of shape {array.shape}")
         return array.reshape(space.shape)

@@ -74,10 +74,19 @@ def _cure(env_id: str) -> str:
     gone = history.fate(env_id)
     if gone is not None:
         return gone
-    by_name = {_skeleton(other): other for other in gymnasium.registry if is_alive(other)}
+    by_name: dict[str, list[str]] = {}
+    for other in filter(is_alive, gymnasium.registry):
+        by_name.setdefault(_skeleton(other), []).append(other)
     near = difflib.get_close_matches(_skeleton(env_id), by_name, n=1)
-    return f"did you mean {by_name[near[0]]!r}?" if near else "gym.envs.registry.all() lists what there is"
+    if not near:
+        return "gym.envs.registry.all() lists what there is"
+    version = env_id.rpartition("-v")[2]
+    best = max(by_name[near[0]], key=lambda other: (other.endswith(f"-v{version}"), "/" not in other, other))
+    return f"did you mean {best!r}?"
 
 
 def _skeleton(env_id: str) -> str:
-    return env_id.lower().replace("_", "")
+    """An ID without what people get wrong: namespace, version, case and punctuation."""
+    name = env_id.lower().rpartition("/")[2]
+    name = name.rpartition("-v")[0] if "-v" in name else name
+    return "".join(letter for letter in name if letter.isalnum())

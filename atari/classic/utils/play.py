@@ -1,0 +1,60 @@
+"""`play`: play an environment by keyboard, through Gymnasium's (extra `play`)."""
+
+from collections.abc import Callable
+from typing import Any
+
+import gymnasium
+
+from atari.classic.core import Env
+from atari.classic.modern import Modern
+
+Callback = Callable[[Any, Any, Any, Any, bool, dict[str, Any]], Any]
+
+
+def play(
+    env: Env,
+    transpose: bool = True,
+    fps: int = 30,
+    zoom: float | None = None,
+    callback: Callback | None = None,
+    keys_to_action: dict[Any, Any] | None = None,
+) -> None:
+    """Play until the window is closed or Escape pressed.
+
+    Args:
+        env: an environment that renders "rgb_array".
+        transpose: pictures are (rows, columns, 3).
+        fps: steps a second.
+        zoom: size of the window relative to the picture.
+        callback: called after each step with the observation before and after, action, reward, done and info.
+        keys_to_action: which keys stand for which action, such as {(ord("a"),): 0}; None asks the environment.
+
+    Raises:
+        gymnasium.error.DependencyNotInstalled: pygame is not installed.
+        gymnasium.error.Error: the environment has no keys of its own, and none were given.
+    """
+    if keys_to_action is None and not hasattr(env, "get_keys_to_action"):
+        raise gymnasium.error.Error(
+            f"{env} does not say which keys play it; give them, as in play(env, keys_to_action={{(ord('a'),): 0}})"
+        )
+    try:
+        import gymnasium.utils.play as gymnasium_play
+    except gymnasium.error.DependencyNotInstalled:
+        raise gymnasium.error.DependencyNotInstalled(
+            "playing needs pygame-ce: pip install 'atari-envs[play]'"
+        ) from None
+
+    def after_step(
+        before: Any, after: Any, action: Any, reward: Any, terminated: bool, truncated: bool, info: dict[str, Any]
+    ) -> None:
+        if callback is not None:
+            callback(before, after, action, reward, terminated or truncated, info)
+
+    gymnasium_play.play(
+        Modern(env, render_mode="rgb_array"),
+        transpose=transpose,
+        fps=fps,
+        zoom=zoom,
+        callback=after_step,
+        keys_to_action=keys_to_action or env.get_keys_to_action(),  # type: ignore[attr-defined]
+    )

@@ -1,0 +1,51 @@
+"""`AtariPreprocessing`: the preprocessing of Machado et al. 2018, as Gymnasium has it."""
+
+from typing import Any
+
+import gymnasium
+
+from atari.classic.core import Env
+from atari.classic.wrappers.bridge import Bridge
+
+
+class AtariPreprocessing(Bridge):
+    """Random no-ops at the start, skipped frames, the maximum of the last two, in gray and 84 x 84.
+
+    Args:
+        env: a game without a frame skip of its own, such as "PongNoFrameskip-v4".
+        noop_max: most no-ops after a reset.
+        frame_skip: frames a step.
+        screen_size: rows and columns.
+        terminal_on_life_loss: an episode is done when a life is lost.
+        grayscale_obs: gray instead of colours.
+        grayscale_newaxis: gray pictures have a third axis of one.
+        scale_obs: floats within 0..1 instead of bytes.
+
+    Raises:
+        TypeError: the environment is no Atari game.
+        ValueError: the game has a frame skip, or an argument is out of range.
+    """
+
+    def __init__(
+        self,
+        env: Env,
+        noop_max: int = 30,
+        frame_skip: int = 4,
+        screen_size: int = 84,
+        terminal_on_life_loss: bool = False,
+        grayscale_obs: bool = True,
+        grayscale_newaxis: bool = False,
+        scale_obs: bool = False,
+    ) -> None:
+        if not hasattr(env.unwrapped, "ale"):
+            raise TypeError(f"AtariPreprocessing is for Atari games, such as 'PongNoFrameskip-v4', got {env}")
+        options: dict[str, Any] = {
+            "noop_max": noop_max,
+            "frame_skip": frame_skip,
+            "screen_size": screen_size,
+            "terminal_on_life_loss": terminal_on_life_loss,
+            "grayscale_obs": grayscale_obs,
+            "grayscale_newaxis": grayscale_newaxis,
+            "scale_obs": scale_obs,
+        }
+        super().__init__(env, lambda inside: gymnasium.wrappers.AtariPreprocessing(inside, **options))
