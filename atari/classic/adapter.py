@@ -17,12 +17,14 @@ from gymnasium import spaces
 
 from atari.classic.core import Env, GoalEnv, Step
 from atari.classic.spaces import from_gymnasium
+from atari.classic.utils import seeding
 from atari.classic.viewer import Viewer
 from atari.env import AtariEnv
 
 Modern = gymnasium.Env[Any, Any]
 
 _COUNTED = {"nS": "observation_space", "nA": "action_space"}  # the toy texts knew the sizes of theirs
+_GYMS_OWN = ("gymnasium.envs.classic_control.", "gymnasium.envs.toy_text.")  # drawing what they drew in Gym
 _OWN = frozenset({"action_space", "metadata", "observation_space", "reward_range", "spec"})
 
 
@@ -67,7 +69,10 @@ class Adapter(Env):
             setattr(self.modern.unwrapped, name, value)
 
     def seed(self, seed: int | None = None) -> list[int]:
-        """Make the next `reset` begin the sequence of episodes of a seed; None chooses one. Returns the seed."""
+        """Make the next `reset` begin the sequence of episodes of a seed; None chooses one. Returns the seed.
+
+        Classic control and toy text then draw the numbers that they drew in Gym, as printed in books.
+        """
         if seed is None:
             seed = secrets.randbits(31)
         if not isinstance(seed, (int, np.integer)) or seed < 0:
@@ -77,8 +82,8 @@ class Adapter(Env):
 
     def reset(self) -> Any:
         """Start a new episode and return its first observation."""
-        seed, self._pending_seed = self._pending_seed, None
-        observation, _ = self.modern.reset(seed=seed)
+        observation = self._begin(self._pending_seed)
+        self._pending_seed = None
         self._started = True
         return observation
 
@@ -102,6 +107,7 @@ class Adapter(Env):
         Raises:
             gymnasium.error.UnsupportedMode: the environment has no such mode.
             gymnasium.error.DependencyNotInstalled: pygame is not installed.
+            gymnasium.error.Error: the display does not work.
         """
         if close:
             self._close_viewer()
@@ -110,7 +116,7 @@ class Adapter(Env):
         if mode not in modes:
             raise gymnasium.error.UnsupportedMode(f"this environment cannot render {mode!r}; it has {', '.join(modes)}")
         if not self._started:
-            self.modern.reset(seed=self._pending_seed)
+            self._begin(self._pending_seed)
         if mode != "human":
             return self._render_as(mode)
         if "ansi" in modes:
@@ -129,11 +135,23 @@ class Adapter(Env):
     def __str__(self) -> str:
         return f"<{type(self.modern.unwrapped).__name__}{f'<{self.spec.id}>' if self.spec else ' instance'}>"
 
+    def _begin(self, seed: int | None) -> Any:
+        env = self.modern.unwrapped
+        if seed is not None and type(env).__module__.startswith(_GYMS_OWN):
+            env.np_random, seed = seeding.np_random(seed)[0], None  # type: ignore[assignment]
+        return self.modern.reset(seed=seed)[0]
+
     def _render_as(self, mode: str) -> Any:
         env = self.modern.unwrapped
         made_with, env.render_mode = env.render_mode, mode
         try:
             return self.modern.render()
+        except Exception as error:
+            if type(error).__module__.startswith("mujoco"):
+                raise gymnasium.error.Error(
+                    f"MuJoCo cannot draw here ({error}); without a display, set the environment variable MUJOCO_GL=egl"
+                ) from None
+            raise
         finally:
             env.render_mode = made_with
 

@@ -1,5 +1,8 @@
 """`gym.logger.set_level(40)`: how much is said on stderr."""
 
+import sys
+from functools import cache
+
 from gymnasium import logger as _logger
 from gymnasium.logger import error, warn
 
@@ -14,3 +17,10 @@ def set_level(level: int) -> None:
 
 
 setLevel = set_level  # as it was called before 2018
+
+
+@cache
+def say_once(text: str) -> None:
+    """Say a line that the rest of the process need not hear again."""
+    if _logger.min_level <= WARN:  # not `warn`, which makes three lines of it
+        print(f"atari.classic: {text}", file=sys.stderr)

@@ -2,15 +2,13 @@
 
 import difflib
 import re
-import sys
-from functools import cache
 from importlib import import_module, util
 
 import gymnasium
-from gymnasium import logger
 
-from atari.classic import history
+from atari.classic import history, logger
 
+_MUJOCO_PY = re.compile(r"gymnasium_robotics\.envs\.(mujoco\.|.*:MujocoPy)")
 _VERSION = re.compile(r"(.+)-v(\d+)")
 
 
@@ -36,26 +34,23 @@ def resolve(env_id: str) -> str:
     newest = _newest(name)
     if newest is None:
         raise gymnasium.error.UnregisteredEnv(f"there is no environment {name!r}; {_cure(name)}")
-    _say_once(f"{name} is no longer there; this is {newest}, its newest version")
+    logger.say_once(f"{name} is no longer there; this is {newest}, its newest version")
     return newest
 
 
 def is_alive(env_id: str) -> bool:
-    """Whether an ID is registered, and not only to say that it is no longer there."""
+    """Whether an ID is registered, and not only for a library that is no longer maintained."""
     spec = gymnasium.registry.get(env_id)
-    return spec is not None and not getattr(spec.entry_point, "__name__", "").startswith("_raise_")
+    if spec is None or getattr(spec.entry_point, "__name__", "").startswith("_raise_"):
+        return False
+    is_old = isinstance(spec.entry_point, str) and _MUJOCO_PY.match(spec.entry_point) is not None
+    return not is_old or util.find_spec("mujoco_py") is not None
 
 
 def load_robotics() -> None:
     """Let Gymnasium-Robotics, if it is there, register its environments."""
     if util.find_spec("gymnasium_robotics") is not None:
         import_module("gymnasium_robotics")
-
-
-@cache
-def _say_once(text: str) -> None:
-    if logger.min_level <= logger.WARN:  # not logger.warn(), which makes three lines of it
-        print(f"atari.classic: {text}", file=sys.stderr)
 
 
 def _newest(env_id: str) -> str | None:

@@ -8,12 +8,13 @@ import gymnasium
 import numpy as np
 import numpy.typing as npt
 
-_BLIND = ("dummy", "offscreen")  # SDL's drivers that draw where nobody sees it
+from atari.classic import logger
+
 _LEAST_ROWS = 400  # smaller pictures are shown larger
 
 
 class Viewer:
-    """A window that shows pictures at a rate; where there is no display, it says so once and shows nothing.
+    """A window that shows pictures at a rate; where there is no display, it says so and shows nothing.
 
     Args:
         title: of the window.
@@ -25,6 +26,12 @@ class Viewer:
     """
 
     def __init__(self, title: str, frames_per_second: float, pixel_aspect: tuple[int, int] = (1, 1)) -> None:
+        self._blind = not _has_display()
+        if self._blind:
+            logger.say_once(
+                "there is no display, so env.render() shows nothing; env.render(mode='rgb_array') returns the picture"
+            )
+            return
         os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
         try:
             import pygame
@@ -38,42 +45,45 @@ class Viewer:
         self._surface: Any = None
 
     def show(self, rgb: npt.NDArray[np.uint8]) -> None:
-        """Show one picture, (rows, columns, 3) uint8, and wait until it is time for the next."""
+        """Show one picture, (rows, columns, 3) uint8, and wait until it is time for the next.
+
+        Raises:
+            gymnasium.error.Error: the display does not work.
+        """
+        if self._blind:
+            return
         pygame = self._pygame
         # pygame has one display: another environment may have taken or closed it.
-        if self._surface is None or (self._surface and self._surface is not pygame.display.get_surface()):
+        if self._surface is None or self._surface is not pygame.display.get_surface():
             self._surface = self._open(rgb.shape[0], rgb.shape[1])
-        if self._surface is False:
-            return
         pygame.event.pump()
         image = pygame.surfarray.make_surface(rgb.swapaxes(0, 1))
         self._surface.blit(pygame.transform.scale(image, self._surface.get_size()), (0, 0))
         pygame.display.flip()
-        if pygame.display.get_driver() not in _BLIND:  # where nobody watches, nobody needs the time to
+        if pygame.display.get_driver() != "dummy":  # where nobody watches, nobody needs the time to
             self._clock.tick(self._rate)
 
     def close(self) -> None:
         """Close the window."""
-        surface, self._surface = self._surface, None
-        if surface:
+        if not self._blind and self._surface is not None:
+            self._surface = None
             self._pygame.display.quit()
 
     def _open(self, rows: int, columns: int) -> Any:
-        """The window's surface; False if there is no display."""
         pygame = self._pygame
         scale = max(1, -(-_LEAST_ROWS // rows))
         try:
             pygame.display.init()
             surface = pygame.display.set_mode((scale * columns * self._aspect[0], scale * rows * self._aspect[1]))
-        except pygame.error:
-            surface = False
-        blind = not surface or pygame.display.get_driver() in _BLIND
-        if blind and "SDL_VIDEODRIVER" not in os.environ:  # else it was asked for
-            print(
-                "atari.classic: there is no display, so env.render() shows nothing; "
-                "env.render(mode='rgb_array') returns the picture",
-                file=sys.stderr,
-            )
-        if surface:
-            pygame.display.set_caption(self._title)
+        except pygame.error as error:
+            raise gymnasium.error.Error(
+                f"env.render() needs a display, and the one here does not work ({error}); set the environment variable "
+                "SDL_VIDEODRIVER=dummy to go without, or call env.render(mode='rgb_array') for an array"
+            ) from None
+        pygame.display.set_caption(self._title)
         return surface
+
+
+def _has_display() -> bool:
+    """Whether there is one, or SDL was told what to use instead. (SDL itself would draw where nobody sees it.)"""
+    return sys.platform != "linux" or any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER")))
