@@ -5,7 +5,7 @@ import gym.wrappers
 from gym.wrappers import Monitor
 
 outdir = sys.argv[1]
-env = gym.make('Breakout-v0')
+env = gym.make("Breakout-v0")
 env = Monitor(env, directory=outdir, force=True)
 env.seed(0)
 print(env.unwrapped.get_action_meanings())
@@ -21,6 +21,9 @@ for episode in range(2):
         total_reward += reward
         step += 1
         if done or step == 150:
-            print('episode {}: {} lives at first, {} after {} steps, reward {}'.format(
-                episode, lives, info['ale.lives'], step, total_reward))
+            print(
+                "episode {}: {} lives at first, {} after {} steps, reward {}".format(
+                    episode, lives, info["ale.lives"], step, total_reward
+                )
+            )
             break

@@ -1,12 +1,12 @@
 import gym
 import numpy as np
-from gym import error, spaces, utils
+from gym import spaces
 from gym.envs.registration import register
 from gym.utils import seeding
 
 
 class CorridorEnv(gym.Env):
-    metadata = {'render.modes': ['human', 'ansi']}
+    metadata = {"render.modes": ["human", "ansi"]}
 
     def __init__(self, length=5):
         self.length = length
@@ -28,11 +28,11 @@ class CorridorEnv(gym.Env):
         done = self.position >= self.length
         return np.array([self.position]), float(done), done, {}
 
-    def render(self, mode='human', close=False):
+    def render(self, mode="human", close=False):
         if close:
             return
-        picture = '.' * self.position + 'A' + '.' * (self.length - self.position) + 'G'
-        if mode == 'human':
+        picture = "." * self.position + "A" + "." * (self.length - self.position) + "G"
+        if mode == "human":
             print(picture)
         else:
             return picture
@@ -43,9 +43,9 @@ class Doubled(gym.RewardWrapper):
         return 2 * reward
 
 
-register(id='Corridor-v0', entry_point='__main__:CorridorEnv', max_episode_steps=30, kwargs={'length': 7})
+register(id="Corridor-v0", entry_point="__main__:CorridorEnv", max_episode_steps=30, kwargs={"length": 7})
 
-env = Doubled(gym.make('Corridor-v0'))
+env = Doubled(gym.make("Corridor-v0"))
 env.seed(3)
 observation = env.reset()
 done = False

@@ -32,9 +32,9 @@ class Agent(object):
                 best, self.weights = total, weights
 
 
-if __name__ == '__main__':
+if __name__ == "__main__":
     np.random.seed(int(sys.argv[1]))
-    env = gym.make('CartPole-v0')
+    env = gym.make("CartPole-v0")
     env.seed(int(sys.argv[1]))
     agent = Agent(env, noise=float(sys.argv[2]))
     agent.train(60)
@@ -42,5 +42,5 @@ if __name__ == '__main__':
     for _ in range(100):
         total, info = agent.rollout()
         returns.append(total)
-    print('mean of 100 episodes:', np.mean(returns), 'solved:', np.mean(returns) >= env.spec.reward_threshold)
-    print('the last one was cut off:', info.get('TimeLimit.truncated'))
+    print("mean of 100 episodes:", np.mean(returns), "solved:", np.mean(returns) >= env.spec.reward_threshold)
+    print("the last one was cut off:", info.get("TimeLimit.truncated"))

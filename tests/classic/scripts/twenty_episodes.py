@@ -1,6 +1,6 @@
 import gym
 
-env = gym.make('CartPole-v0')
+env = gym.make("CartPole-v0")
 env.seed(0)
 env.action_space.seed(0)
 for i_episode in range(20):

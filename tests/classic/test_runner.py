@@ -1,0 +1,99 @@
+"""`python -m atari.classic` runs a script as `python` would; only `gym` is ours."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+
+def run(*arguments: str, folder: Path) -> "subprocess.CompletedProcess[str]":
+    command = [sys.executable, "-m", "atari.classic", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, cwd=folder, timeout=60)
+
+
+def script(folder: Path, text: str) -> str:
+    (folder / "script.py").write_text(text)
+    return "script.py"
+
+
+def test_a_script_is_the_program(tmp_path: Path) -> None:
+    (tmp_path / "beside.py").write_text("here = True")
+    name = script(tmp_path, "import sys, beside\nprint(sys.argv, __name__, beside.here)\nsys.exit(3)")
+    result = run(name, "a", "--b", folder=tmp_path)
+    assert result.stdout == "['script.py', 'a', '--b'] __main__ True\n"
+    assert result.returncode == 3
+
+
+IMPORTS = """\
+from gym import spaces, wrappers, error, logger, utils, envs
+import gym.wrappers, gym.spaces, gym.envs
+from gym.wrappers import Monitor, TimeLimit, AtariPreprocessing, FrameStack
+from gym.wrappers.monitor import Monitor
+from gym.wrappers.time_limit import TimeLimit
+from gym.envs.registration import register, registry, make, spec, EnvSpec
+from gym.utils import seeding, EzPickle, colorize
+from gym.utils.play import play
+from gym.spaces import Box, Dict, Discrete, MultiBinary, MultiDiscrete, Space, Tuple
+from gym.spaces.box import Box
+from gym.core import Env, Wrapper
+from gym import Env, GoalEnv, Wrapper, ObservationWrapper, RewardWrapper, ActionWrapper
+from gym.error import Error, UnregisteredEnv, DependencyNotInstalled
+import gym; gym.logger.set_level(40); gym.logger.setLevel(gym.logger.INFO)
+import gym; gym.envs.registry.all(); gym.envs.registry.env_specs["CartPole-v0"]; gym.envs.registration.registry
+import gym; assert gym.__version__ < "0.22"
+import gym, atari.classic; assert gym is atari.classic and gym.wrappers.Monitor is atari.classic.wrappers.Monitor
+"""
+
+
+def test_gym_means_this_package(tmp_path: Path) -> None:
+    result = run(script(tmp_path, IMPORTS + "print('all')"), folder=tmp_path)
+    assert (result.returncode, result.stdout) == (0, "all\n"), result.stderr
+
+
+def test_a_traceback_is_the_scripts(tmp_path: Path) -> None:
+    name = script(tmp_path, "def f():\n    raise ValueError('mine')\n\nf()")
+    result = run(name, folder=tmp_path)
+    assert result.returncode == 1
+    lines = [line for line in result.stderr.splitlines() if set(line.strip()) - set("^~")]
+    assert lines[0] == "Traceback (most recent call last):"
+    assert [line.split(", ", 1)[1] for line in lines if line.startswith("  File")] == [
+        "line 4, in <module>",
+        "line 2, in f",
+    ]
+    assert lines[-1] == "ValueError: mine"
+
+
+def test_a_syntax_error_is_the_scripts(tmp_path: Path) -> None:
+    result = run(script(tmp_path, "print('a'"), folder=tmp_path)
+    assert result.returncode == 1
+    assert result.stderr.lstrip().startswith('File "script.py", line 1\n')
+    assert "atari" not in result.stderr
+
+
+def test_a_mistake_reads_as_a_sentence(tmp_path: Path) -> None:
+    result = run(script(tmp_path, "import gym\ngym.make('CartPoel-v0')"), folder=tmp_path)
+    assert result.stderr.splitlines()[-1] == (
+        "gymnasium.error.UnregisteredEnv: there is no environment 'CartPoel-v0'; did you mean 'CartPole-v0'?"
+    )
+
+
+def test_interrupting_is_not_failing(tmp_path: Path) -> None:
+    result = run(script(tmp_path, "raise KeyboardInterrupt"), folder=tmp_path)
+    assert result.returncode == 130
+    assert result.stderr.endswith("KeyboardInterrupt\n")
+    assert "runpy" not in result.stderr
+
+
+def test_wrong_command_lines(tmp_path: Path) -> None:
+    missing = run("nothing.py", folder=tmp_path)
+    assert (missing.returncode, missing.stdout) == (2, "")
+    assert missing.stderr.startswith("atari.classic: there is no script 'nothing.py'; usage: ")
+    assert run(folder=tmp_path).returncode == 2
+    helped = run("--help", folder=tmp_path)
+    assert helped.returncode == 0
+    assert helped.stdout.startswith("usage: python -m atari.classic script.py")
+
+
+def test_importing_the_package_does_not_take_the_name() -> None:
+    """Only the runner does; who has an old Gym installed keeps it."""
+    program = "import sys, atari.classic; sys.exit('gym' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", program], timeout=60).returncode == 0

@@ -1,0 +1,87 @@
+"""Spaces with the constructors and texts of old, which Gymnasium knows all the same."""
+
+import warnings
+
+import gymnasium
+import numpy as np
+import pytest
+
+from atari.classic import spaces
+from atari.classic.spaces import from_gymnasium
+
+
+@pytest.mark.parametrize(
+    ("space", "text"),
+    [
+        (spaces.Discrete(2), "Discrete(2)"),
+        (spaces.Box(-1.0, 1.0, (4,)), "Box(4,)"),
+        (spaces.Box(low=0, high=255, shape=(210, 160, 3), dtype=np.uint8), "Box(210, 160, 3)"),
+        (spaces.MultiBinary(5), "MultiBinary(5)"),
+        (spaces.MultiDiscrete([5, 2, 2]), "MultiDiscrete([5 2 2])"),
+        (spaces.Tuple((spaces.Discrete(2), spaces.Discrete(3))), "Tuple(Discrete(2), Discrete(3))"),
+        (spaces.Dict({"a": spaces.Discrete(2), "b": spaces.Box(0, 1, (3,))}), "Dict(a:Discrete(2), b:Box(3,))"),
+        (spaces.Dict(a=spaces.Discrete(2)), "Dict(a:Discrete(2))"),
+    ],
+)
+def test_a_space_is_printed_as_it_was(space: gymnasium.Space[object], text: str) -> None:
+    assert repr(space) == text
+    space.seed(0)
+    first = space.sample()
+    assert space.contains(first)
+    space.seed(0)
+    assert str(space.sample()) == str(first)
+
+
+def test_spaces_are_gymnasiums() -> None:
+    """So its wrappers and vector environments take them."""
+    for name in ("Box", "Dict", "Discrete", "MultiBinary", "MultiDiscrete", "Tuple"):
+        assert issubclass(getattr(spaces, name), getattr(gymnasium.spaces, name))
+    batched = gymnasium.vector.utils.batch_space(spaces.Box(0, 1, (2,)), 3)
+    assert batched.shape == (3, 2)
+    assert spaces.Discrete(3) == gymnasium.spaces.Discrete(3)
+
+
+def test_box_from_arrays() -> None:
+    high = np.array([4.8, np.finfo(np.float32).max, 0.4])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # float64 bounds of a float32 space are what every script gives
+        box = spaces.Box(-high, high)
+    assert (box.shape, box.dtype) == ((3,), np.float32)
+    np.testing.assert_array_equal(box.high, high.astype(np.float32))
+    np.testing.assert_array_equal(box.low, -high.astype(np.float32))
+
+
+def test_box_contains_numbers_of_any_kind() -> None:
+    """A list, or float64 where the space is float32: Gym did not mind."""
+    box = spaces.Box(-1, 1, (2,))
+    assert box.contains([0, 1])
+    assert box.contains(np.array([0.5, -0.5]))
+    assert not box.contains([0, 1.5])
+    assert not box.contains([0])
+    assert not box.contains("no")
+    assert not box.contains(None)
+
+
+def test_spaces_of_gymnasium_become_classic() -> None:
+    modern = gymnasium.spaces
+    space = from_gymnasium(
+        modern.Dict(
+            {
+                "box": modern.Box(np.array([0, 1], np.uint8), np.array([2, 3], np.uint8), dtype=np.uint8),
+                "pair": modern.Tuple((modern.Discrete(2), modern.MultiBinary([2, 2]))),
+                "several": modern.MultiDiscrete([2, 3]),
+            }
+        )
+    )
+    assert (
+        repr(space) == "Dict(box:Box(2,), pair:Tuple(Discrete(2), MultiBinary((2, 2))), several:MultiDiscrete([2 3]))"
+    )
+    assert isinstance(space, spaces.Dict)
+    box = space["box"]
+    assert isinstance(box, spaces.Box)
+    assert (box.dtype, box.low.tolist(), box.high.tolist()) == (np.uint8, [0, 1], [2, 3])
+
+
+def test_a_space_that_gym_did_not_have_stays() -> None:
+    for space in (gymnasium.spaces.Text(3), gymnasium.spaces.Discrete(3, start=1)):
+        assert from_gymnasium(space) is space
