@@ -1,0 +1,57 @@
+#!/usr/bin/env python
+"""Plays at random: the shape of an agent without anything in it, and what the others have to beat.
+
+Any ID will do: ALE/Breakout-v5, CartPole-v1, Copy-v0.
+"""
+
+import argparse
+import statistics
+import sys
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+
+import atari  # noqa: F401 - registers the IDs
+
+sys.path.insert(0, str(Path(__file__).parent))  # PYTHONSAFEPATH leaves it out
+from loop import count, play_episode
+
+
+class RandomAgent:
+    """Takes each action as often as any other."""
+
+    def __init__(self, action_space: gymnasium.Space[Any], seed: int | None = None) -> None:
+        self.action_space = action_space
+        self.action_space.seed(seed)
+
+    def select_action(self, observation: Any) -> Any:
+        """Any action."""
+        return self.action_space.sample()
+
+    def train(self, observation: Any, action: Any, reward: float, new_observation: Any) -> None:
+        """Learn nothing."""
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """The command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument(
+        "env", nargs="?", default="ALE/Pong-ram-v5", help="ID of the environment (default: %(default)s)"
+    )
+    parser.add_argument("--episodes", type=count, default=5, help="how many to play (default: %(default)s)")
+    parser.add_argument("--seed", type=int, default=0, help="of environment and agent (default: %(default)s)")
+    options = parser.parse_args(arguments)
+
+    env = gymnasium.make(options.env)
+    env.reset(seed=options.seed)
+    agent = RandomAgent(env.action_space, options.seed)
+    returns = []
+    for episode in range(1, options.episodes + 1):
+        returns.append(play_episode(env, agent))
+        print(f"episode {episode}: return {returns[-1]:g}")
+    print(f"mean return {statistics.mean(returns):.2f}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,176 @@
+"""The agents of `scripts/agents`: they run as commands, and what learns plays better than chance.
+
+"Better" is a difference of the means of at least five standard errors, which chance alone gives once in three million;
+with its fixed seed, a test gives the same each time.
+"""
+
+import random
+import re
+import runpy
+import statistics
+import subprocess
+import sys
+from collections import Counter
+from math import sqrt
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import pytest
+
+FOLDER = Path(__file__).parent.parent.parent / "scripts" / "agents"
+SCRIPTS = ("random_agent", "q_learning", "ram_pong")
+
+
+@pytest.fixture(scope="module")
+def script(request: pytest.FixtureRequest) -> Any:
+    path = list(sys.path)
+    yield {name: runpy.run_path(str(FOLDER / f"{name}.py")) for name in SCRIPTS}
+    sys.path[:] = path
+
+
+def standard_errors_apart(some: list[float], others: list[float]) -> float:
+    error = sqrt(statistics.variance(some) / len(some) + statistics.variance(others) / len(others))
+    return (statistics.mean(some) - statistics.mean(others)) / error
+
+
+def command(name: str, *options: str) -> "subprocess.CompletedProcess[str]":
+    line = [sys.executable, str(FOLDER / f"{name}.py"), *options]
+    return subprocess.run(line, capture_output=True, text=True, check=False)
+
+
+def test_q_learning_beats_chance_on_slippery_ice(script: Any) -> None:
+    env = gymnasium.make("FrozenLake-v1", is_slippery=True)
+    env.reset(seed=0)
+    play_episode, evaluate = (script["q_learning"][name] for name in ("play_episode", "evaluate"))
+    agent = script["q_learning"]["QLearner"](16, 4, seed=0)
+    for _ in range(8_000):
+        play_episode(env, agent)
+    agent.epsilon = 0.0
+    learned = evaluate(env, agent, 500)
+    by_chance = evaluate(env, script["random_agent"]["RandomAgent"](env.action_space, 0), 500)
+    assert standard_errors_apart(learned, by_chance) > 5
+    assert statistics.mean(by_chance) < 0.05
+    assert statistics.mean(learned) > 0.6  # the best policy has 0.74
+
+
+def test_q_learning_of_pong_beats_chance(script: Any) -> None:
+    pong = script["ram_pong"]
+    env = pong["make_pong"]()
+    env.reset(seed=0)
+    agent = pong["LinearQLearner"](seed=0)
+    for _ in range(40):
+        pong["play_episode"](env, agent)
+    learned = pong["evaluate"](env, agent, 16)
+    by_chance = pong["evaluate"](env, script["random_agent"]["RandomAgent"](env.action_space, 0), 16)
+    assert standard_errors_apart(learned, by_chance) > 5
+    assert statistics.mean(by_chance) < -19
+
+
+def test_a_step_of_q_learning(script: Any) -> None:
+    agent = script["q_learning"]["QLearner"](3, 2, learning_rate=0.5, discount=0.9, exploration=95, seed=0)
+    agent.train(1, 0, 1.0, 2)
+    assert agent.q == [[0, 0], [0.5, 0], [0, 0]]
+    agent.train(0, 1, 0.0, 1)
+    assert agent.q == [[0, 0.225], [0.5, 0], [0, 0]]
+    assert agent.epsilon == pytest.approx(0.98)
+    for _ in range(200):
+        agent.train(2, 0, 0.0, 2)
+    assert agent.epsilon == 0.05
+    agent.epsilon = 0.0
+    assert [agent.select_action(state) for state in (0, 1)] == [1, 0]
+
+
+@pytest.mark.parametrize(
+    ("ball", "row"),
+    [
+        ((100, 100, -4, 4), 100),  # it flies away
+        ((100, 100, 0, 4), 100),
+        ((148, 100, 4, 2), 120),
+        ((148, 190, 4, 4), 184),  # off the lower wall, at 207
+        ((148, 50, 4, -4), 78),  # off the upper one, at 44
+        ((100, 100, 1, 4), 126),  # off both
+    ],
+)
+def test_where_the_ball_of_pong_arrives(script: Any, ball: tuple[int, int, int, int], row: float) -> None:
+    assert script["ram_pong"]["landing"](*ball) == row
+
+
+def test_the_ball_of_pong_turns_back_where_the_script_says(script: Any) -> None:
+    """Against the game itself: the rows of the ball where it ceases to fall or rise."""
+    pong = script["ram_pong"]
+    env = pong["gymnasium"].make("PongNoFrameskip-v4", obs_type="ram")
+    ram, _ = env.reset(seed=0)
+    rows: Counter[int] = Counter()
+    track: list[int] = []
+    moves = random.Random(0)
+    for _ in range(20_000):
+        follow = 2 if ram[pong["PADDLE_Y"]] > ram[pong["BALL_Y"]] else 3
+        ram, reward, terminated, truncated, _ = env.step(follow if moves.random() < 0.8 else moves.randrange(6))
+        track = [*track, int(ram[pong["BALL_Y"]])][-3:]
+        if reward or terminated or truncated:
+            track = []
+        elif len(track) == 3 and 0 not in track and (track[1] - track[0]) * (track[2] - track[1]) < 0:
+            rows[track[1]] += 1
+        if terminated or truncated:
+            ram, _ = env.reset()
+    assert max(range(100), key=rows.__getitem__) == pong["TOP"]
+    assert max(range(150, 256), key=rows.__getitem__) == pong["BOTTOM"]
+
+
+def test_a_random_agent_takes_every_action_and_repeats_with_its_seed(script: Any) -> None:
+    random_agent = script["random_agent"]["RandomAgent"]
+    runs = []
+    for seed in (1, 1, 2):
+        agent = random_agent(gymnasium.spaces.Discrete(3), seed)
+        runs.append([int(agent.select_action(None)) for _ in range(3_000)])
+    assert runs[0] == runs[1] != runs[2]
+    # A count has a standard deviation of 26.
+    assert all(abs(runs[0].count(action) - 1000) < 5 * 26 for action in range(3))
+
+
+# As commands
+
+
+@pytest.mark.parametrize("name", SCRIPTS)
+def test_help(name: str) -> None:
+    done = command(name, "--help")
+    assert done.returncode == 0
+    assert "--episodes" in done.stdout
+    assert runpy.run_path(str(FOLDER / f"{name}.py"))["__doc__"].strip().splitlines()[0] in done.stdout
+
+
+def test_the_random_agent_plays_any_id() -> None:
+    done = command("random_agent", "Copy-v0", "--episodes", "3")
+    assert done.returncode == 0, done.stderr
+    assert [line.partition(":")[0] for line in done.stdout.splitlines()[:3]] == [f"episode {n}" for n in (1, 2, 3)]
+    assert re.fullmatch(r"mean return -?\d+\.\d\d", done.stdout.splitlines()[3])
+    assert command("random_agent", "Copy-v0", "--episodes", "3").stdout == done.stdout
+
+
+def test_q_learning_prints_its_progress() -> None:
+    done = command("q_learning", "--episodes", "20")
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    assert [line.partition(":")[0] for line in lines[:10]] == [f"{2 * n} episodes" for n in range(1, 11)]
+    assert re.fullmatch(r"mean return over 500 episodes: 0\.\d{3}, random 0\.\d{3}", lines[10])
+
+
+def test_pong_prints_its_progress() -> None:
+    done = command("ram_pong", "--episodes", "1")
+    assert done.returncode == 0, done.stderr
+    assert re.fullmatch(r"points ahead in 20 games: -\d+\.\d, random -\d+\.\d", done.stdout.splitlines()[-1])
+
+
+@pytest.mark.parametrize(
+    ("line", "text"),
+    [
+        (("random_agent", "--episodes", "0"), "argument --episodes: this is a number, 1 or more, got '0'"),
+        (("q_learning", "CartPole-v1"), "a table needs Discrete spaces, and CartPole-v1 has Box("),
+        (("ram_pong", "--episodes", "ten"), "argument --episodes: this is a number, 1 or more, got 'ten'"),
+    ],
+)
+def test_mistakes_on_the_command_line(line: tuple[str, ...], text: str) -> None:
+    done = command(*line)
+    assert done.returncode == 2
+    assert text in done.stderr
