@@ -114,8 +114,8 @@ def test_the_ball_of_pong_turns_back_where_the_script_says(script: Any) -> None:
             rows[track[1]] += 1
         if terminated or truncated:
             ram, _ = env.reset()
-    assert max(range(100), key=rows.__getitem__) == pong["TOP"]
-    assert max(range(150, 256), key=rows.__getitem__) == pong["BOTTOM"]
+    assert min(rows) == pong["TOP"]
+    assert max(range(100, 256), key=rows.__getitem__) == pong["BOTTOM"]  # a paddle can turn it a row lower
 
 
 def test_a_random_agent_takes_every_action_and_repeats_with_its_seed(script: Any) -> None:
