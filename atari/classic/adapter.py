@@ -114,7 +114,8 @@ class Adapter(Env):
             return None
         modes = self.metadata["render.modes"]
         if mode not in modes:
-            raise gymnasium.error.UnsupportedMode(f"this environment cannot render {mode!r}; it has {', '.join(modes)}")
+            offered = ", ".join(modes) or "no mode"
+            raise gymnasium.error.UnsupportedMode(f"this environment cannot render {mode!r}; it has {offered}")
         if not self._started:
             self._begin(self._pending_seed)
         if mode != "human":

@@ -2,6 +2,8 @@
 
 import difflib
 import re
+import sys
+import warnings
 from importlib import import_module, util
 
 import gymnasium
@@ -49,8 +51,10 @@ def is_alive(env_id: str) -> bool:
 
 def load_robotics() -> None:
     """Let Gymnasium-Robotics, if it is there, register its environments."""
-    if util.find_spec("gymnasium_robotics") is not None:
-        import_module("gymnasium_robotics")
+    if "gymnasium_robotics" not in sys.modules and util.find_spec("gymnasium_robotics") is not None:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # it takes the place of registrations that are dead themselves
+            import_module("gymnasium_robotics")
 
 
 def _newest(env_id: str) -> str | None:

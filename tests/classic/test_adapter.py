@@ -1,0 +1,294 @@
+"""Gymnasium's environments, spoken to in the old way."""
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+import atari
+import atari.classic as gym
+from atari.classic.adapter import Adapter, adapt
+
+
+class Probe(gymnasium.Env[Any, Any]):
+    """Says how it was called, and ends as it is told to."""
+
+    metadata = {"render_modes": ["human", "rgb_array"], "render_fps": 12}  # noqa: RUF012
+    action_space = gymnasium.spaces.Discrete(4)
+    observation_space = gymnasium.spaces.Discrete(10)
+
+    def __init__(self, render_mode: str | None = None) -> None:
+        self.render_mode = render_mode
+        self.calls: list[Any] = []
+
+    def reset(self, *, seed: int | None = None, options: Any = None) -> Any:
+        self.calls.append(seed)
+        return 0, {}
+
+    def step(self, action: int) -> Any:
+        """Bit 0: terminated; bit 1: truncated. (As NumPy's, which `done is True` would not know.)"""
+        return 1, 2.5, np.bool_(action & 1), np.bool_(action & 2), {}
+
+    def render(self) -> Any:
+        self.calls.append(self.render_mode)
+        return np.full((2, 3, 3), 7, np.uint8)
+
+
+def test_done_is_terminated_or_truncated() -> None:
+    env = adapt(Probe())
+    env.reset()
+    assert env.step(0) == (1, 2.5, False, {})
+    assert env.step(1) == (1, 2.5, True, {})
+    assert env.step(2) == (1, 2.5, True, {"TimeLimit.truncated": True})
+    assert env.step(3) == (1, 2.5, True, {"TimeLimit.truncated": False})
+    assert env.step(1)[2] is True
+
+
+def test_a_seed_waits_for_the_next_reset() -> None:
+    probe = Probe()
+    env = adapt(probe)
+    env.reset()
+    assert env.seed(5) == [5]
+    assert env.seed(np.int64(6)) == [6]
+    env.reset()
+    env.reset()
+    assert probe.calls == [None, 6, None]
+    (chosen,) = env.seed()
+    env.reset()
+    assert probe.calls[-1] == chosen
+
+
+@pytest.mark.parametrize("wrong", [-1, 1.5, "x"])
+def test_wrong_seeds(wrong: Any) -> None:
+    with pytest.raises(ValueError, match=r"^a seed is an integer of 0 or more, or None, got "):
+        adapt(Probe()).seed(wrong)
+
+
+@pytest.mark.parametrize("env_id", ["CartPole-v0", "FrozenLake-v1", "Pong-ram-v0", "ALE/Breakout-v5"])
+def test_a_seed_repeats_its_episodes(env_id: str) -> None:
+    def episodes() -> list[Any]:
+        env.seed(3)
+        env.action_space.seed(3)
+        seen = []
+        for _ in range(3):
+            seen.append(env.reset())
+            seen += [env.step(env.action_space.sample())[0] for _ in range(5)]
+        return [np.asarray(observation).tolist() for observation in seen]
+
+    env = gym.make(env_id)
+    first = episodes()
+    assert first == episodes()
+    assert first[:6] != first[6:12]  # the next episode is another
+
+
+def test_an_atari_game_has_what_scripts_reach_for() -> None:
+    env = gym.make("Breakout-v0")
+    env.seed(0)
+    env.reset()
+    assert env.unwrapped.get_action_meanings() == ["NOOP", "FIRE", "RIGHT", "LEFT"]  # type: ignore[attr-defined]
+    assert env.get_action_meanings() == ["NOOP", "FIRE", "RIGHT", "LEFT"]  # type: ignore[attr-defined]
+    assert env.unwrapped.ale.lives() == env.ale.lives() == 5  # type: ignore[attr-defined]
+    assert env.env.ale.getRAM().shape == (128,)  # type: ignore[attr-defined]
+    info = env.step(1)[3]
+    assert info["ale.lives"] == info["lives"] == 5
+    state = env.unwrapped.clone_state()  # type: ignore[attr-defined]
+    env.unwrapped.restore_state(state)  # type: ignore[attr-defined]
+
+
+def test_the_observations_are_gymnasiums() -> None:
+    env, modern = gym.make("Pong-v4"), atari.make("Pong-v4")
+    env.seed(1)
+    np.testing.assert_array_equal(env.reset(), modern.reset(seed=1)[0])
+    for action in (0, 1, 2, 3, 4, 5):
+        observation, reward, done, _ = env.step(action)
+        expected = modern.step(action)
+        np.testing.assert_array_equal(observation, expected[0])
+        assert (reward, done) == expected[1:3]
+
+
+def test_attributes_are_the_environments_for_reading_and_writing() -> None:
+    env = gym.make("CartPole-v0")
+    env.reset()
+    assert env.unwrapped.gravity == env.gravity == 9.8  # type: ignore[attr-defined]
+    env.unwrapped.gravity = 1.6  # type: ignore[attr-defined]
+    env.env.state = (0.0, 0.0, 0.1, 0.0)  # type: ignore[attr-defined]
+    observation = env.step(1)[0]
+    assert observation[2] == np.float32(0.1)  # the angle changes with the speed of before
+    assert env.unwrapped.modern.unwrapped.gravity == 1.6  # type: ignore[attr-defined]
+    with pytest.raises(AttributeError, match=r"^this CartPoleEnv has no attribute 'nothing'$"):
+        _ = env.nothing  # type: ignore[attr-defined]
+
+
+def test_tables_of_toy_texts() -> None:
+    env = gym.make("FrozenLake-v0")
+    assert (env.nS, env.nA) == (env.env.nS, env.unwrapped.nA) == (16, 4)  # type: ignore[attr-defined, comparison-overlap]
+    assert [len(env.env.P[14][action]) for action in range(4)] == [3] * 4  # type: ignore[attr-defined]
+
+
+def test_names() -> None:
+    assert str(gym.make("CartPole-v0")) == "<TimeLimit<CartPoleEnv<CartPole-v0>>>"
+    assert str(adapt(Probe())) == "<Probe instance>"
+    assert gym.make("CartPole-v0").reward_range == (-float("inf"), float("inf"))
+
+
+# Actions
+
+
+def test_step_before_reset() -> None:
+    for env in (gym.make("CartPole-v0"), gym.make("Pong-v0"), adapt(Probe())):
+        with pytest.raises(
+            gym.error.ResetNeeded, match=r"^step\(\) came before the first reset\(\); call env.reset\(\) first$"
+        ):
+            env.step(0)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "kind", "text"),
+    [
+        (2, ValueError, "the action 2 is not within 0..1; env.action_space.sample() gives one that is"),
+        (-1, ValueError, "the action -1 is not within 0..1; env.action_space.sample() gives one that is"),
+        (1.0, TypeError, "an action is an integer within 0..1, got 1.0"),
+        (None, TypeError, "an action is an integer within 0..1, got None"),
+        ("left", TypeError, "an action is an integer within 0..1, got 'left'"),
+    ],
+)
+def test_a_wrong_action_plays_nothing(wrong: Any, kind: type[Exception], text: str) -> None:
+    env = gym.make("CartPole-v0")
+    env.reset()
+    before = env.state  # type: ignore[attr-defined]
+    with pytest.raises(kind) as error:
+        env.step(wrong)
+    assert str(error.value) == text
+    assert env.state is before  # type: ignore[attr-defined]
+
+
+def test_actions_of_numpy_are_integers_too() -> None:
+    env = gym.make("CartPole-v0")
+    env.reset()
+    for action in (np.int64(1), np.array(1), True):
+        assert env.step(action)[1] == 1.0
+
+
+def test_actions_of_a_box() -> None:
+    """Lists, other shapes of the same size, and numbers that the environment clips, as scripts give them."""
+    env = gym.make("Pendulum-v1")
+    env.reset()
+    for action in ([0.5], np.array([0.5]), np.array([[0.5]]), [9]):
+        assert env.step(action)[0].shape == (3,)
+    with pytest.raises(ValueError, match=r"^an action is an array of shape \(1,\), got one of shape \(2,\)$"):
+        env.step([1, 2])
+    with pytest.raises(TypeError, match=r"^an action is an array of shape \(1,\), got 'up'$"):
+        env.step("up")
+
+
+# Rendering
+
+
+def test_a_mode_is_of_the_call_not_of_the_environment() -> None:
+    probe = Probe()
+    env = adapt(probe)
+    env.reset()
+    assert env.render(mode="rgb_array").shape == (2, 3, 3)
+    assert env.render() is None
+    assert probe.calls == [None, "rgb_array", "rgb_array"]
+    assert probe.render_mode is None
+    env.render(close=True)
+    env.close()
+
+
+def test_metadata_has_the_old_names() -> None:
+    assert adapt(Probe()).metadata == {
+        "render.modes": ["human", "rgb_array"],
+        "render_fps": 12,
+        "video.frames_per_second": 12,
+        "video.pixel_aspect": (1, 1),
+    }
+    breakout = gym.make("Breakout-v0").metadata
+    assert (breakout["render.modes"], breakout["video.pixel_aspect"]) == (["human", "rgb_array"], (2, 1))
+    assert breakout["video.frames_per_second"] == pytest.approx(59.92 / 3, abs=0.1)
+
+
+@pytest.mark.parametrize("env_id", ["CartPole-v0", "MountainCar-v0", "Pendulum-v0", "Acrobot-v1", "Breakout-v0"])
+def test_pictures(env_id: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    env = gym.make(env_id)
+    env.reset()
+    picture = env.render(mode="rgb_array")
+    assert (picture.dtype, picture.ndim, picture.shape[2]) == (np.uint8, 3, 3)
+    assert len(np.unique(picture)) > 1
+    assert env.render() is None
+    with pytest.raises(
+        gym.error.UnsupportedMode, match=r"^this environment cannot render 'ansi'; it has human, rgb_array$"
+    ):
+        env.render(mode="ansi")
+    env.close()
+
+
+def test_the_window_shows_the_picture(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each pixel of a game two columns wide, and all of it large enough to see."""
+    import pygame
+
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    env = gym.make("Pong-v4")
+    env.reset()
+    env.render()
+    window = pygame.surfarray.array3d(pygame.display.get_surface()).swapaxes(0, 1)
+    assert pygame.display.get_caption()[0] == "Pong-v4"
+    assert window.shape == (420, 640, 3)
+    np.testing.assert_array_equal(window[::2, ::4], env.render(mode="rgb_array"))
+    other = gym.make("CartPole-v0")
+    other.reset()
+    other.render()
+    assert pygame.display.get_surface().get_size() == (600, 400)
+    other.close()
+    env.render()  # the other has closed the one window that there is
+    assert pygame.display.get_surface().get_size() == (640, 420)
+    env.close()
+    assert pygame.display.get_surface() is None
+
+
+def test_text_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    env = gym.make("FrozenLake-v0", is_slippery=False)
+    env.reset()
+    capsys.readouterr()
+    env.step(1)
+    env.render()
+    printed = capsys.readouterr().out
+    assert printed == env.render(mode="ansi") + "\n"
+    assert "(Down)" in printed
+    assert "\x1b[41mF\x1b[0mHFH" in printed
+
+
+def test_rendering_before_the_first_reset(capsys: pytest.CaptureFixture[str]) -> None:
+    """Toy texts had a state from the start, and books show it first; the episode begins with reset all the same."""
+    env = gym.make("Taxi-v3")
+    env.seed(0)
+    env.render()
+    shown = capsys.readouterr().out
+    with pytest.raises(gym.error.ResetNeeded):
+        env.step(0)
+    env.reset()
+    env.render()
+    assert capsys.readouterr().out == shown
+
+
+def test_an_environment_that_only_shows_itself() -> None:
+    class Shy(Probe):
+        metadata = {"render_modes": ["human"]}  # noqa: RUF012
+
+    shy = Shy()
+    env = Adapter(shy)
+    env.reset()
+    env.render()
+    assert shy.calls == [None, "human"]
+
+
+def test_an_environment_without_pictures() -> None:
+    class Blind(Probe):
+        metadata = {"render_modes": []}  # noqa: RUF012
+
+    env = Adapter(Blind())
+    env.reset()
+    with pytest.raises(gym.error.UnsupportedMode, match=r"^this environment cannot render 'human'; it has no mode$"):
+        env.render()

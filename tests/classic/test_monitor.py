@@ -1,0 +1,188 @@
+"""Monitor: its files are what scripts of the time read, and its videos show what was played."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import av
+import numpy as np
+import pytest
+
+import atari.classic as gym
+from atari.classic.wrappers import Monitor
+from atari.classic.wrappers.monitor import cubes_then_thousands
+
+
+class Clip(gym.Env):
+    """Shows its step as a grey, in 5 x 7 pixels; done after 3."""
+
+    metadata = {"render.modes": ["rgb_array"], "video.frames_per_second": 10}  # noqa: RUF012
+    action_space = gym.spaces.Discrete(2)
+    observation_space = gym.spaces.Discrete(9)
+
+    def reset(self) -> int:
+        self.n = 0
+        return 0
+
+    def step(self, action: int) -> Any:
+        self.n += 1
+        return self.n, 1.5, self.n >= 3, {}
+
+    def render(self, mode: str = "human") -> Any:
+        return np.full((5, 7, 3), 60 * self.n, np.uint8)
+
+
+def play(env: gym.Env, episodes: int, steps: int = 3) -> None:
+    for _ in range(episodes):
+        env.reset()
+        for _ in range(steps):
+            env.step(0)
+
+
+def read(folder: Path, kind: str) -> Any:
+    (file,) = folder.glob(f"openaigym.{kind}.*.json")
+    return json.loads(file.read_text())
+
+
+def decode(path: Path) -> tuple[Any, list[Any]]:
+    with av.open(str(path)) as container:
+        stream = container.streams.video[0]
+        return stream.average_rate, [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
+
+
+def test_statistics_and_manifest(tmp_path: Path) -> None:
+    with Monitor(gym.make("CartPole-v0"), tmp_path, video_callable=False, uid="me", mode="evaluation") as env:
+        env.seed(0)
+        env.action_space.seed(0)
+        lengths = []
+        for _ in range(4):
+            env.reset()
+            done, steps = False, 0
+            while not done:
+                done = env.step(env.action_space.sample())[2]
+                steps += 1
+            lengths.append(steps)
+        assert env.get_total_steps() == sum(lengths)  # type: ignore[attr-defined]
+        assert env.get_episode_lengths() == lengths  # type: ignore[attr-defined]
+        assert env.get_episode_rewards() == [float(n) for n in lengths]  # type: ignore[attr-defined]
+    stats = read(tmp_path, "episode_batch")
+    assert set(stats) == {
+        "initial_reset_timestamp", "timestamps", "episode_lengths", "episode_rewards", "episode_types"
+    }  # fmt: skip
+    assert (stats["episode_lengths"], stats["episode_rewards"]) == (lengths, lengths)
+    assert stats["episode_types"] == ["e"] * 4
+    assert stats["initial_reset_timestamp"] <= stats["timestamps"][0] <= stats["timestamps"][-1]
+    manifest = read(tmp_path, "manifest")
+    assert (tmp_path / manifest["stats"]).exists()
+    assert manifest["videos"] == []
+    assert manifest["env_info"]["env_id"] == "CartPole-v0"
+    assert sorted(path.name.split(".")[-2] for path in tmp_path.iterdir()) == ["manifest", "stats"]
+
+
+def test_a_video_is_what_was_shown(tmp_path: Path) -> None:
+    with Monitor(Clip(), tmp_path) as env:
+        play(env, 1)
+    (path,) = tmp_path.glob("*.mp4")
+    rate, frames = decode(path)
+    assert rate == 10
+    assert [frame.shape for frame in frames] == [(10, 14, 3)] * 4  # doubled: H.264 has even sides
+    for n, frame in enumerate(frames):
+        assert abs(frame.astype(int) - 60 * n).max() <= 4
+    assert read(tmp_path, "video.*") == {"episode_id": 0, "content_type": "video/mp4", "frames_per_second": 10.0}
+
+
+def test_a_game_is_filmed_with_its_own_rate_and_wide_pixels(tmp_path: Path) -> None:
+    with Monitor(gym.make("PongDeterministic-v4"), tmp_path) as env:
+        play(env, 1, steps=5)
+    rate, frames = decode(next(tmp_path.glob("*.mp4")))
+    assert rate == 15
+    assert [frame.shape for frame in frames] == [(420, 640, 3)] * 6
+
+
+def test_cartpole_is_filmed_in_square_pixels(tmp_path: Path) -> None:
+    with Monitor(gym.make("CartPole-v0"), tmp_path) as env:
+        play(env, 1, steps=2)
+    rate, frames = decode(next(tmp_path.glob("*.mp4")))
+    assert (rate, [frame.shape for frame in frames]) == (50, [(400, 600, 3)] * 3)
+
+
+def test_which_episodes_are_filmed(tmp_path: Path) -> None:
+    assert [n for n in range(3000) if cubes_then_thousands(n)] == [0, 1, 8, 27, 64, 125, 216, 343, 512, 729, 1000, 2000]
+    with Monitor(Clip(), tmp_path, video_callable=lambda episode: episode % 2 == 1) as env:
+        play(env, 4)
+    names = sorted(path.name.split(".")[-2] for path in tmp_path.glob("*.mp4"))
+    assert names == ["video000001", "video000003"]
+    assert [video.split(".")[-2] for video, _ in read(tmp_path, "manifest")["videos"]] == names
+
+
+def test_an_episode_may_be_left_early(tmp_path: Path) -> None:
+    with Monitor(Clip(), tmp_path) as env:
+        env.reset()
+        env.reset()  # nothing was played: no episode
+        env.step(0)
+        play(env, 1)
+        env.reset()
+        env.step(0)
+    assert read(tmp_path, "episode_batch")["episode_lengths"] == [1, 3, 1]
+    assert len(decode(min(tmp_path.glob("*.mp4")))[1]) == 2
+
+
+def test_the_end_of_an_episode_is_the_end(tmp_path: Path) -> None:
+    with Monitor(Clip(), tmp_path, video_callable=False) as env:
+        play(env, 1)
+        with pytest.raises(
+            gym.error.Error, match=r"the episode is over, and Monitor does not go on; call env.reset\(\) first"
+        ):
+            env.step(0)
+        play(env, 1)
+    assert read(tmp_path, "episode_batch")["episode_lengths"] == [3, 3]
+
+
+def test_files_of_others_are_kept_or_removed_only_if_told_to(tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("mine")
+    Monitor(Clip(), tmp_path, video_callable=False).close()
+    with pytest.raises(gym.error.Error, match=r"has files of another Monitor, such as openaigym\..*force=True"):
+        Monitor(Clip(), tmp_path)
+    Monitor(Clip(), tmp_path, video_callable=False, resume=True).close()
+    assert len(list(tmp_path.glob("*.stats.json"))) == 2
+    Monitor(Clip(), tmp_path, video_callable=False, force=True).close()
+    assert len(list(tmp_path.glob("*.stats.json"))) == 1
+    assert (tmp_path / "notes.txt").read_text() == "mine"
+
+
+def test_statistics_may_be_written_after_every_episode(tmp_path: Path) -> None:
+    env = Monitor(Clip(), tmp_path, video_callable=False, write_upon_reset=True)
+    play(env, 2)
+    assert read(tmp_path, "episode_batch")["episode_lengths"] == [3, 3]
+    env.close()
+    env.close()
+
+
+def test_an_environment_without_pictures_is_not_filmed(tmp_path: Path) -> None:
+    class Blind(Clip):
+        metadata = {"render.modes": ["human"]}  # noqa: RUF012
+
+    with Monitor(Blind(), tmp_path) as env:
+        play(env, 1)
+    assert not list(tmp_path.glob("*.mp4"))
+    assert read(tmp_path, "episode_batch")["episode_lengths"] == [3]
+
+
+def test_a_wrong_mode(tmp_path: Path) -> None:
+    with pytest.raises(gym.error.Error, match="mode must be 'training' or 'evaluation', got 'test'"):
+        Monitor(Clip(), tmp_path / "new", mode="test")  # type: ignore[arg-type]
+    assert not (tmp_path / "new").exists()
+
+
+def test_who_does_not_close_gets_the_files_too(tmp_path: Path) -> None:
+    program = (
+        "import sys, atari.classic as gym\n"
+        "env = gym.wrappers.Monitor(gym.make('Pong-v0'), sys.argv[1])\n"
+        "env.reset()\n"
+        "[env.step(0) for _ in range(7)]"
+    )
+    subprocess.run([sys.executable, "-c", program, str(tmp_path)], check=True, timeout=60)
+    assert read(tmp_path, "episode_batch")["episode_lengths"] == [7]
+    assert len(decode(next(tmp_path.glob("*.mp4")))[1]) == 8
