@@ -14,12 +14,14 @@ from sybil.parsers.markdown import CodeBlockParser, PythonCodeBlockParser
 
 
 def run_atari_commands(example: Example) -> None:
-    """Run the `atari` lines of a shell block; the scripts of set-up and test are what runs these tests."""
+    """Run the lines of a shell block that run this package; scripts of set-up and test are what runs these tests."""
     for line in example.parsed.splitlines():
         words = shlex.split(line, comments=True)
         if words and words[0] == "atari":
             command = Path(sysconfig.get_path("scripts")) / "atari"
             subprocess.run([sys.executable, str(command), *words[1:]], check=True, timeout=300)
+        elif words[:3] == ["python", "-m", "atari.classic"]:
+            subprocess.run([sys.executable, *words[1:]], check=True, timeout=300)
 
 
 def enter_folder(namespace: dict[str, Any]) -> None:
