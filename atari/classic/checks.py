@@ -5,6 +5,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 
+from atari.classic.adapter import to_action
 from atari.classic.core import Env, Step, Wrapper
 
 
@@ -14,7 +15,7 @@ class Checked(Wrapper):
     `step` raises:
         gymnasium.error.ResetNeeded: before the first reset.
         TypeError: the environment returned something else than observation, reward, done and info.
-        ValueError: the action is not in the action space.
+        TypeError, ValueError: the action is not in the action space; beyond the bounds of a Box it may be.
     """
 
     def __init__(self, env: Env) -> None:
@@ -40,11 +41,7 @@ class Checked(Wrapper):
     def _step(self, action: Any) -> Step:
         if not self._started:
             raise gymnasium.error.ResetNeeded("step() came before the first reset(); call env.reset() first")
-        if not self.action_space.contains(action):
-            raise ValueError(
-                f"the action {action!r} is not in {self.action_space}; env.action_space.sample() gives one that is"
-            )
-        return check_step(self.env.step(action), type(self.unwrapped).__name__)
+        return check_step(self.env.step(to_action(self.action_space, action)), type(self.unwrapped).__name__)
 
 
 def check_step(result: Any, name: str) -> Step:

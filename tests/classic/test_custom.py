@@ -417,5 +417,26 @@ def test_step_before_reset_and_a_wrong_action() -> None:
     with pytest.raises(gymnasium.error.ResetNeeded, match=r"call env.reset\(\) first"):
         env.step(0)
     env.reset()
-    with pytest.raises(ValueError, match="2"):
+    with pytest.raises(ValueError, match=r"the action 2 is not within 0\.\.1"):
         env.step(2)
+    with pytest.raises(TypeError, match=r"an action is an integer within 0\.\.1, got 'left'"):
+        env.step("left")
+
+
+def test_numbers_beyond_a_box_are_the_environments_to_clip() -> None:
+    class Push(Wrong):
+        def __init__(self) -> None:
+            super().__init__()
+            self.action_space: Any = gym.spaces.Box(low=-1, high=1, shape=(2,))
+
+        def step(self, action: Any) -> Any:
+            self.pushed = action
+            return 0, 0.0, False, {}
+
+    push = Push()
+    env = Modern(push)
+    env.reset()
+    env.step([1.5, -3])
+    assert (push.pushed.tolist(), push.pushed.dtype) == ([1.5, -3], np.float32)
+    with pytest.raises(ValueError, match=r"an action is an array of shape \(2,\), got one of shape \(3,\)"):
+        env.step([0, 0, 0])
