@@ -7,7 +7,7 @@ import pytest
 from gymnasium import spaces
 from gymnasium.utils.env_checker import check_env
 
-from atari import algorithmic
+from atari import algorithmic, classic
 
 TASKS = {
     "Copy-v0": (algorithmic.CopyEnv, 25.0, (2, 2, 5)),
@@ -47,6 +47,26 @@ def test_options_go_through_make() -> None:
     env = gymnasium.make("Copy-v0", base=26, min_length=30)
     assert len(env.reset(seed=0)[1]["input"]) >= 30
     assert env.action_space[2].n == 26  # type: ignore[index]
+
+
+@pytest.mark.parametrize("env_id", TASKS)
+def test_they_play_through_the_interface_of_their_time(env_id: str, capsys: pytest.CaptureFixture[str]) -> None:
+    _, threshold, actions = TASKS[env_id]
+    env = classic.make(env_id)
+    assert str(env.action_space) == f"Tuple({', '.join(f'Discrete({count})' for count in actions)})"
+    assert env.spec is not None
+    assert (env.spec.reward_threshold, env.spec.max_episode_steps) == (threshold, 200)
+    env.seed(1)
+    assert env.reset() in range(actions[2])
+    for _ in range(50):
+        _, reward, done, info = env.step(env.action_space.sample())
+        assert reward in (1.0, 0.0, -0.5, -1.0)
+        if done:
+            break
+    assert done
+    env.render()
+    assert capsys.readouterr().out == f"{env.render(mode='ansi')}\n"
+    assert f"step: {info['time']}\n" in env.render(mode="ansi")
 
 
 def test_registering_again_is_silent() -> None:
