@@ -80,8 +80,12 @@ class Adapter(Env):
         self._pending_seed = int(seed)
         return [self._pending_seed]
 
-    def reset(self) -> Any:
+    def reset(self, **options: Any) -> Any:
         """Start a new episode and return its first observation."""
+        if options:
+            raise TypeError(
+                f"reset() takes no {' or '.join(options)} here; call env.seed(0) before it, or use gymnasium.make"
+            )
         observation = self._begin(self._pending_seed)
         self._pending_seed = None
         self._started = True

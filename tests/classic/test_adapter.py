@@ -1,5 +1,7 @@
 """Gymnasium's environments, spoken to in the old way."""
 
+import copy
+import pickle
 from typing import Any
 
 import gymnasium
@@ -63,6 +65,26 @@ def test_a_seed_waits_for_the_next_reset() -> None:
 def test_wrong_seeds(wrong: Any) -> None:
     with pytest.raises(ValueError, match=r"^a seed is an integer of 0 or more, or None, got "):
         adapt(Probe()).seed(wrong)
+
+
+def test_reset_takes_no_seed() -> None:
+    with pytest.raises(
+        TypeError, match=r"^reset\(\) takes no seed here; call env.seed\(0\) before it, or use gymnasium.make$"
+    ):
+        gym.make("CartPole-v0").reset(seed=0)  # type: ignore[call-arg]
+
+
+def test_a_copy_goes_on_where_it_was_made() -> None:
+    for env_id in ("CartPole-v0", "Pong-ram-v0"):
+        env = gym.make(env_id)
+        env.reset()
+        env.step(0)
+        for other in (copy.deepcopy(env), pickle.loads(pickle.dumps(env))):
+            assert other._elapsed_steps == 1
+            assert str(other) == str(env)
+        twin = copy.deepcopy(env)
+        for action in (0, 1, 1, 0, 1):
+            np.testing.assert_array_equal(env.step(action)[0], twin.step(action)[0])
 
 
 @pytest.mark.parametrize("env_id", ["CartPole-v0", "FrozenLake-v1", "Pong-ram-v0", "ALE/Breakout-v5"])
