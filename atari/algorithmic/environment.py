@@ -15,6 +15,7 @@ from gymnasium import spaces
 
 from atari.algorithmic import text
 from atari.algorithmic.curriculum import MAX_LENGTH, Curriculum
+from atari.cores.options import check_integer
 
 Action = tuple[int, int, int]
 """Movement, an index into `moves`; 1 to write and 0 not to; the character."""
@@ -30,7 +31,7 @@ class AlgorithmicEnv(gymnasium.Env[Any, Any]):
     """What all algorithmic tasks share.
 
     Args:
-        base: how many different characters there are.
+        base: how many different characters there are, 1 to as many as the alphabet has.
         min_length: the shortest input at first, 1 to 30; the longest has two characters more.
         render_mode: "ansi" returns a text from `render`, "human" prints it after each step.
 
@@ -47,7 +48,7 @@ class AlgorithmicEnv(gymnasium.Env[Any, Any]):
     much is written), `time` and `time_limit` in steps, `min_length` and `solved`.
 
     Raises:
-        ValueError: an option is out of range.
+        TypeError, ValueError: an option is no integer, or out of range.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["human", "ansi"], "render_fps": 4}  # noqa: RUF012
@@ -71,10 +72,8 @@ class AlgorithmicEnv(gymnasium.Env[Any, Any]):
     solved: bool
 
     def __init__(self, base: int, min_length: int = 2, render_mode: Literal["human", "ansi"] | None = None) -> None:
-        if not 1 <= base <= len(self.alphabet):
-            raise ValueError(f"base is the number of characters, 1 to {len(self.alphabet)}, got {base!r}")
-        if not 1 <= min_length <= MAX_LENGTH:
-            raise ValueError(f"min_length is 1 to {MAX_LENGTH}, got {min_length!r}")
+        base = check_integer("base", base, 1, len(self.alphabet))
+        min_length = check_integer("min_length", min_length, 1, MAX_LENGTH)
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(f"render_mode is 'human', 'ansi' or None, got {render_mode!r}")
         self.base = base

@@ -5,13 +5,14 @@ from abc import abstractmethod
 from typing import Literal
 
 from atari.algorithmic.environment import AlgorithmicEnv, Rows
+from atari.cores.options import check_integer
 
 
 class GridEnv(AlgorithmicEnv):
     """A task on a grid of so many rows; the head starts on the upper left digit. See `AlgorithmicEnv` for the rest.
 
     Raises:
-        ValueError: there is no row, or another option is out of range.
+        TypeError, ValueError: an option is no integer, or out of range; there are 1 to 100 rows.
     """
 
     moves = ("left", "right", "up", "down")
@@ -20,9 +21,7 @@ class GridEnv(AlgorithmicEnv):
     def __init__(
         self, rows: int, base: int, min_length: int = 2, render_mode: Literal["human", "ansi"] | None = None
     ) -> None:
-        if rows < 1:
-            raise ValueError(f"rows is at least 1, got {rows!r}")
-        self.height = rows
+        self.height = check_integer("rows", rows, 1, 100)
         super().__init__(base, min_length, render_mode)
 
     def draw(self, length: int) -> Rows:

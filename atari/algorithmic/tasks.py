@@ -5,6 +5,7 @@ from typing import Literal
 from atari.algorithmic.environment import Rows
 from atari.algorithmic.grid import GridEnv
 from atari.algorithmic.tape import TapeEnv
+from atari.cores.options import check_integer
 
 RenderMode = Literal["human", "ansi"] | None
 
@@ -21,18 +22,12 @@ class CopyEnv(TapeEnv):
 
 
 class DuplicatedInputEnv(TapeEnv):
-    """Each letter is there `duplication` times in a row; write it once.
-
-    Raises:
-        ValueError: `duplication` is below 1, or another option is out of range.
-    """
+    """Each letter is there `duplication` times in a row, 1 to 100; write it once."""
 
     def __init__(
         self, duplication: int = 2, base: int = 5, min_length: int = 2, render_mode: RenderMode = None
     ) -> None:
-        if duplication < 1:
-            raise ValueError(f"duplication is at least 1, got {duplication!r}")
-        self.duplication = duplication
+        self.duplication = check_integer("duplication", duplication, 1, 100)
         super().__init__(base, min_length, render_mode)
 
     def draw(self, length: int) -> Rows:
@@ -75,15 +70,12 @@ class ReversedAdditionEnv(GridEnv):
     """Add the numbers in the rows of the grid, whose lowest digits are on the left, and write the sum that way, too.
 
     Args:
-        rows: how many numbers.
+        rows: how many numbers, 1 to 100.
         base: of the numbers, 1 to 10.
         min_length: how many digits they have at first, 1 to 30.
-        steps_per_column: time limit, to which 4 steps are added. Gym's is 2, too little to read three rows of more
-            than four digits: no agent solves `ReversedAddition3-v0` as published, and 3 makes it solvable.
+        steps_per_column: time limit, 1 to 100, to which 4 steps are added. Gym's is 2, too little to read three rows
+            of more than four digits: no agent solves `ReversedAddition3-v0` as published, and 3 makes it solvable.
         render_mode: "ansi" or "human".
-
-    Raises:
-        ValueError: an option is out of range.
     """
 
     def __init__(
@@ -94,9 +86,7 @@ class ReversedAdditionEnv(GridEnv):
         steps_per_column: int = 2,
         render_mode: RenderMode = None,
     ) -> None:
-        if steps_per_column < 1:
-            raise ValueError(f"steps_per_column is at least 1, got {steps_per_column!r}")
-        self.steps_per_column = steps_per_column
+        self.steps_per_column = check_integer("steps_per_column", steps_per_column, 1, 100)
         super().__init__(rows, base, min_length, render_mode)
 
     @property
@@ -105,9 +95,13 @@ class ReversedAdditionEnv(GridEnv):
         return self.steps_per_column * len(self.rows[0]) + 4
 
     def solve_columns(self, columns: list[tuple[int, ...]]) -> list[int]:
-        """The digits of the sum, and the carry if there is one at the end."""
-        digits, carry = [], 0
+        """The digits of the sum, which may be more than there are columns."""
+        digits: list[int] = []
+        carry = 0
         for column in columns:
             carry, digit = divmod(sum(column) + carry, self.base)
             digits.append(digit)
-        return [*digits, carry] if carry else digits
+        while carry:
+            carry, digit = divmod(carry, self.base)
+            digits.append(digit)
+        return digits

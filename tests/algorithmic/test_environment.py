@@ -180,13 +180,15 @@ def test_a_grid_wants_even_lines(wrong: str) -> None:
 @pytest.mark.parametrize(
     ("options", "text"),
     [
-        ({"base": 0}, "base is the number of characters, 1 to 26, got 0"),
-        ({"base": 27}, "base is the number of characters, 1 to 26, got 27"),
-        ({"min_length": 0}, "min_length is 1 to 30, got 0"),
-        ({"min_length": 31}, "min_length is 1 to 30, got 31"),
+        ({"base": 0}, r"base must be within 1\.\.26, got 0"),
+        ({"base": 27}, r"base must be within 1\.\.26, got 27"),
+        ({"base": 2.5}, r"base must be an integer within 1\.\.26, got 2\.5"),
+        ({"min_length": 0}, r"min_length must be within 1\.\.30, got 0"),
+        ({"min_length": 31}, r"min_length must be within 1\.\.30, got 31"),
+        ({"min_length": "3"}, r"min_length must be an integer within 1\.\.30, got '3'"),
         ({"render_mode": "rgb_array"}, "render_mode is 'human', 'ansi' or None, got 'rgb_array'"),
     ],
 )
 def test_wrong_options(options: dict[str, Any], text: str) -> None:
-    with pytest.raises(ValueError, match=text):
+    with pytest.raises((TypeError, ValueError), match=text):
         CopyEnv(**options)

@@ -136,6 +136,8 @@ def test_three_rows_cannot_be_read_in_the_published_time_but_in_a_step_more() ->
         (ReversedAdditionEnv(), "11\n11", "22"),
         (ReversedAdditionEnv(rows=3, base=10), "999\n999\n999", "7992"),
         (ReversedAdditionEnv(base=2), "1\n1", "01"),
+        (ReversedAdditionEnv(rows=4, base=2), "1\n1\n1\n1", "001"),
+        (ReversedAdditionEnv(base=1), "00\n00", "00"),
     ],
 )
 def test_the_target_of_an_input(env: AlgorithmicEnv, given: str, target: str) -> None:
@@ -161,10 +163,10 @@ def test_duplicated_inputs_are_whole_and_fit(duplication: int, lengths: set[int]
 @pytest.mark.parametrize(
     ("make", "text"),
     [
-        (lambda: DuplicatedInputEnv(duplication=0), "duplication is at least 1, got 0"),
-        (lambda: ReversedAdditionEnv(rows=0), "rows is at least 1, got 0"),
-        (lambda: ReversedAdditionEnv(steps_per_column=0), "steps_per_column is at least 1, got 0"),
-        (lambda: ReversedAdditionEnv(base=11), "base is the number of characters, 1 to 10, got 11"),
+        (lambda: DuplicatedInputEnv(duplication=0), r"duplication must be within 1\.\.100, got 0"),
+        (lambda: ReversedAdditionEnv(rows=0), r"rows must be within 1\.\.100, got 0"),
+        (lambda: ReversedAdditionEnv(steps_per_column=0), r"steps_per_column must be within 1\.\.100, got 0"),
+        (lambda: ReversedAdditionEnv(base=11), r"base must be within 1\.\.10, got 11"),
     ],
 )
 def test_wrong_options(make: Callable[[], AlgorithmicEnv], text: str) -> None:
