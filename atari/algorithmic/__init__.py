@@ -5,7 +5,7 @@ Also the worked example of an environment of your own. Read in this order: `envi
 `registration` gives them their IDs; `curriculum` makes them harder, `text` shows them.
 
 The tasks are those of Zaremba et al. 2015, "Learning Simple Algorithms from Examples" (arXiv:1511.07275), with the
-rules of OpenAI Gym 0.7-0.19.
+rules of OpenAI Gym 0.17.
 """
 
 from atari.algorithmic.environment import AlgorithmicEnv
