@@ -8,6 +8,8 @@ method. An environment may spell its methods with an underscore (`_step`), as be
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
+import gymnasium
+
 from atari.classic.spaces import Space
 
 if TYPE_CHECKING:
@@ -59,6 +61,11 @@ class Env:
     def unwrapped(self) -> "Env":
         """The environment inside all wrappers."""
         return self
+
+    @property
+    def monitor(self) -> Any:
+        """What there was in 2016, before `Monitor`."""
+        raise gymnasium.error.Error("env.monitor is gone; use env = gym.wrappers.Monitor(env, directory, force=True)")
 
     def _call(self, name: str, *args: Any, **options: Any) -> Any:
         """Call the method under its name of before 2018."""

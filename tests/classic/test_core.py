@@ -133,3 +133,11 @@ def test_a_wrapper_goes_around_an_environment() -> None:
         TypeError, match=r"a wrapper of atari.classic goes around one of its environments, got 'Pong-v0'"
     ):
         gym.Wrapper("Pong-v0")  # type: ignore[arg-type]
+
+
+def test_what_was_there_in_2016_names_what_is_there_now() -> None:
+    for env in (Counter(), gym.make("CartPole-v0")):
+        with pytest.raises(
+            gym.error.Error, match=r"^env.monitor is gone; use env = gym.wrappers.Monitor\(env, directory"
+        ):
+            env.monitor.start("results")

@@ -34,6 +34,9 @@ from gym.utils import seeding, EzPickle, colorize
 from gym.utils.play import play
 from gym.spaces import Box, Dict, Discrete, MultiBinary, MultiDiscrete, Space, Tuple
 from gym.spaces.box import Box
+from gym.spaces import prng
+from gym.envs.toy_text import discrete
+from gym.envs.toy_text.discrete import DiscreteEnv, categorical_sample
 from gym.core import Env, Wrapper
 from gym import Env, GoalEnv, Wrapper, ObservationWrapper, RewardWrapper, ActionWrapper
 from gym.error import Error, UnregisteredEnv, DependencyNotInstalled

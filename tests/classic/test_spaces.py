@@ -85,3 +85,25 @@ def test_spaces_of_gymnasium_become_classic() -> None:
 def test_a_space_that_gym_did_not_have_stays() -> None:
     for space in (gymnasium.spaces.Text(3), gymnasium.spaces.Discrete(3, start=1)):
         assert from_gymnasium(space) is space
+
+
+def test_one_generator_for_all_samples() -> None:
+    """As `gym.spaces.prng` was, before spaces had generators of their own."""
+
+    def samples(*, seed_last: bool = False) -> list[object]:
+        made = [spaces.Discrete(1000), spaces.Box(0, 1, (2,)), spaces.MultiBinary(9), spaces.MultiDiscrete([99, 99])]
+        if seed_last:
+            made[-1].seed(4)
+        return [np.asarray(space.sample()).tolist() for space in made]
+
+    try:
+        spaces.prng.seed(7)
+        first, different = samples(), samples()
+        spaces.prng.seed(7)
+        assert samples() == first != different
+        spaces.prng.seed(7)
+        seeded = samples(seed_last=True)
+        assert seeded[:3] == first[:3]
+        assert seeded[3] != first[3]  # a space that is seeded draws its own
+    finally:
+        spaces.prng.np_random = None

@@ -6,6 +6,7 @@ know them.
 
 from gymnasium.spaces import Space
 
+from atari.classic.spaces import prng
 from atari.classic.spaces.box import Box
 from atari.classic.spaces.convert import from_gymnasium
 from atari.classic.spaces.dict import Dict
@@ -14,4 +15,4 @@ from atari.classic.spaces.multi_binary import MultiBinary
 from atari.classic.spaces.multi_discrete import MultiDiscrete
 from atari.classic.spaces.tuple import Tuple
 
-__all__ = ["Box", "Dict", "Discrete", "MultiBinary", "MultiDiscrete", "Space", "Tuple", "from_gymnasium"]
+__all__ = ["Box", "Dict", "Discrete", "MultiBinary", "MultiDiscrete", "Space", "Tuple", "from_gymnasium", "prng"]

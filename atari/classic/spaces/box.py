@@ -5,8 +5,10 @@ from typing import Any
 import gymnasium
 import numpy as np
 
+from atari.classic.spaces.prng import Shared
 
-class Box(gymnasium.spaces.Box):
+
+class Box(Shared, gymnasium.spaces.Box):
     """Arrays of a shape, each number between its bounds.
 
     Args:

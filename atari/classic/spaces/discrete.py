@@ -5,8 +5,10 @@ from typing import Any
 
 import gymnasium
 
+from atari.classic.spaces.prng import Shared
 
-class Discrete(gymnasium.spaces.Discrete):
+
+class Discrete(Shared, gymnasium.spaces.Discrete):
     """The integers 0 to n - 1."""
 
     def __init__(self, n: int) -> None:

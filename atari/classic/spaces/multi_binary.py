@@ -4,8 +4,10 @@ from typing import Any
 
 import gymnasium
 
+from atari.classic.spaces.prng import Shared
 
-class MultiBinary(gymnasium.spaces.MultiBinary):
+
+class MultiBinary(Shared, gymnasium.spaces.MultiBinary):
     """Arrays of n numbers, each 0 or 1; `n` may be a shape."""
 
     def __init__(self, n: Any) -> None:

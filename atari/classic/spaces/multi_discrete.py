@@ -4,8 +4,10 @@ from typing import Any
 
 import gymnasium
 
+from atari.classic.spaces.prng import Shared
 
-class MultiDiscrete(gymnasium.spaces.MultiDiscrete):
+
+class MultiDiscrete(Shared, gymnasium.spaces.MultiDiscrete):
     """Arrays of integers, number i within 0 to nvec[i] - 1."""
 
     def __init__(self, nvec: Any) -> None:

@@ -1,0 +1,92 @@
+"""Small changes of observations, rewards and actions, under the names of Gym's last years."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+from gymnasium import wrappers
+
+from atari.classic.core import ActionWrapper, Env, ObservationWrapper, RewardWrapper
+from atari.classic.spaces import Box
+from atari.classic.wrappers.bridge import Bridge
+
+
+class GrayScaleObservation(ObservationWrapper):
+    """Pictures in OpenCV's gray, (rows, columns), or (rows, columns, 1) with `keep_dim`."""
+
+    def __init__(self, env: Env, keep_dim: bool = False) -> None:
+        import cv2  # here, because it takes long
+
+        super().__init__(env)
+        self._keep_dim = keep_dim
+        self._to_gray = partial(cv2.cvtColor, code=cv2.COLOR_RGB2GRAY)
+        rows, columns, _ = env.observation_space.shape or ()
+        self.observation_space = Box(0, 255, (rows, columns, 1)[: 3 if keep_dim else 2], np.uint8)
+
+    def observation(self, observation: Any) -> Any:
+        """The observation to show instead."""
+        gray = self._to_gray(observation)
+        return gray[..., None] if self._keep_dim else gray
+
+
+class ResizeObservation(Bridge):
+    """Pictures of another size, (rows, columns), or one number for both."""
+
+    def __init__(self, env: Env, shape: int | tuple[int, int]) -> None:
+        size = (shape, shape) if isinstance(shape, int) else shape
+        super().__init__(env, lambda inside: wrappers.ResizeObservation(inside, size))
+
+
+class FlattenObservation(Bridge):
+    """Observations as one array of numbers."""
+
+    def __init__(self, env: Env) -> None:
+        super().__init__(env, wrappers.FlattenObservation)
+
+
+class RecordEpisodeStatistics(Bridge):
+    """`info["episode"]` at the end of an episode has its return "r", length "l" and time "t" in seconds."""
+
+    def __init__(self, env: Env, deque_size: int = 100) -> None:
+        super().__init__(env, lambda inside: wrappers.RecordEpisodeStatistics(inside, deque_size))
+
+
+class ClipAction(ActionWrapper):
+    """Actions beyond the bounds of a Box are taken as the bounds."""
+
+    def action(self, action: Any) -> Any:
+        """The action to take instead."""
+        bounds: Any = self.action_space
+        return np.clip(action, bounds.low, bounds.high)
+
+
+class RescaleAction(Bridge):
+    """Actions within `a` to `b`, stretched to the bounds of the environment."""
+
+    def __init__(self, env: Env, a: Any, b: Any) -> None:
+        super().__init__(env, lambda inside: wrappers.RescaleAction(inside, a, b))
+
+
+class TransformObservation(ObservationWrapper):
+    """Observations are what `f` makes of them."""
+
+    def __init__(self, env: Env, f: Callable[[Any], Any]) -> None:
+        super().__init__(env)
+        self.f = f
+
+    def observation(self, observation: Any) -> Any:
+        """The observation to show instead."""
+        return self.f(observation)
+
+
+class TransformReward(RewardWrapper):
+    """Rewards are what `f` makes of them."""
+
+    def __init__(self, env: Env, f: Callable[[Any], Any]) -> None:
+        super().__init__(env)
+        self.f = f
+
+    def reward(self, reward: Any) -> Any:
+        """The reward to give instead."""
+        return self.f(reward)
