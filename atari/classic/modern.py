@@ -52,7 +52,7 @@ class Modern(gymnasium.Env[Any, Any]):
         """Seed the environment, if asked to, and start a new episode. `options` are ignored."""
         super().reset(seed=seed)
         if seed is not None:
-            pass
+            self._checked.seed(seed)
         observation = self._observation(self._checked.reset())
         self._show()
         return observation, {}
