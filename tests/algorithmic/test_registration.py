@@ -1,6 +1,7 @@
 """The six IDs in Gymnasium, as OpenAI Gym published them."""
 
 import warnings
+from typing import Any
 
 import gymnasium
 import pytest
@@ -17,6 +18,7 @@ TASKS = {
     "ReversedAddition-v0": (algorithmic.ReversedAdditionEnv, 25.0, (4, 2, 3)),
     "ReversedAddition3-v0": (algorithmic.ReversedAdditionEnv, 25.0, (4, 2, 3)),
 }
+GROWTH = {"RepeatCopy-v0": (2, 50), "Reverse-v0": (1, 50)}  # the others: (2, 10)
 
 
 @pytest.mark.parametrize("env_id", TASKS)
@@ -29,6 +31,12 @@ def test_an_id_stands_for_the_published_task(env_id: str) -> None:
     assert not env.spec.nondeterministic
     assert env.action_space == spaces.Tuple([spaces.Discrete(count) for count in actions])
     assert env.observation_space == spaces.Discrete(actions[2] + 1)
+
+
+@pytest.mark.parametrize("env_id", TASKS)
+def test_a_task_starts_and_grows_as_published(env_id: str) -> None:
+    env: Any = gymnasium.make(env_id).unwrapped
+    assert (env.min_length, env.window) == GROWTH.get(env_id, (2, 10))
 
 
 def test_three_rows_are_three() -> None:
