@@ -9,6 +9,7 @@ import gymnasium.error as error
 from atari.classic import envs, logger, spaces, utils, wrappers
 from atari.classic.core import ActionWrapper, Env, GoalEnv, ObservationWrapper, RewardWrapper, Wrapper
 from atari.classic.envs import make, register, spec
+from atari.classic.scoreboard import upload
 from atari.classic.spaces import Space
 
 __version__ = "0.21.0"
@@ -29,6 +30,7 @@ __all__ = [
     "register",
     "spaces",
     "spec",
+    "upload",
     "utils",
     "wrappers",
 ]

@@ -8,6 +8,7 @@ import sys
 from types import TracebackType
 
 import atari.classic
+from atari.classic import old_numpy
 
 _USAGE = "usage: python -m atari.classic script.py [arguments of the script]"
 
@@ -22,6 +23,7 @@ def main(arguments: list[str]) -> int:
         print(f"atari.classic: there is no script {script!r}; {_USAGE}", file=sys.stderr)
         return 2
     stand_in()
+    old_numpy.restore()
     sys.argv = arguments
     sys.path.insert(0, os.path.dirname(os.path.abspath(script)))  # where a script finds modules beside it
     try:

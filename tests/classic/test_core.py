@@ -5,6 +5,7 @@ from typing import Any
 import pytest
 
 import atari.classic as gym
+from atari.classic import logger
 
 
 class Counter(gym.Env):
@@ -141,3 +142,11 @@ def test_what_was_there_in_2016_names_what_is_there_now() -> None:
             gym.error.Error, match=r"^env.monitor is gone; use env = gym.wrappers.Monitor\(env, directory"
         ):
             env.monitor.start("results")
+
+
+def test_uploading_says_that_there_is_nowhere_to(capsys: pytest.CaptureFixture[str]) -> None:
+    logger.say_once.cache_clear()
+    gym.upload("results", algorithm_id="random", api_key="mine")
+    assert capsys.readouterr().err.startswith(
+        "atari.classic: gym.upload() does nothing, as the site it went to is closed"
+    )

@@ -52,6 +52,19 @@ def test_gym_means_this_package(tmp_path: Path) -> None:
     assert (result.returncode, result.stdout) == (0, "all\n"), result.stderr
 
 
+def test_names_that_numpy_dropped(tmp_path: Path) -> None:
+    """In scripts that are run, and only there."""
+    program = """\
+import numpy as np
+print(np.array([1.7]).astype(np.int), np.zeros(1, np.float).dtype, np.Inf, np.product([2, 3]), np.bool8(1), np.float_)
+assert issubclass(np.integer, np.generic) and np.object is object and bool(np.bool(1))
+"""
+    result = run(script(tmp_path, program), folder=tmp_path)
+    assert result.stdout == "[1] float64 inf 6 True <class 'numpy.float64'>\n", result.stderr
+    check = "import numpy as np, atari.classic\nassert 'int' not in vars(np) and 'float' not in vars(np)"
+    assert subprocess.run([sys.executable, "-c", check], timeout=60).returncode == 0
+
+
 def test_a_traceback_is_the_scripts(tmp_path: Path) -> None:
     name = script(tmp_path, "def f():\n    raise ValueError('mine')\n\nf()")
     result = run(name, folder=tmp_path)

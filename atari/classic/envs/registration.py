@@ -100,17 +100,17 @@ class EnvRegistry:
         """Every `EnvSpec`."""
         return dict(self.env_specs).values()
 
-    def spec(self, env_id: str) -> EnvSpec:
+    def spec(self, id: str) -> EnvSpec:
         """See `spec`."""
-        return spec(env_id)
+        return spec(id)
 
-    def make(self, env_id: str, **options: Any) -> Env:
+    def make(self, id: str, **options: Any) -> Env:
         """See `make`."""
-        return make(env_id, **options)
+        return make(id, **options)
 
-    def register(self, env_id: str, **options: Any) -> None:
+    def register(self, id: str, **options: Any) -> None:
         """See `register`."""
-        register(env_id, **options)
+        register(id, **options)
 
 
 registry = EnvRegistry()
@@ -159,27 +159,27 @@ def register(
     registry.env_specs[id] = EnvSpec(id, entry_point, reward_threshold, nondeterministic, limit, dict(kwargs or {}))
 
 
-def spec(env_id: str) -> EnvSpec:
+def spec(id: str) -> EnvSpec:
     """The `EnvSpec` of an ID; of the newest version, if that of the ID is no longer there.
 
     Raises:
         gymnasium.error.UnregisteredEnv: there is no such environment; the text says which there is, or what to install.
     """
-    return registry.env_specs[lookup.resolve(env_id)]
+    return registry.env_specs[lookup.resolve(id)]
 
 
-def make(env_id: str, **options: Any) -> Env:
+def make(id: str, **options: Any) -> Env:
     """Make an environment with the old interface.
 
     Args:
-        env_id: an ID, which may name a module to import first: "my_module:Corridor-v0".
+        id: an ID, which may name a module to import first: "my_module:Corridor-v0".
         **options: arguments of the environment.
 
     Raises:
         gymnasium.error.UnregisteredEnv: there is no such environment; the text says which there is, or what to install.
         gymnasium.error.DependencyNotInstalled: it needs a package that is not installed; the text says which.
     """
-    chosen = spec(env_id)
+    chosen = spec(id)
     modern = copy.copy(gymnasium.registry[chosen.id])
     entry_point = modern.entry_point
     env: Env | gymnasium.Env[Any, Any]

@@ -10,7 +10,7 @@ class Agent(object):
     def __init__(self, env, noise):
         self.env = env
         self.noise = noise
-        self.weights = np.zeros(env.observation_space.shape[0])
+        self.weights = np.zeros(env.observation_space.shape[0], dtype=np.float)
 
     def act(self, observation, weights=None):
         weights = self.weights if weights is None else weights

@@ -55,7 +55,7 @@ class DiscreteEnv(Env):
         drawn = categorical_sample([transition[0] for transition in transitions], self.np_random)
         probability, self.s, reward, done = transitions[drawn]
         self.lastaction = action
-        return self.s, reward, done, {"prob": probability}
+        return self.s, reward, bool(done), {"prob": probability}
 
 
 def categorical_sample(probabilities: "npt.ArrayLike", np_random: np.random.RandomState) -> int:
