@@ -71,7 +71,10 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--seed", type=int, default=0, help="of environment and agent (default: %(default)s)")
     options = parser.parse_args(arguments)
 
-    env = gymnasium.make(options.env)
+    try:
+        env = gymnasium.make(options.env)
+    except gymnasium.error.Error as error:
+        parser.error(str(error))
     states, actions = env.observation_space, env.action_space
     if not isinstance(states, gymnasium.spaces.Discrete) or not isinstance(actions, gymnasium.spaces.Discrete):
         parser.error(f"a table needs Discrete spaces, and {options.env} has {states} and {actions}; try FrozenLake-v1")

@@ -43,7 +43,10 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--seed", type=int, default=0, help="of environment and agent (default: %(default)s)")
     options = parser.parse_args(arguments)
 
-    env = gymnasium.make(options.env)
+    try:
+        env = gymnasium.make(options.env)
+    except gymnasium.error.Error as error:
+        parser.error(str(error))
     env.reset(seed=options.seed)
     agent = RandomAgent(env.action_space, options.seed)
     returns = []
