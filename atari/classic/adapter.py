@@ -212,7 +212,7 @@ def to_action(space: spaces.Space[Any], action: Any) -> Any:
     if isinstance(space, spaces.Box):
         try:
             array = np.asarray(action, space.dtype)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise TypeError(f"an action is an array of shape {space.shape}, got {action!r}") from None
         if array.size != np.prod(space.shape):
             raise ValueError(f"an action is an array of shape {space.shape}, got one of shape {array.shape}")
@@ -231,11 +231,12 @@ def to_action(space: spaces.Space[Any], action: Any) -> Any:
 def _old_metadata(modern: Modern) -> dict[str, Any]:
     metadata = dict(modern.metadata)
     modes = [mode for mode in metadata.pop("render_modes", None) or [] if mode in ("human", "rgb_array", "ansi")]
+    rate = metadata.pop("render_fps", None) or 30
     if modes and "human" not in modes:
         modes.insert(0, "human")  # whatever can be drawn or written can be shown
     return {
         **metadata,
         "render.modes": modes,
-        "video.frames_per_second": metadata.pop("render_fps", 30),
+        "video.frames_per_second": rate,
         "video.pixel_aspect": (2, 1) if isinstance(modern.unwrapped, AtariEnv) else (1, 1),
     }

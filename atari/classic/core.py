@@ -5,10 +5,9 @@ observation, a reward, whether the episode is over, and a dictionary; `render` i
 method. An environment may spell its methods with an underscore (`_step`), as before 2018.
 """
 
+from functools import cached_property
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
-
-import gymnasium
 
 from atari.classic.spaces import Space
 
@@ -62,10 +61,12 @@ class Env:
         """The environment inside all wrappers."""
         return self
 
-    @property
+    @cached_property
     def monitor(self) -> Any:
-        """What there was in 2016, before `Monitor`."""
-        raise gymnasium.error.Error("env.monitor is gone; use env = gym.wrappers.Monitor(env, directory, force=True)")
+        """What scripts of 2016 call to `start` and `close` the recording of videos and statistics."""
+        from atari.classic.wrappers.env_monitor import EnvMonitor  # here, as it is built on this module
+
+        return EnvMonitor(self)
 
     def _call(self, name: str, *args: Any, **options: Any) -> Any:
         """Call the method under its name of before 2018."""

@@ -222,7 +222,6 @@ def test_a_mode_is_of_the_call_not_of_the_environment() -> None:
 def test_metadata_has_the_old_names() -> None:
     assert adapt(Probe()).metadata == {
         "render.modes": ["human", "rgb_array"],
-        "render_fps": 12,
         "video.frames_per_second": 12,
         "video.pixel_aspect": (1, 1),
     }

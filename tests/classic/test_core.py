@@ -136,14 +136,6 @@ def test_a_wrapper_goes_around_an_environment() -> None:
         gym.Wrapper("Pong-v0")  # type: ignore[arg-type]
 
 
-def test_what_was_there_in_2016_names_what_is_there_now() -> None:
-    for env in (Counter(), gym.make("CartPole-v0")):
-        with pytest.raises(
-            gym.error.Error, match=r"^env.monitor is gone; use env = gym.wrappers.Monitor\(env, directory"
-        ):
-            env.monitor.start("results")
-
-
 def test_uploading_says_that_there_is_nowhere_to(capsys: pytest.CaptureFixture[str]) -> None:
     logger.say_once.cache_clear()
     gym.upload("results", algorithm_id="random", api_key="mine")

@@ -186,3 +186,26 @@ def test_who_does_not_close_gets_the_files_too(tmp_path: Path) -> None:
     subprocess.run([sys.executable, "-c", program, str(tmp_path)], check=True, timeout=60)
     assert read(tmp_path, "episode_batch")["episode_lengths"] == [7]
     assert len(decode(next(tmp_path.glob("*.mp4")))[1]) == 8
+
+
+@pytest.mark.parametrize(
+    "env", [Clip(), gym.make("CartPole-v0"), gym.make("CartPole-v0").env], ids=["own", "made", "bare"]
+)  # type: ignore[attr-defined]
+def test_the_monitor_of_2016(env: gym.Env, tmp_path: Path) -> None:
+    """It is started on the environment that the script goes on to use, and closed before it."""
+    env.monitor.start(str(tmp_path), force=True, seed=0)
+    play(env, 2)
+    with pytest.raises(gym.error.Error, match=r"env.monitor is started already; call env.monitor.close\(\) first"):
+        env.monitor.start(tmp_path)
+    env.monitor.close()
+    env.monitor.close()
+    assert read(tmp_path, "episode_batch")["episode_lengths"] == [3, 3]
+    assert sorted(len(decode(path)[1]) for path in tmp_path.glob("*.mp4")) == [4, 4]
+    play(env, 1)  # unwatched
+    assert read(tmp_path, "episode_batch")["episode_lengths"] == [3, 3]
+
+
+def test_an_environment_may_have_a_monitor_of_its_own() -> None:
+    env = Clip()
+    env.monitor = {"top": 0}
+    assert gym.Wrapper(env).env.monitor == {"top": 0}

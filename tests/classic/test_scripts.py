@@ -8,7 +8,6 @@ import sys
 from pathlib import Path
 
 import av
-import pytest
 
 SCRIPTS = Path(__file__).parent / "scripts"
 
@@ -103,14 +102,13 @@ def test_custom_environment() -> None:
     assert shape == "<Doubled<TimeLimit<Checked<CorridorEnv<Corridor-v0>>>>> 7"
 
 
-@pytest.mark.parametrize("name", ["cartpole_loop", "twenty_episodes"])
-def test_without_a_display_it_says_so_and_goes_on(name: str) -> None:
+def test_without_a_display_it_says_so_and_goes_on() -> None:
     """Where SDL is not told to do without one, either."""
     if sys.platform != "linux":
         return
     hidden = ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER")
     result = subprocess.run(
-        [sys.executable, "-m", "atari.classic", str(SCRIPTS / f"{name}.py")],
+        [sys.executable, "-m", "atari.classic", str(SCRIPTS / "twenty_episodes.py")],
         capture_output=True,
         text=True,
         env={key: value for key, value in os.environ.items() if key not in hidden},
