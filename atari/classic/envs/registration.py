@@ -203,7 +203,12 @@ def _place(entry_point: Any) -> str:
 
 
 def _make_modern(modern: ModernSpec) -> gymnasium.Env[Any, Any]:
-    creator = load_env_creator(modern.entry_point) if isinstance(modern.entry_point, str) else modern.entry_point
+    try:
+        creator = load_env_creator(modern.entry_point) if isinstance(modern.entry_point, str) else modern.entry_point
+    except ModuleNotFoundError as error:
+        if error.name != "jax":
+            raise
+        raise gymnasium.error.DependencyNotInstalled(f"{modern.id} needs JAX: pip install 'gymnasium[jax]'") from None
     modern.kwargs = {**quiet_options(creator), **modern.kwargs}
     return gymnasium.make(modern, max_episode_steps=-1, disable_env_checker=True)
 
