@@ -59,10 +59,10 @@ def test_q_learning_of_pong_beats_chance(script: Any) -> None:
     env = pong["make_pong"]()
     env.reset(seed=0)
     agent = pong["LinearQLearner"](seed=0)
-    for _ in range(40):
+    for _ in range(25):
         pong["play_episode"](env, agent)
-    learned = pong["evaluate"](env, agent, 16)
-    by_chance = pong["evaluate"](env, script["random_agent"]["RandomAgent"](env.action_space, 0), 16)
+    learned = pong["evaluate"](env, agent, 10)
+    by_chance = pong["evaluate"](env, script["random_agent"]["RandomAgent"](env.action_space, 0), 10)
     assert standard_errors_apart(learned, by_chance) > 5
     assert statistics.mean(by_chance) < -19
 
