@@ -8,8 +8,8 @@ import gymnasium
 def to_torch(arrays: Any, device: Any = None) -> Any:
     """An array, or a dict, list or tuple of them, as PyTorch tensors.
 
-    On the CPU they are the same memory: what the environment writes next, the tensor shows. On another device they are
-    copies.
+    On the CPU they are the same memory, which environments leave alone while the tensor lives. On another device they
+    are copies.
 
     Raises:
         gymnasium.error.DependencyNotInstalled: PyTorch is not installed.
@@ -29,7 +29,7 @@ def to_torch(arrays: Any, device: Any = None) -> Any:
 def to_jax(arrays: Any) -> Any:
     """An array, or a dict, list or tuple of them, as JAX arrays.
 
-    They may be the same memory, which JAX takes for constant: use them before the environment writes there again.
+    They may be the same memory, which JAX takes for constant, and which environments leave alone while the array lives.
 
     Raises:
         gymnasium.error.DependencyNotInstalled: JAX is not installed.

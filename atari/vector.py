@@ -38,9 +38,10 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
     """Environments of one game, or of several, played together.
 
     Observations are uint8: (batch, stack_num, img_height, img_width), in RGB with a last axis of 3, the oldest picture
-    first; rewards int32, terminations and truncations bool, each (batch,). **Observations lie in one of two buffers
-    used in turn**: they stay as they are during the next step and are overwritten by the one after it. Copy what is to
-    live longer, or pass `out`. All other arrays are new each time.
+    first; rewards int32, terminations and truncations bool, each (batch,). **Observations stay as they are while you
+    hold them**, or a view or a tensor of them: their memory is written again, by the step after the next or a later
+    one, once nobody does. So a loop that lets go of them lives on two buffers; to keep many, pass `out`. All other
+    arrays are new each time.
 
     `info` has, (batch,) each, int32: `env_id`, `lives`, `frame_number`, `episode_frame_number`, with Gymnasium's masks
     (`_lives`, ...). In SAME_STEP, when an episode has ended (or a life was lost, with `life_loss_info`), also
@@ -282,6 +283,11 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         return picture.reshape(rows * height, columns * width, 3)
 
     @property
+    def autoreset_mode(self) -> AutoresetMode:
+        """What happens to environments that are done."""
+        return self._options.autoreset_mode
+
+    @property
     def members(self) -> tuple[Member, ...]:
         """The environments one by one: what they are at, their RAM, mode and difficulty."""
         engine = self._open()
@@ -360,11 +366,13 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         return self._engine
 
     def _take_buffer(self, out: Any) -> Results:
+        assert self._engine is not None
         if out is not None:
-            assert self._engine is not None
             return Results(self._engine, self._options, out)
-        self._buffers.reverse()
-        return self._buffers[0]
+        free = (results for results in self._buffers if not results.held())
+        results = next(free, None) or Results(self._engine, self._options)
+        self._buffers = [*(one for one in self._buffers if one is not results), results][-2:]
+        return results
 
     def _reset_mask(self, options: dict[str, Any] | None) -> npt.NDArray[np.bool_]:
         mask = (options or {}).get("reset_mask")

@@ -1,5 +1,10 @@
-"""Where the results of a vector environment's batch are written, and how they are handed out."""
+"""Where the results of a vector environment's batch are written, and how they are handed out.
 
+Observations are handed out where they lie. Whoever holds one, or a view or a tensor of it, counts as a reference to its
+array; only when there is none is the memory written again.
+"""
+
+import sys
 from typing import Any
 
 import numpy as np
@@ -46,6 +51,14 @@ class Results:
             numbers=self._numbers,
             flags=self._flags,
         )
+        self._own_references = self._references()
+
+    def held(self) -> bool:
+        """Does anybody hold observations that lie here?"""
+        return self._references() != self._own_references
+
+    def _references(self) -> list[int]:
+        return [sys.getrefcount(array) for parts in (self._observation, self._final) for array in parts.values()]
 
     def read(self, action_masks: npt.NDArray[np.bool_] | None) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         """Observations, which stay where they are, and copies of all else."""

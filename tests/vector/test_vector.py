@@ -155,9 +155,43 @@ class TestBuffers:
         kept = first.copy()
         second, *_ = envs.step(np.array([0, 0]))
         assert np.array_equal(first, kept)
-        third, *_ = envs.step(np.array([0, 0]))
-        assert np.shares_memory(first, third)
-        assert not np.shares_memory(second, third)
+        assert not np.shares_memory(first, second)
+
+    def test_two_buffers_are_used_in_turn(self) -> None:
+        envs = make("pong", 2)
+        places = [envs.reset(seed=0)[0].ctypes.data]
+        for _ in range(5):
+            observation, *_ = envs.step(np.array([0, 0]))
+            places.append(observation.ctypes.data)
+        assert len(set(places)) == 2
+        assert places[::2] == [places[0]] * 3
+
+    @pytest.mark.parametrize(
+        "keep",
+        [
+            lambda observation: observation,
+            lambda observation: observation[1, 2:],
+            lambda observation: observation.reshape(-1)[7:].view(np.int8),
+            memoryview,
+            np.from_dlpack,
+        ],
+    )
+    def test_what_is_held_stays(self, keep: Any) -> None:
+        envs = make("pong", 2, frameskip=7)
+        held = [keep(envs.reset(seed=0)[0])]
+        copies = [np.array(held[0])]
+        for _ in range(6):
+            held.append(keep(envs.step(np.array([2, 3]))[0]))
+            copies.append(np.array(held[-1]))
+        assert all(np.array_equal(one, copied) for one, copied in zip(held, copies, strict=True))
+        assert not np.array_equal(copies[0], copies[-1])
+
+    def test_final_observations_that_are_held_stay(self) -> None:
+        envs = make("pong", 2, obs_type="dict", autoreset_mode="SameStep", max_num_frames_per_episode=4)
+        envs.reset(seed=0)
+        held = [envs.step(np.array([2, 3]))[4]["final_obs"] for _ in range(5)]
+        assert len({final["image"].ctypes.data for final in held}) == 5
+        assert len({final["ram"].ctypes.data for final in held}) == 5
 
     def test_results_do_not_depend_on_what_users_do_to_them(self) -> None:
         mine, untouched = make("pong", 2), make("pong", 2)
@@ -482,6 +516,7 @@ class TestEnds:
         envs.close()
 
     def test_garbage_collection(self) -> None:
+        gc.collect()
         before = threading_count()
         envs = make(num_envs=4, num_threads=4)
         envs.reset()
