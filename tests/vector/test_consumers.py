@@ -1,7 +1,9 @@
 """What people put around a vector environment, or hand its arrays to."""
 
+import importlib
 import subprocess
 import sys
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -55,6 +57,39 @@ def test_spaces_sample_what_is_taken() -> None:
         envs.step(envs.action_space.sample())
 
 
+def test_returns_are_those_of_single_environments() -> None:
+    """Recorded below the clipping, as loops in the manner of CleanRL do it, and in whole games."""
+    options: dict[str, Any] = {"preset": "gymnasium", "repeat_action_probability": 0.0}
+    envs = atari.AtariVectorEnv("breakout", 2, reward_clipping=False, **options)
+    recorded = wrappers.TransformReward(wrappers.RecordEpisodeStatistics(envs), np.sign)
+    rng = np.random.default_rng(0)
+    actions = rng.integers(4, size=(700, 2))
+    recorded.reset(seed=6)
+    games: list[list[tuple[float, int]]] = [[], []]
+    over = np.zeros((700, 2), bool)
+    for step in range(700):
+        _, reward, terminated, truncated, info = recorded.step(actions[step])
+        assert set(reward.tolist()) <= {0, 1}
+        over[step] = terminated | truncated
+        for index in np.flatnonzero(over[step]):
+            games[index].append((info["episode"]["r"][index], info["episode"]["l"][index]))
+    for index in range(2):
+        env = gymnasium.wrappers.RecordEpisodeStatistics(
+            atari.make("breakout", preset="gymnasium", repeat_action_probability=0.0)
+        )
+        env.reset(seed=6 + index)
+        alone: list[tuple[float, int]] = []
+        for step in range(700):
+            if step and over[step - 1, index]:
+                env.reset()  # which takes a step of the vector
+                continue
+            *_, alone_info = env.step(int(actions[step, index]))
+            if over[step, index]:
+                alone.append((alone_info["episode"]["r"], alone_info["episode"]["l"]))
+        assert alone == games[index]
+        assert len(alone) >= 2
+
+
 def test_neither_library_is_imported_before_it_is_asked_for() -> None:
     code = "import sys, atari; atari.AtariVectorEnv('pong', 1).reset(); print({'torch', 'jax'} & set(sys.modules))"
     done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
@@ -67,3 +102,13 @@ def test_a_missing_library_is_named(name: str, package: str, monkeypatch: pytest
         monkeypatch.setitem(sys.modules, module, None)
     with pytest.raises(gymnasium.error.DependencyNotInstalled, match=f"needs {package}: pip install"):
         getattr(atari, name)(np.zeros(3))
+
+
+def test_a_missing_stable_baselines3_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "stable_baselines3", None)
+    for name in [name for name in sys.modules if name == "atari.sb3" or name.startswith("stable_baselines3.")]:
+        monkeypatch.delitem(sys.modules, name)
+    with pytest.raises(
+        gymnasium.error.DependencyNotInstalled, match=r"atari\.sb3 needs Stable-Baselines3: pip install"
+    ):
+        importlib.import_module("atari.sb3")

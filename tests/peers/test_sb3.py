@@ -1,0 +1,244 @@
+"""`atari.sb3.AtariVecEnv` beside Stable-Baselines3's own vector environment, and under its algorithms."""
+
+from typing import Any
+
+import ale_py
+import numpy as np
+import pytest
+
+import atari
+
+pytestmark = pytest.mark.peers
+
+
+def make(game: Any = "breakout", num_envs: int | None = 2, **options: Any) -> Any:
+    from atari.sb3 import AtariVecEnv
+
+    return AtariVecEnv(game, num_envs, **options)
+
+
+def theirs(game: str, num_envs: int, **options: Any) -> Any:
+    """What `make_atari_env` and `VecFrameStack` make of ale-py's environment."""
+    from stable_baselines3.common.atari_wrappers import AtariWrapper
+    from stable_baselines3.common.monitor import Monitor
+    from stable_baselines3.common.vec_env import DummyVecEnv, VecFrameStack
+
+    def one() -> Any:
+        env = ale_py.AtariEnv(game, frameskip=1, repeat_action_probability=0.0, **options)
+        return AtariWrapper(Monitor(env))
+
+    return VecFrameStack(DummyVecEnv([one] * num_envs), 4)
+
+
+@pytest.mark.parametrize(("game", "steps"), [("breakout", 500), ("ms_pacman", 900), ("qbert", 500), ("frogger", 500)])
+def test_it_is_theirs_to_the_byte_with_returns_of_whole_games(game: str, steps: int) -> None:
+    ours, expected = make(game, 3, preset="baselines"), theirs(game, 3)
+    assert ours.seed(3) == expected.seed(3) == [3, 4, 5]
+    observation, expected_observation = ours.reset(), expected.reset()
+    rng = np.random.default_rng(0)
+    lives_lost = games_over = 0
+    for _ in range(steps):
+        np.testing.assert_array_equal(observation, expected_observation.transpose(0, 3, 1, 2))
+        actions = rng.integers(ours.action_space.n, size=3)
+        observation, reward, done, infos = ours.step(actions)
+        expected_observation, expected_reward, expected_done, expected_infos = expected.step(actions)
+        assert reward.dtype == expected_reward.dtype
+        np.testing.assert_array_equal(reward, expected_reward)
+        np.testing.assert_array_equal(done, expected_done)
+        for info, other in zip(infos, expected_infos, strict=True):
+            assert info["lives"] >= 0
+            assert info["TimeLimit.truncated"] == other["TimeLimit.truncated"]
+            assert ("terminal_observation" in info, "episode" in info) == (
+                "terminal_observation" in other,
+                "episode" in other,
+            )
+            if "terminal_observation" in info:
+                lives_lost += 1
+                last = other["terminal_observation"].transpose(2, 0, 1)
+                np.testing.assert_array_equal(info["terminal_observation"], last)
+            if "episode" in info:
+                games_over += 1
+                assert (info["episode"]["r"], info["episode"]["l"]) == (other["episode"]["r"], other["episode"]["l"])
+                assert info["episode"]["t"] > 0
+    assert lives_lost > games_over > 2
+
+
+def test_a_limit_of_frames_is_a_truncation() -> None:
+    envs = make("pong", 2, max_num_frames_per_episode=40)
+    envs.reset()
+    infos: list[dict[str, Any]]
+    for step in range(1, 21):
+        _, _, done, infos = envs.step(np.zeros(2, int))
+        assert done.tolist() == [step % 10 == 0] * 2
+        assert [info["TimeLimit.truncated"] for info in infos] == done.tolist()
+    assert [40 <= info["episode"]["l"] < 70 for info in infos] == [True, True]
+
+
+def test_what_it_returns_is_the_callers() -> None:
+    envs = make()
+    kept = [envs.reset()]
+    copies = [kept[0].copy()]
+    for _ in range(4):
+        kept.append(envs.step(np.array([1, 2]))[0])
+        copies.append(kept[-1].copy())
+    assert all(np.array_equal(one, other) for one, other in zip(kept, copies, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("options", "shape"),
+    [
+        ({}, (4, 84, 84)),
+        ({"obs_type": "rgb", "img_height": 40, "img_width": 30}, (12, 40, 30)),
+        ({"obs_type": "ram"}, (128,)),
+    ],
+)
+def test_channels_are_first(options: dict[str, Any], shape: tuple[int, ...]) -> None:
+    envs = make(**options)
+    plain = atari.AtariVectorEnv("breakout", 2, autoreset_mode="SameStep", **options)
+    envs.seed(4)
+    observation = envs.reset()
+    expected = plain.reset(seed=4)[0]
+    assert observation.shape == (2, *shape)
+    assert envs.observation_space.shape == shape
+    assert observation[0] in envs.observation_space
+    if expected.ndim == 5:
+        assert np.array_equal(observation[:, 3:6], expected[:, 1].transpose(0, 3, 1, 2))
+    else:
+        assert np.array_equal(observation, expected)
+
+
+def test_dicts() -> None:
+    envs = make(obs_type="dict", max_num_frames_per_episode=4)
+    observation = envs.reset()
+    assert {name: part.shape for name, part in observation.items()} == {"image": (2, 4, 84, 84), "ram": (2, 128)}
+    _, _, done, infos = envs.step(np.zeros(2, int))
+    assert done.all()
+    assert infos[0]["terminal_observation"] in envs.observation_space
+
+
+def test_a_lost_life_that_is_only_told_is_the_end_of_no_game() -> None:
+    envs = make("breakout", 1, life_loss_info=True)
+    envs.seed(0)
+    envs.reset()
+    ends = []
+    for step in range(900):
+        observation, _, done, (info,) = envs.step(np.array([1 if step % 10 == 0 else 0]))
+        if done[0]:
+            ends.append("episode" in info)
+            assert ends[-1] or np.array_equal(info["terminal_observation"], observation[0])
+            if ends[-1]:
+                break
+    assert ends == [False] * 4 + [True]
+
+
+def test_rewards_are_clipped_as_asked_and_returns_never() -> None:
+    def returns(**options: Any) -> tuple[float, float]:
+        envs = make("seaquest", 1, max_num_frames_per_episode=1600, **options)
+        envs.seed(0)
+        envs.reset()
+        rng = np.random.default_rng(1)
+        total = 0.0
+        while True:
+            _, reward, done, (info,) = envs.step(rng.integers(18, size=1))
+            total += float(reward[0])
+            if done[0]:
+                return total, info["episode"]["r"]
+
+    clipped, episode = returns()
+    assert 0 < clipped < episode
+    assert returns(reward_clipping=True) == (clipped, episode)
+    assert returns(reward_clipping=False) == (episode, episode)
+
+
+def test_attributes_and_methods() -> None:
+    from stable_baselines3.common.monitor import Monitor
+    from stable_baselines3.common.vec_env import VecNormalize
+
+    envs = make("breakout", 3, render_mode="rgb_array")
+    envs.reset()
+    assert envs.get_attr("lives") == [5, 5, 5]
+    assert envs.get_attr("render_mode", 1) == ["rgb_array"]
+    assert not envs.has_attr("colour")
+    envs.set_attr("difficulty", 1, indices=[0, 2])
+    assert envs.get_attr("difficulty") == [1, 0, 1]
+    with pytest.raises(ValueError, match="breakout has no mode 7"):
+        envs.set_attr("mode", 7, indices=1)
+    assert envs.env_method("get_action_meanings", indices=[2]) == [["NOOP", "FIRE", "RIGHT", "LEFT"]]
+    envs.env_method("set_ram", 5, 77, indices=0)
+    assert [ram[5] == 77 for ram in envs.env_method("ram")] == [True, False, False]
+    assert envs.env_is_wrapped(Monitor) == [True, True, True]
+    assert envs.env_is_wrapped(VecNormalize, indices=[1]) == [False]
+    assert [image.shape for image in envs.get_images()] == [(210, 160, 3)] * 3
+    assert envs.render().shape == (420, 320, 3)
+
+
+def test_seeds_are_used_once() -> None:
+    envs = make("alien", 2, obs_type="ram")
+    envs.seed(7)
+    first = envs.reset()
+    assert any(not np.array_equal(envs.reset(), first) for _ in range(5))
+    envs.seed(7)
+    assert np.array_equal(envs.reset(), first)
+    assert all(0 <= seed < 2**31 for seed in envs.seed())
+    envs.reset()
+
+
+@pytest.mark.parametrize("name", ["autoreset_mode", "batch_size"])
+def test_what_it_decides_itself_is_refused(name: str) -> None:
+    with pytest.raises(TypeError, match=f"decides about {name}; leave it out"):
+        make(**{name: 0})
+
+
+def parameters(model: Any) -> Any:
+    """All weights of a model's policy in one array."""
+    return np.concatenate([value.detach().numpy().ravel().copy() for value in model.policy.parameters()])
+
+
+def test_ppo_learns_from_pixels() -> None:
+    from stable_baselines3 import PPO
+    from stable_baselines3.common.evaluation import evaluate_policy
+
+    envs = make("breakout", 8, preset="baselines")
+    model = PPO("CnnPolicy", envs, n_steps=64, batch_size=128, n_epochs=1, seed=0, device="cpu")
+    before = parameters(model)
+    model.learn(2048)
+    assert model.num_timesteps == 2048
+    assert np.isfinite(parameters(model)).all()
+    assert not np.array_equal(parameters(model), before)
+    games = list(model.ep_info_buffer)
+    assert games
+    assert all(game["r"] >= 0 and game["l"] > 100 for game in games)
+    returns, lengths = evaluate_policy(model, envs, 3, deterministic=False, return_episode_rewards=True)
+    assert len(returns) == 3
+    assert min(lengths) > 300  # frames of whole games with five lives
+
+
+def test_ppo_learns_from_ram() -> None:
+    from stable_baselines3 import PPO
+
+    envs = make("pong", 8, obs_type="ram", max_num_frames_per_episode=800)
+    model = PPO("MlpPolicy", envs, n_steps=128, batch_size=256, n_epochs=2, seed=0, device="cpu")
+    before = parameters(model)
+    model.learn(4096)
+    assert not np.array_equal(parameters(model), before)
+    assert -10 < np.mean([game["r"] for game in model.ep_info_buffer]) < 0
+
+
+def test_dqn_learns_and_what_it_remembers_is_right(tmp_path: Any) -> None:
+    from stable_baselines3 import DQN
+
+    envs = make("pong", 4, preset="baselines")
+    options: dict[str, Any] = {"buffer_size": 3000, "learning_starts": 500, "train_freq": 16, "batch_size": 16}
+    model = DQN("CnnPolicy", envs, seed=0, device="cpu", target_update_interval=500, **options)
+    before = parameters(model)
+    model.learn(2560)
+    assert model.num_timesteps == 2560
+    assert not np.array_equal(parameters(model), before)
+    memory = model.replay_buffer
+    assert memory is not None
+    now, after, ends = memory.observations[:600], memory.next_observations[:600], memory.dones[:600] > 0
+    assert np.array_equal(after[:-1][~ends[:-1]], now[1:][~ends[:-1]])
+    model.save(tmp_path / "model")
+    loaded = DQN.load(tmp_path / "model", env=envs, device="cpu")
+    actions, _ = loaded.predict(envs.reset(), deterministic=True)
+    assert actions.shape == (4,)
