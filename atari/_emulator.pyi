@@ -320,7 +320,10 @@ class Batch:
         """
 
 class MemberState:
-    """The state of an environment of a vector, in memory."""
+    """The state of an environment of a vector, in memory. It can be pickled."""
+
+    def __getstate__(self) -> tuple[bytes, int]: ...
+    def __setstate__(self, arg: tuple[bytes, int], /) -> None: ...
 
 class Vector:
     """

@@ -5,6 +5,7 @@
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
@@ -63,6 +64,28 @@ struct BoundBatch {
     Batch batch;
     std::vector<nb::object> arrays;
     size_t rows = 0;
+};
+
+// A digest of a game's image (FNV-1a), by which a state that was pickled knows its game again.
+uint64_t image_digest(const Game& game) {
+    uint64_t digest = 0xcbf29ce484222325ull;
+    const uint8_t* const image = game.cartridge->image();
+    for (size_t i = 0; i < game.cartridge->size(); ++i) digest = (digest ^ image[i]) * 0x100000001b3ull;
+    return digest;
+}
+
+// A member's state in memory, or as it was pickled.
+struct MemberState {
+    Vector::Snapshot snapshot;
+    std::vector<uint8_t> bytes;
+    uint64_t image;
+
+    // As a state of this environment; null if it does not fit.
+    Vector::Snapshot within(Vector& engine, int environment) const {
+        if (snapshot) return engine.fits(environment, *snapshot) ? snapshot : nullptr;
+        const bool same = bytes.size() == engine.state_size(environment) && image == image_digest(engine.game(environment));
+        return same ? engine.parse(environment, bytes.data()) : nullptr;
+    }
 };
 
 // The vector with its lock: two threads may share it, one call at a time goes through. The interpreter's lock is released
@@ -138,31 +161,33 @@ class BoundVector {
         return work(*engine_);
     }
 
-    std::vector<Vector::Copy> snapshot(const std::vector<int>& environments) {
+    std::vector<MemberState> snapshot(const std::vector<int>& environments) {
         return about(environments, [&](Vector& engine) {
             const nb::gil_scoped_release release;
-            std::vector<Vector::Copy> copies(environments.size());
-            for (size_t i = 0; i < copies.size(); ++i) engine.copy_to(environments[i], copies[i]);
-            return copies;
+            std::vector<MemberState> states;
+            for (int environment : environments) states.push_back({engine.snapshot(environment), {}, 0});
+            return states;
         });
     }
 
-    void restore(const std::vector<int>& environments, const std::vector<const Vector::Copy*>& copies) {
-        if (environments.size() != copies.size()) throw nb::value_error("there must be a snapshot for each environment");
+    void restore(const std::vector<int>& environments, const std::vector<const MemberState*>& states) {
+        if (environments.size() != states.size()) throw nb::value_error("there must be a snapshot for each environment");
         about(environments, [&](Vector& engine) {
-            for (size_t i = 0; i < copies.size(); ++i)
-                if (!copies[i] || !engine.fits(environments[i], *copies[i]))
+            std::vector<Vector::Snapshot> snapshots;
+            for (size_t i = 0; i < states.size(); ++i) {
+                snapshots.push_back(states[i] ? states[i]->within(engine, environments[i]) : nullptr);
+                if (!snapshots[i])
                     throw nb::value_error(("snapshot " + std::to_string(i) + " is of another game than environment " +
                                            std::to_string(environments[i]) + ", or was taken with other options").c_str());
-            const nb::gil_scoped_release release;
-            for (size_t i = 0; i < copies.size(); ++i) engine.copy_from(environments[i], *copies[i]);
+            }
+            for (size_t i = 0; i < states.size(); ++i) engine.restore(environments[i], std::move(snapshots[i]));
             return 0;
         });
     }
 
     void fork(int source, const std::vector<int>& targets) {
-        const auto copies = snapshot({source});
-        restore(targets, std::vector<const Vector::Copy*>(targets.size(), &copies[0]));
+        const MemberState state = snapshot({source})[0];
+        restore(targets, std::vector<const MemberState*>(targets.size(), &state));
     }
 
     nb::bytes save(int environment) {
@@ -225,7 +250,7 @@ void make_batch(BoundBatch* self, BoundVector& vector, nb::object pixels, nb::ob
     const auto rows = static_cast<size_t>(vector.engine().batch_size());
     bound.rows = rows;
     Batch& batch = bound.batch;
-    const size_t size = rows * vector.engine().player(0).view().size();
+    const size_t size = rows * vector.engine().pixels();
     batch.observation = {rows_of<uint8_t>(bound, pixels, size, "pixels"), rows_of<uint8_t>(bound, ram, 128 * rows, "ram")};
     batch.final_observation = {rows_of<uint8_t>(bound, final_pixels, size, "final_pixels"),
                                rows_of<uint8_t>(bound, final_ram, 128 * rows, "final_ram")};
@@ -339,7 +364,18 @@ void register_vector(nb::module_& m) {
                      " | None, numbers: " ARRAY("int32") ", flags: " ARRAY("bool") ") -> None"),
              "`numbers` is int32 (8, rows): reward, environment, lives, frame and episode frame number, and the last three\n"
              "of the final observation; `flags` bool (3, rows): terminated, truncated, has a final observation.");
-    nb::class_<Vector::Copy>(m, "MemberState", "The state of an environment of a vector, in memory.");
+    nb::class_<MemberState>(m, "MemberState", "The state of an environment of a vector, in memory. It can be pickled.")
+        .def("__getstate__",
+             [](const MemberState& state) {
+                 if (!state.snapshot) return std::tuple(nb::bytes(state.bytes.data(), state.bytes.size()), state.image);
+                 const std::vector<uint8_t> bytes = state.snapshot->bytes();
+                 return std::tuple(nb::bytes(bytes.data(), bytes.size()), image_digest(*state.snapshot->game));
+             })
+        .def("__setstate__", [](MemberState& state, const std::tuple<nb::bytes, uint64_t>& pickled) {
+            const auto& [bytes, image] = pickled;
+            const auto* data = reinterpret_cast<const uint8_t*>(bytes.c_str());
+            new (&state) MemberState{nullptr, {data, data + bytes.size()}, image};
+        });
     nb::class_<BoundVector>(m, "Vector", "Environments played by a pool of threads. Use it through atari.AtariVectorEnv.")
         .def("__init__", &make_vector, nb::kw_only(), "games"_a, "actions"_a, "action_sets"_a, "modes"_a, "difficulties"_a,
              "seeds"_a, "pairs"_a, "repeat_action_probability"_a, "episode_limit"_a, "protocol"_a, "frame_skip"_a,

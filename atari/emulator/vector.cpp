@@ -83,7 +83,15 @@ void Vector::drain() {
     }
 }
 
+void Vector::settle(Slot& slot) {
+    if (!slot.due) return;
+    slot.member.player->copy_from(slot.due->player);
+    slot.outcome = slot.due->outcome;
+    slot.due = nullptr;
+}
+
 void Vector::work(int environment) {
+    settle(slot(environment));
     play(slot(environment), environment);
     if (!queued()) report(slot(environment), environment, environment, *batch_);
 }
@@ -158,10 +166,18 @@ void Vector::report_final(Slot& slot, int row, const Batch& batch) {
     batch.final_numbers.episode_frame[at] = number(2);
 }
 
-void Vector::save(int environment, uint8_t* out) {
-    const Outcome& outcome = slot(environment).outcome;
+namespace {
+
+uint8_t* write_outcome(const Outcome& outcome, uint8_t* out) {
     *out = static_cast<uint8_t>(outcome.terminated | outcome.truncated << 1 | outcome.ended << 2);
-    player(environment).save(out + 1);
+    return out + 1;
+}
+
+}  // namespace
+
+void Vector::save(int environment, uint8_t* out) {
+    Player& settled = player(environment);
+    settled.save(write_outcome(slot(environment).outcome, out));
 }
 
 bool Vector::load(int environment, const uint8_t* in) {
@@ -170,20 +186,40 @@ bool Vector::load(int environment, const uint8_t* in) {
     return true;
 }
 
-void Vector::copy_to(int environment, Copy& copy) {
-    copy.game = player(environment).environment().game();
-    player(environment).copy_to(copy.player);
-    copy.outcome = slot(environment).outcome;
+std::vector<uint8_t> Vector::Copy::bytes() const {
+    const EnvironmentCopy& environment = player.environment;
+    Console console(game->cartridge, game->console, environment.console.plain);
+    console.copy_from(environment.console);
+    std::vector<uint8_t> bytes(1 + sizeof environment.state + console.state_size() + player.rest.size());
+    uint8_t* out = write_outcome(outcome, bytes.data());
+    std::memcpy(out, &environment.state, sizeof environment.state);
+    console.save(out + sizeof environment.state);
+    std::copy(player.rest.begin(), player.rest.end(), bytes.end() - static_cast<std::ptrdiff_t>(player.rest.size()));
+    return bytes;
 }
 
-bool Vector::fits(int environment, const Copy& copy) {
-    return copy.game == player(environment).environment().game() &&
-           copy.player.rest.size() + 1 + player(environment).environment().state_size() == state_size(environment);
+Vector::Snapshot Vector::snapshot(int environment) {
+    const Slot& source = slot(environment);
+    if (source.due) return source.due;
+    auto copy = std::make_shared<Copy>();
+    copy->game = source.member.player->environment().game();
+    source.member.player->copy_to(copy->player);
+    copy->outcome = source.outcome;
+    return copy;
 }
 
-void Vector::copy_from(int environment, const Copy& copy) {
-    player(environment).copy_from(copy.player);
-    slot(environment).outcome = copy.outcome;
+Vector::Snapshot Vector::parse(int environment, const uint8_t* in) {
+    Snapshot now = snapshot(environment);
+    if (!load(environment, in)) return nullptr;
+    Snapshot parsed = snapshot(environment);
+    restore(environment, std::move(now));
+    return parsed;
+}
+
+bool Vector::fits(int environment, const Copy& copy) const {
+    Player& player = *slot(environment).member.player;
+    return copy.game == player.environment().game() &&
+           copy.player.rest.size() + 1 + player.environment().state_size() == state_size(environment);
 }
 
 }  // namespace atari

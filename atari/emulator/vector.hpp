@@ -61,7 +61,12 @@ class Vector {
     // Waits for whatever is pending, and forgets it.
     void drain();
 
-    Player& player(int environment) { return *slot(environment).member.player; }
+    Player& player(int environment) {
+        settle(slot(environment));
+        return *slot(environment).member.player;
+    }
+    const Game& game(int environment) const { return *slot(environment).member.player->environment().game(); }
+    size_t pixels() const { return slot(0).member.player->view().size(); }  // bytes of an observation
     // The state of a member as bytes, and back; false, and nothing changed, if it is of no such member.
     size_t state_size(int environment) const { return 1 + slot(environment).member.player->state_size(); }
     void save(int environment, uint8_t* out);
@@ -72,16 +77,23 @@ class Vector {
         std::shared_ptr<const Game> game;
         Player::Copy player;
         Outcome outcome;
+        std::vector<uint8_t> bytes() const;  // what `save` would write
     };
-    void copy_to(int environment, Copy& copy);
-    bool fits(int environment, const Copy& copy);
-    void copy_from(int environment, const Copy& copy);
+    using Snapshot = std::shared_ptr<const Copy>;
+    Snapshot snapshot(int environment);
+    // What `load` would make of bytes; null if it would refuse. The environment is as it was afterwards.
+    Snapshot parse(int environment, const uint8_t* in);
+    bool fits(int environment, const Copy& copy) const;
+    // The copying is done where the environment is played or looked at next, so mostly by the threads, and not at all
+    // if another restore comes first.
+    void restore(int environment, Snapshot snapshot) { slot(environment).due = std::move(snapshot); }
 
   private:
     enum class Task : uint8_t { kReset, kStep, kReport };
 
     struct Slot {
         Member member;
+        Snapshot due;  // to be continued from
         Task task = Task::kReport;
         const Seed* seed = nullptr;
         Seed seed_value{};
@@ -96,6 +108,7 @@ class Vector {
 
     Slot& slot(int environment) { return slots_[static_cast<size_t>(environment)]; }
     const Slot& slot(int environment) const { return slots_[static_cast<size_t>(environment)]; }
+    static void settle(Slot& slot);
     void work(int environment);
     void play(Slot& slot, int environment);
     void keep_final(Slot& slot, int environment);

@@ -1,5 +1,6 @@
 // A vector environment must give the same bytes on four threads as on one, whether it waits for all environments or for
-// those that are ready first. Built with ThreadSanitizer, it also shows that batches are handed over without races.
+// those that are ready first, and when environments continue from others. Built with ThreadSanitizer, it also shows that
+// batches and states are handed over without races.
 //
 // usage: vector_threads FOLDER    a folder of ROM images (*.bin), of which ten are taken
 #include <cstdio>
@@ -49,7 +50,8 @@ struct Arrays {
     Batch batch;
 };
 
-Digests play(const Games& games, int threads, int batch_size) {
+// With `forks`, environments now and then continue from where others are, which the threads bring about.
+Digests play(const Games& games, int threads, int batch_size, bool forks = false) {
     PlaySettings play;
     play.max_frames = 40;
     std::vector<Vector::Member> members;
@@ -79,6 +81,8 @@ Digests play(const Games& games, int threads, int batch_size) {
             results.push_back(arrays.digest(row, rows));
             actions[row] = static_cast<int64_t>((results.size() * 7 + static_cast<size_t>(environments[row])) % 6);
         }
+        for (int i = 0; forks && step % 3 == 0 && i < kEnvironments / 2; ++i)
+            vector.restore(i + kEnvironments / 2, vector.snapshot(i));
         vector.step(environments.data(), actions.data(), nullptr, batch_size, batch);
     }
     return digests;  // with environments in flight
@@ -106,6 +110,7 @@ int main(int count, char** arguments) {
         const Digests expected = play(games, 1, kEnvironments);
         for (int batch_size : {kEnvironments, 4, 1})
             if (!agree(play(games, 4, batch_size), expected)) return 1;
+        if (!agree(play(games, 4, kEnvironments, true), play(games, 1, kEnvironments, true))) return 1;
     } catch (const std::exception& error) {
         return std::fprintf(stderr, "%s\n", error.what()), 2;
     }

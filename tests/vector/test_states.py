@@ -87,6 +87,84 @@ def test_fork() -> None:
     assert not (observation == observation[7]).all()
 
 
+def test_a_fork_is_of_the_moment_however_late_it_is_looked_at() -> None:
+    """The copying is done later: nothing that happens until then may show in it."""
+    envs, twin = make("seaquest", 3, obs_type="ram"), make("seaquest", 3, obs_type="ram")
+    for one in (envs, twin):
+        one.reset(seed=5)
+        play(one, 10, seed=1)
+    before, _ = twin.observe()
+    envs.fork(0, [1])
+    envs.members[0].set_ram(3, 99)
+    envs.fork(2, [0])  # which is copied to 0, while 1 still waits for what 0 was
+    shown, _ = envs.observe()
+    assert np.array_equal(shown, before[[2, 0, 2]])
+
+
+def test_what_is_done_to_one_after_a_fork_is_done_to_the_fork() -> None:
+    envs = make("breakout", 3)
+    envs.reset(seed=5)
+    play(envs, 10, seed=1)
+    envs.fork(0, [1, 2])
+    envs.members[1].set_ram(5, 77)
+    assert [ram[5] == 77 for ram in envs.call("ram")] == [False, True, False]
+    assert envs.get_attr("frame_number") == (envs.members[0].frame_number,) * 3
+    kept = envs.snapshot([2])
+    envs.reset(seed=9)
+    envs.fork(0, [1])
+    envs.restore([1], kept)  # before the fork was played
+    (again,) = envs.snapshot([1])
+    envs.restore([0], [again])
+    assert envs.members[0].frame_number == envs.members[1].frame_number > envs.members[2].frame_number
+
+
+def test_a_forked_environment_can_be_reset_and_pickled() -> None:
+    envs, twin = make("pong", 2), make("pong", 2)
+    for one in (envs, twin):
+        one.reset(seed=3)
+        play(one, 10, seed=1)
+    envs.fork(0, [1])
+    copied = pickle.loads(pickle.dumps(envs))
+    assert play(copied, 20, seed=2) == play(envs, 20, seed=2)
+    envs.fork(0, [1])
+    assert np.array_equal(envs.reset(seed=8)[0], twin.reset(seed=8)[0])
+
+
+@pytest.mark.parametrize("options", OPTIONS)
+def test_a_snapshot_can_be_pickled(options: dict[str, Any]) -> None:
+    envs = make("seaquest", 2, **options)
+    envs.reset(seed=1)
+    play(envs, 37, seed=1)
+    snapshots = envs.snapshot()
+    first = play(envs, 60, seed=2)
+    others = make("seaquest", 2, **options)
+    others.reset(seed=6)
+    thawed = pickle.loads(pickle.dumps(snapshots))
+    others.restore(None, thawed)
+    assert play(others, 60, seed=2) == first
+    assert pickle.dumps(thawed) == pickle.dumps(snapshots)
+
+
+def test_a_pickled_snapshot_is_checked_too() -> None:
+    envs = make(["pong", "breakout"], None)
+    envs.reset(seed=0)
+    pong, breakout = pickle.loads(pickle.dumps(envs.snapshot()))
+    state, image = pong.__getstate__()
+    before, _ = envs.observe()
+    before = before.copy()
+    for bad in (breakout, damaged(state[:-1], image), damaged(b"", image), damaged(b"\xff" * len(state), image)):
+        with pytest.raises(ValueError, match="snapshot 0 is of another game than environment 0"):
+            envs.restore([0, 1], [bad, breakout])
+        assert np.array_equal(envs.observe()[0], before)
+    envs.restore([0, 1], [pong, breakout])
+
+
+def damaged(state: bytes, image: int) -> Any:
+    one: Any = atari._emulator.MemberState.__new__(atari._emulator.MemberState)
+    one.__setstate__((state, image))
+    return one
+
+
 def test_observe_changes_nothing() -> None:
     envs, other = make(), make()
     observation, info = envs.reset(seed=3)
