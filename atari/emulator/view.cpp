@@ -18,6 +18,13 @@ void pool_pairs(const uint8_t* early, const uint8_t* late, int rows, const uint8
     }
 }
 
+// A thread's own, for what is done with at once. So environments have no such memory each.
+uint8_t* working_memory(size_t size) {
+    thread_local std::vector<uint8_t> memory;
+    if (memory.size() < size) memory.resize(size);
+    return memory.data();
+}
+
 }  // namespace
 
 View::View(Environment& environment, const ViewSettings& settings, std::shared_ptr<const Scaler> scaler)
@@ -31,8 +38,7 @@ View::View(Environment& environment, const ViewSettings& settings, std::shared_p
         for (int plane = 0; plane < 3; ++plane) tables_[plane] = colours_.data() + 256 * plane;
     }
     const auto planes = static_cast<size_t>(planes_);
-    pooled_.resize(planes * plane_size());
-    repeats_.resize(planes * static_cast<size_t>(environment.height()));
+    if (settings_.max_pool && settings_.end_frames == EndFrames::kGymnasium) pooled_.resize(planes * plane_size());
     if (planes && settings_.end_frames == EndFrames::kBaselines) late_.resize(plane_size());
     picture_size_ = planes * static_cast<size_t>(settings_.height) * static_cast<size_t>(settings_.width);
     ring_.resize(picture_size_ * static_cast<size_t>(settings_.stack));
@@ -41,9 +47,8 @@ View::View(Environment& environment, const ViewSettings& settings, std::shared_p
 void View::begin(bool fill) {
     if (!planes_) return;
     early_noted_ = false;
-    pool(current(), current());
     std::fill(late_.begin(), late_.end(), uint8_t{0});
-    push(true);
+    show(current(), current());
     if (fill) repeat(true);
 }
 
@@ -75,34 +80,32 @@ void View::end(int left, bool ended) {
     if (!planes_) return;
     const bool pools = std::exchange(early_noted_, false);
     if (left == 0 && !(ended && settings_.end_frames == EndFrames::kGymnasium)) {
-        pool(pools ? early() : current(), current());
         if (!late_.empty()) std::copy_n(current(), late_.size(), late_.begin());
-        return push(true);
+        return show(pools ? early() : current(), current());
     }
     switch (settings_.end_frames) {
         case EndFrames::kLast:
-            pool(current(), current());
-            return push(true);
+            return show(current(), current());
         case EndFrames::kGymnasium:  // not the frame that ended it, but perhaps the one before
             if (!pools) break;
-            pool_with_last();
-            return push(false);
+            return show_with_last();
         case EndFrames::kBaselines:
             if (!pools) break;
-            pool(current(), late_.data());
-            return push(true);
+            return show(current(), late_.data());
         case EndFrames::kEnvpool:
             if (!pools) break;
-            pool(current(), current());
-            return push(true);
+            return show(current(), current());
     }
     repeat(false);
 }
 
-void View::pool(Index early, Index late) {
-    for (int plane = 0; plane < planes_; ++plane)
-        pool_plane(early, late, plane, pooled_.data() + plane_size() * static_cast<size_t>(plane),
-                   repeats_.data() + environment_.height() * plane);
+void View::show(Index early, Index late) {
+    const auto height = static_cast<size_t>(environment_.height()), planes = static_cast<size_t>(planes_);
+    uint8_t* const repeats = working_memory(planes * (height + plane_size()));
+    uint8_t* const pooled = pooled_.empty() ? repeats + planes * height : pooled_.data();
+    for (size_t plane = 0; plane < planes; ++plane)
+        pool_plane(early, late, static_cast<int>(plane), pooled + plane * plane_size(), repeats + plane * height);
+    push(pooled, repeats);
 }
 
 void View::pool_plane(Index early, Index late, int plane, uint8_t* out, uint8_t* repeats) const {
@@ -114,13 +117,16 @@ void View::pool_plane(Index early, Index late, int plane, uint8_t* out, uint8_t*
 }
 
 // The skip's last frame but one, pooled with the last picture.
-void View::pool_with_last() {
-    std::vector<uint8_t> plane(plane_size());
+void View::show_with_last() {
+    const auto height = static_cast<size_t>(environment_.height());
+    uint8_t* const repeats = working_memory(height + plane_size());
+    uint8_t* const plane = repeats + height;
     for (int k = 0; k < planes_; ++k) {
-        pool_plane(early(), early(), k, plane.data(), repeats_.data());
+        pool_plane(early(), early(), k, plane, repeats);
         uint8_t* const pooled = pooled_.data() + plane_size() * static_cast<size_t>(k);
-        for (size_t i = 0; i < plane.size(); ++i) pooled[i] = std::max(pooled[i], plane[i]);
+        for (size_t i = 0; i < plane_size(); ++i) pooled[i] = std::max(pooled[i], plane[i]);
     }
+    push(pooled_.data(), nullptr);
 }
 
 uint8_t* View::next_place() {
@@ -128,15 +134,15 @@ uint8_t* View::next_place() {
     return ring_.data() + picture_size_ * static_cast<size_t>(newest_);
 }
 
-void View::push(bool rows_are_marked) {
+// `repeats` tells of each row of each plane whether it is the one above again; null if that is not known.
+void View::push(const uint8_t* pooled, const uint8_t* repeats) {
     uint8_t* const place = next_place();
-    const uint8_t* const repeats = rows_are_marked ? repeats_.data() : nullptr;
-    if (planes_ == 1) return (*scaler_)(pooled_.data(), repeats, place);
+    if (planes_ == 1) return (*scaler_)(pooled, repeats, place);
     const size_t count = picture_size_ / 3;
     std::vector<uint8_t> small(count);
-    for (size_t k = 0; k < 3; ++k) {
-        (*scaler_)(pooled_.data() + k * plane_size(), repeats ? repeats + k * repeats_.size() / 3 : nullptr, small.data());
-        for (size_t i = 0; i < count; ++i) place[3 * i + k] = small[i];
+    for (int k = 0; k < 3; ++k, pooled += plane_size()) {
+        (*scaler_)(pooled, repeats ? repeats + environment_.height() * k : nullptr, small.data());
+        for (size_t i = 0; i < count; ++i) place[3 * i + static_cast<size_t>(k)] = small[i];
     }
 }
 

@@ -45,10 +45,10 @@ class View {
 
   private:
     using Index = const uint8_t*;
-    void pool(Index early, Index late);
+    void show(Index early, Index late);
+    void show_with_last();
     void pool_plane(Index early, Index late, int plane, uint8_t* out, uint8_t* repeats) const;
-    void pool_with_last();
-    void push(bool rows_are_marked);
+    void push(const uint8_t* pooled, const uint8_t* repeats);
     uint8_t* next_place();
     Index early() { return early_copied_ ? early_.data() : environment_.console().previous_picture(); }
     Index current() { return environment_.console().picture(); }
@@ -60,8 +60,7 @@ class View {
     const int planes_;
     const uint8_t* tables_[3];           // of 256 values, by plane
     std::vector<uint8_t> colours_;       // what they point to for kRgb
-    std::vector<uint8_t> pooled_;        // planes: the last picture before it was made small
-    std::vector<uint8_t> repeats_;       // of its rows, by plane
+    std::vector<uint8_t> pooled_;        // planes: the last picture before it was made small; if it can be needed again
     std::vector<uint8_t> late_;          // for kBaselines: the last whole skip's last frame
     std::vector<uint8_t> early_;         // a frame that the console will not keep
     bool early_noted_ = false, early_copied_ = false;
