@@ -10,12 +10,14 @@ import math
 import operator
 import os
 from collections.abc import Iterable, Sequence
+from functools import cached_property
 from os import PathLike
 from typing import Any, Literal
 
 import gymnasium
 import numpy as np
 import numpy.typing as npt
+from gymnasium import spaces
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
@@ -141,11 +143,15 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         self.single_action_space = options.action_space()
         self.single_observation_space = options.observation_space()
         self.action_space = batch_space(self.single_action_space, self.batch_size)
-        self.observation_space = batch_space(self.single_observation_space, self.batch_size)
         self._buffers = [Results(self._engine, options) for _ in range(2)]
         self._flying: Results | None = None  # what the environments are writing to
         self._phase: Literal["new", "idle", "sent"] = "new"
         self._masks = options.action_masks()
+
+    @cached_property
+    def observation_space(self) -> spaces.Space[Any]:  # type: ignore[override]
+        """Of a batch. Made when it is asked for: it holds four arrays of its shape, much for many environments."""
+        return batch_space(self.single_observation_space, self.batch_size)
 
     def reset(
         self,
@@ -290,9 +296,9 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
     @property
     def members(self) -> tuple[Member, ...]:
         """The environments one by one: what they are at, their RAM, mode and difficulty."""
-        engine = self._open()
+        self._open()
         return tuple(
-            Member(engine, index, game, actions)
+            Member(self._open, index, game, actions)
             for index, (game, actions) in enumerate(zip(self.games, self._options.action_sets, strict=True))
         )
 

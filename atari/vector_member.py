@@ -1,5 +1,6 @@
 """One environment of a vector, looked at from outside."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,55 +13,60 @@ from atari.game import Game
 
 
 class Member:
-    """What environment `index` of a vector is at. Not to be used between `send` and `recv` (RuntimeError)."""
+    """What environment `index` of a vector is at.
 
-    def __init__(self, engine: _emulator.Vector, index: int, game: Game, actions: tuple[Action, ...]) -> None:
+    Not to be used between `send` and `recv` (RuntimeError), nor once the vector is closed (ClosedEnvironmentError).
+    """
+
+    def __init__(
+        self, engine: Callable[[], _emulator.Vector], index: int, game: Game, actions: tuple[Action, ...]
+    ) -> None:
         self._engine, self.index, self.game, self._actions = engine, index, game, actions
 
     @property
     def lives(self) -> int:
         """Lives left, as the game's rules count them."""
-        return self._engine.numbers(self.index)[0]
+        return self._engine().numbers(self.index)[0]
 
     @property
     def frame_number(self) -> int:
         """Frames played since the last seed."""
-        return self._engine.numbers(self.index)[1]
+        return self._engine().numbers(self.index)[1]
 
     @property
     def episode_frame_number(self) -> int:
         """Frames played since the game began."""
-        return self._engine.numbers(self.index)[2]
+        return self._engine().numbers(self.index)[2]
 
     @property
     def mode(self) -> int:
         """The game's mode; what is set is played from the next reset on."""
-        return self._engine.mode(self.index)
+        return self._engine().mode(self.index)
 
     @mode.setter
     def mode(self, mode: int) -> None:
-        self._engine.set_mode(self.index, self.checked("mode", mode))
+        self._engine().set_mode(self.index, self.checked("mode", mode))
 
     @property
     def difficulty(self) -> int:
         """The game's difficulty; what is set is played from the next frame on."""
-        return self._engine.difficulty(self.index)
+        return self._engine().difficulty(self.index)
 
     @difficulty.setter
     def difficulty(self, difficulty: int) -> None:
-        self._engine.set_difficulty(self.index, self.checked("difficulty", difficulty))
+        self._engine().set_difficulty(self.index, self.checked("difficulty", difficulty))
 
     def ram(self) -> ByteArray:
         """The 128 bytes of RAM, a copy."""
-        return np.frombuffer(bytearray(self._engine.ram(self.index)), np.uint8)
+        return np.frombuffer(bytearray(self._engine().ram(self.index)), np.uint8)
 
     def set_ram(self, index: int, value: int) -> None:
         """Write one byte of RAM; `index` 0..127, `value` 0..255."""
-        self._engine.set_ram(self.index, *check_poke(index, value))
+        self._engine().set_ram(self.index, *check_poke(index, value))
 
     def screen_rgb(self) -> ByteArray:
         """The screen, (height, 160, 3)."""
-        return self._engine.screen_rgb(self.index)
+        return self._engine().screen_rgb(self.index)
 
     render = screen_rgb
 

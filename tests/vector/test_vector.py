@@ -1,14 +1,5 @@
 """What the vector environment promises beside equality with ale-py's."""
 
-import gc
-import os
-import resource
-import signal
-import subprocess
-import sys
-import threading
-import time
-import weakref
 from typing import Any
 
 import gymnasium
@@ -17,7 +8,6 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 import atari
-from atari.cores.options import CoreOptions
 
 
 def play(envs: atari.AtariVectorEnv, steps: int, seed: int = 5) -> list[bytes]:
@@ -493,135 +483,3 @@ class TestAsync:
         envs.reset()
         with pytest.raises(ValueError, match="batch_size=0"):
             envs.reset(options={"reset_mask": np.array([True, False, True, True])})
-
-
-class TestEnds:
-    def test_close(self) -> None:
-        before = threading_count()
-        envs = make(num_envs=4, num_threads=4)
-        assert threading_count() == before + 3
-        envs.reset()
-        envs.close()
-        assert threading_count() == before
-        with pytest.raises(gymnasium.error.ClosedEnvironmentError):
-            envs.step(np.zeros(4, int))
-        with pytest.raises(gymnasium.error.ClosedEnvironmentError):
-            envs.reset()
-        envs.close()
-
-    def test_close_while_environments_are_stepped(self) -> None:
-        envs = make(num_envs=8, num_threads=3)
-        envs.reset()
-        envs.send(np.zeros(8, int))
-        envs.close()
-
-    def test_garbage_collection(self) -> None:
-        gc.collect()
-        before = threading_count()
-        envs = make(num_envs=4, num_threads=4)
-        envs.reset()
-        envs.send(np.zeros(4, int))
-        gone = weakref.ref(envs)
-        del envs
-        gc.collect()
-        assert gone() is None
-        assert threading_count() == before
-
-    def test_many_constructions(self) -> None:
-        make(num_envs=2).close()
-        before = threading_count()
-        for _ in range(60):
-            make(num_envs=2).close()
-        assert threading_count() == before
-
-    def test_an_error_in_an_environment_reaches_the_caller(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr(CoreOptions, "check", lambda *_, **__: None)
-        for batch_size, num_threads in ((0, 2), (1, 1)):
-            envs = make("freeway", 3, mode=[0, 99, 0], batch_size=batch_size, num_threads=num_threads)
-            for _ in range(2):
-                with pytest.raises(RuntimeError, match="the mode cannot be selected"):
-                    play(envs, 3)
-                with pytest.raises(gymnasium.error.ResetNeeded):
-                    envs.step(np.zeros(envs.batch_size, int))
-            envs.close()
-
-    def test_an_interruption_leaves_it_usable(self) -> None:
-        program = (
-            "import signal, numpy as np, atari\n"
-            "envs = atari.AtariVectorEnv('pong', 4, num_threads=2)\n"
-            "first = envs.reset(seed=0)[0].copy()\n"
-            "for delay in (0.01, 0.013, 0.017, 0.02):\n"
-            "    try:\n"
-            "        signal.setitimer(signal.ITIMER_REAL, delay)\n"
-            "        while True:\n"
-            "            envs.step(np.zeros(4, int))\n"
-            "    except KeyboardInterrupt:\n"
-            "        assert np.array_equal(envs.reset(seed=0)[0], first)\n"
-            "        envs.step(np.zeros(4, int))\n"
-            "print('usable')\n"
-        )
-        prologue = "import signal\nsignal.signal(signal.SIGALRM, signal.default_int_handler)\n"
-        done = subprocess.run([sys.executable, "-c", prologue + program], capture_output=True, text=True, timeout=120)
-        assert done.stdout.strip() == "usable", done.stderr
-
-    def test_long_play_takes_no_more_memory(self) -> None:
-        envs = make("pong", 4, max_num_frames_per_episode=300, autoreset_mode="SameStep")
-        envs.reset(seed=0)
-        peaks = []
-        for _ in range(3):
-            for _ in range(700):
-                envs.step(np.zeros(4, int))
-            peaks.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
-        assert peaks[2] - peaks[1] < 1024  # KiB
-
-    def test_two_threads_share_one(self) -> None:
-        envs = make(num_envs=2)
-        envs.reset(seed=0)
-        errors = []
-
-        def use() -> None:
-            for _ in range(50):
-                try:
-                    envs.step(np.zeros(2, int))
-                except (RuntimeError, gymnasium.error.Error) as error:
-                    errors.append(error)
-
-        users = [threading.Thread(target=use) for _ in range(2)]
-        for user in users:
-            user.start()
-        for user in users:
-            user.join()
-        envs.reset(seed=0)
-        *_, info = envs.step(np.zeros(2, int))
-        assert info["env_id"].tolist() == [0, 1]
-
-
-if hasattr(os, "fork"):
-
-    def test_a_forked_process_is_told() -> None:
-        envs = make(num_envs=2)
-        envs.reset(seed=0)
-        child = os.fork()
-        if child == 0:
-            try:
-                envs.step(np.zeros(2, int))
-            except RuntimeError as error:
-                told = "was made before the process was forked" in str(error)
-                envs.close()
-                new = make(num_envs=2)
-                new.reset(seed=0)
-                new.step(np.zeros(2, int))
-                os._exit(0 if told else 1)
-            os._exit(2)
-        deadline = time.monotonic() + 60
-        while (status := os.waitpid(child, os.WNOHANG))[0] == 0 and time.monotonic() < deadline:
-            time.sleep(0.01)
-        if status[0] == 0:
-            os.kill(child, signal.SIGKILL)
-        assert status == (child, 0)
-        envs.step(np.zeros(2, int))
-
-
-def threading_count() -> int:
-    """Threads of this process, those started in C++ too."""
-    return len(os.listdir("/proc/self/task")) if os.path.isdir("/proc/self/task") else threading.active_count()

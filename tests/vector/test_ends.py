@@ -1,0 +1,260 @@
+"""How vector environments end: closed, collected, interrupted, failed, forked; and that they leave nothing behind."""
+
+import gc
+import multiprocessing
+import os
+import pickle
+import resource
+import signal
+import subprocess
+import sys
+import threading
+import time
+import weakref
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+import atari
+from atari.cores.options import CoreOptions
+
+
+def make(game: Any = "breakout", num_envs: int | None = 3, **options: Any) -> atari.AtariVectorEnv:
+    return atari.AtariVectorEnv(game, num_envs, **{"num_threads": 2, **options})
+
+
+def play(envs: atari.AtariVectorEnv) -> None:
+    envs.reset()
+    for _ in range(3):
+        envs.step(np.zeros(envs.batch_size, int))
+
+
+def threading_count() -> int:
+    """Threads of this process, those started in C++ too."""
+    return len(os.listdir("/proc/self/task")) if os.path.isdir("/proc/self/task") else threading.active_count()
+
+
+def test_close() -> None:
+    before = threading_count()
+    envs = make(num_envs=4, num_threads=4)
+    assert threading_count() == before + 3
+    envs.reset()
+    envs.close()
+    assert threading_count() == before
+    with pytest.raises(gymnasium.error.ClosedEnvironmentError):
+        envs.step(np.zeros(4, int))
+    with pytest.raises(gymnasium.error.ClosedEnvironmentError):
+        envs.reset()
+    envs.close()
+
+
+def test_close_while_environments_are_stepped() -> None:
+    envs = make(num_envs=8, num_threads=3)
+    envs.reset()
+    envs.send(np.zeros(8, int))
+    envs.close()
+
+
+def test_garbage_collection() -> None:
+    gc.collect()
+    before = threading_count()
+    envs = make(num_envs=4, num_threads=4)
+    envs.reset()
+    envs.send(np.zeros(4, int))
+    gone = weakref.ref(envs)
+    del envs
+    gc.collect()
+    assert gone() is None
+    assert threading_count() == before
+
+
+CALLS = {
+    "reset": lambda envs: envs.reset(),
+    "step": lambda envs: envs.step(np.zeros(2, int)),
+    "send": lambda envs: envs.send(np.zeros(2, int)),
+    "recv": lambda envs: envs.recv(),
+    "observe": lambda envs: envs.observe(),
+    "render": lambda envs: envs.render(),
+    "mosaic": lambda envs: envs.mosaic(),
+    "snapshot": lambda envs: envs.snapshot(),
+    "restore": lambda envs: envs.restore(None, []),
+    "fork": lambda envs: envs.fork(0, [1]),
+    "members": lambda envs: envs.members,
+    "call": lambda envs: envs.call("ram"),
+    "get_attr": lambda envs: envs.get_attr("lives"),
+    "set_attr": lambda envs: envs.set_attr("mode", 0),
+    "pickle": pickle.dumps,
+}
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_closed_ones_say_so(name: str) -> None:
+    envs = make(num_envs=2, render_mode="rgb_array")
+    envs.reset()
+    envs.close()
+    with pytest.raises(gymnasium.error.ClosedEnvironmentError, match="closed; make a new one"):
+        CALLS[name](envs)
+
+
+def test_members_that_are_held_do_not_keep_threads() -> None:
+    gc.collect()
+    before = threading_count()
+    envs = make(num_envs=2)
+    member = envs.members[0]
+    envs.close()
+    assert threading_count() == before
+    for use in (member.ram, lambda: member.lives, lambda: setattr(member, "mode", 0)):
+        with pytest.raises(gymnasium.error.ClosedEnvironmentError):
+            use()
+
+
+def test_a_thousand_constructions_leave_nothing() -> None:
+    """Each has 250 KiB and a thread: a hundredth of one that stays would show."""
+
+    def construct(count: int) -> None:
+        for i in range(count):
+            envs = make("pong", 2, obs_type="ram" if i % 2 else "dict")
+            if i % 10 == 0:
+                envs.reset()
+                envs.fork(0, [1])
+            if i % 3:
+                envs.close()
+
+    gc.collect()
+    threads = threading_count()
+    construct(200)
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    construct(800)
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - peak < 2048  # KiB
+    assert threading_count() == threads
+
+
+def test_an_error_in_an_environment_reaches_the_caller(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(CoreOptions, "check", lambda *_, **__: None)
+    for batch_size, num_threads in ((0, 2), (1, 1)):
+        envs = make("freeway", 3, mode=[0, 99, 0], batch_size=batch_size, num_threads=num_threads)
+        for _ in range(2):
+            with pytest.raises(RuntimeError, match="the mode cannot be selected"):
+                play(envs)
+            with pytest.raises(gymnasium.error.ResetNeeded):
+                envs.step(np.zeros(envs.batch_size, int))
+        envs.close()
+
+
+def test_an_interruption_leaves_it_usable() -> None:
+    program = (
+        "import signal, numpy as np, atari\n"
+        "envs = atari.AtariVectorEnv('pong', 4, num_threads=2)\n"
+        "first = envs.reset(seed=0)[0].copy()\n"
+        "for delay in (0.01, 0.013, 0.017, 0.02):\n"
+        "    try:\n"
+        "        signal.setitimer(signal.ITIMER_REAL, delay)\n"
+        "        while True:\n"
+        "            envs.step(np.zeros(4, int))\n"
+        "    except KeyboardInterrupt:\n"
+        "        assert np.array_equal(envs.reset(seed=0)[0], first)\n"
+        "        envs.step(np.zeros(4, int))\n"
+        "print('usable')\n"
+    )
+    prologue = "import signal\nsignal.signal(signal.SIGALRM, signal.default_int_handler)\n"
+    done = subprocess.run([sys.executable, "-c", prologue + program], capture_output=True, text=True, timeout=120)
+    assert done.stdout.strip() == "usable", done.stderr
+
+
+def test_long_play_takes_no_more_memory() -> None:
+    envs = make("pong", 4, max_num_frames_per_episode=300, autoreset_mode="SameStep")
+    envs.reset(seed=0)
+    peaks = []
+    for _ in range(3):
+        for _ in range(700):
+            envs.step(np.zeros(4, int))
+        peaks.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+    assert peaks[2] - peaks[1] < 1024  # KiB
+
+
+def test_forks_and_snapshots_take_no_more_memory() -> None:
+    envs = make("pong", 8)
+    envs.reset(seed=0)
+    peaks = []
+    for _ in range(3):
+        for step in range(300):
+            envs.fork(step % 8, range(8))
+            envs.restore([step % 8], envs.snapshot([(step + 1) % 8]))
+            if step % 2:
+                envs.step(np.arange(8) % 6)
+        peaks.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+    assert peaks[2] - peaks[1] < 1024  # KiB
+
+
+def test_many_environments_play_and_are_alike() -> None:
+    envs = make("pong", 2048, obs_type="ram")
+    first, _ = envs.reset(seed=[7] * 2048)
+    assert (first == first[0]).all()
+    observation, reward, *_ = envs.step(np.full(2048, 2))
+    assert (observation == observation[0]).all()
+    assert reward.shape == (2048,)
+
+
+def test_two_threads_share_one() -> None:
+    envs = make(num_envs=2)
+    envs.reset(seed=0)
+    errors = []
+
+    def use() -> None:
+        for _ in range(50):
+            try:
+                envs.step(np.zeros(2, int))
+            except (RuntimeError, gymnasium.error.Error) as error:
+                errors.append(error)
+
+    users = [threading.Thread(target=use) for _ in range(2)]
+    for user in users:
+        user.start()
+    for user in users:
+        user.join()
+    envs.reset(seed=0)
+    *_, info = envs.step(np.zeros(2, int))
+    assert info["env_id"].tolist() == [0, 1]
+
+
+if hasattr(os, "fork"):
+
+    def test_a_forked_process_is_told() -> None:
+        envs = make(num_envs=2)
+        envs.reset(seed=0)
+        child = os.fork()
+        if child == 0:
+            try:
+                envs.step(np.zeros(2, int))
+            except RuntimeError as error:
+                told = "was made before the process was forked" in str(error)
+                envs.close()
+                new = make(num_envs=2)
+                new.reset(seed=0)
+                new.step(np.zeros(2, int))
+                os._exit(0 if told else 1)
+            os._exit(2)
+        deadline = time.monotonic() + 60
+        while (status := os.waitpid(child, os.WNOHANG))[0] == 0 and time.monotonic() < deadline:
+            time.sleep(0.01)
+        if status[0] == 0:
+            os.kill(child, signal.SIGKILL)
+        assert status == (child, 0)
+        envs.step(np.zeros(2, int))
+
+    def test_a_forked_process_ends_of_itself() -> None:
+        """With environments in flight, whose threads it does not have."""
+        envs = make(num_envs=4)
+        envs.reset(seed=0)
+        envs.fork(0, [1, 2, 3])
+        envs.send(np.zeros(4, int))
+        child = multiprocessing.get_context("fork").Process(target=gc.collect)
+        child.start()
+        child.join(60)
+        code = child.exitcode
+        child.kill()
+        assert code == 0
+        envs.recv()
+        envs.step(np.zeros(4, int))
