@@ -10,11 +10,13 @@ Suites:
     preset  one step of DQN preprocessing (4 frames, 84x84, stack of 4), resets counted: `atari.wrappers.preset` beside
             Gymnasium's wrappers and ale-py's and EnvPool's vector environments with one environment and one thread
     vector  one step of one environment of a vector, resets counted, with 64, 8 and 1 environments on all cores:
-            `AtariVectorEnv` beside ale-py's and EnvPool's
+            `AtariVectorEnv` beside ale-py's and EnvPool's; then RGB, RAM, one thread beside several, what a call takes
+    sizes   the same over numbers of environments, by default of one game: the others take a minute to make 1024;
+            scripts/plot_vector.py draws what --json writes
 
 Each number is the median over the rounds; in each round every contestant runs once, in turn, so that a slow moment of
 the machine hits all alike, and all play the same actions. The ratio is that of the medians. `raw` over all games takes
-three minutes or so.
+three minutes or so; `vector` over all games, half an hour.
 """
 
 import argparse
@@ -35,6 +37,8 @@ from bench_suites import SUITES, Comparison
 
 Times = dict[str, list[float]]
 """Microseconds a step by contestant, one value a round."""
+
+GAMES = ["breakout", "pong", "ms_pacman", "seaquest", "space_invaders", "montezuma_revenge", "qbert", "enduro"]
 
 PACKAGES = ("atari-envs", "ale-py", "envpool", "gymnasium", "numpy")
 
@@ -78,6 +82,10 @@ def table(title: str, results: dict[str, Times]) -> str:
         lines.append(f"{game:{width}}" + "".join(f"  {cells[name]:>{column}}" for name, column in columns.items()))
     for name in names[:-1]:
         lines += [f"{name}: {line}" for line in summary(by_name[name])]
+    if "EnvPool" in names:
+        ours = [name for name in names if name not in ("EnvPool", reference)]
+        beside = {name: summary(ratios(results, name, "EnvPool")) for name in ours}
+        lines += [f"{name} beside EnvPool: {line}" for name in ours for line in beside[name]]
     lines.append(f"spread of the rounds: {spread(results):.0%} of the median (typically)")
     return "\n".join(lines)
 
@@ -147,19 +155,28 @@ def main() -> None:
         "--games",
         nargs="+",
         metavar="GAME",
-        default=["breakout", "pong", "ms_pacman", "seaquest", "space_invaders", "montezuma_revenge", "qbert", "enduro"],
-        help="games to measure, or 'all' (default: eight well-known ones)",
+        help="games to measure, or 'all' (default: eight well-known ones; of suite sizes breakout)",
+    )
+    parser.add_argument(
+        "--envs",
+        type=int,
+        nargs="+",
+        metavar="N",
+        default=[1, 8, 64, 256, 1024],
+        help="numbers of environments of suite sizes (default 1 8 64 256 1024)",
     )
     parser.add_argument("--steps", type=int, default=1000, help="steps of a run (default 1000; fewer of slow calls)")
     parser.add_argument("--rounds", type=int, default=5, help="alternating rounds (default 5)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write every measured value, machine and versions")
     options = parser.parse_args()
-    if options.steps < 1 or options.rounds < 1:
-        parser.error("--steps and --rounds take whole numbers of at least 1")
-    games = [game.id for game in atari.games.playable()] if options.games == ["all"] else options.games
+    if min(options.steps, options.rounds, *options.envs) < 1:
+        parser.error("--steps, --rounds and --envs take whole numbers of at least 1")
+    games = options.games or (GAMES[:1] if options.suite == "sizes" else GAMES)
+    if games == ["all"]:
+        games = [game.id for game in atari.games.playable()]
     for game in games:
         atari.games.find(game)
-    comparisons = list(SUITES[options.suite]())
+    comparisons = list(SUITES[options.suite](*([options.envs] if options.suite == "sizes" else [])))
     results = {}
     for game in games:
         print(f"{game} ...", file=sys.stderr, flush=True)

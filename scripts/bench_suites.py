@@ -1,8 +1,10 @@
 """What `bench.py` compares: for each suite, the contestants and how each is made ready for a game and timed."""
 
 import dataclasses
+import functools
 import os
-from collections.abc import Callable, Iterator
+import sys
+from collections.abc import Callable, Iterable, Iterator
 from importlib.util import find_spec
 from pathlib import Path
 from time import perf_counter
@@ -81,7 +83,7 @@ def preset() -> Iterator[Comparison]:
     for core in atari.cores.CORES:
         sides.append(Contestant(f"4 x act {core}", four_frames(core)))
         sides += [Contestant(f"{name} {core}", ours(core, name)) for name in ("dqn2015", "gymnasium", "ale_vector")]
-    if find_spec("envpool") is not None:
+    if has_envpool():
         sides.append(Contestant("EnvPool x1", envpool_vector))
     sides.append(Contestant("Gymnasium wrappers", steps_of(gymnasium_preset, count_resets=True)))
     yield Comparison("preset.step", [*sides, Contestant("ale-py vector x1", ale_py_vector)])
@@ -89,30 +91,37 @@ def preset() -> Iterator[Comparison]:
 
 def vector() -> Iterator[Comparison]:
     """One step of one environment of a vector, resets counted."""
-
-    def ours(count: int, **options: Any) -> Callable[[str], Run]:
-        return batches_of(lambda game: atari.AtariVectorEnv(game, count, **options), np.int64)
-
-    def ale_py(count: int, **options: Any) -> Callable[[str], Run]:
-        return batches_of(lambda game: ale_py_envs(game, count, **options), np.int64)
-
-    for count in (64, 8, 1):
-        sides = [
-            Contestant("native", ours(count)),
-            Contestant("native, 1 thread", ours(count, num_threads=1)),
-            Contestant("native dqn2015", ours(count, preset="dqn2015")),
-            Contestant("native RAM", ours(count, obs_type="ram")),
-        ]
-        if find_spec("envpool") is not None:
-            sides.append(Contestant("EnvPool", batches_of(lambda game, n=count: envpool_envs(game, n), np.int32)))
-        yield Comparison(f"{count} x 84x84 gray", [*sides, Contestant("ale-py", ale_py(count))], 10 if count > 1 else 1)
+    for count, part in ((64, 3.0), (8, 1.0), (1, 0.5)):
+        sides = [native_envs("native", count), native_envs("native dqn2015", count, preset="dqn2015")]
+        yield Comparison(f"{count} x 84x84 gray", [*sides, *peer_envs(count)], part)
     rgb = {"grayscale": False, "stack_num": 1, "img_height": 210, "img_width": 160}
-    yield Comparison(
-        "8 x 210x160 RGB", [Contestant("native", ours(8, **rgb)), Contestant("ale-py", ale_py(8, **rgb))], 4
-    )
+    ale_py_rgb = Contestant("ale-py", batches_of(lambda game: ale_py_envs(game, 8, **rgb), np.int64))
+    yield Comparison("8 x 210x160 RGB", [native_envs("native", 8, **rgb), ale_py_rgb], 0.5)
+    ram = native_envs("native RAM", 64, obs_type="ram")
+    yield Comparison("64 x RAM and 84x84 gray", [ram, native_envs("native gray", 64)], 3.0)
+    cores = os.cpu_count() or 1
+    threads = [native_envs(f"{n} threads", 64, num_threads=n) for n in (16, 8, 4, 2) if n <= cores]
+    yield Comparison("64 x 84x84 gray, by threads", [*threads, native_envs("1 thread", 64, num_threads=1)], 3.0)
+    # What a call takes is the difference of these: all else is done once for each environment.
+    alone, shared = native_envs("a call for 1", 1, num_threads=1), native_envs("a call for 64", 64, num_threads=1)
+    yield Comparison("84x84 gray on one thread", [shared, alone], 3.0)
 
 
-SUITES = {"raw": raw, "state": state, "env": env, "preset": preset, "vector": vector}
+def sizes(counts: Iterable[int]) -> Iterator[Comparison]:
+    """As `vector`, over numbers of environments; for a plot."""
+    for count in counts:
+        sides = [native_envs("native", count), native_envs("native RAM", count, obs_type="ram"), *peer_envs(count)]
+        yield Comparison(f"{count} x 84x84 gray", sides, min(4.0, max(0.5, count / 16)))
+
+
+SUITES: dict[str, Callable[..., Iterator[Comparison]]] = {
+    "raw": raw,
+    "state": state,
+    "env": env,
+    "preset": preset,
+    "vector": vector,
+    "sizes": sizes,
+}
 
 
 def random_choices(actions: list[Any], steps: int) -> list[Any]:
@@ -339,6 +348,29 @@ def gymnasium_preset(game: str) -> gymnasium.Env[Any, Any]:
 def ale_py_vector(game: str) -> Run:
     """ale-py's vector environment, one environment, one thread."""
     return vector_steps(ale_py.AtariVectorEnv(game, 1, num_threads=1), np.int64)
+
+
+def native_envs(name: str, count: int, **options: Any) -> Contestant:
+    """Our vector environment."""
+    return Contestant(name, batches_of(lambda game: atari.AtariVectorEnv(game, count, **options), np.int64))
+
+
+def peer_envs(count: int) -> list[Contestant]:
+    """EnvPool, if it is installed, and ale-py."""
+    envpool = [Contestant("EnvPool", batches_of(lambda game: envpool_envs(game, count), np.int32))]
+    return [
+        *(envpool if has_envpool() else []),
+        Contestant("ale-py", batches_of(lambda game: ale_py_envs(game, count), np.int64)),
+    ]
+
+
+@functools.cache
+def has_envpool() -> bool:
+    """Whether EnvPool is installed; says so if it is not."""
+    found = find_spec("envpool") is not None
+    if not found:
+        print("EnvPool is not installed and is left out; pip install envpool brings it in.", file=sys.stderr)
+    return found
 
 
 def ale_py_envs(game: str, count: int, **options: Any) -> Any:

@@ -17,10 +17,13 @@ def bench() -> dict[str, Any]:
     return runpy.run_path(str(SCRIPT))
 
 
-@pytest.mark.parametrize(("suite", "comparisons"), [("raw", 2), ("state", 5), ("env", 1), ("preset", 1), ("vector", 4)])
+@pytest.mark.parametrize(
+    ("suite", "comparisons"), [("raw", 2), ("state", 5), ("env", 1), ("preset", 1), ("vector", 7), ("sizes", 2)]
+)
 def test_a_suite_runs_and_writes_every_measured_value(suite: str, comparisons: int, tmp_path: Path) -> None:
     out = tmp_path / "out.json"
     options = ["--suite", suite, "--games", "pong", "breakout", "--steps", "20", "--rounds", "2", "--json", str(out)]
+    options += ["--envs", "1", "2"]
     done = subprocess.run([sys.executable, str(SCRIPT), *options], check=True, capture_output=True, text=True)
     assert done.stdout.count("over 2 games, minimum") >= comparisons
     document = json.loads(out.read_text())
@@ -60,6 +63,16 @@ def test_the_table_has_a_row_a_game(bench: dict[str, Any]) -> None:
     assert lines[3].split() == ["tetris", "5.0", "(", "1.00x)", "5.0", "(", "1.00x)"]
     assert lines[4] == "native: geometric mean 1.22x over 2 games, minimum 1.00x (tetris)"
     assert lines[5] == "spread of the rounds: 0% of the median (typically)"
+
+
+def test_ratios_to_envpool_are_told_too(bench: dict[str, Any]) -> None:
+    results = {"pong": {"native": [2.0], "EnvPool": [8.0], "ale-py": [6.0]}}
+    lines = bench["table"]("step", results).splitlines()
+    assert lines[3:6] == [
+        "native: geometric mean 3.00x over 1 games, minimum 3.00x (pong)",
+        "EnvPool: geometric mean 0.75x over 1 games, minimum 0.75x (pong)",
+        "native beside EnvPool: geometric mean 4.00x over 1 games, minimum 4.00x (pong)",
+    ]
 
 
 def test_an_unknown_game_is_an_error_before_anything_is_measured() -> None:

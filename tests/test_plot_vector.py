@@ -1,0 +1,43 @@
+"""`scripts/plot_vector.py` takes from `bench.py`'s file what it draws. The drawing is a test of the peers' lane."""
+
+import json
+import runpy
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+SCRIPT = Path(__file__).parent.parent / "scripts" / "plot_vector.py"
+
+DOCUMENT: dict[str, Any] = {
+    "suite": "sizes",
+    "machine": {"processor": "A CPU", "cores": 2},
+    "versions": {"atari-envs": "1", "ale-py": "2", "numpy": "3"},
+    "results": {
+        "pong": {"8 x 84x84 gray": {"native": [10.0, 20.0, 90.0]}, "1 x 84x84 gray": {"native": [50.0]}},
+        "breakout": {"8 x 84x84 gray": {"native": [5.0]}, "1 x 84x84 gray": {"native": [50.0]}},
+    },
+}
+
+
+def test_speeds_are_of_medians_and_means_of_games() -> None:
+    curves = runpy.run_path(str(SCRIPT))["curves"](DOCUMENT)
+    assert list(curves) == ["native"]
+    assert [count for count, _ in curves["native"]] == [1, 8]
+    assert [speed for _, speed in curves["native"]] == pytest.approx([20_000, 100_000])
+
+
+def test_what_was_measured_is_said() -> None:
+    text = runpy.run_path(str(SCRIPT))["subtitle"](DOCUMENT)
+    assert text == "pong, breakout; A CPU, 2 threads\natari-envs 1, ale-py 2"
+
+
+def test_another_suite_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "raw.json").write_text(json.dumps({"suite": "raw"}))
+    command = [sys.executable, str(SCRIPT), str(tmp_path / "raw.json"), str(tmp_path / "plot.svg")]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 2
+    assert "is of suite 'raw'; run bench.py --suite sizes --json FILE" in done.stderr
+    assert not (tmp_path / "plot.svg").exists()
