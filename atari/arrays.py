@@ -5,11 +5,17 @@ from typing import Any
 import gymnasium
 
 
-def to_torch(arrays: Any, device: Any = None) -> Any:
+def to_torch(arrays: Any, device: Any = None, pin_memory: bool = False) -> Any:
     """An array, or a dict, list or tuple of them, as PyTorch tensors.
 
     On the CPU they are the same memory, which environments leave alone while the tensor lives. On another device they
     are copies.
+
+    Args:
+        arrays: to be shown.
+        device: as PyTorch names it, such as "cuda"; None is the CPU.
+        pin_memory: copy to page-locked memory first, from which a GPU fetches while the program goes on. Where there is
+            no CUDA nothing is pinned.
 
     Raises:
         gymnasium.error.DependencyNotInstalled: PyTorch is not installed.
@@ -19,9 +25,12 @@ def to_torch(arrays: Any, device: Any = None) -> Any:
     except ImportError:
         raise gymnasium.error.DependencyNotInstalled("atari.to_torch needs PyTorch: pip install torch") from None
 
+    pins = pin_memory and torch.cuda.is_available()
+
     def convert(array: Any) -> Any:
         tensor = torch.from_dlpack(array) if array.flags.writeable else torch.tensor(array)
-        return tensor if device is None else tensor.to(device)
+        tensor = tensor.pin_memory() if pins else tensor
+        return tensor if device is None else tensor.to(device, non_blocking=pins)
 
     return _mapped(convert, arrays)
 
