@@ -43,7 +43,7 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
     environments were made. So a `VecMonitor` is not needed, and would record clipped rewards of single lives. Rewards
     during the no-ops and the FIRE of a reset are returned by nobody, and are not in it.
 
-    `get_attr`, `set_attr` and `env_method` are about the environments in `envs.members`.
+    `vector` is the `AtariVectorEnv`; `get_attr`, `set_attr` and `env_method` are about its `members`.
 
     Args:
         game, num_envs: as of `AtariVectorEnv`.
@@ -63,11 +63,11 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
             raise TypeError(f"Stable-Baselines3 decides about {name}; leave it out")
         clips = options.pop("reward_clipping", None)
         same_step = AutoresetMode.SAME_STEP
-        self.envs = AtariVectorEnv(game, num_envs, **options, reward_clipping=False, autoreset_mode=same_step)
+        self.vector = AtariVectorEnv(game, num_envs, **options, reward_clipping=False, autoreset_mode=same_step)
         preset = options.get("preset")
         self._clips = bool(clips) if clips is not None else preset is None or PRESETS[preset].clip_reward
         super().__init__(
-            self.envs.num_envs, _channels_first(self.envs.single_observation_space), self.envs.single_action_space
+            self.vector.num_envs, _channels_first(self.vector.single_observation_space), self.vector.single_action_space
         )
         self._made_at = time.time()
         self._returns = np.zeros(self.num_envs, np.int64)
@@ -75,7 +75,7 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
 
     def reset(self) -> Any:
         """Begin new games, with the seeds of `seed` if it was called."""
-        observation, info = self.envs.reset(seed=self._seeds)
+        observation, info = self.vector.reset(seed=self._seeds)
         self._reset_seeds()
         self._reset_options()
         self._returns[:] = 0
@@ -85,11 +85,11 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
 
     def step_async(self, actions: Any) -> None:
         """Begin a step; the errors are those of `AtariVectorEnv.send`."""
-        self.envs.send(actions)
+        self.vector.send(actions)
 
     def step_wait(self) -> tuple[Any, Any, Any, list[dict[str, Any]]]:
         """Wait for the step's observations, rewards, ends of episodes, and infos."""
-        observation, rewards, terminations, truncations, info = self.envs.recv()
+        observation, rewards, terminations, truncations, info = self.vector.recv()
         dones = terminations | truncations
         shown, infos = _shown(observation), _split(info)
         for one, truncated in zip(infos, (truncations & ~terminations).tolist(), strict=True):
@@ -120,7 +120,7 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
 
     def close(self) -> None:
         """Join the threads and release the environments."""
-        self.envs.close()
+        self.vector.close()
 
     def get_images(self) -> Sequence[Any]:
         """The screens, (height, 160, 3) each."""
@@ -128,18 +128,18 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
 
     def get_attr(self, attr_name: str, indices: Indices = None) -> list[Any]:
         """An attribute of each environment, or else of all of them together."""
-        owners = [self.envs.members[index] for index in self._get_indices(indices)]
-        return [getattr(owner if hasattr(owner, attr_name) else self.envs, attr_name) for owner in owners]
+        owners = [self.vector.members[index] for index in self._get_indices(indices)]
+        return [getattr(owner if hasattr(owner, attr_name) else self.vector, attr_name) for owner in owners]
 
     def set_attr(self, attr_name: str, value: Any, indices: Indices = None) -> None:
         """Set `mode` or `difficulty`; the errors are those of `AtariVectorEnv.set_attr`."""
         chosen = set(self._get_indices(indices))
         now = self.get_attr(attr_name)
-        self.envs.set_attr(attr_name, [value if index in chosen else old for index, old in enumerate(now)])
+        self.vector.set_attr(attr_name, [value if index in chosen else old for index, old in enumerate(now)])
 
     def env_method(self, method_name: str, *args: Any, indices: Indices = None, **kwargs: Any) -> list[Any]:
         """What a method of each environment returns."""
-        members = self.envs.members
+        members = self.vector.members
         return [getattr(members[index], method_name)(*args, **kwargs) for index in self._get_indices(indices)]
 
     def env_is_wrapped(self, wrapper_class: type[Any], indices: Indices = None) -> list[bool]:
