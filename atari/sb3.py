@@ -115,8 +115,18 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         self._game_began = began
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
-        """Seed environment i with seed + i, at the next reset; None draws one."""
-        return super().seed(int(np.random.randint(SEED_LIMIT - self.num_envs)) if seed is None else seed)  # type: ignore[no-any-return]
+        """Seed environment i with seed + i, at the next reset; None draws one.
+
+        Raises:
+            ValueError: one is not within 0..2**31 - 1.
+        """
+        most = SEED_LIMIT - self.num_envs
+        if seed is None:
+            seed = int(np.random.randint(most))
+        if not 0 <= seed <= most:
+            raise ValueError(f"seed must be within 0..2**31 - num_envs, got {seed}")
+        seeds: Sequence[int | None] = super().seed(seed)
+        return seeds
 
     def close(self) -> None:
         """Join the threads and release the environments."""

@@ -244,6 +244,8 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
     def snapshot(self, indices: Iterable[int] | None = None) -> list[_emulator.MemberState]:
         """The whole state of some environments, or of all, in memory: game, stack, generators, counters.
 
+        Each can be pickled, and restored in another process.
+
         Raises:
             RuntimeError: environments are being played (between `send` and `recv`).
             IndexError: there is no such environment.
@@ -253,7 +255,8 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
     def restore(self, indices: Iterable[int] | None, snapshots: Sequence[_emulator.MemberState]) -> None:
         """Continue some environments, or all, from snapshots; each may be of any environment of the same game.
 
-        Observations already returned stay as they are; `observe` shows the new ones.
+        Observations already returned stay as they are; `observe` shows the new ones. The copying is done when an
+        environment is next played or looked at, by the threads.
 
         Raises:
             RuntimeError, IndexError: as `snapshot`.
