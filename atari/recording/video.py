@@ -15,12 +15,14 @@ from pathlib import Path
 from types import MappingProxyType, TracebackType
 from typing import Any
 
-import gymnasium
 import numpy as np
-import numpy.typing as npt
 
+from atari.cores import ByteArray
 from atari.cores.options import check_integer
 from atari.game import Game
+from atari.recording.audio import SAMPLES_PER_FRAME
+from atari.recording.formats import FORMATS
+from atari.recording.movie import Movie
 
 COLOUR_CLOCKS_PER_LINE = 228
 COLOUR_CLOCK_HZ = MappingProxyType(
@@ -31,12 +33,6 @@ COLOUR_CLOCK_HZ = MappingProxyType(
     }
 )
 LINES_PER_FRAME = MappingProxyType({"NTSC": 262, "PAL": 312, "SECAM": 312})
-
-# H.264's numbers for colours. The matrix is that of standard definition, which programs assume that do not look.
-_BT709_PRIMARIES = _BT709_TRANSFER = 1
-_BT601_MATRIX = 6
-_LIMITED_RANGE = 1
-_H264_LIMIT = 8192  # pixels a side that common decoders accept
 
 
 def frame_rate(game: Game) -> Fraction:
@@ -50,18 +46,20 @@ def frame_rate(game: Game) -> Fraction:
 
 
 class VideoWriter:
-    """An MP4 file that grows by one screen with each `write`.
+    """A video file that grows by one screen, with its sound, at each `write`.
 
     Use it in a `with` statement, or call `close`; only then is the file complete. A writer that is closed without a
     screen leaves no file.
 
     Args:
-        path: of the file, ending in ".mp4". Its folder is made, and a file of this name replaced.
+        path: of the file; its ending chooses the format, see `atari.recording.FORMATS`. Its folder is made, and a file
+            of this name replaced.
         size: (rows, columns) of the screens, such as `game.screen.shape`.
         fps: screens a second, such as `frame_rate(game)`.
-        scale: a pixel of the screen becomes `2 * scale` columns and `scale` rows of the video. H.264 stores
-            colours for blocks of 2 x 2, so with an odd scale the colours of neighbouring rows mix at edges.
-        pixel_aspect: (columns, rows) of a pixel at scale 1: (2, 1) on this console, (1, 1) for square pixels.
+        scale: a pixel of the screen becomes `2 * scale` columns and `scale` rows of the video. MP4 stores colours
+            for blocks of 2 x 2, so with an odd scale the colours of neighbouring rows mix at edges.
+        sound: the video has a sound track. Each screen's samples last as long as the screen does, so `fps` must be
+            that of emulated frames, not of steps.
 
     Raises:
         TypeError, ValueError: an argument is of the wrong kind or out of range.
@@ -79,82 +77,58 @@ class VideoWriter:
         fps: Fraction | float,
         *,
         scale: int = 2,
-        pixel_aspect: tuple[int, int] = (2, 1),
+        sound: bool = False,
     ) -> None:
         self.path = Path(path)
-        if self.path.suffix.lower() != ".mp4":
-            raise ValueError(f"a video is an MP4 file, so its name must end in '.mp4', got {str(path)!r}")
-        scale = check_integer("scale", scale, 1, 16)
+        if self.path.suffix.lower() not in FORMATS:
+            raise ValueError(f"a video's name must end in one of {', '.join(map(repr, FORMATS))}, got {str(path)!r}")
+        format = FORMATS[self.path.suffix.lower()]
+        self.sound = bool(sound)
+        if self.sound and format.sound is None:
+            raise ValueError(f"{format.name} has no sound; write it with sound=False")
+        self._scale = check_integer("scale", scale, 1, 16)
         if not isinstance(size, (tuple, list)) or len(size) != 2:
             raise TypeError(f"size is (rows, columns) of the screens, got {size!r}")
-        rows, columns = (check_integer("a side of size", side, 1, _H264_LIMIT) for side in size)
+        rows, columns = (check_integer("a side of size", side, 1, format.limit) for side in size)
         self._shape = (rows, columns, 3)
-        across, down = (check_integer("a side of pixel_aspect", side, 1, 16) for side in pixel_aspect)
-        width, height = across * scale * columns, down * scale * rows
-        if width % 2 or height % 2 or max(width, height) > _H264_LIMIT:
+        width, height = 2 * self._scale * columns, self._scale * rows
+        if height % format.multiple or max(width, height) > format.limit:
             raise ValueError(
-                f"the video would be {width}x{height}, but H.264 needs even sides up to {_H264_LIMIT}; "
+                f"the video would be {width}x{height}, but H.264 needs even sides up to {format.limit}; "
                 f"choose another scale than {scale}"
             )
-        rate = _check_rate(fps)
-        av = _import_av()
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        self.path.open("wb").close()  # PyAV would find out that it cannot at the first screen only
-        self._container = av.open(
-            str(self.path),
-            "w",
-            format="mp4",
-            options={"movflags": "hybrid_fragmented", "flush_packets": "1"},
-        )
-        self._stream = self._container.add_stream("libx264", rate=rate, options={"crf": "18", "preset": "veryfast"})
-        self._stream.width, self._stream.height, self._stream.pix_fmt = width, height, "yuv420p"
-        context = self._stream.codec_context
-        context.color_range, context.colorspace = _LIMITED_RANGE, _BT601_MATRIX
-        context.color_primaries, context.color_trc = _BT709_PRIMARIES, _BT709_TRANSFER
-        self._new_frame = av.VideoFrame.from_ndarray
+        self._movie: Movie | None = Movie(self.path, format, width, height, _check_rate(fps), sound=self.sound)
 
-    def write(self, rgb: npt.NDArray[np.uint8]) -> None:
-        """Append one screen, (rows, columns, 3) uint8.
+    def write(self, rgb: ByteArray, samples: ByteArray | None = None) -> None:
+        """Append one screen and its sound.
+
+        Args:
+            rgb: the screen, (rows, columns, 3) uint8.
+            samples: what `core.audio()` has after the frame, (512,) uint8; None is silence. Not looked at in a video
+                without sound.
 
         Raises:
-            TypeError, ValueError: not such an array, or the video is closed.
+            TypeError, ValueError: not such arrays, or the video is closed.
             OSError: the disk is full, or the file cannot be written for another reason; the video is closed then.
         """
-        if self._container is None:
+        if self._movie is None:
             raise ValueError(f"{self.path} is closed; make a new VideoWriter")
-        if not isinstance(rgb, np.ndarray) or rgb.dtype != np.uint8:
-            kind = rgb.dtype if isinstance(rgb, np.ndarray) else type(rgb).__name__
-            raise TypeError(f"a screen is a uint8 array of shape {self._shape}, got {kind}")
-        if rgb.shape != self._shape:
-            raise ValueError(f"a screen of this video has shape {self._shape}, got {rgb.shape}")
-        frame = self._new_frame(np.ascontiguousarray(rgb), format="rgb24").reformat(
-            self._stream.width,
-            self._stream.height,
-            "yuv420p",
-            dst_colorspace="ITU601",
-            interpolation="POINT",
-        )
-        frame.pts = self.frames
+        _check_array("a screen", rgb, self._shape)
+        if samples is not None and self.sound:
+            _check_array("the sound of a screen", samples, (SAMPLES_PER_FRAME,))
         try:
-            self._container.mux(self._stream.encode(frame))
+            self._movie.write(rgb.repeat(self._scale, axis=0).repeat(2 * self._scale, axis=1), samples)
         except Exception:
-            container, self._container = self._container, None
-            container.close()  # and no more screens: FFmpeg may crash on what follows a failure
+            movie, self._movie = self._movie, None
+            movie.close(broken=True)
             raise
         self.frames += 1
 
     def close(self) -> None:
         """Finish the file. Closing again does nothing."""
-        container, self._container = self._container, None
-        if container is None:
-            return
-        try:
-            if self.frames:
-                container.mux(self._stream.encode(None))
-        finally:
-            container.close()
-            if not self.frames:
-                self.path.unlink()
+        movie, self._movie = self._movie, None
+        if movie is not None:
+            movie.close()
 
     def __enter__(self) -> "VideoWriter":
         return self
@@ -165,6 +139,14 @@ class VideoWriter:
         self.close()
 
 
+def _check_array(what: str, array: Any, shape: tuple[int, ...]) -> None:
+    if not isinstance(array, np.ndarray) or array.dtype != np.uint8:
+        kind = array.dtype if isinstance(array, np.ndarray) else type(array).__name__
+        raise TypeError(f"{what} is a uint8 array of shape {shape}, got {kind}")
+    if array.shape != shape:
+        raise ValueError(f"{what} of this video has shape {shape}, got {array.shape}")
+
+
 def _check_rate(fps: Any) -> Fraction:
     if not isinstance(fps, Real):
         raise TypeError(f"fps is a number of screens a second, got {fps!r}")
@@ -172,13 +154,3 @@ def _check_rate(fps: Any) -> Fraction:
         raise ValueError(f"fps must be within 0.001..1000, got {fps}")
     # MP4 counts time in 32-bit fractions of a second; the denominators of the console's rates are far below this one.
     return Fraction(fps if isinstance(fps, Rational) else float(fps)).limit_denominator(1_000_000)
-
-
-def _import_av() -> Any:
-    try:
-        import av
-    except ImportError:
-        raise gymnasium.error.DependencyNotInstalled(
-            "writing a video needs PyAV: pip install 'atari-envs[video]'"
-        ) from None
-    return av

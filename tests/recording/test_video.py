@@ -225,7 +225,7 @@ def test_missing_folders_are_made_and_an_old_file_replaced(tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("arguments", "error", "text"),
     [
-        ({"path": "a.avi"}, ValueError, r"must end in '\.mp4', got '.*a\.avi'"),
+        ({"path": "a.avi"}, ValueError, r"name must end in one of .*, got '.*a\.avi'"),
         ({"size": (210, 160, 3)}, TypeError, r"size is \(rows, columns\)"),
         ({"size": 210}, TypeError, r"size is \(rows, columns\)"),
         ({"size": (0, 160)}, ValueError, "side of size must be within 1"),
