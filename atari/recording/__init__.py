@@ -1,5 +1,6 @@
-"""Recorded gameplay: the screens of a game as an MP4 file."""
+"""Recorded gameplay: the screens and the sound of a game as a video."""
 
+from atari.recording.formats import FORMATS, Format
 from atari.recording.video import VideoWriter, frame_rate
 
-__all__ = ["VideoWriter", "frame_rate"]
+__all__ = ["FORMATS", "Format", "VideoWriter", "frame_rate"]

@@ -1,14 +1,14 @@
 """The kinds of files that a recording can be, by the ending of their name, and how each is encoded.
 
-The choices: what nearly every program plays (MP4), what loses nothing (MKV), what browsers and encyclopedias take
-without patents (WebM), and two without sound, for pages (GIF) and for further work (PNG, a file a screen).
+The choices: what nearly every program plays (MP4), what loses nothing (MKV), what browsers take and no patents cover
+(WebM), and two without sound, for pages (GIF) and for further work (PNG, a file a screen).
 
-All containers are told to write early. A process that is killed then leaves a file that plays, up to its last second.
+All are written early and in small portions. A process that is killed then leaves a file that plays, up to its last
+second.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from fractions import Fraction
 from types import MappingProxyType
 
 
@@ -16,9 +16,9 @@ from types import MappingProxyType
 class Format:
     """One kind of file, in the names of FFmpeg.
 
-    `codec` encodes pictures of the pixel format `pixels`, of sides that are multiples of `multiple` up to `limit`;
-    `sound` encodes the sound (None: silent), at `sound_rate` samples a second (None: at the console's).
-    `tick` is the unit of time where the format has one.
+    `codec` encodes pictures of the pixel format `pixels`, of sides up to `limit` that `multiple` divides. `sound`
+    encodes the sound, at `sound_rate` samples a second; None is at the console's rate, unchanged. `max_rate` is how
+    many pictures a second there can be; of more, some are left out.
     """
 
     name: str
@@ -29,12 +29,12 @@ class Format:
     multiple: int = 1
     sound: str | None = None
     sound_rate: int | None = 48_000
+    max_rate: int | None = None
     container_options: Mapping[str, str] = field(default_factory=dict)
     codec_options: Mapping[str, str] = field(default_factory=dict)
-    tick: Fraction | None = None
 
 
-_CLUSTERS = {"cluster_time_limit": "500", "flush_packets": "1"}  # milliseconds
+_CLUSTERS = {"cluster_time_limit": "500", "flush_packets": "1"}  # of half a second each
 
 FORMATS: Mapping[str, Format] = MappingProxyType(
     {
@@ -46,10 +46,46 @@ FORMATS: Mapping[str, Format] = MappingProxyType(
             limit=8192,  # that common decoders accept
             multiple=2,
             sound="aac",
-            # Fragments of half a second while recording, an ordinary MP4 when it is closed.
-            container_options={"movflags": "hybrid_fragmented", "frag_duration": "500000", "flush_packets": "1"},
+            # Fragments of half a second while recording, an ordinary MP4 when it is closed. The header waits for the
+            # first of them, as it says by how much the encoders delay.
+            container_options={
+                "movflags": "hybrid_fragmented+delay_moov",
+                "frag_duration": "500000",
+                "flush_packets": "1",
+            },
             codec_options={"crf": "18", "preset": "veryfast"},
         ),
+        ".mkv": Format(
+            name="lossless MKV (FFV1, FLAC)",
+            container="matroska",
+            codec="ffv1",
+            pixels="bgr0",
+            limit=16_384,
+            sound="flac",
+            sound_rate=None,
+            container_options=_CLUSTERS,
+            codec_options={"level": "3"},
+        ),
+        ".webm": Format(
+            name="WebM (VP9, Opus)",
+            container="webm",
+            codec="libvpx-vp9",
+            pixels="yuv420p",
+            limit=16_384,
+            sound="libopus",
+            container_options=_CLUSTERS,
+            codec_options={"deadline": "realtime", "cpu-used": "8", "row-mt": "1", "crf": "20", "b": "0"},
+        ),
+        ".gif": Format(
+            name="GIF",
+            container="gif",
+            codec="gif",
+            pixels="pal8",
+            limit=16_384,
+            max_rate=50,  # times are hundredths of a second, and programs take a 1 for a 10
+            container_options={"flush_packets": "1"},
+        ),
+        ".png": Format(name="PNG", container="", codec="", pixels="", limit=16_384),
     }
 )
 """Formats by the ending of the file's name."""

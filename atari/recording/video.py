@@ -1,13 +1,14 @@
-"""`VideoWriter`: screens in, an H.264 MP4 out, frame by frame and in constant memory.
+"""`VideoWriter`: screens and sound in, a video file out, frame by frame and in constant memory.
 
-A video is right when it looks and moves as the console did on a television. The console's pixels are about twice
-as wide as high, so each becomes a block of 2 x 1 times an integer scale: no pixel is blurred, none is wider than its
-neighbour. And the console's frame rate is no round number; it follows from the clock that draws the colours.
+A video is right when it looks, moves and sounds as the console did on a television. The console's pixels are about
+twice as wide as high, so each becomes a block of 2 x 1 times an integer scale: no pixel is blurred, none is wider than
+its neighbour. The console's frame rate is no round number; it follows from the clock that draws the colours. And a
+frame's sound lasts exactly as long as the frame.
 
-The encoder is x264 inside PyAV (extra `video`). The file is written in fragments while recording and made an ordinary
-MP4 at the end, so that a killed process leaves what it had recorded up to the last few seconds.
+The encoders are FFmpeg's, inside PyAV (extra `video`). `formats.py` has the kinds of files.
 """
 
+import re
 from fractions import Fraction
 from numbers import Rational, Real
 from os import PathLike
@@ -21,8 +22,9 @@ from atari.cores import ByteArray
 from atari.cores.options import check_integer
 from atari.game import Game
 from atari.recording.audio import SAMPLES_PER_FRAME
-from atari.recording.formats import FORMATS
-from atari.recording.movie import Movie
+from atari.recording.formats import FORMATS, Format
+from atari.recording.movie import Movie, PngSequence
+from atari.recording.pictures import add_caption, enlarge, line_height
 
 COLOUR_CLOCKS_PER_LINE = 228
 COLOUR_CLOCK_HZ = MappingProxyType(
@@ -49,17 +51,27 @@ class VideoWriter:
     """A video file that grows by one screen, with its sound, at each `write`.
 
     Use it in a `with` statement, or call `close`; only then is the file complete. A writer that is closed without a
-    screen leaves no file.
+    screen leaves no file. What a killed process has written plays, up to its last second.
+
+    The ending of the file's name chooses the format:
+
+    ======= ===================== ===============================================================================
+    .mp4    H.264, AAC            plays nearly everywhere
+    .mkv    FFV1, FLAC            lossless: pixels and samples as they were written, `(samples - 128) * 128`
+    .webm   VP9, Opus             for pages
+    .gif    exact colours, silent 50 pictures a second at most; of 59.92, one in six is left out
+    .png    lossless, silent      a file a screen; the name has a place for the number, such as "pong/%06d.png"
+    ======= ===================== ===============================================================================
 
     Args:
-        path: of the file; its ending chooses the format, see `atari.recording.FORMATS`. Its folder is made, and a file
-            of this name replaced.
+        path: of the file. Its folder is made, and a file of this name replaced.
         size: (rows, columns) of the screens, such as `game.screen.shape`.
         fps: screens a second, such as `frame_rate(game)`.
-        scale: a pixel of the screen becomes `2 * scale` columns and `scale` rows of the video. MP4 stores colours
-            for blocks of 2 x 2, so with an odd scale the colours of neighbouring rows mix at edges.
-        sound: the video has a sound track. Each screen's samples last as long as the screen does, so `fps` must be
-            that of emulated frames, not of steps.
+        scale: a pixel of the screen becomes `2 * scale` columns and `scale` rows of the video. MP4 and WebM store
+            colours for blocks of 2 x 2, so with an odd scale the colours of neighbouring rows mix at edges.
+        sound: the video has a sound track. Each screen's samples last as long as the screen, so `fps` must be that
+            of emulated frames, not of steps.
+        caption_lines: lines of text beneath the picture, `8 * scale` rows each, for the captions given to `write`.
 
     Raises:
         TypeError, ValueError: an argument is of the wrong kind or out of range.
@@ -78,57 +90,68 @@ class VideoWriter:
         *,
         scale: int = 2,
         sound: bool = False,
+        caption_lines: int = 0,
     ) -> None:
         self.path = Path(path)
-        if self.path.suffix.lower() not in FORMATS:
-            raise ValueError(f"a video's name must end in one of {', '.join(map(repr, FORMATS))}, got {str(path)!r}")
-        format = FORMATS[self.path.suffix.lower()]
+        format = _check_format(self.path)
         self.sound = bool(sound)
         if self.sound and format.sound is None:
             raise ValueError(f"{format.name} has no sound; write it with sound=False")
         self._scale = check_integer("scale", scale, 1, 16)
+        self._caption_lines = check_integer("caption_lines", caption_lines, 0, 1000)
         if not isinstance(size, (tuple, list)) or len(size) != 2:
             raise TypeError(f"size is (rows, columns) of the screens, got {size!r}")
         rows, columns = (check_integer("a side of size", side, 1, format.limit) for side in size)
         self._shape = (rows, columns, 3)
-        width, height = 2 * self._scale * columns, self._scale * rows
+        width = 2 * self._scale * columns
+        height = self._scale * rows + self._caption_lines * line_height(self._scale)
         if height % format.multiple or max(width, height) > format.limit:
+            even = "even sides" if format.multiple == 2 else "sides"
             raise ValueError(
-                f"the video would be {width}x{height}, but H.264 needs even sides up to {format.limit}; "
+                f"the video would be {width}x{height}, but {format.name} needs {even} up to {format.limit}; "
                 f"choose another scale than {scale}"
             )
-        self._movie: Movie | None = Movie(self.path, format, width, height, _check_rate(fps), sound=self.sound)
+        rate = _check_rate(fps)
+        self._sink: Movie | PngSequence | None = (
+            Movie(self.path, format, width, height, rate, sound=self.sound)
+            if format.container
+            else PngSequence(self.path)
+        )
 
-    def write(self, rgb: ByteArray, samples: ByteArray | None = None) -> None:
+    def write(self, rgb: ByteArray, samples: ByteArray | None = None, caption: str = "") -> None:
         """Append one screen and its sound.
 
         Args:
             rgb: the screen, (rows, columns, 3) uint8.
             samples: what `core.audio()` has after the frame, (512,) uint8; None is silence. Not looked at in a video
                 without sound.
+            caption: text beneath the picture, up to `caption_lines` lines.
 
         Raises:
             TypeError, ValueError: not such arrays, or the video is closed.
             OSError: the disk is full, or the file cannot be written for another reason; the video is closed then.
         """
-        if self._movie is None:
+        if self._sink is None:
             raise ValueError(f"{self.path} is closed; make a new VideoWriter")
         _check_array("a screen", rgb, self._shape)
         if samples is not None and self.sound:
             _check_array("the sound of a screen", samples, (SAMPLES_PER_FRAME,))
+        picture = enlarge(rgb, self._scale)
+        if self._caption_lines:
+            picture = add_caption(picture, caption, self._caption_lines, self._scale)
         try:
-            self._movie.write(rgb.repeat(self._scale, axis=0).repeat(2 * self._scale, axis=1), samples)
+            self._sink.write(picture, samples)
         except Exception:
-            movie, self._movie = self._movie, None
-            movie.close(broken=True)
+            sink, self._sink = self._sink, None
+            sink.close(broken=True)
             raise
         self.frames += 1
 
     def close(self) -> None:
         """Finish the file. Closing again does nothing."""
-        movie, self._movie = self._movie, None
-        if movie is not None:
-            movie.close()
+        sink, self._sink = self._sink, None
+        if sink is not None:
+            sink.close()
 
     def __enter__(self) -> "VideoWriter":
         return self
@@ -137,6 +160,15 @@ class VideoWriter:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+def _check_format(path: Path) -> Format:
+    suffix = path.suffix.lower()
+    if suffix not in FORMATS:
+        raise ValueError(f"a video's name must end in one of {', '.join(FORMATS)}, got {str(path)!r}")
+    if suffix == ".png" and not re.fullmatch(r"[^%]*%0?\d*d[^%]*", path.name):
+        raise ValueError(f"a PNG is one screen, so a name must have a place for its number, as '%06d.png', got {path}")
+    return FORMATS[suffix]
 
 
 def _check_array(what: str, array: Any, shape: tuple[int, ...]) -> None:

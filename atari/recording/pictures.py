@@ -1,0 +1,67 @@
+"""What a screen goes through before an encoder sees it: enlarged, captioned, and for GIF given a palette."""
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from atari.cores import ByteArray
+
+_FONT = cv2.FONT_HERSHEY_PLAIN
+_WHITE = (255, 255, 255)
+
+
+def enlarge(rgb: ByteArray, scale: int) -> ByteArray:
+    """Each pixel as a block of `scale` rows and `2 * scale` columns: the console's pixels are twice as wide as high."""
+    rows, columns = rgb.shape[:2]
+    size = (2 * scale * columns, scale * rows)
+    return np.asarray(cv2.resize(rgb, size, interpolation=cv2.INTER_NEAREST), np.uint8)
+
+
+def line_height(scale: int) -> int:
+    """Rows that a line of a caption takes."""
+    return 8 * scale
+
+
+def add_caption(picture: ByteArray, text: str, lines: int, scale: int) -> ByteArray:
+    """The picture with lines of small white text on black beneath it, so that nothing of the game is covered."""
+    height, width = picture.shape[:2]
+    whole = np.zeros((height + lines * line_height(scale), width, 3), np.uint8)
+    whole[:height] = picture
+    for number, line in enumerate(text.splitlines()[:lines], start=1):
+        baseline = height + number * line_height(scale) - 2 * scale
+        cv2.putText(whole, line, (2 * scale, baseline), _FONT, scale / 2, _WHITE)
+    return whole
+
+
+class Palette:
+    """The colours of a movie by number, in the order of their appearance.
+
+    A console's palette has 128 colours, and an image with a palette up to 256, so nothing is lost. Should there be
+    more, the nearest of the first 256 stands for the others.
+    """
+
+    def __init__(self) -> None:
+        self.colours = np.zeros((256, 4), np.uint8)
+        """Opacity, red, green, blue of each number."""
+        self.colours[:, 0] = 255
+        self._count = 0
+        self._numbers = np.full(1 << 24, -1, np.int16)  # by colour; the system gives memory for those used
+
+    def numbers(self, picture: ByteArray) -> ByteArray:
+        """(rows, columns) numbers of the colours of a picture (rows, columns, 3)."""
+        red, green, blue = (picture[..., i].astype(np.int32) for i in range(3))
+        codes = red << 16 | green << 8 | blue
+        numbers = self._numbers[codes]
+        if (numbers < 0).any():
+            for code in np.unique(codes[numbers < 0]):
+                self._numbers[code] = self._add((code >> 16, code >> 8 & 255, code & 255))
+            numbers = self._numbers[codes]
+        return numbers.astype(np.uint8)
+
+    def _add(self, colour: tuple[int, int, int]) -> int:
+        if self._count < 256:
+            self.colours[self._count, 1:] = colour
+            self._count += 1
+            return self._count - 1
+        distances: npt.NDArray[np.int64] = ((self.colours[:, 1:].astype(np.int64) - colour) ** 2).sum(axis=1)
+        return int(distances.argmin())
