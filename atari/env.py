@@ -8,7 +8,7 @@ import copy
 import math
 import operator
 from os import PathLike
-from typing import Any, Literal
+from typing import Any, Literal, Protocol
 
 import gymnasium
 import numpy as np
@@ -28,6 +28,16 @@ RenderMode = Literal["human", "rgb_array", "rgb_array_list"]
 
 _OBS_TYPES = ("rgb", "grayscale", "ram")
 _RENDER_MODES = ("human", "rgb_array", "rgb_array_list")
+
+
+class FrameObserver(Protocol):
+    """Who is told of every emulated frame, those inside a frame skip too; see `AtariEnv.observers`."""
+
+    def game_begun(self) -> None:
+        """The emulator was reset."""
+
+    def frame_played(self, action: int, reward: int) -> None:
+        """A frame was played with this ALE action, and the core shows it. May not raise."""
 
 
 class AtariEnv(gymnasium.Env[Any, Any]):
@@ -67,6 +77,9 @@ class AtariEnv(gymnasium.Env[Any, Any]):
 
     core: Core
     """The emulator core."""
+
+    observers: list[FrameObserver]
+    """Who is told of every frame, such as a recorder. They may look at the core, and change nothing. Not copied."""
 
     def __init__(
         self,
@@ -108,6 +121,8 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             sound=sound_obs,
             rom=rom,
         )
+        self.observers = []
+        self._sound_obs = bool(sound_obs)
         every = full_action_space or continuous
         self._action_set: tuple[Action, ...] = self.game.legal_actions if every else self.game.minimal_actions
         self.action_space = self._make_action_space()
@@ -133,6 +148,8 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         self.core.reset()
         self._phase = "playing"
         self._frames.clear()
+        for observer in self.observers:
+            observer.game_begun()
         self._show()
         return self._observation(), {**self._info(), **seeds}
 
@@ -159,13 +176,20 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         """
         if self._phase != "playing":
             self._check_phase()
-        act = self.core.act
+        act = self._act_observed if self.observers else self.core.act
         reward = 0.0
         for _ in range(frames):
             reward += act(action, strength)
         if self.core.game_over or self.core.truncated:
             self._phase = "over" if self._phase == "playing" else self._phase
         return reward
+
+    def make_sound(self) -> None:
+        """Have the emulator make sound from here on; observations stay what they are.
+
+        The core becomes another one, in the same state.
+        """
+        self.core = self.core.with_sound()
 
     def render(self) -> Any:
         """The screen (height, 160, 3), a list of such screens, or None, according to the render mode."""
@@ -229,10 +253,13 @@ class AtariEnv(gymnasium.Env[Any, Any]):
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickling and copying keep the position in the game."""
-        return {"options": self._options, "snapshot": self.snapshot(), "spec": copy.deepcopy(self.spec)}
+        facts = {"options": self._options, "sound": self.core.sound, "spec": copy.deepcopy(self.spec)}
+        return {**facts, "snapshot": self.snapshot()}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         AtariEnv.__init__(self, **state["options"])
+        if state["sound"]:
+            self.make_sound()
         self.restore(state["snapshot"])
         self.spec = state["spec"]
 
@@ -253,7 +280,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         rows, columns = self.game.screen.shape
         shape = {"rgb": (rows, columns, 3), "grayscale": (rows, columns), "ram": (128,)}[self._obs_type]
         image = spaces.Box(0, 255, shape, np.uint8)
-        if not self.core.sound:
+        if not self._sound_obs:
             return image
         return spaces.Dict({"image": image, "sound": spaces.Box(0, 255, (512,), np.uint8)})
 
@@ -303,7 +330,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             image = self.core.ram()
         else:
             image = self.core.screen_grayscale()
-        return {"image": image, "sound": self.core.audio()} if self.core.sound else image
+        return {"image": image, "sound": self.core.audio()} if self._sound_obs else image
 
     def _info(self) -> dict[str, Any]:
         core = self.core
@@ -312,6 +339,14 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             "episode_frame_number": core.episode_frame_number,
             "frame_number": core.frame_number,
         }
+
+    def _act_observed(self, action: int, strength: float) -> int:
+        before = self.core.frame_number
+        reward = self.core.act(action, strength)
+        if self.core.frame_number != before:  # after the end of a game nothing is played
+            for observer in self.observers:
+                observer.frame_played(action, reward)
+        return reward
 
     def _show(self) -> None:
         if self._window is not None:

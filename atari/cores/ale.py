@@ -191,6 +191,19 @@ class AleCore:
         self._ale.restoreState(state.state)
         self._journal = None
 
+    def with_sound(self) -> "AleCore":
+        """This core if it makes sound, else another one that does, brought to the same state as by `restore`.
+
+        Raises:
+            RuntimeError: as `snapshot`.
+        """
+        if self.sound:
+            return self
+        journal = self._complete_journal()
+        core = AleCore(self.game, seed=self._seed, rom=self._rom, **{**asdict(self._options), "sound": True})
+        core._play_again(journal)
+        return core
+
     def snapshot(self) -> bytes:
         """The whole state: the calls since the last reset (with `sound`, since loading).
 
@@ -199,15 +212,10 @@ class AleCore:
         Raises:
             RuntimeError: `restore_state` was called, after which ale-py's machine cannot be saved completely.
         """
-        if self._journal is None:
-            until = "seed()" if self._sound_or_rules_outlive_reset else "reset()"
-            raise RuntimeError(
-                f"after restore_state(), a complete snapshot is possible again only after {until}: ale-py's states "
-                "leave out part of the machine; use snapshot() and restore() throughout instead"
-            )
+        journal = self._complete_journal()
         facts = {**self._facts(), "seed": self._seed}
-        journal = {"base": self._journal.base, "events": bytes(self._journal.events)}
-        return snapshot.pack(facts, {**journal, "digest": self._digest()})
+        blobs = {"base": journal.base, "events": bytes(journal.events), "digest": self._digest()}
+        return snapshot.pack(facts, blobs)
 
     def restore(self, data: bytes) -> None:
         """Continue from a snapshot by loading the game and playing the calls again (as slow as they were).
@@ -219,18 +227,9 @@ class AleCore:
         facts, blobs = snapshot.unpack(data)
         snapshot.require(facts, self._facts())
         journal = Journal(blobs["base"], bytearray(blobs["events"]))
-        events = list(journal.replay())  # all of them, before anything changes
+        list(journal.replay())  # raises, if it does, before anything changes
         self._load(facts["seed"])
-        if journal.base:
-            self._ale.restoreSystemState(ALEState(journal.base))
-        for event, first, second in events:
-            if event == "act":
-                self._ale.act(first, second)
-            elif event == "reset":
-                self._ale.reset_game()
-            else:
-                self._ale.setRAM(first, int(second))
-        self._journal = journal
+        self._play_again(journal)
         if self._digest() != blobs["digest"]:
             raise RuntimeError(f"ale-py did not reproduce this snapshot of {self.game.id}; please report it")
 
@@ -250,6 +249,28 @@ class AleCore:
         if self._options.difficulty is not None:
             self._ale.setDifficulty(self._options.difficulty)
         self._journal = Journal()
+
+    def _complete_journal(self) -> Journal:
+        if self._journal is None:
+            until = "seed()" if self._sound_or_rules_outlive_reset else "reset()"
+            raise RuntimeError(
+                f"after restore_state(), a complete snapshot is possible again only after {until}: ale-py's states "
+                "leave out part of the machine; use snapshot() and restore() throughout instead"
+            )
+        return self._journal
+
+    def _play_again(self, journal: Journal) -> None:
+        """Make everything happen that is in a journal; the game has just been loaded with its seed."""
+        if journal.base:
+            self._ale.restoreSystemState(ALEState(journal.base))
+        for event, first, second in journal.replay():
+            if event == "act":
+                self._ale.act(first, second)
+            elif event == "reset":
+                self._ale.reset_game()
+            else:
+                self._ale.setRAM(first, int(second))
+        self._journal = Journal(journal.base, bytearray(journal.events))
 
     def _facts(self) -> dict[str, Any]:
         """What must agree for a snapshot to make sense here."""

@@ -71,7 +71,8 @@ class NativeCore(_emulator.Emulator):
             color_averaging=color_averaging,
         )
         self.sound = self._options.sound
-        image = rom_image.read_image(find(self.game, rom))
+        self._rom = find(self.game, rom)
+        image = rom_image.read_image(self._rom)
         self._rom_md5 = rom_image.md5(image)
         super().__init__(
             game=compiled(self.game, image),
@@ -101,6 +102,14 @@ class NativeCore(_emulator.Emulator):
         if not isinstance(state, _emulator.State):
             raise TypeError(f"restore_state takes what clone_state returned, got {type(state).__name__}")
         super().restore_state(state)
+
+    def with_sound(self) -> "NativeCore":
+        """This core if it makes sound, else another one that does, in the same state."""
+        if self.sound:
+            return self
+        core = type(self)(self.game, rom=self._rom, **{**asdict(self._options), "sound": True})
+        core.load(self.save())
+        return core
 
     def snapshot(self) -> bytes:
         """The whole state as portable bytes, about 5 kB."""

@@ -79,6 +79,9 @@ class Core(Protocol):
     def audio(self, out: ByteArray | None = None) -> ByteArray:
         """(512,) samples of the last `act`, unsigned around 128; all zero unless made with `sound=True`."""
 
+    def with_sound(self) -> "Core":
+        """This core if it makes sound, else another one that does, in the same state."""
+
     def snapshot(self) -> bytes:
         """The whole state, to be restored in this or another process."""
 

@@ -9,7 +9,7 @@ import gymnasium
 
 from atari.cores import ByteArray
 from atari.recording.audio import SoundTrack
-from atari.recording.formats import Format
+from atari.recording.options import VideoOptions
 from atari.recording.pictures import Palette
 
 # FFmpeg's numbers for colours. The matrix is that of standard definition, which programs assume that do not look.
@@ -26,23 +26,25 @@ class Movie:
         OSError: the file cannot be written.
     """
 
-    def __init__(self, path: Path, format: Format, width: int, height: int, rate: Fraction, *, sound: bool) -> None:
-        self._path = path
-        self._av = av = _import_av()
+    def __init__(self, options: VideoOptions) -> None:
+        format, rate = options.format, options.rate
+        self._path = path = options.path
+        self._av = av = import_av()
         path.parent.mkdir(parents=True, exist_ok=True)
         path.open("wb").close()  # PyAV would find out that it cannot at the first picture only
         self._container = av.open(f"file:{path}", "w", format=format.container, options=dict(format.container_options))
         shown = rate if format.max_rate is None else Fraction(format.max_rate)
         self._ticks_per_frame = shown / rate
         self._stream = self._container.add_stream(format.codec, rate=shown, options=dict(format.codec_options))
-        self._stream.width, self._stream.height, self._stream.pix_fmt = width, height, format.pixels
+        self._stream.width, self._stream.height = options.width, options.height
+        self._stream.pix_fmt = format.pixels
         if format.pixels == "yuv420p":
             context = self._stream.codec_context
             context.color_range, context.colorspace = _LIMITED_RANGE, _BT601_MATRIX
             context.color_primaries, context.color_trc = _BT709_PRIMARIES, _BT709_TRANSFER
         self._palette = Palette() if format.pixels == "pal8" else None
         self._sound: SoundTrack | None = None
-        if sound and format.sound is not None:
+        if options.sound and format.sound is not None:
             self._sound = SoundTrack(av, self._container, format.sound, format.sound_rate, rate)
         self._frames = 0
         self._last_tick = -1
@@ -86,21 +88,26 @@ class PngSequence:
     """Files "...000000.png", "...000001.png", ...: `path` holds a number's place, such as "%06d"."""
 
     def __init__(self, path: Path) -> None:
-        self._pattern = str(path)
+        self._path = path
         self._frames = 0
         path.parent.mkdir(parents=True, exist_ok=True)
 
     def write(self, picture: ByteArray, samples: ByteArray | None) -> None:
         """Write the next file."""
         _, data = cv2.imencode(".png", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))
-        Path(self._pattern % self._frames).write_bytes(data.tobytes())
+        self._path.with_name(self._path.name % self._frames).write_bytes(data.tobytes())
         self._frames += 1
 
     def close(self, *, broken: bool = False) -> None:
         """Each file is complete already."""
 
 
-def _import_av() -> Any:
+def import_av() -> Any:
+    """The module `av`.
+
+    Raises:
+        gymnasium.error.DependencyNotInstalled: it is not installed.
+    """
     try:
         import av
     except ImportError:

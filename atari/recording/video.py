@@ -8,23 +8,19 @@ frame's sound lasts exactly as long as the frame.
 The encoders are FFmpeg's, inside PyAV (extra `video`). `formats.py` has the kinds of files.
 """
 
-import re
 from fractions import Fraction
-from numbers import Rational, Real
 from os import PathLike
-from pathlib import Path
 from types import MappingProxyType, TracebackType
 from typing import Any
 
 import numpy as np
 
 from atari.cores import ByteArray
-from atari.cores.options import check_integer
 from atari.game import Game
 from atari.recording.audio import SAMPLES_PER_FRAME
-from atari.recording.formats import FORMATS, Format
 from atari.recording.movie import Movie, PngSequence
-from atari.recording.pictures import add_caption, enlarge, line_height
+from atari.recording.options import VideoOptions
+from atari.recording.pictures import add_caption, enlarge
 
 COLOUR_CLOCKS_PER_LINE = 228
 COLOUR_CLOCK_HZ = MappingProxyType(
@@ -92,31 +88,11 @@ class VideoWriter:
         sound: bool = False,
         caption_lines: int = 0,
     ) -> None:
-        self.path = Path(path)
-        format = _check_format(self.path)
-        self.sound = bool(sound)
-        if self.sound and format.sound is None:
-            raise ValueError(f"{format.name} has no sound; write it with sound=False")
-        self._scale = check_integer("scale", scale, 1, 16)
-        self._caption_lines = check_integer("caption_lines", caption_lines, 0, 1000)
-        if not isinstance(size, (tuple, list)) or len(size) != 2:
-            raise TypeError(f"size is (rows, columns) of the screens, got {size!r}")
-        rows, columns = (check_integer("a side of size", side, 1, format.limit) for side in size)
-        self._shape = (rows, columns, 3)
-        width = 2 * self._scale * columns
-        height = self._scale * rows + self._caption_lines * line_height(self._scale)
-        if height % format.multiple or max(width, height) > format.limit:
-            even = "even sides" if format.multiple == 2 else "sides"
-            raise ValueError(
-                f"the video would be {width}x{height}, but {format.name} needs {even} up to {format.limit}; "
-                f"choose another scale than {scale}"
-            )
-        rate = _check_rate(fps)
-        self._sink: Movie | PngSequence | None = (
-            Movie(self.path, format, width, height, rate, sound=self.sound)
-            if format.container
-            else PngSequence(self.path)
-        )
+        options = VideoOptions.check(path, size, fps, scale=scale, sound=sound, caption_lines=caption_lines)
+        self._options = options
+        self.path = options.path
+        self.sound = options.sound
+        self._sink: Movie | PngSequence | None = Movie(options) if options.format.container else PngSequence(self.path)
 
     def write(self, rgb: ByteArray, samples: ByteArray | None = None, caption: str = "") -> None:
         """Append one screen and its sound.
@@ -133,12 +109,13 @@ class VideoWriter:
         """
         if self._sink is None:
             raise ValueError(f"{self.path} is closed; make a new VideoWriter")
-        _check_array("a screen", rgb, self._shape)
+        _check_array("a screen", rgb, self._options.shape)
         if samples is not None and self.sound:
             _check_array("the sound of a screen", samples, (SAMPLES_PER_FRAME,))
-        picture = enlarge(rgb, self._scale)
-        if self._caption_lines:
-            picture = add_caption(picture, caption, self._caption_lines, self._scale)
+        scale, lines = self._options.scale, self._options.caption_lines
+        picture = enlarge(rgb, scale)
+        if lines:
+            picture = add_caption(picture, caption, lines, scale)
         try:
             self._sink.write(picture, samples)
         except Exception:
@@ -162,27 +139,9 @@ class VideoWriter:
         self.close()
 
 
-def _check_format(path: Path) -> Format:
-    suffix = path.suffix.lower()
-    if suffix not in FORMATS:
-        raise ValueError(f"a video's name must end in one of {', '.join(FORMATS)}, got {str(path)!r}")
-    if suffix == ".png" and not re.fullmatch(r"[^%]*%0?\d*d[^%]*", path.name):
-        raise ValueError(f"a PNG is one screen, so a name must have a place for its number, as '%06d.png', got {path}")
-    return FORMATS[suffix]
-
-
 def _check_array(what: str, array: Any, shape: tuple[int, ...]) -> None:
     if not isinstance(array, np.ndarray) or array.dtype != np.uint8:
         kind = array.dtype if isinstance(array, np.ndarray) else type(array).__name__
         raise TypeError(f"{what} is a uint8 array of shape {shape}, got {kind}")
     if array.shape != shape:
         raise ValueError(f"{what} of this video has shape {shape}, got {array.shape}")
-
-
-def _check_rate(fps: Any) -> Fraction:
-    if not isinstance(fps, Real):
-        raise TypeError(f"fps is a number of screens a second, got {fps!r}")
-    if not 0.001 <= float(fps) <= 1000:
-        raise ValueError(f"fps must be within 0.001..1000, got {fps}")
-    # MP4 counts time in 32-bit fractions of a second; the denominators of the console's rates are far below this one.
-    return Fraction(fps if isinstance(fps, Rational) else float(fps)).limit_denominator(1_000_000)

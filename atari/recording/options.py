@@ -1,0 +1,88 @@
+"""What a video is made with, checked at the door."""
+
+import re
+from dataclasses import dataclass
+from fractions import Fraction
+from numbers import Rational, Real
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from atari.cores.options import check_integer
+from atari.recording.formats import FORMATS, Format
+from atari.recording.pictures import line_height
+
+
+@dataclass(frozen=True)
+class VideoOptions:
+    """The options of a `VideoWriter`, after checking.
+
+    Raises:
+        TypeError, ValueError: an option is of the wrong kind or out of range.
+    """
+
+    path: Path
+    format: Format
+    shape: tuple[int, int, int]  # of a screen
+    rate: Fraction
+    scale: int
+    sound: bool
+    caption_lines: int
+
+    @classmethod
+    def check(
+        cls, path: str | PathLike[str], size: Any, fps: Any, *, scale: Any, sound: Any, caption_lines: Any
+    ) -> "VideoOptions":
+        """Check options given by a user."""
+        format = _check_format(Path(path))
+        if sound and format.sound is None:
+            raise ValueError(f"{format.name} has no sound; write it with sound=False")
+        if not isinstance(size, (tuple, list)) or len(size) != 2:
+            raise TypeError(f"size is (rows, columns) of the screens, got {size!r}")
+        rows, columns = (check_integer("a side of size", side, 1, format.limit) for side in size)
+        options = cls(
+            path=Path(path),
+            format=format,
+            shape=(rows, columns, 3),
+            rate=_check_rate(fps),
+            scale=check_integer("scale", scale, 1, 16),
+            sound=bool(sound),
+            caption_lines=check_integer("caption_lines", caption_lines, 0, 1000),
+        )
+        if options.height % format.multiple or max(options.width, options.height) > format.limit:
+            sides = "even sides" if format.multiple == 2 else "sides"
+            raise ValueError(
+                f"the video would be {options.width}x{options.height}, but {format.name} needs {sides} up to "
+                f"{format.limit}; choose another scale than {scale}"
+            )
+        return options
+
+    @property
+    def width(self) -> int:
+        """Columns of the video."""
+        return 2 * self.scale * self.shape[1]
+
+    @property
+    def height(self) -> int:
+        """Rows of the video."""
+        return self.scale * self.shape[0] + self.caption_lines * line_height(self.scale)
+
+
+def _check_format(path: Path) -> Format:
+    suffix = path.suffix.lower()
+    if suffix not in FORMATS:
+        raise ValueError(f"a video's name must end in one of {', '.join(FORMATS)}, got {str(path)!r}")
+    if suffix == ".png" and not re.fullmatch(r"[^%]*%0?\d*d[^%]*", path.name):
+        raise ValueError(
+            f"a PNG is one screen, so a name must have a place for its number, such as '%06d.png', got {str(path)!r}"
+        )
+    return FORMATS[suffix]
+
+
+def _check_rate(fps: Any) -> Fraction:
+    if not isinstance(fps, Real):
+        raise TypeError(f"fps is a number of screens a second, got {fps!r}")
+    if not 0.001 <= float(fps) <= 1000:
+        raise ValueError(f"fps must be within 0.001..1000, got {fps}")
+    # MP4 counts time in 32-bit fractions of a second; the denominators of the console's rates are far below this one.
+    return Fraction(fps if isinstance(fps, Rational) else float(fps)).limit_denominator(1_000_000)
