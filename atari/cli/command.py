@@ -4,9 +4,13 @@ import argparse
 import dataclasses
 import enum
 import json
+import math
+import signal
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from threading import Event
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -56,3 +60,42 @@ def print_error(error: Exception) -> None:
     else:
         sentence = " ".join(str(error).split())
     print(f"atari: error: {sentence}", file=sys.stderr)
+
+
+def print_warning(warning: object) -> None:
+    """Print a warning to stderr, in one line."""
+    print(f"atari: warning: {warning}", file=sys.stderr)
+
+
+@contextmanager
+def ctrl_c_noticed() -> Iterator[Event]:
+    """Turn Ctrl-C into an event, so that it ends the play between two steps and tears no frame; a second one acts."""
+    interrupted = Event()
+
+    def notice(*_: object) -> None:
+        interrupted.set()
+        signal.signal(signal.SIGINT, before)
+
+    before = signal.signal(signal.SIGINT, notice)
+    try:
+        yield interrupted
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def number(kind: type[int] | type[float], low: float) -> Callable[[str], float]:
+    """A type for argparse: numbers of at least `low`."""
+
+    def parse(text: str) -> float:
+        try:
+            value = kind(text)
+        except ValueError:
+            value = math.nan
+        if not low <= value < math.inf:
+            raise argparse.ArgumentTypeError(f"{text!r} is not {_KINDS[kind]} of at least {low}")
+        return value
+
+    return parse
+
+
+_KINDS = {int: "a whole number", float: "a number"}

@@ -6,11 +6,10 @@ frame of it. A spectator between the environment and its core sees both the fram
 
 import argparse
 import math
-import signal
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, closing, contextmanager, nullcontext
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, closing, nullcontext
 from pathlib import Path
 from threading import Event
 from typing import TYPE_CHECKING, Any
@@ -20,7 +19,7 @@ from tqdm import tqdm
 
 import atari
 from atari.catalog import games
-from atari.cli.command import add_command, print_json
+from atari.cli.command import add_command, ctrl_c_noticed, number, print_json
 from atari.cores import Core
 from atari.game import Game
 from atari.recording import VideoWriter, frame_rate
@@ -37,9 +36,9 @@ def add_commands(commands: "Commands") -> None:
     parser = add_command(commands, "demo", _demo, "let a random agent play a game, and write a video of it")
     parser.add_argument("game", metavar="GAME", nargs="?", default="breakout", help="default: breakout")
     length = parser.add_mutually_exclusive_group()
-    length.add_argument("--steps", type=_number(int, 1), default=1000, metavar="N", help="of the agent (default: 1000)")
-    length.add_argument("--seconds", type=_number(float, 0.1), metavar="S", help="of play at the console's speed")
-    parser.add_argument("--seed", type=_number(int, 0), default=0, metavar="N", help="of game and agent (default: 0)")
+    length.add_argument("--steps", type=number(int, 1), default=1000, metavar="N", help="of the agent (default: 1000)")
+    length.add_argument("--seconds", type=number(float, 0.1), metavar="S", help="of play at the console's speed")
+    parser.add_argument("--seed", type=number(int, 0), default=0, metavar="N", help="of game and agent (default: 0)")
     video = parser.add_mutually_exclusive_group()
     video.add_argument(
         "-o", "--output", type=Path, metavar="FILE", help="the video, replaced if there (default: videos/GAME-SEED.mp4)"
@@ -54,7 +53,7 @@ def _demo(args: argparse.Namespace) -> int:
         steps = math.ceil(args.seconds * frame_rate(game) / _FRAMES_PER_STEP)
     output = None if args.no_video else args.output or Path("videos", f"{game.id}-{args.seed}.mp4")
     env: Any = atari.make(game.id, preset=_PRESET)
-    with closing(env), _ctrl_c_noticed() as interrupted, _open_video(output, game) as video:
+    with closing(env), ctrl_c_noticed() as interrupted, _open_video(output, game) as video:
         env.unwrapped.core = spectator = _Spectator(env.unwrapped.core, video)
         env.action_space.seed(args.seed)
         env.reset(seed=args.seed)
@@ -127,22 +126,6 @@ def _open_video(output: Path | None, game: Game) -> AbstractContextManager[Video
         raise gymnasium.error.DependencyNotInstalled(f"{error}; or play without a video: --no-video") from None
 
 
-@contextmanager
-def _ctrl_c_noticed() -> Iterator[Event]:
-    """Turn Ctrl-C into an event, so that it ends the play between two steps and tears no frame; a second one acts."""
-    interrupted = Event()
-
-    def notice(*_: object) -> None:
-        interrupted.set()
-        signal.signal(signal.SIGINT, before)
-
-    before = signal.signal(signal.SIGINT, notice)
-    try:
-        yield interrupted
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
 def _progress(steps: int) -> Iterator[int]:
     """Count the steps, with a progress bar on a terminal, with a line for each tenth elsewhere."""
     plain = not sys.stderr.isatty()
@@ -168,21 +151,3 @@ def _summary(game: Game, result: dict[str, Any]) -> str:
             f"  video   {result['video'] or 'none'}",
         ]
     )
-
-
-def _number(kind: type[int] | type[float], low: float) -> Callable[[str], float]:
-    """A type for argparse: numbers of at least `low`."""
-
-    def parse(text: str) -> float:
-        try:
-            number = kind(text)
-        except ValueError:
-            number = math.nan
-        if not low <= number < math.inf:
-            raise argparse.ArgumentTypeError(f"{text!r} is not {_KINDS[kind]} of at least {low}")
-        return number
-
-    return parse
-
-
-_KINDS = {int: "a whole number", float: "a number"}

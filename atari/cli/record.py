@@ -1,0 +1,219 @@
+"""`atari record`: a policy plays a game, and a video or a replay of it is written."""
+
+import argparse
+import math
+import sys
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from importlib import import_module
+from pathlib import Path
+from threading import Event
+from typing import TYPE_CHECKING, Any
+
+from tqdm import tqdm
+
+import atari
+from atari.cli.command import add_command, ctrl_c_noticed, number, print_json
+from atari.env import AtariEnv
+from atari.recording import FORMATS, RecordReplay, Replay, VideoWriter, frame_rate
+
+if TYPE_CHECKING:
+    from atari.cli.command import Commands
+
+Policy = Callable[[Any], Any]
+
+
+def add_commands(commands: "Commands") -> None:
+    """Add the command of this file."""
+    parser = add_command(commands, "record", _record, "let a policy play a game, and record a video or a replay")
+    parser.add_argument("game", metavar="GAME", help="a game, such as breakout, or an ID, such as PongNoFrameskip-v4")
+    parser.add_argument(
+        "--policy",
+        default="random",
+        metavar="POLICY",
+        help="random, noop, MODULE:FUNCTION (called with each observation, returns an action), or a replay, such as "
+        "game.a26 (default: random)",
+    )
+    parser.add_argument("--preset", metavar="NAME", help="the preprocessing that the policy needs, such as dqn2015")
+    length = parser.add_mutually_exclusive_group()
+    length.add_argument("--episodes", type=number(int, 1), default=1, metavar="N", help="games (default: 1)")
+    length.add_argument("--seconds", type=number(float, 0.1), metavar="S", help="of play at the console's speed")
+    parser.add_argument("--seed", type=number(int, 0), default=0, metavar="N", help="of game and policy (default: 0)")
+    endings = ", ".join((*FORMATS, ".a26"))
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        action="append",
+        metavar="FILE",
+        help=f"a video or a replay, by its ending ({endings}), replaced if there; may be given for several "
+        "(default: videos/GAME-SEED.mp4)",
+    )
+    parser.add_argument("--scale", type=number(int, 1), default=2, metavar="N", help="of the pixels (default: 2)")
+    parser.add_argument("--no-sound", action="store_true", help="a silent video")
+
+
+def _record(args: argparse.Namespace) -> int:
+    if args.policy.endswith(".a26"):
+        return _film_replay(args)
+    env = _make(args)
+    with ExitStack() as stack:
+        stack.callback(lambda: env.close())  # of the outermost wrapper by then
+        inner = env.unwrapped
+        policy = _policy(args.policy, env)
+        outputs = args.output or [Path("videos", f"{inner.game.id}-{args.seed}.mp4")]
+        score_board = ScoreBoard()
+        inner.observers.append(score_board)
+        for path in outputs:
+            if path.suffix.lower() == ".a26":
+                env = RecordReplay(env, path)
+            else:
+                inner.observers.append(Film(inner, stack.enter_context(_video(path, inner, args))))
+        interrupted = stack.enter_context(ctrl_c_noticed())
+        env.action_space.seed(args.seed)
+        start = time.perf_counter()
+        done = _play(env, policy, score_board, args, interrupted)
+        elapsed = time.perf_counter() - start
+    files = [path.resolve() for path in outputs]
+    if not done:
+        raise KeyboardInterrupt(f"after {score_board.frames:,} frames; what was recorded is in {_listed(files)}")
+    result = {
+        "game": inner.game.id,
+        "policy": args.policy,
+        "seed": args.seed,
+        "frames": score_board.frames,
+        "scores": score_board.scores,
+        "elapsed_seconds": elapsed,
+        "files": files,
+    }
+    print_json(result) if args.json else print(_summary(result))
+    return 0
+
+
+@dataclass
+class ScoreBoard:
+    """Counts frames and points of each game."""
+
+    frames: int = 0
+    scores: list[int] = field(default_factory=list)
+
+    def game_begun(self) -> None:
+        """A new game."""
+        self.scores.append(0)
+
+    def frame_played(self, action: int, reward: int) -> None:
+        """A frame."""
+        self.frames += 1
+        self.scores[-1] += reward
+
+
+@dataclass
+class Film:
+    """Shows each frame to a video. An error of it ends the command."""
+
+    env: AtariEnv
+    video: VideoWriter
+
+    def game_begun(self) -> None:
+        """Nothing was played yet."""
+
+    def frame_played(self, action: int, reward: int) -> None:
+        """A frame."""
+        core = self.env.core
+        self.video.write(core.screen_rgb(), core.audio() if self.video.sound else None)
+
+
+def _play(env: Any, policy: Policy, score_board: ScoreBoard, args: argparse.Namespace, interrupted: Event) -> bool:
+    """Play, and tell whether it came to its end; it does not if it is interrupted."""
+    core = env.unwrapped.core
+    seconds = args.seconds
+    frames = math.inf if seconds is None else math.ceil(seconds * frame_rate(env.unwrapped.game))
+    games = 0
+    with tqdm(unit=" frames", total=None if seconds is None else frames, disable=None) as bar:
+        observation, _ = env.reset(seed=args.seed)
+        while score_board.frames < frames and (seconds is not None or games < args.episodes):
+            if interrupted.is_set():
+                return False
+            observation, _, terminated, truncated, _ = env.step(policy(observation))
+            if terminated or truncated:
+                games += core.game_over or truncated  # and not at a lost life
+                if seconds is not None or games < args.episodes:
+                    observation, _ = env.reset()
+            bar.update(score_board.frames - bar.n)
+    return True
+
+
+def _film_replay(args: argparse.Namespace) -> int:
+    replay = Replay.load(args.policy)
+    game = atari.games.find(args.game)
+    if replay.game != game:
+        raise ValueError(f"{args.policy} is a replay of {replay.game.id}, not of {game.id}")
+    outputs = args.output or [Path("videos", f"{game.id}-{Path(args.policy).stem}.mp4")]
+    if any(path.suffix.lower() == ".a26" for path in outputs):
+        raise ValueError("a replay of a replay is its copy; name a video with -o")
+    stop = None if args.seconds is None else math.ceil(args.seconds * frame_rate(game))
+    for path in outputs:
+        frames = replay.frames_total if stop is None else min(stop, replay.frames_total)
+        with tqdm(unit=" frames", total=frames, disable=None) as bar:
+            replay.render(path, scale=args.scale, sound=not args.no_sound, stop=stop, progress=bar.update)
+    files = [path.resolve() for path in outputs]
+    result = {"game": game.id, "policy": args.policy, "frames": frames, "files": files}
+    print_json(result) if args.json else print(f"{frames:,} frames of {args.policy} in {_listed(files)}")
+    return 0
+
+
+def _make(args: argparse.Namespace) -> Any:
+    options: dict[str, Any] = {"preset": args.preset}
+    if args.policy == "noop" and args.preset is None:
+        options["full_action_space"] = True  # some games do not use NOOP
+    return atari.make(args.game, **options)
+
+
+def _policy(name: str, env: Any) -> Policy:
+    if name == "random":
+        return lambda observation: env.action_space.sample()
+    if name == "noop":
+        meanings = env.unwrapped.get_action_meanings()
+        if "NOOP" not in meanings:
+            raise ValueError(f"{env.unwrapped.game.id} has no NOOP with this preset; leave --preset out")
+        return lambda observation: meanings.index("NOOP")
+    module, colon, function = name.partition(":")
+    if not colon:
+        raise ValueError(f"--policy must be random, noop, MODULE:FUNCTION or a replay (.a26), got {name!r}")
+    sys.path.insert(0, "")  # modules of this folder, as with `python -m`
+    try:
+        policy = getattr(import_module(module), function)
+    except (ImportError, AttributeError) as error:
+        raise ValueError(f"--policy {name} cannot be imported: {error}") from error
+    finally:
+        sys.path.remove("")
+    if not callable(policy):
+        raise ValueError(f"--policy {name} must be a function of an observation, got {policy!r}")
+    return policy  # type: ignore[no-any-return]
+
+
+def _video(path: Path, env: AtariEnv, args: argparse.Namespace) -> VideoWriter:
+    format = FORMATS.get(path.suffix.lower())
+    sound = not args.no_sound and format is not None and format.sound is not None
+    video = VideoWriter(path, env.game.screen.shape, frame_rate(env.game), scale=args.scale, sound=sound)
+    if sound:
+        env.make_sound()
+    return video
+
+
+def _summary(result: dict[str, Any]) -> str:
+    scores = result["scores"]
+    return "\n".join(
+        [
+            f"{result['game']}: policy {result['policy']}, seed {result['seed']}",
+            f"  played  {result['frames']:,} frames in {result['elapsed_seconds']:.1f} s, writing included",
+            f"  scores  {', '.join(f'{score:,}' for score in scores)}",
+            *(f"  file    {path}" for path in result["files"]),
+        ]
+    )
+
+
+def _listed(files: list[Path]) -> str:
+    return " and ".join(map(str, files))

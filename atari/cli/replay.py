@@ -1,0 +1,122 @@
+"""`atari replay`: what is in a replay, whether it plays as it was recorded, and a video of it."""
+
+import argparse
+import warnings
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tqdm import tqdm
+
+from atari.cli.command import add_command, number, print_json, print_table, print_warning
+from atari.cores import CORES
+from atari.recording import FORMATS, Replay, frame_rate
+
+if TYPE_CHECKING:
+    from atari.cli.command import Commands
+
+
+def add_commands(commands: "Commands") -> None:
+    """Add the commands of this file."""
+    group = commands.add_parser(
+        "replay",
+        help="show, verify and film replays",
+        description="Replays (.a26): games as the few kilobytes that make them happen again.",
+        epilog="`atari play` and `atari record -o game.a26` write replays, and so does atari.recording.RecordReplay.",
+        allow_abbrev=False,
+    )
+    subcommands = group.add_subparsers(metavar="COMMAND", required=True)
+    parser = add_command(subcommands, "show", _show, "show what a replay says of itself, and its episodes")
+    parser.add_argument("file", type=Path, metavar="FILE")
+    parser = add_command(
+        subcommands,
+        "verify",
+        _verify,
+        "play replays again and compare them with what was recorded (exit code 1: different)",
+    )
+    parser.add_argument("files", nargs="+", type=Path, metavar="FILE")
+    parser.add_argument("--core", choices=list(CORES), default="native", help="on which to play (default: native)")
+    parser = add_command(subcommands, "render", _render, "write a video of a replay")
+    parser.add_argument("file", type=Path, metavar="FILE")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help=f"the video ({', '.join(FORMATS)}), replaced if there (default: FILE with the ending .mp4)",
+    )
+    parser.add_argument("--scale", type=number(int, 1), default=2, metavar="N", help="of the pixels (default: 2)")
+    parser.add_argument("--start", type=number(int, 0), default=0, metavar="FRAME", help="the first frame (default: 0)")
+    parser.add_argument("--stop", type=number(int, 1), metavar="FRAME", help="the one after the last (default: all)")
+    parser.add_argument("--no-sound", action="store_true", help="a silent video")
+
+
+def _show(args: argparse.Namespace) -> int:
+    replay = _load(args.file)
+    episodes = replay.episodes
+    if args.json:
+        facts = {"complete": replay.complete, "frames": replay.frames_total, "episodes": episodes}
+        print_json({**replay.header, **facts})
+        return 0
+    rate = float(frame_rate(replay.game))
+    options = ", ".join(f"{name}={value!r}" for name, value in replay.options.items() if value is not None)
+    print(f"{args.file}: {replay.game.title}")
+    for name, fact in {
+        "length": f"{replay.frames_total:,} frames, {_time(replay.frames_total / rate)}, "
+        f"{args.file.stat().st_size:,} bytes" + ("" if replay.complete else ", cut while it was recorded"),
+        "recorded": f"{replay.header.get('source')} on core {replay.header.get('core')!r}, "
+        f"atari-envs {replay.header.get('package')}",
+        "options": options,
+        "ROM": f"MD5 {replay.header.get('rom')}",
+    }.items():
+        print(f"  {name:8}  {fact}")
+    rows: list[tuple[object, ...]] = [("  episode", "frames", "time", "score", "end")]
+    for index, episode in enumerate(episodes):
+        rows.append((f"  {index}", episode.frames, _time(episode.frames / rate), episode.score, episode.end))
+    print_table(rows)
+    return 0
+
+
+def _verify(args: argparse.Namespace) -> int:
+    results: list[dict[str, Any]] = []
+    for file in args.files:
+        replay = _load(file)
+        with tqdm(total=replay.frames_total, unit=" frames", disable=None, leave=False) as bar:
+            result = replay.verify(args.core, progress=bar.update)
+        results.append({"file": file, "complete": replay.complete, "equal": bool(result), **asdict(result)})
+        if not args.json:
+            print(f"{file}: {result.divergence or 'equal'}, {result.frames:,} frames on core {args.core!r}")
+    if args.json:
+        print_json(results)
+    return 0 if all(result["equal"] for result in results) else 1
+
+
+def _render(args: argparse.Namespace) -> int:
+    replay = _load(args.file)
+    output = args.output or args.file.with_suffix(".mp4")
+    stop = replay.frames_total if args.stop is None else min(args.stop, replay.frames_total)
+    frames = max(stop - args.start, 0)
+    if not frames:
+        raise ValueError(f"there is nothing to film: the replay has {replay.frames_total:,} frames")
+    with tqdm(total=frames, unit=" frames", disable=None) as bar:
+        replay.render(
+            output, scale=args.scale, sound=not args.no_sound, start=args.start, stop=stop, progress=bar.update
+        )
+    result = {"file": args.file, "frames": frames, "video": output.resolve()}
+    print_json(result) if args.json else print(f"{frames:,} frames in {output.resolve()}")
+    return 0
+
+
+def _load(file: Path) -> Replay:
+    """Load a replay; that it was cut is said in one line."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        replay = Replay.load(file)
+    for warning in caught:
+        print_warning(warning.message)
+    return replay
+
+
+def _time(seconds: float) -> str:
+    minutes, rest = divmod(seconds, 60)
+    return f"{int(minutes)}:{rest:04.1f}"

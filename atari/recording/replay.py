@@ -1,0 +1,383 @@
+"""`Replay`: a recorded game that can be played again, checked, searched and filmed.
+
+The file has the calls of the emulator and a few hashes, so a replay of half an hour has tens of kilobytes. Playing it
+is emulating it: screens, RAM, sound and rewards come out as they were, on each core and on any machine.
+"""
+
+import warnings
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from itertools import chain
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from atari import snapshot
+from atari.catalog import games
+from atari.cores import CORES, ByteArray, Core
+from atari.cores.options import check_integer
+from atari.env import AtariEnv
+from atari.game import Game
+from atari.recording import replay_file
+from atari.recording.formats import FORMATS
+from atari.recording.recorder import rom_md5
+from atari.recording.replay_events import Event, Kind, unpack
+from atari.recording.replay_file import FRAMES_PER_CHECK, Corrupt
+from atari.recording.replay_player import Call, Player, Position
+from atari.recording.video import VideoWriter, frame_rate
+
+_CHUNKS_PER_POSITION = 4
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One emulated frame of a replay.
+
+    `index` counts from 0 over all episodes, `episode` from 0. `action` is ALE's number 0..17 and `strength` the
+    paddle's; with sticky actions the console may have repeated the one before. `ends_step` tells the last frame of a
+    step of the environment. `ram` is (128,) and `screen` (height, 160, 3), uint8; `audio` (512,) uint8 samples, all
+    zero unless asked for.
+    """
+
+    index: int
+    episode: int
+    action: int
+    strength: float
+    ends_step: bool
+    reward: int
+    lives: int
+    terminated: bool
+    truncated: bool
+    ram: ByteArray
+    screen: ByteArray
+    audio: ByteArray
+
+
+@dataclass(frozen=True)
+class Episode:
+    """Frames and score of an episode, and how it ended: "game over", "truncated", or "open" if it did not."""
+
+    frames: int
+    score: int
+    end: str
+
+
+@dataclass(frozen=True)
+class Divergence:
+    """Where a replay parts from the recorded game.
+
+    `frame` is the first one that was seen to differ, counted from 0; nothing before `since` differs. They are the same
+    in most cases: what differs in RAM shows at once with a probability of 3/4.
+    """
+
+    frame: int
+    since: int
+    what: str
+
+    def __str__(self) -> str:
+        first = f"; it may have begun at frame {self.since}" if self.since < self.frame else ""
+        return f"frame {self.frame} differs in {self.what}{first}"
+
+
+@dataclass(frozen=True)
+class Verification:
+    """What `Replay.verify` found: the core, how many frames were compared, and the divergence, if there is one."""
+
+    core: str
+    frames: int
+    divergence: Divergence | None
+
+    def __bool__(self) -> bool:
+        return self.divergence is None
+
+
+class Replay:
+    """A recorded game. `Replay.load` reads one from a file.
+
+    Attributes:
+        path: of the file.
+        header: what the file says of itself: game, ROM, core, options, release.
+        game: the game.
+        complete: whether the recording was closed. If not, it was cut, and the replay is what is left of it.
+        frames_total: emulated frames.
+    """
+
+    def __init__(
+        self, path: Path, content: replay_file.Content, game: Game, rom: str | PathLike[str] | None = None
+    ) -> None:
+        self.path = path
+        self.header: Mapping[str, Any] = content.header
+        self.game = game
+        self.complete = content.end is not None
+        self.frames_total = content.frames
+        self._content = content
+        self.rom = rom
+        self._uses = self._count_uses()
+        self._index: dict[tuple[str, bool], list[Position]] = {}
+
+    @classmethod
+    def load(
+        cls,
+        path: str | PathLike[str],
+        *,
+        game: "str | PathLike[str] | Game | None" = None,
+        rom: str | PathLike[str] | None = None,
+    ) -> "Replay":
+        """Read a file that `RecordReplay` wrote. A file that was cut gives what is whole, with a warning.
+
+        Args:
+            path: of the file.
+            game: the game file, for a game of your own; None is the game that the replay names.
+            rom: path of the ROM file; None searches (see `atari.roms`).
+
+        Raises:
+            ValueError: it is no replay, of another version, damaged (the text has the offset), or of another ROM.
+            FileNotFoundError: there is no such file, or no ROM of the game.
+        """
+        path = Path(path)
+        content = replay_file.read(path)
+        header = content.header
+        if not isinstance(header.get("game"), str) or not isinstance(header.get("options"), dict):
+            raise Corrupt("the replay is damaged: its header has no game, or no options")
+        found = games.find(header["game"] if game is None else game)
+        md5 = rom_md5(found, rom)
+        if md5 != header.get("rom"):
+            raise ValueError(
+                f"the replay was recorded with a ROM of MD5 {header.get('rom')}, but the one of {found.id} here has "
+                f"{md5}; pass the right one as rom="
+            )
+        if content.end is None:
+            warnings.warn(
+                f"{path} was cut while it was recorded; its first {content.frames:,} frames are whole", stacklevel=2
+            )
+        return cls(path, content, found, rom)
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """The options of the environment that was recorded, as `AtariEnv` takes them."""
+        skip = self.header["options"].get("frameskip")
+        return {**self.header["options"], **({"frameskip": tuple(skip)} if isinstance(skip, list) else {})}
+
+    @property
+    def episodes(self) -> tuple[Episode, ...]:
+        """The episodes. If the recording was cut, this plays it to find them out."""
+        if self._content.end is not None:
+            return tuple(Episode(**episode) for episode in self._content.end["episodes"])
+        return self._play_for_episodes()
+
+    def frames(
+        self, start: int = 0, stop: int | None = None, *, core: str = "native", sound: bool = False
+    ) -> Iterator[Frame]:
+        """Play and show each frame.
+
+        The first time, frames before `start` are played too; then they are skipped, from snapshots made on the way.
+
+        Args:
+            start: the first frame to show, 0 or more.
+            stop: the one behind the last; None is the end.
+            core: on which to play.
+            sound: whether `audio` is filled.
+
+        Raises:
+            ValueError: there is no such core, or the replay cannot be played on it.
+        """
+        start = check_integer("start", start, 0, max(self.frames_total, 0))
+        stop = self.frames_total if stop is None else min(check_integer("stop", stop, 0, 2**62), self.frames_total)
+        for player, call in self._calls(core, sound=sound, start=start):
+            if player.frame > stop or start >= stop:
+                break
+            if call.played and player.frame > start:
+                yield _frame(player, call)
+
+    def seek(self, frame: int, *, core: str = "native", sound: bool = False) -> Core:
+        """A core of your own in the state behind the first `frame` frames, to look at or to play on."""
+        frame = check_integer("frame", frame, 0, self.frames_total)
+        player, calls = self._player(core, sound=sound, start=frame)
+        while player.frame < frame:
+            next(calls)
+        return player.core  # type: ignore[no-any-return]
+
+    def verify(self, core: str = "native", *, progress: Callable[[int], object] | None = None) -> Verification:
+        """Play the replay and compare it with the hashes in the file.
+
+        Args:
+            core: on which to play, "native", "plain" or "ale".
+            progress: is called with a number of frames, now and then, when they have been compared.
+
+        Raises:
+            ValueError: there is no such core, or the replay cannot be played on it.
+        """
+        since = 0
+        player = self._new_player(core, sound=False)
+        try:
+            for number, play in enumerate(self._content.plays):
+                for call in chain.from_iterable(map(player.play, self._events(number))):
+                    if not call.played:
+                        continue
+                    what = _difference(player, play)
+                    if what:
+                        return Verification(core, player.frame, Divergence(player.frame - 1, since, what))
+                    if player.frame % FRAMES_PER_CHECK == 0:
+                        since = player.frame
+                if player.frame < play.first + len(play.marks):
+                    return Verification(core, player.frame, Divergence(player.frame, since, "that the game is over"))
+                if progress is not None:
+                    progress(len(play.marks))
+            end = self._content.end
+            if end is not None and end.get("check") != replay_file.check(player.core, player.score):
+                last = max(player.frame - 1, 0)
+                return Verification(core, player.frame, Divergence(last, min(since, last), "what is seen at the end"))
+            return Verification(core, player.frame, None)
+        finally:
+            player.core.close()
+
+    def render(
+        self,
+        path: str | PathLike[str],
+        *,
+        scale: int = 2,
+        sound: bool = True,
+        start: int = 0,
+        stop: int | None = None,
+        core: str = "native",
+        progress: Callable[[int], object] | None = None,
+    ) -> Path:
+        """Write a video of it, or of a part, with each emulated frame, at the console's speed.
+
+        Args:
+            path: of the video; see `VideoWriter` for its formats.
+            scale: a pixel becomes `2 * scale` columns and `scale` rows.
+            sound: with the game's sound, if the format has any.
+            start, stop, core: as of `frames`.
+            progress: is called with 1 behind each frame.
+        """
+        audible = sound and _has_sound(path)
+        with VideoWriter(path, self.game.screen.shape, frame_rate(self.game), scale=scale, sound=audible) as video:
+            for frame in self.frames(start, stop, core=core, sound=video.sound):
+                video.write(frame.screen, frame.audio)
+                if progress is not None:
+                    progress(1)
+        return video.path
+
+    def make_env(self, *, core: str = "native", **options: Any) -> AtariEnv:
+        """An environment made with the options of the recorded one; `options` take the place of some."""
+        _check_core(core)
+        return AtariEnv(self.game, **{**self.options, **options}, core=core, rom=self.rom)
+
+    def walk(self, core: Core) -> Iterator[tuple[Event, Iterator[Call]]]:
+        """Do to a core what was done to the recorded one: each event, and its calls, to be asked for before the next.
+
+        Raises:
+            ValueError: an event is not possible on this core.
+        """
+        player = Player(core, self._content.snapshots, self._uses)
+        for number in range(len(self._content.plays)):
+            for event in self._events(number):
+                yield event, player.play(event)
+
+    def _events(self, number: int) -> list[Event]:
+        play = self._content.plays[number]
+        try:
+            return unpack(play.events)
+        except ValueError as error:
+            raise Corrupt(f"the replay is damaged at offset {play.offset}: {error}") from None
+
+    def _count_uses(self) -> Counter[int]:
+        """How often each snapshot is gone back to; this looks at all events, so a wrong one shows at once."""
+        events = chain.from_iterable(map(self._events, range(len(self._content.plays))))
+        return Counter(event.numbers[0] for event in events if event.kind == Kind.RESTORE)
+
+    def _new_player(self, core: str, *, sound: bool) -> Player:
+        _check_core(core)
+        options = self.options
+        if core == "ale" and self._content.snapshots:  # they fit only a core that makes sound if they were, or not
+            sound = bool(snapshot.unpack(self._content.snapshots[0])[0].get("sound"))
+        names = ("repeat_action_probability", "mode", "difficulty")
+        made = CORES[core](
+            self.game,
+            max_num_frames_per_episode=options.get("max_num_frames_per_episode") or 0,
+            sound=sound,
+            rom=self.rom,
+            **{name: options[name] for name in names if name in options},
+        )
+        return Player(made, self._content.snapshots, self._uses)
+
+    def _player(self, core: str, *, sound: bool, start: int) -> tuple[Player, Iterator[Call]]:
+        player = self._new_player(core, sound=sound)
+        positions = self._index.setdefault((core, sound), [])
+        known = [position for position in positions if position.frame <= start]
+        if known:
+            player.go_to(known[-1])
+        return player, self._play_on(player, positions)
+
+    def _play_on(self, player: Player, positions: list[Position]) -> Iterator[Call]:
+        for number in range(player.chunk, len(self._content.plays)):
+            known = positions[-1].chunk if positions else 0
+            # ale-py's snapshots are played again from the start, and gain nothing.
+            if number % _CHUNKS_PER_POSITION == 0 and number > known and player.core.name != "ale":
+                positions.append(player.position())
+            for event in self._events(number):
+                yield from player.play(event)
+            player.chunk += 1
+
+    def _calls(self, core: str, *, sound: bool, start: int = 0) -> Iterator[tuple[Player, Call]]:
+        player, calls = self._player(core, sound=sound, start=start)
+        try:
+            for call in calls:
+                yield player, call
+        finally:
+            player.core.close()
+
+    def _play_for_episodes(self) -> tuple[Episode, ...]:
+        episodes: list[Episode] = []
+        for player, call in self._calls("native", sound=False):
+            if call.event.kind == Kind.RESET or not episodes:
+                episodes.append(Episode(0, 0, "open"))
+            if call.played:
+                core = player.core
+                end = "game over" if core.game_over else "truncated" if core.truncated else "open"
+                episodes[-1] = Episode(core.episode_frame_number, player.score, end)
+        return tuple(episodes)
+
+
+def _frame(player: Player, call: Call) -> Frame:
+    core, (_, numbers, floats, ends_step) = player.core, call.event
+    return Frame(
+        index=player.frame - 1,
+        episode=player.episode,
+        action=numbers[0],
+        strength=floats[0] if floats else 1.0,
+        ends_step=ends_step,
+        reward=call.reward,
+        lives=core.lives,
+        terminated=core.game_over,
+        truncated=core.truncated,
+        ram=core.ram(),
+        screen=core.screen_rgb(),
+        audio=core.audio(),
+    )
+
+
+def _difference(player: Player, play: replay_file.Play) -> str:
+    """In what the frame just played differs from what the file says of it, or ""."""
+    place = player.frame - play.first - 1
+    if place >= len(play.marks):
+        return "that the game goes on"
+    if replay_file.mark(player.core) != play.marks[place]:
+        return "RAM"
+    if player.frame % FRAMES_PER_CHECK == 0:
+        number = player.frame // FRAMES_PER_CHECK - play.first // FRAMES_PER_CHECK - 1
+        if replay_file.check(player.core, player.score) != play.checks[number]:
+            return "RAM, screen, reward, lives or end"
+    return ""
+
+
+def _has_sound(path: str | PathLike[str]) -> bool:
+    format = FORMATS.get(Path(path).suffix.lower())
+    return format is not None and format.sound is not None
+
+
+def _check_core(core: str) -> None:
+    if core not in CORES:
+        raise ValueError(f"core must be one of {', '.join(map(repr, CORES))}, got {core!r}")
