@@ -7,7 +7,7 @@ import numpy as np
 
 from atari import _emulator
 from atari.actions import Action
-from atari.cores import ByteArray
+from atari.cores import ByteArray, NativeCore
 from atari.cores.options import check_poke
 from atari.game import Game
 
@@ -63,6 +63,10 @@ class Member:
     def set_ram(self, index: int, value: int) -> None:
         """Write one byte of RAM; `index` 0..127, `value` 0..255."""
         self._engine().set_ram(self.index, *check_poke(index, value))
+
+    def copy_to(self, core: NativeCore) -> None:
+        """Bring a core of the same game, made with the same sticky actions and limit of frames, to where this is."""
+        core.load(self._engine.save(self.index)[1:][: len(core.save())])  # a flag, the emulator, what is around it
 
     def screen_rgb(self) -> ByteArray:
         """The screen, (height, 160, 3)."""

@@ -105,7 +105,7 @@ class VectorOptions:
         pixels = "gray of rgb" if protocol.pool_rgb else "gray" if self.grayscale else "rgb"
         return _emulator.Vector(
             games=[native[game] for game in self.games],
-            actions=_numbers(self._actions),
+            actions=_numbers(self.actions),
             action_sets=_numbers(self.action_sets),
             modes=self.modes,
             difficulties=self.difficulties,
@@ -149,7 +149,7 @@ class VectorOptions:
         return len(set(self.action_sets)) > 1
 
     @property
-    def _actions(self) -> tuple[tuple[Action, ...], ...]:
+    def actions(self) -> tuple[tuple[Action, ...], ...]:
         """By environment, what the indices that users give stand for."""
         return (PLAYER_ACTIONS,) * len(self.games) if self.continuous or self._mixed else self.action_sets
 
@@ -158,7 +158,7 @@ class VectorOptions:
         if self.continuous:
             low, high = np.array([0, -np.pi, 0], np.float32), np.array([1, np.pi, 1], np.float32)
             return spaces.Box(low, high, dtype=np.float32)
-        return spaces.Discrete(len(self._actions[0]))
+        return spaces.Discrete(len(self.actions[0]))
 
     def action_masks(self) -> npt.NDArray[np.bool_] | None:
         """(environments, 18): which actions each game has; None if all have the same."""

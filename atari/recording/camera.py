@@ -118,23 +118,24 @@ class Camera:
         """A new game: its score is 0."""
         self._score = 0
 
-    def take(self, core: Core, action: int | None = None, reward: int = 0) -> None:
-        """Film what the core shows; `action` is what was played for it, None that nothing was."""
-        self._score += reward
-        if self._writer is None:
-            return
-        samples = core.audio() if self._shot.sound and action is not None else None
-        caption = self._caption(core, action) if self._shot.overlay else ""
-        self.take_picture(core.screen_rgb(), samples, caption)
+    def take(self, core: Core, action: int | None = None, reward: int = 0, picture: ByteArray | None = None) -> None:
+        """Film what a core shows, or another picture. It raises nothing, as it is called in the middle of steps.
 
-    def take_picture(self, rgb: ByteArray, samples: ByteArray | None, caption: str = "") -> None:
-        """Film a picture. If it cannot be written, the video has ended, and `raise_trouble` says why."""
+        Args:
+            core: whose sound and numbers are recorded.
+            action: that was played for it, by ALE's number; None is none, and silence.
+            reward: of the action.
+            picture: to film in place of the core's screen.
+        """
+        self._score += reward
         writer = self._writer
         if writer is None:
             return
+        samples = core.audio() if self._shot.sound and action is not None else None
+        caption = self._caption(core, action) if self._shot.overlay else ""
         try:
-            writer.write(rgb, samples, caption)
-        except Exception as error:  # of any kind: here is the middle of a step
+            writer.write(core.screen_rgb() if picture is None else picture, samples, caption)
+        except Exception as error:
             self._writer = None
             text = f"the recording has ended after {writer.frames} frames: {getattr(error, 'strerror', error)}"
             self._trouble = OSError(getattr(error, "errno", None) or errno.EIO, text, str(writer.path))

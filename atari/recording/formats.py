@@ -53,7 +53,7 @@ FORMATS: Mapping[str, Format] = MappingProxyType(
                 "frag_duration": "500000",
                 "flush_packets": "1",
             },
-            codec_options={"crf": "18", "preset": "veryfast"},
+            codec_options={"crf": "18", "preset": "superfast"},
         ),
         ".mkv": Format(
             name="lossless MKV (FFV1, FLAC)",

@@ -1,13 +1,12 @@
 """What a screen goes through before an encoder sees it: enlarged, captioned, and for GIF given a palette."""
 
+from functools import lru_cache
+
 import cv2
 import numpy as np
 import numpy.typing as npt
 
 from atari.cores import ByteArray
-
-_FONT = cv2.FONT_HERSHEY_PLAIN
-_WHITE = (255, 255, 255)
 
 
 def enlarge(rgb: ByteArray, scale: int) -> ByteArray:
@@ -23,14 +22,30 @@ def line_height(scale: int) -> int:
 
 
 def add_caption(picture: ByteArray, text: str, lines: int, scale: int) -> ByteArray:
-    """The picture with lines of small white text on black beneath it, so that nothing of the game is covered."""
+    """The picture with lines of small white text on black beneath it, so that nothing of the game is covered.
+
+    All characters are of one width, of which 64 fit under a game; other characters than ASCII's become "?".
+    """
+    glyphs = _glyphs(scale)
+    _, rows, columns = glyphs.shape
     height, width = picture.shape[:2]
-    whole = np.zeros((height + lines * line_height(scale), width, 3), np.uint8)
+    room = width // columns
+    padded = "".join(line[:room].ljust(room) for line in [*text.splitlines(), *[""] * lines][:lines])
+    codes = np.frombuffer(padded.encode("ascii", "replace"), np.uint8).reshape(lines, room)
+    band = glyphs[codes & 127].transpose(0, 2, 1, 3).reshape(lines * rows, room * columns)
+    whole = np.zeros((height + lines * rows, width, 3), np.uint8)
     whole[:height] = picture
-    for number, line in enumerate(text.splitlines()[:lines], start=1):
-        baseline = height + number * line_height(scale) - 2 * scale
-        cv2.putText(whole, line, (2 * scale, baseline), _FONT, scale / 2, _WHITE)
+    whole[height:, : room * columns] = band[..., np.newaxis]
     return whole
+
+
+@lru_cache(maxsize=16)
+def _glyphs(scale: int) -> ByteArray:
+    """The characters of ASCII, (128, rows, columns)."""
+    glyphs = np.zeros((128, line_height(scale), 5 * scale), np.uint8)
+    for code in range(33, 127):
+        cv2.putText(glyphs[code], chr(code), (0, 6 * scale), cv2.FONT_HERSHEY_PLAIN, scale / 2, (255,), 1, cv2.LINE_AA)
+    return glyphs
 
 
 class Palette:
