@@ -71,4 +71,7 @@ def to_16_bit(samples: ByteArray) -> npt.NDArray[np.int16]:
 
     Nothing is lost, and there is room for the encoders, which overshoot.
     """
-    return (samples.astype(np.int16) - np.int16(128)) * np.int16(128)
+    signed = samples.astype(np.int16)
+    signed -= 128
+    signed *= 128
+    return signed

@@ -71,7 +71,7 @@ class Palette:
             for code in np.unique(codes[numbers < 0]):
                 self._numbers[code] = self._add((code >> 16, code >> 8 & 255, code & 255))
             numbers = self._numbers[codes]
-        return numbers.astype(np.uint8)
+        return np.asarray(numbers, np.uint8)
 
     def _add(self, colour: tuple[int, int, int]) -> int:
         if self._count < 256:

@@ -124,9 +124,7 @@ class RecordVectorVideo(VectorWrapper[Any, Any, Any, Any, Any], RecordConstructo
         """The number of the last step."""
         return self._schedule.step_id
 
-    def reset(
-        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Any, dict[str, Any]]:
+    def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset the environments; if environment `index` is among them, its episode ends."""
         self._camera.raise_trouble()
         mask = (options or {}).get("reset_mask")
