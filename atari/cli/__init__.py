@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import gymnasium
 
 import atari
-from atari.cli import demo, facts, record, replay, roms, verify
+from atari.cli import demo, facts, play, record, replay, roms, verify
 from atari.cli.command import print_error
 
 _EXAMPLES = """\
@@ -20,6 +20,7 @@ examples:
   atari demo breakout                      play and write videos/breakout-0.mp4
   atari record pong -o pong.mp4            let a policy play, and film it with sound
   atari replay verify game.a26             does a recorded game play as it did?
+  atari play ms_pacman                     play it yourself, in a window
   atari explain PongDeterministic-v4       what an environment ID means
   atari info ms_pacman --json              all facts of a game
   atari list --ids | grep Pong             every environment ID
@@ -64,6 +65,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"atari-envs {atari.__version__}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for group in (facts, roms, verify, demo, record, replay):
+    for group in (facts, roms, verify, demo, record, replay, play):
         group.add_commands(commands)
     return parser

@@ -1,0 +1,65 @@
+"""`atari play`: a game in a window, by keyboard or gamepad, which writes a replay."""
+
+import argparse
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from atari.catalog import games
+from atari.cli.command import add_command, number, print_json
+from atari.play import Session, play
+from atari.play.controls import HELP
+from atari.play.window import import_pygame
+
+if TYPE_CHECKING:
+    from atari.cli.command import Commands
+
+
+def add_commands(commands: "Commands") -> None:
+    """Add the command of this file."""
+    parser = add_command(commands, "play", _play, "play a game in a window, and write a replay of it")
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.epilog = f"keys:\n{HELP}"
+    parser.add_argument("game", metavar="GAME", help="a game, such as breakout")
+    parser.add_argument("--mode", type=number(int, 0), metavar="N", help="of the game; see `atari info GAME`")
+    parser.add_argument("--difficulty", type=number(int, 0), metavar="N", help="of the game")
+    parser.add_argument("--seed", type=number(int, 0), metavar="N", help="of the game (default: another each time)")
+    parser.add_argument("--scale", type=number(int, 1), default=3, metavar="N", help="of the pixels (default: 3)")
+    parser.add_argument("--full-screen", action="store_true", help="fill the display")
+    parser.add_argument("--no-sound", action="store_true", help="be silent")
+    replay = parser.add_mutually_exclusive_group()
+    replay.add_argument(
+        "--replay", type=Path, metavar="FILE", help="the replay, ending in .a26 (default: replays/GAME-TIME.a26)"
+    )
+    replay.add_argument("--no-replay", action="store_true", help="write no replay")
+    parser.add_argument("--state", type=Path, metavar="FILE", help="for F5 and F9 (default: states/GAME.state)")
+
+
+def _play(args: argparse.Namespace) -> int:
+    game = games.find(args.game)
+    import_pygame()  # whether it is there shows before any file is made
+    replay = None
+    if not args.no_replay:
+        replay = args.replay or Path("replays", f"{game.id}-{time.strftime('%Y%m%d-%H%M%S')}.a26")
+    session = Session(
+        args.game,
+        replay=replay,
+        state=args.state or Path("states", f"{game.id}.state"),
+        mode=args.mode,
+        difficulty=args.difficulty,
+        seed=args.seed,
+    )
+    try:
+        play(session, scale=args.scale, sound=not args.no_sound, full_screen=args.full_screen)
+    finally:
+        session.close()
+        if replay is not None and not session.frames:
+            replay.unlink()  # as where there is no display
+    files = [path.resolve() for path in (replay, *session.written) if path is not None and path.exists()]
+    result = {"game": game.id, "frames": session.frames, "best_score": session.best, "files": files}
+    if args.json:
+        print_json(result)
+    else:
+        print(f"{game.title}: {session.frames:,} frames, best score {session.best:,}")
+        print("".join(f"  {path}\n" for path in files), end="")
+    return 0

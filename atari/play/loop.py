@@ -1,0 +1,156 @@
+"""`play`: the loop of a game that is played by hand, at the console's speed."""
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import gymnasium
+
+from atari.play.controls import Command, Controls
+from atari.play.session import Session
+from atari.play.speaker import Speaker
+from atari.play.window import GameWindow, import_pygame
+from atari.recording import frame_rate
+
+_MESSAGE_SECONDS = 2.0
+_FRAMES_PER_STEP_BACK = 6
+_HASTE = 0.25  # seconds behind, from which on lost time is not made up for
+
+
+class Pacer:
+    """Waits from frame to frame, so that on average they come at the given rate."""
+
+    def __init__(
+        self,
+        frames_per_second: float,
+        now: Callable[[], float] = time.perf_counter,
+        sleep: Callable[[float], None] = time.sleep,
+    ) -> None:
+        self._period = 1 / frames_per_second
+        self._now, self._sleep = now, sleep
+        self._due = now()
+
+    def wait(self) -> None:
+        """Wait until it is time for the next frame."""
+        self._due += self._period
+        left = self._due - self._now()
+        if left > 0:
+            self._sleep(left)
+        elif left < -_HASTE:
+            self._due = self._now()
+
+
+def play(session: Session, *, scale: int = 3, sound: bool = True, full_screen: bool = False) -> None:
+    """Play in a window until it is closed. `controls.HELP` has the keys. The session stays open.
+
+    Raises:
+        gymnasium.error.DependencyNotInstalled: pygame-ce is not installed.
+        gymnasium.error.Error: there is no display.
+    """
+    pygame = import_pygame()
+    window = GameWindow(pygame, session.game, scale, full_screen=full_screen)
+    speaker = Speaker(pygame, float(frame_rate(session.game))) if sound else None
+    pygame.joystick.init()
+    try:
+        Loop(pygame, session, window, speaker).run()
+    finally:
+        pygame.joystick.quit()
+        if speaker is not None:
+            speaker.close()
+        window.close()
+
+
+class Loop:
+    """What happens each frame: events, a frame of the game or of its past, picture and sound."""
+
+    def __init__(self, pygame: Any, session: Session, window: GameWindow, speaker: Speaker | None) -> None:
+        self._pygame, self._session, self._window, self._speaker = pygame, session, window, speaker
+        self._controls = Controls(pygame)
+        self._gamepads: dict[int, Any] = {}
+        self._paused = self._single = False
+        self._ticks = 0
+        self._rate = float(frame_rate(session.game))
+        self._message, self._message_until = "", 0
+        if speaker is not None and speaker.trouble is not None:
+            self._tell(f"no sound: {speaker.trouble}")
+
+    def run(self) -> None:
+        """Until the window is closed."""
+        pacer = Pacer(self._rate)
+        while self.tick():
+            pacer.wait()
+
+    def tick(self) -> bool:
+        """One frame; False if that was the last."""
+        self._ticks += 1
+        for event in self._pygame.event.get():
+            if event.type == self._pygame.JOYDEVICEADDED:  # comes for those that are there at the start too
+                gamepad = self._pygame.joystick.Joystick(event.device_index)
+                self._gamepads[gamepad.get_instance_id()] = gamepad
+            command = self._controls.handle(event)
+            if command == Command.QUIT:
+                return False
+            if command is not None:
+                self._try(lambda command=command: self._do(command))  # type: ignore[misc]
+        if self._controls.rewinding:
+            if self._ticks % _FRAMES_PER_STEP_BACK == 0:
+                self._session.go_back()
+        elif not self._paused or self._single:
+            self._single = False
+            self._try(self._play)
+        title = f"{self._session.game.title}   {self._session.score:,}"
+        self._window.show(self._session.screen, title, self._text())
+        return True
+
+    def _play(self) -> None:
+        if self._session.over:
+            return
+        self._session.play(self._controls.action(self._session.legal_actions))
+        if self._speaker is not None:
+            self._speaker.play(self._session.samples)
+
+    def _do(self, command: Command) -> None:
+        session = self._session
+        if command == Command.PAUSE:
+            self._paused = not self._paused
+        elif command == Command.FRAME:
+            self._single = self._paused
+        elif command == Command.NEW_GAME:
+            session.new_game()
+        elif command == Command.SAVE:
+            self._tell(f"saved as {session.save()}")
+        elif command == Command.LOAD:
+            session.load()
+            self._tell("loaded")
+        elif command == Command.FILM:
+            path = session.film()
+            self._tell(f"recording {path}" if path else "the video is complete")
+        elif command == Command.FULL_SCREEN:
+            self._window.toggle_full_screen()
+        elif command == Command.MUTE and self._speaker is not None:
+            self._speaker.muted = not self._speaker.muted
+
+    def _try(self, work: Callable[[], None]) -> None:
+        """Do something; what goes wrong with files is shown, and ends nothing."""
+        try:
+            work()
+        except (OSError, ValueError, gymnasium.error.Error) as error:
+            text = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+            self._tell(text)
+
+    def _tell(self, message: str) -> None:
+        self._message = message
+        self._message_until = self._ticks + round(_MESSAGE_SECONDS * self._rate)
+
+    def _text(self) -> str:
+        """What is written over the picture."""
+        session = self._session
+        state = ""
+        if self._controls.rewinding:
+            state = "going back"
+        elif session.over:
+            state = "game over: R for a new game, backspace to go back"
+        elif self._paused:
+            state = "paused: P to go on, N for one frame"
+        message = self._message if self._ticks < self._message_until else ""
+        return "   ".join(part for part in ("REC" if session.filming else "", state, message) if part)

@@ -1,0 +1,93 @@
+"""`GameWindow`: the screen of a game in a window, with the console's 2:1 pixels, and a line of text over it."""
+
+import os
+from typing import Any
+
+import gymnasium
+
+from atari.cores import ByteArray
+from atari.game import Game
+
+_TEXT_HEIGHT = 24
+
+
+def import_pygame() -> Any:
+    """The module pygame.
+
+    Raises:
+        gymnasium.error.DependencyNotInstalled: it is not installed.
+    """
+    os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
+    try:
+        import pygame
+    except ImportError:
+        raise gymnasium.error.DependencyNotInstalled(
+            "playing needs pygame-ce: pip install 'atari-envs[play]'; `atari record` needs no window"
+        ) from None
+    return pygame
+
+
+class GameWindow:
+    """A window. Its size can be changed; the picture stays in proportion.
+
+    Args:
+        pygame: the module.
+        game: whose screen is shown.
+        scale: the window is made so large that a pixel has `2 * scale` x `scale` of the display's.
+        full_screen: fill the display.
+
+    Raises:
+        gymnasium.error.Error: there is no display.
+    """
+
+    def __init__(self, pygame: Any, game: Game, scale: int, *, full_screen: bool = False) -> None:
+        self._pygame = pygame
+        rows, columns = game.screen.shape
+        self._size = (2 * scale * columns, scale * rows)
+        try:
+            pygame.display.init()
+            if pygame.display.get_driver() == "offscreen" and os.environ.get("SDL_VIDEODRIVER") != "offscreen":
+                raise pygame.error("SDL found none and would draw where nobody sees it")
+            self._set_mode(full_screen)
+        except pygame.error as error:
+            pygame.display.quit()
+            raise gymnasium.error.Error(
+                f"playing needs a display, and there is none ({error}); on a machine without one, use `atari record`"
+            ) from None
+        pygame.font.init()
+        self._font = pygame.font.Font(None, _TEXT_HEIGHT)
+        pygame.mouse.set_visible(False)
+
+    def show(self, rgb: ByteArray, title: str, text: str = "") -> None:
+        """Show a screen, (height, 160, 3), with text over it."""
+        pygame = self._pygame
+        surface = pygame.display.get_surface()
+        width, height = surface.get_size()
+        zoom = min(width / self._size[0], height / self._size[1])
+        size = (round(self._size[0] * zoom), round(self._size[1] * zoom))
+        image = pygame.transform.scale(pygame.surfarray.make_surface(rgb.swapaxes(0, 1)), size)
+        corner = ((width - size[0]) // 2, (height - size[1]) // 2)
+        surface.fill((0, 0, 0))
+        surface.blit(image, corner)
+        if text:
+            line = self._font.render(text, True, (255, 255, 255), (0, 0, 0))
+            surface.blit(line, (corner[0] + 8, corner[1] + size[1] - line.get_height() - 8))
+        pygame.display.set_caption(title)
+        pygame.display.flip()
+
+    def toggle_full_screen(self) -> None:
+        """Fill the display, or go back to a window."""
+        self._set_mode(not self._full_screen)
+
+    def _set_mode(self, full_screen: bool) -> None:
+        pygame = self._pygame
+        self._full_screen = full_screen
+        if full_screen:
+            pygame.display.set_mode((0, 0), pygame.FULLSCREEN)
+        else:
+            pygame.display.set_mode(self._size, pygame.RESIZABLE)
+
+    def close(self) -> None:
+        """Close the window."""
+        self._pygame.font.quit()
+        self._pygame.display.quit()
