@@ -1,0 +1,40 @@
+"""Reading videos back with PyAV, as any other program would."""
+
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import av
+import numpy as np
+import numpy.typing as npt
+
+NTSC = Fraction(1_640_625, 27_379)
+PAL = Fraction(3_546_895, 71_136)
+
+Screen = npt.NDArray[np.uint8]
+
+
+def pictures(path: Path) -> list[Screen]:
+    """All pictures of a file, (height, width, 3)."""
+    with av.open(str(path)) as container:
+        return [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
+
+
+def picture_times(path: Path) -> list[float]:
+    """When each picture is shown, in seconds."""
+    with av.open(str(path)) as container:
+        return [float(frame.pts * frame.time_base) for frame in container.decode(video=0)]
+
+
+def sound(path: Path) -> tuple[npt.NDArray[Any], int]:
+    """All samples of a file, of what begins at time 0 on, and their rate."""
+    with av.open(str(path)) as container:
+        frames = list(container.decode(audio=0))
+    assert frames[0].pts * frames[0].time_base == 0
+    return np.concatenate([frame.to_ndarray()[0] for frame in frames]), frames[0].sample_rate
+
+
+def loudness(samples: npt.NDArray[Any], rate: float, frames: int, fps: float) -> npt.NDArray[np.float64]:
+    """How much the sound moves during each frame."""
+    edges = (np.arange(frames + 1) * rate / fps).round().astype(int)
+    return np.array([np.ptp(samples[a:b].astype(float)) for a, b in zip(edges, edges[1:], strict=False)])
