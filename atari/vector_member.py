@@ -65,7 +65,15 @@ class Member:
         self._engine().set_ram(self.index, *check_poke(index, value))
 
     def copy_to(self, core: NativeCore) -> None:
-        """Bring a core of the same game, made with the same sticky actions and limit of frames, to where this is."""
+        """Bring a core of the same game to where this is; sticky actions and limits of frames stay the core's.
+
+        Raises:
+            ValueError: the core is of another game.
+        """
+        if core.game != self.game:
+            raise ValueError(
+                f"this environment plays {self.game.id}, and the core {core.game.id}; make one of this game"
+            )
         core.load(self._engine.save(self.index)[1:][: len(core.save())])  # a flag, the emulator, what is around it
 
     def screen_rgb(self) -> ByteArray:

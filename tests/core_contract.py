@@ -173,6 +173,28 @@ class CoreContract(SnapshotContract):
         assert core.audio().min() >= 128
         assert len(np.unique(core.audio())) > 1
 
+    @pytest.mark.parametrize("game", ["seaquest", "adventure"])
+    def test_a_core_with_sound_goes_on_where_this_is(self, game: str) -> None:
+        core, ears = self.make(game, seed=3, reset=False), self.make(game, seed=3, sound=True, reset=False)
+        loud = core.with_sound()
+        assert loud is not core
+        assert loud.sound is True
+        for one in (core, loud, ears):
+            one.reset()
+        actions = some_actions(core, 40)
+        assert play(loud, actions) == play(ears, actions)
+        play(core, actions)
+        assert loud.with_sound() is loud
+        later = core.with_sound()
+        assert later.frame_number == core.frame_number
+        assert np.array_equal(later.screen(), core.screen())
+        rewards = [core.act(action) for action in actions]
+        assert [later.act(action) for action in actions] == rewards
+        assert np.array_equal(later.ram(), core.ram())
+        assert np.array_equal(later.screen(), core.screen())
+        assert not core.audio().any()
+        assert later.audio().min() >= 128
+
     # Playing.
 
     def test_rewards_follow_the_score_in_ram(self) -> None:

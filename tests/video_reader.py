@@ -1,6 +1,7 @@
 """Reading videos back with PyAV, as any other program would."""
 
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -37,4 +38,4 @@ def sound(path: Path) -> tuple[npt.NDArray[Any], int]:
 def loudness(samples: npt.NDArray[Any], rate: float, frames: int, fps: float) -> npt.NDArray[np.float64]:
     """How much the sound moves during each frame."""
     edges = (np.arange(frames + 1) * rate / fps).round().astype(int)
-    return np.array([np.ptp(samples[a:b].astype(float)) for a, b in zip(edges, edges[1:], strict=False)])
+    return np.array([np.ptp(samples[a:b].astype(float)) for a, b in pairwise(edges)])

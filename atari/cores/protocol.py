@@ -80,7 +80,10 @@ class Core(Protocol):
         """(512,) samples of the last `act`, unsigned around 128; all zero unless made with `sound=True`."""
 
     def with_sound(self) -> "Core":
-        """This core if it makes sound, else another one that does, in the same state."""
+        """This core if it makes sound, else another one that does, in the same state.
+
+        The sound generators of the other one start anew, with the registers that the game has set.
+        """
 
     def snapshot(self) -> bytes:
         """The whole state, to be restored in this or another process."""

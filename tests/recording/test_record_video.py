@@ -6,7 +6,6 @@ import inspect
 import pickle
 import subprocess
 import sys
-import types
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -276,27 +275,6 @@ def test_another_rate_is_slow_motion(tmp_path: Path) -> None:
 
 
 # When it records, and under which names.
-
-
-@pytest.fixture
-def moviepy(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
-    """A stand-in for what Gymnasium encodes with: the names of its videos, and their numbers of frames."""
-    made: dict[str, int] = {}
-
-    class ImageSequenceClip:
-        def __init__(self, frames: list[Screen], fps: float) -> None:
-            self.frames = frames
-
-        def write_videofile(self, path: str, logger: Any) -> None:
-            made[Path(path).name] = len(self.frames)
-
-    module: Any = types.ModuleType("moviepy.video.io.ImageSequenceClip")
-    module.ImageSequenceClip = ImageSequenceClip
-    for name in ("moviepy", "moviepy.video", "moviepy.video.io"):
-        monkeypatch.setitem(sys.modules, name, types.ModuleType(name))
-    monkeypatch.setitem(sys.modules, module.__name__, module)
-    monkeypatch.delitem(sys.modules, "gymnasium.utils.save_video", raising=False)
-    return made
 
 
 @pytest.mark.parametrize(

@@ -285,3 +285,38 @@ class TestMembers:
         assert np.array_equal(mosaic[250:460, :160], screens[2])
         assert not mosaic[250:, 160:].any()
         assert make().render() is None
+
+
+@pytest.mark.parametrize("options", OPTIONS)
+def test_a_core_takes_over_from_a_member(options: dict[str, Any]) -> None:
+    envs = make("seaquest", 2, **options)
+    envs.reset(seed=4)
+    play(envs, 10, seed=1)
+    member = envs.members[1]
+    chances = envs._options.protocol
+    core = atari.cores.NativeCore(
+        "seaquest",
+        repeat_action_probability=chances.repeat_action_probability,
+        max_num_frames_per_episode=chances.episode_limit,
+        sound=True,
+    )
+    for _ in range(20):
+        member.copy_to(core)
+        before = member.episode_frame_number
+        assert (core.frame_number, core.episode_frame_number) == (member.frame_number, before)
+        assert np.array_equal(core.ram(), member.ram())
+        assert np.array_equal(core.screen_rgb(), member.screen_rgb())
+        _, _, terminations, truncations, _ = envs.step(np.full(2, 4))
+        if (terminations | truncations)[1] or member.episode_frame_number < before:
+            continue
+        while core.frame_number < member.frame_number:
+            core.act(int(envs._options.actions[1][4]))
+        assert np.array_equal(core.ram(), member.ram())
+
+
+def test_a_core_of_another_game_is_refused() -> None:
+    envs = make("seaquest", 2)
+    envs.reset(seed=4)
+    core = atari.cores.NativeCore("pong")
+    with pytest.raises(ValueError, match="this environment plays seaquest, and the core pong"):
+        envs.members[0].copy_to(core)
