@@ -318,5 +318,5 @@ def test_a_core_of_another_game_is_refused() -> None:
     envs = make("seaquest", 2)
     envs.reset(seed=4)
     core = atari.cores.NativeCore("pong")
-    with pytest.raises(ValueError, match="this environment plays seaquest, and the core pong"):
+    with pytest.raises(ValueError, match="this environment plays seaquest, but the core pong"):
         envs.members[0].copy_to(core)
