@@ -36,7 +36,7 @@ class RecordVectorReplay(VectorWrapper):
     Raises:
         TypeError: not an `AtariVectorEnv`.
         ValueError: there is no such environment, or the vector cannot be recorded.
-        OSError: the file cannot be written.
+        OSError: the file cannot be written; if that happens later, as of `RecordReplay`.
     """
 
     def __init__(self, envs: VectorEnv[Any, Any, Any], path: str | PathLike[str], index: int = 0) -> None:
@@ -50,7 +50,8 @@ class RecordVectorReplay(VectorWrapper):
         self._index = check_integer("index", index, 0, inner.num_envs - 1)
         self._seeded = inner._phase == "new"
         self._twin = _twin_of(inner, self._index, path)
-        self.path = self._twin.env.path
+        self._recorder = self._twin.env.recorder
+        self.path = self._recorder.path
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset environments, and the recorded one if it is among them.
@@ -59,6 +60,7 @@ class RecordVectorReplay(VectorWrapper):
             ValueError: the vector was reset before it was wrapped, and now is not seeded.
         """
         vector = self._vector
+        self._recorder.raise_trouble()
         if seed is None and vector._phase == "new" and self._seeded:
             seed = (np.random.SeedSequence().generate_state(vector.num_envs) % SEED_LIMIT).astype(np.int64)
         mask = vector._reset_mask(options)
@@ -67,7 +69,7 @@ class RecordVectorReplay(VectorWrapper):
         if mask[self._index] and chosen is None and not self._seeded:
             raise ValueError("the vector was reset before it was recorded; give this first reset a seed")
         result: tuple[Any, dict[str, Any]] = self.env.reset(seed=seed, options=options)
-        if mask[self._index]:
+        if mask[self._index] and self._recorder.open:
             self._seeded = True
             self._twin.reset(chosen)
             self._compare()
@@ -81,7 +83,10 @@ class RecordVectorReplay(VectorWrapper):
         """
         indices, strengths = self._vector._options.moves(actions)
         row = self._index
+        self._recorder.raise_trouble()
         result = self.env.step(actions)
+        if not self._recorder.open:
+            return result
         info = result[4]
         final = info["final_info"]["frame_number"][row] if info.get("_final_info", [False] * (row + 1))[row] else None
         self._twin.step(int(indices[row]), 1.0 if strengths is None else float(strengths[row]), final)
@@ -98,8 +103,6 @@ class RecordVectorReplay(VectorWrapper):
         super().close(**kwargs)
 
     def _compare(self) -> None:
-        if not self._twin.env.recorder.open:
-            return
         member, core = self._twin.member, self._twin.env.unwrapped.core
         if core.frame_number != member.frame_number or core.ram().tobytes() != member.ram().tobytes():
             self.stop()

@@ -11,7 +11,7 @@ from atari.cores import Core
 from atari.env import AtariEnv
 from atari.game import Game
 from atari.recording.replay_events import ACTS_PER_CHUNK, Event, Kind, pack
-from atari.recording.replay_file import FRAMES_PER_CHECK, FRAMES_PER_CHUNK, Play, Writer, check, mark
+from atari.recording.replay_file import FRAMES_PER_CHECK, FRAMES_PER_CHUNK, Play, Writer, check, episode, mark
 from atari.roms import find
 from atari.roms.image import md5, read_image
 
@@ -193,15 +193,8 @@ class Recorder:
         return True
 
     def _end_episode(self) -> None:
-        core = self.core
         if self._in_episode:
-            self._episodes.append(
-                {
-                    "frames": core.episode_frame_number,
-                    "score": self.score,
-                    "end": "game over" if core.game_over else "truncated" if core.truncated else "open",
-                }
-            )
+            self._episodes.append(episode(self.core, self.score))
         self._in_episode = False
 
     def _write(self, method: str, what: Any) -> None:

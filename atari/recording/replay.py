@@ -162,9 +162,11 @@ class Replay:
     @property
     def episodes(self) -> tuple[Episode, ...]:
         """The episodes. If the recording was cut, this plays it to find them out."""
-        if self._content.end is not None:
-            return tuple(Episode(**episode) for episode in self._content.end["episodes"])
-        return self._play_for_episodes()
+        end = self._content.end
+        try:
+            return tuple(Episode(**episode) for episode in (end["episodes"] if end else self._play_for_episodes()))
+        except (KeyError, TypeError):
+            raise Corrupt(f"the replay is damaged: the end of {self.path} has no episodes") from None
 
     def frames(
         self, start: int = 0, stop: int | None = None, *, core: str = "native", sound: bool = False
@@ -224,10 +226,12 @@ class Replay:
                     return Verification(core, player.frame, Divergence(player.frame, since, "that the game is over"))
                 if progress is not None:
                     progress(len(play.marks))
+            player.end_episode()
             end = self._content.end
-            if end is not None and end.get("check") != replay_file.check(player.core, player.score):
+            check = replay_file.check(player.core, player.score)
+            if end is not None and end != {"episodes": player.episodes, "check": check}:
                 last = max(player.frame - 1, 0)
-                return Verification(core, player.frame, Divergence(last, min(since, last), "what is seen at the end"))
+                return Verification(core, player.frame, Divergence(last, min(since, last), "how it ends"))
             return Verification(core, player.frame, None)
         finally:
             player.core.close()
@@ -329,16 +333,12 @@ class Replay:
         finally:
             player.core.close()
 
-    def _play_for_episodes(self) -> tuple[Episode, ...]:
-        episodes: list[Episode] = []
-        for player, call in self._calls("native", sound=False):
-            if call.event.kind == Kind.RESET or not episodes:
-                episodes.append(Episode(0, 0, "open"))
-            if call.played:
-                core = player.core
-                end = "game over" if core.game_over else "truncated" if core.truncated else "open"
-                episodes[-1] = Episode(core.episode_frame_number, player.score, end)
-        return tuple(episodes)
+    def _play_for_episodes(self) -> list[dict[str, Any]]:
+        player, calls = self._player("native", sound=False, start=0)
+        for _ in calls:
+            pass
+        player.end_episode()
+        return player.episodes
 
 
 def _frame(player: Player, call: Call) -> Frame:

@@ -22,7 +22,7 @@ about to write. All integers are little-endian:
           4   2   frames of this chunk, f
           6   2   size of the events, e
           8   e   the events
-          ...     (f + 3) // 4 bytes with two bits for each frame, the lowest first: of the CRC-32 of the RAM
+          ...     (f + 3) // 4 bytes with two bits for each frame, the lowest first: of a CRC-32 of the RAM and the end
           ...     for each frame whose number, counted from 1, is a multiple of 60: the CRC-32 of all that is seen
     E     end, JSON: the episodes, and the check of the last frame. The last chunk; without it, the recording was cut
 
@@ -59,14 +59,20 @@ class Corrupt(ValueError):
 
 
 def mark(core: Core) -> int:
-    """Two bits that depend on all of the RAM."""
-    return zlib.crc32(core.ram().data) & 3
+    """Two bits that depend on all of the RAM, and on whether the game has ended."""
+    return zlib.crc32(core.ram().data, core.game_over << 1 | core.truncated) & 3
 
 
 def check(core: Core, score: int) -> int:
     """A hash of all that is seen: RAM, picture, score, lives, ends."""
     text = f"{score} {core.lives} {core.game_over} {core.truncated}".encode()
     return zlib.crc32(text, zlib.crc32(core.screen().data, zlib.crc32(core.ram().data)))
+
+
+def episode(core: Core, score: int) -> dict[str, Any]:
+    """What is noted of an episode when another one begins, or at the end."""
+    end = "game over" if core.game_over else "truncated" if core.truncated else "open"
+    return {"frames": core.episode_frame_number, "score": score, "end": end}
 
 
 class Play(NamedTuple):

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 from atari import snapshot
 from atari.cores import Core
+from atari.recording import replay_file
 from atari.recording.replay_events import Event, Kind
 
 
@@ -27,6 +28,7 @@ class Position:
     frame: int
     episode: int
     score: int
+    in_episode: bool
     core: bytes
     saves: Mapping[int, tuple[bytes, int]]
     uses: Counter[int]
@@ -49,10 +51,13 @@ class Player:
         """Frames played so far."""
         self.episode = -1
         self.score = 0
+        self.episodes: list[dict[str, Any]] = []
+        """What is noted of those that another one has followed."""
         self._snapshots = snapshots
         self._uses = Counter(uses)
         self._saves: dict[int, tuple[bytes, int]] = {}
         self._saved = 0
+        self._in_episode = False
 
     def play(self, event: Event) -> Iterator[Call]:
         """Do the calls of an event, one each time the iterator is asked.
@@ -72,17 +77,24 @@ class Player:
             ) from error
         yield Call(event)
 
+    def end_episode(self) -> None:
+        """Take note of the episode, if there is one."""
+        if self._in_episode:
+            self.episodes.append(replay_file.episode(self.core, self.score))
+        self._in_episode = False
+
     def position(self) -> Position:
         """Where it is, between two chunks."""
         saves, uses = dict(self._saves), Counter(self._uses)
         core = self.core.snapshot()
-        return Position(self.chunk, self._saved, self.frame, self.episode, self.score, core, saves, uses)
+        numbers = self.chunk, self._saved, self.frame, self.episode, self.score
+        return Position(*numbers, self._in_episode, core, saves, uses)
 
     def go_to(self, position: Position) -> None:
         """Go on from there."""
         self.core.restore(position.core)
         self.chunk, self._saved, self.frame = position.chunk, position.saved, position.frame
-        self.episode, self.score = position.episode, position.score
+        self.episode, self.score, self._in_episode = position.episode, position.score, position.in_episode
         self._saves, self._uses = dict(position.saves), Counter(position.uses)
 
     def _act(self, event: Event) -> Iterator[Call]:
@@ -101,7 +113,9 @@ class Player:
     def _do(self, kind: Kind, first: int = 0, second: int = 0) -> None:
         core = self.core
         if kind == Kind.RESET:
+            self.end_episode()
             core.reset()
+            self._in_episode = True
             self.episode += 1
             self.score = 0
         elif kind == Kind.SEED:
@@ -113,12 +127,14 @@ class Player:
                 self._saves[self._saved] = core.snapshot(), self.score
             self._saved += 1
         elif kind == Kind.RESTORE:
+            self._in_episode = True
             data, self.score = self._saves[first]
             core.restore(data)
             self._uses[first] -= 1
             if not self._uses[first]:
                 del self._saves[first]
         elif kind == Kind.LOAD:
+            self._in_episode = True
             core.restore(_with_sound_of(core, self._snapshots[first]))
             self.score = 0
         elif kind in (Kind.MODE, Kind.DIFFICULTY):

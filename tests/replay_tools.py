@@ -1,0 +1,30 @@
+"""What the tests of replays share: recording something small."""
+
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+
+import atari
+from atari.recording import RecordReplay
+
+
+def play(env: gymnasium.Env[Any, Any], steps: int, seed: int | None = 0) -> list[tuple[Any, ...]]:
+    """Play at random and return what each step returned."""
+    env.action_space.seed(seed)
+    env.reset(seed=seed)
+    results = []
+    for _ in range(steps):
+        result = env.step(env.action_space.sample())
+        results.append(result)
+        if result[2] or result[3]:
+            env.reset()
+    return results
+
+
+def record(path: Path, game: str = "breakout", steps: int = 100, seed: int | None = 0, **options: Any) -> Path:
+    """A replay of random play."""
+    env = RecordReplay(atari.AtariEnv(game, **options), path)
+    play(env, steps, seed)
+    env.close()
+    return path
