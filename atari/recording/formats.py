@@ -46,8 +46,9 @@ FORMATS: Mapping[str, Format] = MappingProxyType(
             limit=8192,  # that common decoders accept
             multiple=2,
             sound="aac",
-            # Fragments of half a second while recording, an ordinary MP4 when it is closed. The header waits for the
-            # first of them, as it says by how much the encoders delay.
+            # Fragments of half a second while recording, an ordinary MP4 when it is closed, with an index that until
+            # then is in memory (8 kB a second). The header waits for the first fragment, as it says by how much the
+            # encoders delay.
             container_options={
                 "movflags": "hybrid_fragmented+delay_moov",
                 "frag_duration": "500000",

@@ -21,7 +21,7 @@ class RecordVideo(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     Arguments, names of files and what is recorded when are those of `gymnasium.wrappers.RecordVideo`, which this can
     replace. What differs is what is in the videos: all frames that the emulator plays, those inside a frame skip and
     the no-ops of a reset too, whichever wrappers have them played; the console's frame rate; its 2:1 pixels; its
-    sound. They are written while they are played, in constant memory, and `render_mode` does not matter.
+    sound. They are written while they are played, and `render_mode` does not matter.
 
     What the environment returns does not change. For sound, its emulator is replaced by one that makes it.
 

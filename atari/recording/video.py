@@ -1,4 +1,4 @@
-"""`VideoWriter`: screens and sound in, a video file out, frame by frame and in constant memory.
+"""`VideoWriter`: screens and sound in, a video file out, frame by frame, and out to the disk.
 
 A video is right when it looks, moves and sounds as the console did on a television. The console's pixels are about
 twice as wide as high, so each becomes a block of 2 x 1 times an integer scale: no pixel is blurred, none is wider than
