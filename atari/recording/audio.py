@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from atari.cores import ByteArray
+from atari.recording.formats import Format
 
 SAMPLES_PER_FRAME = 512
 _SILENCE = np.full(SAMPLES_PER_FRAME, 128, np.uint8)
@@ -30,18 +31,18 @@ class SoundTrack:
     Args:
         av: the module.
         container: to which to add a stream.
-        codec: of the stream.
-        rate: of the stream, in samples a second; None keeps the samples as they are.
+        format: whose sound it is.
         frame_rate: emulated frames a second.
     """
 
-    def __init__(self, av: Any, container: Any, codec: str, rate: int | None, frame_rate: Fraction) -> None:
-        self._av = av
+    def __init__(self, av: Any, container: Any, format: Format, frame_rate: Fraction) -> None:
+        self._av, self._fades_in = av, format.fades_in
+        rate = format.sound_rate
         exact = SAMPLES_PER_FRAME * frame_rate
         self._rate = round(exact) if rate is None else rate
         self._tick = 1 / exact if rate is None else Fraction(1, rate)
         self._ratio = Fraction(1) if rate is None else (rate / exact).limit_denominator(1_000_000)
-        self._stream = container.add_stream(codec, rate=self._rate, layout="mono")
+        self._stream = container.add_stream(format.sound, rate=self._rate, layout="mono")
         kind = "s16" if rate is None else "fltp"
         self._resampler = av.AudioResampler(format=kind, layout="mono", rate=self._ratio.numerator)
         self._written = 0
@@ -63,7 +64,7 @@ class SoundTrack:
             frame.sample_rate, frame.time_base, frame.pts = self._rate, self._tick, self._written
             self._written += frame.samples
             packets += self._stream.encode(frame)
-        return packets
+        return [packet for packet in packets if packet.pts >= 0] if self._fades_in else packets
 
 
 def to_16_bit(samples: ByteArray) -> npt.NDArray[np.int16]:

@@ -17,8 +17,9 @@ class Format:
     """One kind of file, in the names of FFmpeg.
 
     `codec` encodes pictures of the pixel format `pixels`, of sides up to `limit` that `multiple` divides. `sound`
-    encodes the sound, at `sound_rate` samples a second; None is at the console's rate, unchanged. `max_rate` is how
-    many pictures a second there can be; of more, some are left out.
+    encodes the sound, at `sound_rate` samples a second; None is at the console's rate, unchanged. With `fades_in` what
+    the encoder puts before time 0 is left out, and the decoder's first 20 milliseconds fade in. `max_rate` is how many
+    pictures a second there can be; of more, some are left out.
     """
 
     name: str
@@ -29,6 +30,7 @@ class Format:
     multiple: int = 1
     sound: str | None = None
     sound_rate: int | None = 48_000
+    fades_in: bool = False
     max_rate: int | None = None
     container_options: Mapping[str, str] = field(default_factory=dict)
     codec_options: Mapping[str, str] = field(default_factory=dict)
@@ -46,15 +48,13 @@ FORMATS: Mapping[str, Format] = MappingProxyType(
             limit=8192,  # that common decoders accept
             multiple=2,
             sound="aac",
+            fades_in=True,
             # Fragments of half a second while recording, an ordinary MP4 when it is closed, with an index that until
-            # then is in memory (8 kB a second). The header waits for the first fragment, as it says by how much the
-            # encoders delay.
-            container_options={
-                "movflags": "hybrid_fragmented+delay_moov",
-                "frag_duration": "500000",
-                "flush_packets": "1",
-            },
-            codec_options={"crf": "18", "preset": "superfast"},
+            # then is in memory (8 kB a second). The header comes before what it is about, and cannot say by how much
+            # encoders delay; so there are no B-frames, and the sound fades in. (It can wait, but FFmpeg before 8.1
+            # then writes files that do not play.)
+            container_options={"movflags": "hybrid_fragmented", "frag_duration": "500000", "flush_packets": "1"},
+            codec_options={"crf": "18", "preset": "superfast", "bf": "0"},
         ),
         ".mkv": Format(
             name="lossless MKV (FFV1, FLAC)",

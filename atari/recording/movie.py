@@ -45,7 +45,7 @@ class Movie:
         self._palette = Palette() if format.pixels == "pal8" else None
         self._sound: SoundTrack | None = None
         if options.sound and format.sound is not None:
-            self._sound = SoundTrack(av, self._container, format.sound, format.sound_rate, rate)
+            self._sound = SoundTrack(av, self._container, format, rate)
         self._frames = 0
         self._last_tick = -1
 

@@ -8,6 +8,7 @@ from typing import Any
 import gymnasium
 from gymnasium import logger
 from gymnasium.utils import RecordConstructorArgs
+from gymnasium.vector import VectorEnv
 
 from atari.env import AtariEnv
 from atari.recording.camera import Camera, Shot
@@ -82,13 +83,11 @@ class RecordVideo(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
             sound=sound,
             overlay=overlay,
         )
-        super().__init__(env)
-        inner = env.unwrapped
+        inner = getattr(env, "unwrapped", env)
         if not isinstance(inner, AtariEnv):
-            raise TypeError(
-                f"RecordVideo films an atari.AtariEnv, got {type(inner).__name__}; for others there is "
-                "gymnasium.wrappers.RecordVideo"
-            )
+            other = "RecordVectorVideo" if isinstance(inner, VectorEnv) else "gymnasium.wrappers.RecordVideo"
+            raise TypeError(f"RecordVideo films an atari.AtariEnv, got {type(inner).__name__}; for that use {other}")
+        super().__init__(env)
         self._atari = inner
         rate = frame_rate(inner.game) if fps is None else fps
         self._shot = Shot(format, inner.game.screen.shape, rate, scale, sound, overlay)

@@ -99,7 +99,9 @@ def test_a_copy_and_a_pickle_go_on_and_record_from_their_next_episode_on(tmp_pat
 
 def test_the_spec_makes_it_again(tmp_path: Path) -> None:
     env = RecordVideo(gymnasium.make("ALE/Breakout-v5"), tmp_path / "videos", format="gif", scale=1)
-    again = gymnasium.make(env.spec)
+    env.close()
+    with pytest.warns(UserWarning, match="will be replaced"):
+        again = gymnasium.make(env.spec)
     again.reset()
     again.close()
     assert files(tmp_path) == ["rl-video-episode-0.gif"]
@@ -371,8 +373,10 @@ def test_wrong_arguments_are_refused_before_a_folder_is_made(
 
 
 def test_other_environments_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(TypeError, match=r"films an atari\.AtariEnv, got CartPoleEnv; for others there is gymnasium"):
+    with pytest.raises(TypeError, match=r"films an atari\.AtariEnv, got CartPoleEnv; for that use gymnasium\.wrappers"):
         film(gymnasium.make("CartPole-v1"), tmp_path)
+    with pytest.raises(TypeError, match="got AtariVectorEnv; for that use RecordVectorVideo"):
+        film(atari.AtariVectorEnv("pong", 2), tmp_path)  # type: ignore[arg-type]
 
 
 def test_without_pyav_the_error_comes_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
