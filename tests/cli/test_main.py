@@ -12,7 +12,8 @@ import atari
 from atari.cli import demo, main
 
 COMMANDS = [
-    ["list"], ["info"], ["explain"], ["demo"], ["roms"],
+    ["list"], ["info"], ["explain"], ["demo"], ["record"], ["play"], ["roms"], ["replay"],
+    ["replay", "show"], ["replay", "verify"], ["replay", "render"],
     ["roms", "list"], ["roms", "verify"], ["roms", "identify"], ["roms", "import"], ["roms", "install"],
 ]  # fmt: skip
 
@@ -47,7 +48,11 @@ def test_each_command_has_help(command: list[str], capsys: pytest.CaptureFixture
     [
         ([], "arguments are required: COMMAND"),
         (["roms"], "arguments are required: COMMAND"),
-        (["play"], "invalid choice: 'play'"),
+        (["paly"], "invalid choice: 'paly'"),
+        (["play"], "arguments are required: GAME"),
+        (["record"], "arguments are required: GAME"),
+        (["replay"], "arguments are required: COMMAND"),
+        (["replay", "verify"], "arguments are required: FILE"),
         (["list", "breakout"], "unrecognized arguments: breakout"),
         (["info"], "arguments are required: GAME"),
         (["explain"], "arguments are required: ID"),

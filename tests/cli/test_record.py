@@ -1,0 +1,146 @@
+"""`atari record`: policies of all kinds play, and videos and replays of it are written."""
+
+import json
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import av
+import pytest
+from replay_tools import record
+
+from atari.cli import main
+from atari.recording import Replay
+
+POLICIES = """
+def right(observation):
+    assert observation.shape == (210, 160, 3)
+    return 2
+
+def stacked(observation):
+    assert observation.shape == (4, 84, 84)
+    return 1
+
+def wrong(observation):
+    return 99
+
+constant = 1
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "policies_of_a_test.py").write_text(POLICIES)
+    return tmp_path
+
+
+def record_json(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
+    assert main(["record", *words, "--json"]) == 0
+    result: dict[str, Any] = json.loads(capsys.readouterr().out)
+    return result
+
+
+def test_a_video_and_a_replay_of_the_same_play(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    result = record_json(capsys, "breakout", "--seconds", "2", "-o", "a.mp4", "-o", "b/a.a26", "--scale", "1")
+    assert result["files"] == [str(folder / "a.mp4"), str(folder / "b" / "a.a26")]
+    assert (result["game"], result["policy"], result["seed"], result["frames"]) == ("breakout", "random", 0, 120)
+    replay = Replay.load("b/a.a26")
+    assert replay.verify("ale")
+    assert [episode.score for episode in replay.episodes] == result["scores"]
+    with av.open("a.mp4") as container:
+        video, audio = container.streams.video[0], container.streams.audio[0]
+        assert (video.width, video.height, video.frames) == (320, 210, 120)
+        assert audio.codec_context.name == "aac"
+
+
+def test_an_episode_is_a_game_and_the_default(capsys: pytest.CaptureFixture[str]) -> None:
+    result = record_json(capsys, "breakout", "-o", "a.a26", "--preset", "dqn2015", "--episodes", "2", "--seed", "3")
+    assert len(result["scores"]) == 2
+    assert [episode.end for episode in Replay.load("a.a26").episodes] == ["game over"] * 2
+    again = record_json(capsys, "breakout", "-o", "b.a26", "--preset", "dqn2015", "--episodes", "2", "--seed", "3")
+    assert (again["frames"], again["scores"]) == (result["frames"], result["scores"])
+
+
+def test_the_default_output_is_a_video(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["record", "pong", "--seconds", "0.2"]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("pong: policy random, seed 0\n  played  12 frames in ")
+    assert out.endswith(f"  file    {folder / 'videos' / 'pong-0.mp4'}\n")
+
+
+@pytest.mark.parametrize("game", ["skiing", "PongNoFrameskip-v4"])
+def test_doing_nothing(game: str, capsys: pytest.CaptureFixture[str]) -> None:
+    record_json(capsys, game, "--policy", "noop", "--seconds", "0.5", "-o", "a.a26")
+    assert {frame.action for frame in Replay.load("a.a26").frames()} == {0}
+
+
+def test_functions_are_policies(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ("--seconds", "0.5", "-o", "a.a26")
+    record_json(capsys, "breakout", "--policy", "policies_of_a_test:right", *words)
+    assert {frame.action for frame in Replay.load("a.a26").frames()} == {3}
+    record_json(capsys, "breakout", "--policy", "policies_of_a_test:stacked", "--preset", "dqn2015", *words)
+    assert "" not in sys.path
+
+
+def test_a_replay_is_a_policy(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    record(folder / "a.a26", "pong", 40)
+    result = record_json(capsys, "pong", "--policy", "a.a26", "--no-sound")
+    assert (result["frames"], result["files"]) == (160, [str(folder / "videos" / "pong-a.mp4")])
+    result = record_json(capsys, "pong", "--policy", "a.a26", "--seconds", "1", "-o", "b.mp4")
+    with av.open("b.mp4") as container:
+        assert container.streams.video[0].frames == result["frames"] == 60
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["breakuot"], "did you mean 'breakout'?"),
+        (["pong", "--policy", "clever"], "--policy must be random, noop, MODULE:FUNCTION or a replay (.a26)"),
+        (["pong", "--policy", "no_such_module:f"], "cannot be imported: No module named 'no_such_module'"),
+        (["pong", "--policy", "policies_of_a_test:f"], "has no attribute 'f'"),
+        (["pong", "--policy", "policies_of_a_test:constant"], "must be a function of an observation, got 1"),
+        (["pong", "--policy", "policies_of_a_test:wrong"], "action 99 is not within 0..5 (pong)"),
+        (["pong", "--policy", "none.a26"], "No such file or directory: none.a26"),
+        (["pong", "--policy", "seaquest.a26"], "seaquest.a26 is a replay of seaquest, not of pong"),
+        (["seaquest", "--policy", "seaquest.a26", "-o", "b.a26"], "a replay of a replay is its copy"),
+        (["pong", "-o", "a.avi"], "must end in one of "),
+        (["pong", "--preset", "dqn2016"], "'dqn2016'"),
+    ],
+)
+def test_what_cannot_be_done_is_one_line(
+    words: list[str], text: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    record(folder / "seaquest.a26", "seaquest", 2)
+    assert main(["record", *words]) == 1
+    err = capsys.readouterr().err
+    assert err.startswith("atari: error: ")
+    assert text in err
+    assert err.count("\n") == 1
+
+
+def test_without_pyav_the_extra_is_named(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setitem(sys.modules, "av", None)
+    assert main(["record", "pong", "--seconds", "0.5"]) == 1
+    assert "pip install 'atari-envs[video]'" in capsys.readouterr().err
+    record_json(capsys, "pong", "--seconds", "0.5", "-o", "a.a26")
+
+
+def test_ctrl_c_keeps_what_was_recorded(folder: Path) -> None:
+    words = [sys.executable, "-m", "atari", "record", "pong", "--policy", "slow:policy", "-o", "a.a26"]
+    (folder / "slow.py").write_text(
+        "import time\ncount = 0\ndef policy(_):\n    global count\n    count += 1\n"
+        "    if count == 100:\n        print('playing', flush=True)\n    time.sleep(0.001)\n    return 0\n"
+    )
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "playing\n"
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=120)
+    assert process.returncode == 130
+    assert err.endswith(f"frames; what was recorded is in {folder / 'a.a26'}\n")
+    replay = Replay.load("a.a26")
+    assert replay.complete
+    assert replay.frames_total >= 396

@@ -1,0 +1,110 @@
+"""`atari replay`: shows, verifies and films replays."""
+
+import json
+from pathlib import Path
+
+import av
+import pytest
+from replay_tools import record
+
+from atari.cli import main
+from atari.recording.replay_file import Writer, read
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    record(Path("a.a26"), "pong", 90, seed=1, max_num_frames_per_episode=200)
+    return tmp_path
+
+
+def tampered() -> str:
+    """A replay whose hashes are those of something else."""
+    content = read("a.a26")
+    writer = Writer("b.a26", content.header)
+    for play in content.plays:
+        marks = bytes(mark ^ (play.first + i >= 250) for i, mark in enumerate(play.marks))
+        writer.play(play._replace(marks=marks))
+    writer.end(content.end or {})
+    return "b.a26"
+
+
+def test_show(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["replay", "show", "a.a26"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "a.a26: Pong"
+    assert lines[1].startswith("  length    360 frames, 0:06.0, ")
+    assert lines[2].startswith("  recorded  AtariEnv on core 'native', atari-envs ")
+    assert "max_num_frames_per_episode=200" in lines[3]
+    assert lines[-3].split() == ["episode", "frames", "time", "score", "end"]
+    assert [line.split()[:3] + line.split()[4:] for line in lines[-2:]] == [
+        ["0", "200", "0:03.3", "truncated"],
+        ["1", "160", "0:02.7", "open"],
+    ]
+
+
+def test_show_as_json(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["replay", "show", "a.a26", "--json"]) == 0
+    shown = json.loads(capsys.readouterr().out)
+    assert (shown["game"], shown["complete"], shown["frames"], shown["format"]) == ("pong", True, 360, 1)
+    assert [episode["frames"] for episode in shown["episodes"]] == [200, 160]
+
+
+@pytest.mark.parametrize("core", ["native", "plain", "ale"])
+def test_verify(core: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["replay", "verify", "a.a26", "--core", core]) == 0
+    assert capsys.readouterr().out == f"a.a26: equal, 360 frames on core '{core}'\n"
+
+
+def test_a_difference_is_1_and_names_the_frame(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["replay", "verify", "a.a26", tampered()]) == 1
+    assert capsys.readouterr().out.splitlines() == [
+        "a.a26: equal, 360 frames on core 'native'",
+        "b.a26: frame 250 differs in RAM; it may have begun at frame 240, 251 frames on core 'native'",
+    ]
+    assert main(["replay", "verify", "b.a26", "--json"]) == 1
+    (result,) = json.loads(capsys.readouterr().out)
+    assert result["equal"] is False
+    assert result["divergence"] == {"frame": 250, "since": 240, "what": "RAM"}
+
+
+def test_render(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["replay", "render", "a.a26", "--stop", "40"]) == 0
+    assert capsys.readouterr().out == f"40 frames in {Path('a.mp4').resolve()}\n"
+    assert main(["replay", "render", "a.a26", "-o", "b.mkv", "--scale", "1", "--start", "300", "--stop", "999"]) == 0
+    for name, size, frames in (("a.mp4", (640, 420), 40), ("b.mkv", (320, 210), 60)):
+        with av.open(name) as container:
+            video = container.streams.video[0]
+            assert (video.width, video.height) == size
+            assert sum(1 for _ in container.decode(video)) == frames
+
+
+def test_a_cut_replay_is_a_warning_of_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    data = Path("a.a26").read_bytes()
+    Path("a.a26").write_bytes(data[:-20])
+    assert main(["replay", "show", "a.a26"]) == 0
+    captured = capsys.readouterr()
+    assert captured.err == "atari: warning: a.a26 was cut while it was recorded; its first 360 frames are whole\n"
+    assert "cut while it was recorded" in captured.out
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["show", "none.a26"], "No such file or directory: none.a26"),
+        (["verify", "text.txt"], "text.txt is no replay of atari-envs"),
+        (["render", "a.a26", "-o", "a.avi"], "must end in one of"),
+        (["render", "a.a26", "--start", "360"], "there is nothing to film: the replay has 360 frames"),
+        (["show", "damaged.a26"], "the replay is damaged at offset 8"),
+    ],
+)
+def test_what_cannot_be_done_is_one_line(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("text.txt").write_text("hello")
+    data = bytearray(Path("a.a26").read_bytes())
+    data[40] ^= 1
+    Path("damaged.a26").write_bytes(data)
+    assert main(["replay", *words]) == 1
+    err = capsys.readouterr().err
+    assert err.startswith("atari: error: ")
+    assert text in err
+    assert err.count("\n") == 1

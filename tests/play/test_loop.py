@@ -1,0 +1,307 @@
+"""The window, driven by events on SDL's dummy display and heard by its dummy sound card."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pygame
+import pytest
+
+from atari.cli import main
+from atari.play import Session, play
+from atari.play.loop import Loop, Pacer
+from atari.play.speaker import Speaker
+from atari.play.window import GameWindow
+from atari.recording import Replay
+
+
+@pytest.fixture(autouse=True)
+def display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    monkeypatch.setenv("SDL_AUDIODRIVER", "dummy")
+    monkeypatch.chdir(tmp_path)
+    yield
+    pygame.quit()
+
+
+class Player:
+    """A loop whose clock is the test."""
+
+    def __init__(self, game: str = "breakout", *, sound: bool = False, scale: int = 1) -> None:
+        self.session = Session(game, replay=Path("a.a26"), state=Path("a.state"), videos=Path("v"), seed=1, scale=1)
+        self.window = GameWindow(pygame, self.session.game, scale)
+        pygame.joystick.init()
+        self.speaker = Speaker(pygame, 59.92) if sound else None
+        self.loop = Loop(pygame, self.session, self.window, self.speaker)
+
+    def tick(self, frames: int = 1) -> bool:
+        return all(self.loop.tick() for _ in range(frames))
+
+    def press(self, *keys: int, frames: int = 1) -> bool:
+        """Press keys, play frames, let go."""
+        for key in keys:
+            pygame.event.post(pygame.event.Event(pygame.KEYDOWN, key=key))
+        going = self.tick(frames)
+        for key in keys:
+            pygame.event.post(pygame.event.Event(pygame.KEYUP, key=key))
+        return going
+
+    def close(self) -> Replay:
+        self.session.close()
+        return Replay.load("a.a26")
+
+    def shown(self) -> np.ndarray[Any, Any]:
+        surface = pygame.display.get_surface()
+        assert surface is not None
+        return pygame.surfarray.array3d(surface).swapaxes(0, 1)
+
+
+def test_keys_are_played_and_the_screen_is_shown_with_wide_pixels() -> None:
+    player = Player(scale=2)
+    player.press(pygame.K_SPACE, frames=10)
+    player.press(pygame.K_RIGHT, frames=20)
+    player.tick(5)
+    assert player.shown().shape == (420, 640, 3)
+    assert np.array_equal(player.shown(), player.session.screen.repeat(2, axis=0).repeat(4, axis=1))
+    assert pygame.display.get_caption()[0] == "Breakout   0"
+    actions = [frame.action for frame in player.close().frames()]
+    assert actions == [1] * 10 + [3] * 20 + [0] * 5
+
+
+def test_pause_and_single_frames() -> None:
+    player = Player()
+    player.tick(10)
+    player.press(pygame.K_p)
+    player.tick(10)
+    assert player.session.frames == 10
+    assert (player.shown()[-32:, :300] == 255).any()  # the text
+    player.press(pygame.K_n)
+    player.press(pygame.K_n)
+    assert player.session.frames == 12
+    player.press(pygame.K_p)
+    player.tick(3)
+    assert player.session.frames == 16
+    player.close()
+
+
+def test_going_back_while_the_key_is_held() -> None:
+    player = Player()
+    player.press(pygame.K_SPACE, frames=100)
+    player.press(pygame.K_BACKSPACE, frames=18)
+    assert player.session.frames == 100
+    player.tick(10)
+    replay = player.close()
+    assert replay.frames_total == 110
+    assert replay.verify("ale")
+
+
+def test_save_load_film_new_game_and_quit() -> None:
+    player = Player()
+    player.press(pygame.K_SPACE, frames=30)
+    saved = player.session.screen
+    player.press(pygame.K_p)
+    player.press(pygame.K_F5)
+    player.press(pygame.K_p, pygame.K_F10, frames=30)
+    assert player.session.filming
+    player.press(pygame.K_p)
+    player.press(pygame.K_F9)
+    assert np.array_equal(player.session.screen, saved)
+    player.press(pygame.K_F10)
+    assert not player.session.filming
+    player.press(pygame.K_r)
+    player.press(pygame.K_m, pygame.K_F11, pygame.K_F11)
+    assert not player.press(pygame.K_ESCAPE)
+    replay = player.close()
+    assert len(replay.episodes) == 2
+    assert [path.name for path in player.session.written] == ["breakout-1.mp4"]
+
+
+def test_what_goes_wrong_with_files_is_shown_and_ends_nothing() -> None:
+    player = Player()
+    player.tick(3)
+    player.press(pygame.K_F9)
+    assert player.loop._text() == "No such file or directory"
+    Path("a.state").write_bytes(b"nonsense")
+    player.press(pygame.K_F9)
+    assert "are not a snapshot" in player.loop._text()
+    Path("v").touch()
+    player.press(pygame.K_F10)
+    assert player.loop._text()
+    player.tick(150)
+    assert player.loop._text() == ""
+    player.close()
+
+
+def test_the_end_of_the_game_is_told() -> None:
+    player = Player()
+    for _ in range(200):
+        if player.session.over:
+            break
+        player.press(pygame.K_SPACE, frames=30)
+    assert "game over" in player.loop._text()
+    player.press(pygame.K_r)
+    assert player.loop._text() == ""
+    player.close()
+
+
+def test_the_window_can_have_any_size() -> None:
+    player = Player()
+    pygame.display.set_mode((700, 300), pygame.RESIZABLE)
+    player.tick(2)
+    shown = player.shown()
+    columns = np.flatnonzero(shown.any(axis=(0, 2)))
+    height, width = 300, round(320 * 300 / 210)
+    assert shown.shape == (height, 700, 3)
+    assert abs(np.ptp(columns) + 1 - width) <= 24  # Breakout's own left edge is black
+    player.close()
+
+
+def test_sound_is_what_the_game_makes(monkeypatch: pytest.MonkeyPatch) -> None:
+    blocks: list[bytes] = []
+
+    class Channel:
+        def __init__(self, number: int) -> None:
+            self.queued: Any = None
+
+        def get_busy(self) -> bool:
+            return bool(blocks)
+
+        def get_queue(self) -> Any:
+            return None
+
+        def play(self, sound: Any) -> None:
+            blocks.append(sound.get_raw())
+
+        queue = play
+
+    monkeypatch.setattr(pygame.mixer, "Channel", Channel)
+    player = Player("ms_pacman", sound=True)
+    assert pygame.mixer.get_init() == (30679, -16, 1)
+    heard = []
+    for _ in range(60):
+        player.press(pygame.K_SPACE)
+        heard.append(player.session.samples)
+    samples = np.concatenate([np.frombuffer(block, np.int16) for block in blocks])
+    assert np.array_equal(samples, (np.concatenate(heard).astype(int) - 128) * 128)
+    assert samples.any()
+    player.press(pygame.K_m, frames=6)
+    blocks.clear()
+    player.tick(9)
+    assert not np.concatenate([np.frombuffer(block, np.int16) for block in blocks]).any()
+    player.close()
+
+
+def test_sound_that_comes_too_early_is_not_kept_for_ever() -> None:
+    speaker = Speaker(pygame, 59.92)
+    for _ in range(300):
+        speaker.play(np.full(512, 130, np.uint8))
+    assert len(speaker._waiting) == 2
+    assert speaker._channel.get_busy()
+    speaker.close()
+
+
+def test_without_a_sound_card_it_is_silent(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SDL_AUDIODRIVER", "none_such")
+    player = Player(sound=True)
+    player.tick(5)
+    assert player.loop._text().startswith("no sound: ")
+    player.close()
+
+
+def test_frames_come_at_the_consoles_rate_on_average() -> None:
+    now = [100.0]
+
+    def sleep(seconds: float) -> None:
+        now[0] += seconds + 0.0005  # as imprecise as clocks are
+
+    pacer = Pacer(59.92, lambda: now[0], sleep)
+    for frame in range(600):
+        now[0] += 0.004 if frame % 7 else 0.02
+        pacer.wait()
+    assert now[0] - 100 == pytest.approx(600 / 59.92, abs=0.02)
+    now[0] += 5  # the computer slept
+    before = now[0]
+    for _ in range(60):
+        pacer.wait()
+    assert now[0] - before == pytest.approx(59 / 59.92, abs=0.03)
+
+
+def test_play_runs_until_the_window_is_closed() -> None:
+    session = Session("pong", replay=Path("a.a26"))
+    pygame.init()
+    pygame.event.post(pygame.event.Event(pygame.QUIT))
+    play(session, scale=1, sound=True)
+    assert pygame.display.get_surface() is None
+    session.close()
+    assert session.frames == 0
+
+
+def test_the_command_writes_a_replay(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    ticks = iter(range(30))
+
+    def run(loop: Loop) -> None:
+        for _ in ticks:
+            loop.tick()
+
+    monkeypatch.setattr(Loop, "run", run)
+    assert main(["play", "pong", "--scale", "1", "--no-sound"]) == 0
+    (path,) = Path("replays").iterdir()
+    assert path.name.startswith("pong-")
+    assert capsys.readouterr().out == f"Pong: 30 frames, best score 0\n  {path.resolve()}\n"
+    assert Replay.load(path).verify("ale")
+
+
+def test_no_frame_no_file(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Loop, "run", lambda loop: None)
+    assert main(["play", "pong", "--scale", "1", "--no-sound", "--replay", "a.a26"]) == 0
+    assert main(["play", "pong", "--scale", "1", "--no-sound", "--no-replay"]) == 0
+    assert not list(Path().iterdir())
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["pnog"], "did you mean 'pong'?"),
+        (["pong", "--mode", "77"], "pong has no mode 77; it has 0"),
+        (["pong", "--replay", "a.mp4"], "must end in '.a26'"),
+    ],
+)
+def test_wrong_words_are_one_line(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["play", *words]) == 1
+    err = capsys.readouterr().err
+    assert text in err
+    assert err.count("\n") == 1
+    assert not list(Path().iterdir())
+
+
+def test_without_pygame_the_extra_is_named(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setitem(sys.modules, "pygame", None)
+    assert main(["play", "pong"]) == 1
+    assert "pip install 'atari-envs[play]'" in capsys.readouterr().err
+    assert not list(Path().iterdir())
+
+
+@pytest.mark.parametrize("driver", [None, "x11"])
+def test_without_a_display_it_says_so(driver: str | None, tmp_path: Path) -> None:
+    absent = ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER")
+    environment = {name: value for name, value in os.environ.items() if name not in absent}
+    if driver:
+        environment["SDL_VIDEODRIVER"] = driver
+    words = [sys.executable, "-m", "atari", "play", "pong"]
+    result = subprocess.run(
+        words, env=environment, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False
+    )
+    assert result.returncode == 1
+    assert "atari: error: playing needs a display, and there is none (" in result.stderr
+    assert "use `atari record`" in result.stderr
+    assert not any(path.is_file() for path in tmp_path.rglob("*"))
+
+
+def test_a_display_that_is_lost_is_an_error_of_gymnasium(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SDL_VIDEODRIVER", "none_such")
+    with pytest.raises(gymnasium.error.Error, match="playing needs a display"):
+        GameWindow(pygame, Session("pong").game, 1)

@@ -1,0 +1,167 @@
+"""A game played by hand, without a window: replay, states, the way back, videos."""
+
+from pathlib import Path
+from typing import Any
+
+import av
+import numpy as np
+import pytest
+
+from atari.actions import Action
+from atari.play.session import FRAMES_PER_MOMENT, Session
+from atari.recording import Replay, VideoWriter
+
+
+def make(folder: Path, name: str = "a.a26", game: str = "breakout", **options: Any) -> Session:
+    return Session(game, replay=folder / name, state=folder / "s" / "a.state", videos=folder / "v", **options)
+
+
+def play(session: Session, frames: int, *actions: Action) -> None:
+    for frame in range(frames):
+        session.play((actions or (Action.FIRE, Action.LEFT))[frame // 30 % len(actions or "ab")])
+
+
+def test_it_plays_each_frame_and_writes_a_replay(tmp_path: Path) -> None:
+    session = make(tmp_path, seed=1, mode=4, difficulty=1)
+    play(session, 150)
+    screen = session.screen
+    session.close()
+    replay = Replay.load(tmp_path / "a.a26")
+    assert replay.frames_total == session.frames == 150
+    assert {name: replay.options[name] for name in ("frameskip", "repeat_action_probability", "mode")} == {
+        "frameskip": 1,
+        "repeat_action_probability": 0.0,
+        "mode": 4,
+    }
+    frames = list(replay.frames(core="ale"))
+    assert [frame.action for frame in frames[:60:30]] == [Action.FIRE, Action.LEFT]
+    assert np.array_equal(frames[-1].screen, screen)
+    assert replay.verify("ale")
+
+
+def test_going_back_and_on_again(tmp_path: Path) -> None:
+    session = make(tmp_path, seed=1)
+    screens = []
+    for _ in range(100):
+        play(session, 1)
+        screens.append(session.screen)
+    assert session.go_back()
+    assert np.array_equal(session.screen, screens[4 * FRAMES_PER_MOMENT - 1])
+    assert session.go_back()
+    assert np.array_equal(session.screen, screens[3 * FRAMES_PER_MOMENT - 1])
+    play(session, 30, Action.RIGHT)
+    for _ in range(10):
+        session.go_back()
+    assert not session.go_back()
+    play(session, 30, Action.RIGHT)
+    session.close()
+    replay = Replay.load(tmp_path / "a.a26")
+    assert replay.frames_total == 160
+    assert replay.verify("ale")
+
+
+def test_the_score_goes_back_too(tmp_path: Path) -> None:
+    session = make(tmp_path, game="ms_pacman", seed=1)
+    play(session, 400, Action.UP)
+    assert session.score > 0
+    best = session.score
+    while session.go_back():
+        pass
+    assert (session.score, session.best) == (0, best)
+    session.new_game()
+    assert session.score == 0
+    session.close()
+
+
+def test_a_state_is_saved_for_this_game_and_the_next(tmp_path: Path) -> None:
+    session = make(tmp_path, game="ms_pacman", seed=1)
+    play(session, 400, Action.UP)
+    assert session.score > 0
+    saved, score = session.screen, session.score
+    assert session.save() == tmp_path / "s" / "a.state"
+    play(session, 50)
+    session.load()
+    assert (np.array_equal(session.screen, saved), session.score) == (True, score)
+    play(session, 20)
+    session.close()
+    assert Replay.load(tmp_path / "a.a26").verify("ale")
+    another = make(tmp_path, "b.a26", game="ms_pacman")
+    another.load()
+    assert (np.array_equal(another.screen, saved), another.score) == (True, score)
+    play(another, 20)
+    another.close()
+    assert Replay.load(tmp_path / "b.a26").verify("native")
+
+
+def test_states_of_something_else_are_refused(tmp_path: Path) -> None:
+    session = make(tmp_path)
+    with pytest.raises(FileNotFoundError):
+        session.load()
+    session.save()
+    session.close()
+    other = Session("pong", state=tmp_path / "s" / "a.state")
+    before = other.screen
+    with pytest.raises(ValueError, match="game = 'breakout', but this environment has 'pong'"):
+        other.load()
+    (tmp_path / "s" / "a.state").write_bytes(b"nonsense")
+    with pytest.raises(ValueError, match="are not a snapshot"):
+        other.load()
+    assert np.array_equal(other.screen, before)
+    other.close()
+
+
+def test_the_end_of_a_game(tmp_path: Path) -> None:
+    session = make(tmp_path, seed=0)
+    play(session, 3000, Action.FIRE)
+    assert session.over
+    frames = session.frames
+    play(session, 5)
+    assert session.frames == frames
+    session.new_game()
+    assert not session.over
+    play(session, 5)
+    session.close()
+    ends = [episode.end for episode in Replay.load(tmp_path / "a.a26").episodes]
+    assert ends == ["game over", "open"]
+
+
+def test_videos(tmp_path: Path) -> None:
+    session = make(tmp_path, scale=1)
+    for number in (1, 2):
+        assert session.film() == tmp_path / "v" / f"breakout-{number}.mp4"
+        assert session.filming
+        play(session, 12 * number)
+        if number == 1:
+            assert session.film() is None
+            assert not session.filming
+            play(session, 7)
+    session.close()
+    assert session.written == [tmp_path / "v" / "breakout-1.mp4", tmp_path / "v" / "breakout-2.mp4"]
+    for number, path in enumerate(session.written, 1):
+        with av.open(str(path)) as container:
+            assert container.streams.video[0].frames == 12 * number
+            assert len(container.streams.audio) == 1
+
+
+def test_a_video_that_cannot_be_written_ends_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    session = make(tmp_path)
+    session.film()
+
+    def fail(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(VideoWriter, "write", fail)
+    with pytest.raises(OSError, match="No space left"):
+        play(session, 1)
+    assert not session.filming
+    play(session, 5)
+    session.close()
+    assert Replay.load(tmp_path / "a.a26").frames_total == 6
+
+
+def test_without_a_replay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    session = Session("pong")
+    play(session, 30)
+    session.close()
+    assert not list(tmp_path.iterdir())
