@@ -24,7 +24,8 @@ class RecordVideo(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     the no-ops of a reset too, whichever wrappers have them played; the console's frame rate; its 2:1 pixels; its
     sound. They are written while they are played, and `render_mode` does not matter.
 
-    What the environment returns does not change. For sound, its emulator is replaced by one that makes it.
+    What the environment returns does not change. For sound, its emulator is replaced by one that makes it; snapshots
+    of the one do not fit the other, unless `make_sound` of that environment is called too, or sound=False is given.
 
     Args:
         env: an `AtariEnv`, in any wrappers.

@@ -185,8 +185,10 @@ def test_a_killed_process_leaves_all_but_the_last_second(tmp_path: Path, suffix:
             assert sum(frame.samples / frame.sample_rate for frame in container.decode(audio=0)) >= 7
 
 
-@pytest.mark.parametrize("name", ["a.mp4", "a.mkv", "a.webm", "a.gif", "%d.png"])
-@pytest.mark.parametrize("limit", [0, 30_000])
+@pytest.mark.parametrize(
+    ("name", "limit"),
+    [("a.mp4", 0), ("a.mp4", 1000), *[(name, 30_000) for name in ("a.mp4", "a.mkv", "a.webm", "a.gif", "%d.png")]],
+)
 def test_a_full_disk_is_an_error_and_no_crash(tmp_path: Path, name: str, limit: int) -> None:
     program = """if True:
         import resource, sys

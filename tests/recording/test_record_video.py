@@ -107,6 +107,19 @@ def test_the_spec_makes_it_again(tmp_path: Path) -> None:
     assert files(tmp_path) == ["rl-video-episode-0.gif"]
 
 
+def test_snapshots_fit_environments_that_make_sound_too(tmp_path: Path) -> None:
+    env, plain = film(atari.make("breakout"), tmp_path, scale=1), atari.make("breakout")
+    play(env, 5)
+    saved = env.unwrapped.snapshot()  # type: ignore[attr-defined]
+    plain.reset()
+    with pytest.raises(ValueError, match="taken with sound = True"):
+        plain.unwrapped.restore(saved)  # type: ignore[attr-defined]
+    plain.unwrapped.make_sound()  # type: ignore[attr-defined]
+    plain.unwrapped.restore(saved)  # type: ignore[attr-defined]
+    assert data_equivalence(plain.step(2), env.step(2), exact=True)
+    env.close()
+
+
 # What is in the videos.
 
 
@@ -180,7 +193,8 @@ def test_it_films_beneath_other_wrappers_too(tmp_path: Path) -> None:
 def test_nothing_is_filmed_after_the_end_of_a_game(tmp_path: Path) -> None:
     env = film(atari.make("breakout", max_num_frames_per_episode=9, frameskip=4), tmp_path, format="mkv", scale=1)
     env.reset(seed=0)
-    truncations = [env.step(0)[3] for _ in range(4)]
+    with pytest.warns(UserWarning, match="after the episode had ended"):
+        truncations = [env.step(0)[3] for _ in range(4)]
     assert truncations == [False, False, True, True]
     env.close()
     assert len(pictures(tmp_path / "videos" / "rl-video-episode-0.mkv")) == 1 + 9
