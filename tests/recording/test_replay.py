@@ -18,7 +18,7 @@ from replay_tools import play, record
 import atari
 from atari import wrappers
 from atari.cores import CORES
-from atari.recording import Divergence, Episode, RecordReplay, RecordVideo, Replay, frame_rate
+from atari.recording import Divergence, Episode, RecordReplay, RecordVideo, Replay, frame_rate, to_minari
 from atari.recording.replay_events import Event, Kind, pack, unpack
 from atari.recording.replay_file import Content, Writer, read
 
@@ -482,3 +482,10 @@ def test_a_whole_file_gives_no_warning(tmp_path: Path) -> None:
     os.truncate(path, path.stat().st_size - 1)
     with pytest.warns(UserWarning, match="was cut"):
         assert not Replay.load(path).complete
+
+
+def test_without_minari_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "minari", None)
+    monkeypatch.setitem(sys.modules, "h5py", None)
+    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"pip install 'atari-envs\[minari\]'"):
+        to_minari(record(tmp_path / "a.a26", steps=3), "a-v0")
