@@ -71,9 +71,7 @@ class Member:
             ValueError: the core is of another game.
         """
         if core.game != self.game:
-            raise ValueError(
-                f"this environment plays {self.game.id}, and the core {core.game.id}; make one of this game"
-            )
+            raise ValueError(f"this environment plays {self.game.id}, but the core {core.game.id}; make one of this")
         core.load(self._engine.save(self.index)[1:][: len(core.save())])  # a flag, the emulator, what is around it
 
     def screen_rgb(self) -> ByteArray:
