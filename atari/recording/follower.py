@@ -49,6 +49,20 @@ class Follower:
         self.screen = core.screen_rgb()
         return core.episode_frame_number < before
 
+    def check(self) -> None:
+        """Make sure after a step that the environment has played what this has played.
+
+        Raises:
+            RuntimeError: it was given other actions.
+        """
+        core, member = self.core, self._member
+        numbers = (core.frame_number, core.episode_frame_number)
+        if numbers == (member.frame_number, member.episode_frame_number) and (core.ram() != member.ram()).any():
+            raise RuntimeError(
+                f"environment {self.index} was given another action than the recorder; put RecordVectorVideo beneath "
+                "the wrappers that change actions"
+            )
+
     def move(self, actions: Any, was_reset: bool, info: dict[str, Any]) -> Move:
         """What the environment has played since `catch_up`, in a step with these actions and results.
 

@@ -35,7 +35,7 @@ class RecordVectorVideo(VectorWrapper[Any, Any, Any, Any, Any], RecordConstructo
     an episode inside a skip stand still in a mosaic until the others have played theirs.
 
     Args:
-        env: an `AtariVectorEnv` with batches of all environments, in any wrappers.
+        env: an `AtariVectorEnv` with batches of all environments, in any wrappers that leave actions as they are.
         video_folder: where the videos go; it is made.
         record_first_only: film only environment `index`, instead of a mosaic of all.
         video_aspect_ratio: width and height that the mosaic should have to each other, roughly.
@@ -48,6 +48,7 @@ class RecordVectorVideo(VectorWrapper[Any, Any, Any, Any, Any], RecordConstructo
         TypeError: the environment is no `AtariVectorEnv`, or an argument is of the wrong kind.
         ValueError: an argument is out of range, or batches are smaller than the number of environments.
         OSError: the folder cannot be made or written to.
+        RuntimeError: of `step`: a wrapper beneath has changed the actions.
     """
 
     def __init__(
@@ -173,6 +174,8 @@ class RecordVectorVideo(VectorWrapper[Any, Any, Any, Any, Any], RecordConstructo
             for follower, move in zip(self._followers, moves, strict=True):
                 follower.play(move, frame)
             self._take(self._sounding.played)
+        for follower in self._followers:
+            follower.check()
         self._catch_up()
 
     def _film_resets(self) -> None:

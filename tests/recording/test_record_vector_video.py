@@ -219,3 +219,12 @@ def test_it_catches_up_with_environments_that_were_restored_or_changed(tmp_path:
         assert np.array_equal(follower.core.ram(), vector.members[follower.index].ram())
         assert np.array_equal(follower.screen, vector.members[follower.index].screen_rgb())
     envs.close()
+
+
+def test_wrappers_beneath_that_change_actions_are_noticed(tmp_path: Path) -> None:
+    vector = AtariVectorEnv("pong", 2, noop_max=1, use_fire_reset=False)
+    changed = gymnasium.wrappers.vector.TransformAction(vector, lambda actions: 5 - actions)
+    envs = film(changed, tmp_path, format="gif")
+    envs.reset(seed=0)
+    with pytest.raises(RuntimeError, match="environment 0 was given another action than the recorder; put Rec"):
+        play(envs, 30)
