@@ -16,10 +16,11 @@ from types import MappingProxyType
 class Format:
     """One kind of file, in the names of FFmpeg.
 
-    `codec` encodes pictures of the pixel format `pixels`, of sides up to `limit` that `multiple` divides. `sound`
-    encodes the sound, at `sound_rate` samples a second; None is at the console's rate, unchanged. With `fades_in` what
-    the encoder puts before time 0 is left out, and the decoder's first 20 milliseconds fade in. `max_rate` is how many
-    pictures a second there can be; of more, some are left out.
+    `codec` encodes pictures of the pixel format `pixels`, of sides up to `limit` that `multiple` divides; if it
+    `enlarges`, FFmpeg scales them, on the way to its own colours, which saves a step. `sound` encodes the sound, at
+    `sound_rate` samples a second; None is at the console's rate, unchanged. With `fades_in`, what the encoder puts
+    before time 0 is left out, and the decoder's first 20 milliseconds fade in. `max_rate` is how many pictures a
+    second there can be; of more, some are left out.
     """
 
     name: str
@@ -28,6 +29,7 @@ class Format:
     pixels: str
     limit: int
     multiple: int = 1
+    enlarges: bool = False
     sound: str | None = None
     sound_rate: int | None = 48_000
     fades_in: bool = False
@@ -47,6 +49,7 @@ FORMATS: Mapping[str, Format] = MappingProxyType(
             pixels="yuv420p",
             limit=8192,  # that common decoders accept
             multiple=2,
+            enlarges=True,
             sound="aac",
             fades_in=True,
             # Fragments of half a second while recording, an ordinary MP4 when it is closed, with an index that until
@@ -73,6 +76,7 @@ FORMATS: Mapping[str, Format] = MappingProxyType(
             codec="libvpx-vp9",
             pixels="yuv420p",
             limit=16_384,
+            enlarges=True,
             sound="libopus",
             container_options=_CLUSTERS,
             codec_options={"deadline": "realtime", "cpu-used": "8", "row-mt": "1", "crf": "20", "b": "0"},

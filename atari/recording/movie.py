@@ -50,7 +50,7 @@ class Movie:
         self._last_tick = -1
 
     def write(self, picture: ByteArray, samples: ByteArray | None) -> None:
-        """Append a picture (height, width, 3) and its sound.
+        """Append a picture, (height, width, 3) or smaller for a format that enlarges, and its sound.
 
         Raises:
             OSError: the file cannot be written; do not write to it again, but close it as broken.
@@ -68,8 +68,11 @@ class Movie:
         if self._palette is not None:
             numbers = self._palette.numbers(picture)
             return self._av.VideoFrame.from_ndarray((numbers, self._palette.colours), format="pal8")
+        stream = self._stream
         frame = self._av.VideoFrame.from_ndarray(picture, format="rgb24")
-        return frame.reformat(format=self._stream.pix_fmt, dst_colorspace="ITU601", interpolation="POINT")
+        return frame.reformat(
+            stream.width, stream.height, stream.pix_fmt, dst_colorspace="ITU601", interpolation="POINT"
+        )
 
     def close(self, *, broken: bool = False) -> None:
         """Complete the file; a broken one is only closed, as FFmpeg may crash on what follows a failure."""

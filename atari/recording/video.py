@@ -113,7 +113,9 @@ class VideoWriter:
         if samples is not None and self.sound:
             _check_array("the sound of a screen", samples, (SAMPLES_PER_FRAME,))
         scale, lines = self._options.scale, self._options.caption_lines
-        picture = enlarge(rgb, scale)
+        picture = np.ascontiguousarray(rgb)
+        if lines or not self._options.format.enlarges:
+            picture = enlarge(picture, scale)
         if lines:
             picture = add_caption(picture, caption, lines, scale)
         try:
