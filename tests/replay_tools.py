@@ -11,7 +11,7 @@ from atari.recording import RecordReplay
 
 def play(env: gymnasium.Env[Any, Any], steps: int, seed: int | None = 0) -> list[tuple[Any, ...]]:
     """Play at random and return what each step returned."""
-    env.action_space.seed(seed)
+    env.action_space.seed(0 if seed is None else seed)
     env.reset(seed=seed)
     results = []
     for _ in range(steps):

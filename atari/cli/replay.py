@@ -67,6 +67,7 @@ def _show(args: argparse.Namespace) -> int:
         "recorded": f"{replay.header.get('source')} on core {replay.header.get('core')!r}, "
         f"atari-envs {replay.header.get('package')}",
         "options": options,
+        "seeds": ", ".join(map(str, replay.seeds)) or "none: it begins with a snapshot",
         "ROM": f"MD5 {replay.header.get('rom')}",
     }.items():
         print(f"  {name:8}  {fact}")

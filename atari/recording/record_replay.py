@@ -1,5 +1,6 @@
 """`RecordReplay`: a wrapper that writes down what is played, in a file of a few kilobytes a minute."""
 
+import weakref
 from os import PathLike
 from typing import Any
 
@@ -50,6 +51,7 @@ class RecordReplay(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs)
         self._atari = inner
         started = inner.core.snapshot() if inner._phase != "new" else None
         self._recorder = Recorder(path, header_of(inner, type(inner).__name__), inner.core)
+        self._finalizer = weakref.finalize(self, self._recorder.close)  # should nobody call close
         self.path = self._recorder.path
         core = RecordedCore(inner.core, self._recorder)
         if started is not None:
@@ -85,6 +87,7 @@ class RecordReplay(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs)
         core = self._atari.core
         if isinstance(core, RecordedCore):
             self._atari.core = core.inner
+        self._finalizer.detach()
         self._recorder.close()
 
     def close(self) -> None:

@@ -107,6 +107,8 @@ class Recorder:
         if self._writer is None:
             return
         self._flush_held(ends_step=False)
+        if kind == Kind.SEED and self._events and self._events[-1].kind == Kind.SEED:
+            self._events.pop()  # nothing was done with it
         self._events.append(Event(kind, numbers, floats))
 
     def begin_episode(self) -> None:

@@ -99,6 +99,7 @@ class Replay:
         path: of the file.
         header: what the file says of itself: game, ROM, core, options, release.
         game: the game.
+        seeds: those that the emulator was given, in order.
         complete: whether the recording was closed. If not, it was cut, and the replay is what is left of it.
         frames_total: emulated frames.
     """
@@ -113,7 +114,14 @@ class Replay:
         self.frames_total = content.frames
         self._content = content
         self.rom = rom
-        self._uses = self._count_uses()
+        self._uses: Counter[int] = Counter()  # how often each snapshot is gone back to
+        seeds = []
+        for event in chain.from_iterable(map(self._events, range(len(content.plays)))):  # a wrong one shows at once
+            if event.kind == Kind.RESTORE:
+                self._uses[event.numbers[0]] += 1
+            elif event.kind == Kind.SEED:
+                seeds.append(event.numbers[0])
+        self.seeds = tuple(seeds)
         self._index: dict[tuple[str, bool], list[Position]] = {}
 
     @classmethod
@@ -168,6 +176,10 @@ class Replay:
         except (KeyError, TypeError):
             raise Corrupt(f"the replay is damaged: the end of {self.path} has no episodes") from None
 
+    def __repr__(self) -> str:
+        cut = "" if self.complete else ", cut"
+        return f"Replay({str(self.path)!r}, {self.game.id}, {self.frames_total} frames{cut})"
+
     def frames(
         self, start: int = 0, stop: int | None = None, *, core: str = "native", sound: bool = False
     ) -> Iterator[Frame]:
@@ -193,7 +205,10 @@ class Replay:
                 yield _frame(player, call)
 
     def seek(self, frame: int, *, core: str = "native", sound: bool = False) -> Core:
-        """A core of your own in the state behind the first `frame` frames, to look at or to play on."""
+        """A core of your own in the state behind the first `frame` frames, to look at or to play on.
+
+        Behind 0 frames, not even the first reset has happened.
+        """
         frame = check_integer("frame", frame, 0, self.frames_total)
         player, calls = self._player(core, sound=sound, start=frame)
         while player.frame < frame:
@@ -286,11 +301,6 @@ class Replay:
             return unpack(play.events)
         except ValueError as error:
             raise Corrupt(f"the replay is damaged at offset {play.offset}: {error}") from None
-
-    def _count_uses(self) -> Counter[int]:
-        """How often each snapshot is gone back to; this looks at all events, so a wrong one shows at once."""
-        events = chain.from_iterable(map(self._events, range(len(self._content.plays))))
-        return Counter(event.numbers[0] for event in events if event.kind == Kind.RESTORE)
 
     def _new_player(self, core: str, *, sound: bool) -> Player:
         _check_core(core)

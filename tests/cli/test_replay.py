@@ -8,6 +8,7 @@ import pytest
 from replay_tools import record
 
 from atari.cli import main
+from atari.recording import Replay
 from atari.recording.replay_file import Writer, read
 
 
@@ -36,6 +37,7 @@ def test_show(capsys: pytest.CaptureFixture[str]) -> None:
     assert lines[1].startswith("  length    360 frames, 0:06.0, ")
     assert lines[2].startswith("  recorded  AtariEnv on core 'native', atari-envs ")
     assert "max_num_frames_per_episode=200" in lines[3]
+    assert lines[4] == f"  seeds     {', '.join(map(str, Replay.load('a.a26').seeds))}"
     assert lines[-3].split() == ["episode", "frames", "time", "score", "end"]
     assert [line.split()[:3] + line.split()[4:] for line in lines[-2:]] == [
         ["0", "200", "0:03.3", "truncated"],

@@ -64,7 +64,7 @@ def test_every_rule_of_ale_py(mode: str, game: Any, options: dict[str, Any], tmp
     envs = RecordVectorReplay(
         atari.AtariVectorEnv(game, 3, autoreset_mode=mode, num_threads=1, **options), tmp_path / "a.a26", index=1
     )
-    rams = play(envs, 150, 1)
+    rams = play(envs, 110, 1)
     envs.close()
     replay = check(tmp_path / "a.a26", rams)
     assert replay.header["source"] == "AtariEnv"
