@@ -60,18 +60,18 @@ class Palette:
         """Opacity, red, green, blue of each number."""
         self.colours[:, 0] = 255
         self._count = 0
-        self._numbers = np.full(1 << 24, -1, np.int16)  # by colour; the system gives memory for those used
+        self._numbers = np.zeros(1 << 24, np.uint16)  # by colour, and one more; the system gives memory for those used
 
     def numbers(self, picture: ByteArray) -> ByteArray:
         """(rows, columns) numbers of the colours of a picture (rows, columns, 3)."""
         red, green, blue = (picture[..., i].astype(np.int32) for i in range(3))
         codes = red << 16 | green << 8 | blue
         numbers = self._numbers[codes]
-        if (numbers < 0).any():
-            for code in np.unique(codes[numbers < 0]):
-                self._numbers[code] = self._add((code >> 16, code >> 8 & 255, code & 255))
+        if not numbers.all():
+            for code in np.unique(codes[numbers == 0]):
+                self._numbers[code] = 1 + self._add((code >> 16, code >> 8 & 255, code & 255))
             numbers = self._numbers[codes]
-        return np.asarray(numbers, np.uint8)
+        return np.asarray(numbers - 1, np.uint8)
 
     def _add(self, colour: tuple[int, int, int]) -> int:
         if self._count < 256:
