@@ -9,7 +9,7 @@ not followed; a video goes on with the screen that the reset ends with.
 import math
 import os
 import weakref
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -151,7 +151,8 @@ class RecordVectorVideo(VectorWrapper[Any, Any, Any, Any, Any], RecordConstructo
             self._next_episode()
         if (name := self._schedule.step_video()) is not None:
             self.start_recording(name)
-        self._catch_up()
+        if self.recording:
+            self._catch_up(self._followers)
         result = self.env.step(actions)
         _, _, terminations, truncations, info = result
         self._done = terminations | truncations
@@ -170,18 +171,19 @@ class RecordVectorVideo(VectorWrapper[Any, Any, Any, Any, Any], RecordConstructo
         if not self.recording:
             return
         moves = [follower.move(actions, bool(resets[follower.index]), info) for follower in self._followers]
-        for frame in range(max(1, *(move.frames for move in moves))):
+        self._catch_up(follower for follower, move in zip(self._followers, moves, strict=True) if not move.frames)
+        for frame in range(max(int(resets.any()), *(move.frames for move in moves))):
             for follower, move in zip(self._followers, moves, strict=True):
                 follower.play(move, frame)
             self._take(self._sounding.played)
         for follower in self._followers:
             follower.check()
-        self._catch_up()
+        self._catch_up(self._followers)
 
     def _film_resets(self) -> None:
         """Film where the environments are after a reset, in one picture."""
         if self.recording:
-            self._catch_up()
+            self._catch_up(self._followers)
             self._take(None)
 
     def _take(self, played: tuple[int, int] | None) -> None:
@@ -189,10 +191,8 @@ class RecordVectorVideo(VectorWrapper[Any, Any, Any, Any, Any], RecordConstructo
         picture = tile([follower.screen for follower in self._followers], self._columns)
         self._camera.take(self._sounding.core, action, reward, picture)
 
-    def _catch_up(self) -> None:
-        if not self.recording:
-            return
-        for follower in self._followers:
+    def _catch_up(self, followers: Iterable[Follower]) -> None:
+        for follower in followers:
             if follower.catch_up() and follower is self._sounding:
                 self._camera.begin_game()
 

@@ -120,6 +120,64 @@ def test_a_mosaic_shows_all_environments_in_step(tmp_path: Path) -> None:
         assert container.streams.audio[0].codec_context.name == "flac"
 
 
+@pytest.mark.parametrize("preset", [None, "dqn2015"])
+@pytest.mark.parametrize("first_only", [False, True])
+def test_over_episodes_each_step_ends_with_what_the_environments_show(
+    tmp_path: Path, preset: str | None, first_only: bool
+) -> None:
+    limit = {"preset": preset, "episodic_life": True} if preset else {"max_num_frames_per_episode": 30}
+    vector = AtariVectorEnv("breakout", 3, render_mode="rgb_array", **limit)
+    envs = film(
+        vector,
+        tmp_path,
+        record_first_only=first_only,
+        video_length=1000,
+        episode_trigger=lambda episode: episode == 0,
+    )
+    envs.reset(seed=0)
+    expected = {0: vector.render() or ()}
+    ends = 0
+    for i in range(60):
+        _, _, terminations, truncations, _ = envs.step(np.array([1, i % 4, 2]))
+        ends += int((terminations | truncations)[0])
+        expected[envs._camera.frames - 1] = vector.render() or ()
+    assert ends
+    envs.close()
+    read = pictures(tmp_path / "videos" / "rl-video-episode-0.mkv")
+    assert len(read) == max(expected) + 1
+    for i, screens in expected.items():
+        picture = screens[0] if first_only else tile(screens, envs._columns)
+        assert np.array_equal(read[i], picture.repeat(2, axis=1))
+
+
+def test_a_new_episodes_video_begins_with_its_first_screen(tmp_path: Path) -> None:
+    for mode in (AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP):
+        vector = AtariVectorEnv(
+            "seaquest", 2, max_num_frames_per_episode=30, autoreset_mode=mode, render_mode="rgb_array"
+        )
+        envs = film(vector, tmp_path, record_first_only=True, name_prefix=mode.value)
+        envs.reset(seed=0)
+        while envs.episode_id == 0:
+            envs.step(np.array([3, 4]))
+        (first, _) = vector.render() or ()
+        envs.step(np.array([3, 4]))
+        envs.close()
+        read = pictures(tmp_path / "videos" / f"{mode.value}-episode-1.mkv")
+        assert len(read) == 5
+        assert np.array_equal(read[0], first.repeat(2, axis=1))
+        assert len(pictures(tmp_path / "videos" / f"{mode.value}-episode-0.mkv")) == 1 + 30
+
+
+def test_ended_environments_that_wait_for_a_reset_are_not_filmed(tmp_path: Path) -> None:
+    vector = AtariVectorEnv("pong", 1, max_num_frames_per_episode=6, autoreset_mode=AutoresetMode.DISABLED)
+    envs = film(vector, tmp_path)
+    envs.reset(seed=0)
+    for _ in range(5):
+        envs.step(np.array([2]))
+    envs.close()
+    assert len(pictures(tmp_path / "videos" / "rl-video-episode-0.mkv")) == 1 + 6
+
+
 @pytest.mark.parametrize(
     ("count", "ratio", "shape"),
     [
