@@ -155,17 +155,17 @@ def test_a_new_episodes_video_begins_with_its_first_screen(tmp_path: Path) -> No
         vector = AtariVectorEnv(
             "seaquest", 2, max_num_frames_per_episode=30, autoreset_mode=mode, render_mode="rgb_array"
         )
-        envs = film(vector, tmp_path, record_first_only=True, name_prefix=mode.value)
+        envs = film(vector, tmp_path / mode.value, record_first_only=True)
         envs.reset(seed=0)
         while envs.episode_id == 0:
             envs.step(np.array([3, 4]))
         (first, _) = vector.render() or ()
         envs.step(np.array([3, 4]))
         envs.close()
-        read = pictures(tmp_path / "videos" / f"{mode.value}-episode-1.mkv")
+        read = pictures(tmp_path / mode.value / "videos" / "rl-video-episode-1.mkv")
         assert len(read) == 5
         assert np.array_equal(read[0], first.repeat(2, axis=1))
-        assert len(pictures(tmp_path / "videos" / f"{mode.value}-episode-0.mkv")) == 1 + 30
+        assert len(pictures(tmp_path / mode.value / "videos" / "rl-video-episode-0.mkv")) == 1 + 30
 
 
 def test_ended_environments_that_wait_for_a_reset_are_not_filmed(tmp_path: Path) -> None:
