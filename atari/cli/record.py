@@ -64,6 +64,7 @@ def _record(args: argparse.Namespace) -> int:
         inner = env.unwrapped
         policy = _policy(args.policy, env)
         outputs = args.output or [Path("videos", f"{inner.game.id}-{args.seed}.mp4")]
+        _check_endings(outputs)
         score_board = ScoreBoard()
         inner.observers.append(score_board)
         for path in outputs:
@@ -192,6 +193,13 @@ def _policy(name: str, env: Any) -> Policy:
     if not callable(policy):
         raise ValueError(f"--policy {name} must be a function of an observation, got {policy!r}")
     return policy  # type: ignore[no-any-return]
+
+
+def _check_endings(outputs: list[Path]) -> None:
+    endings = (*FORMATS, ".a26")
+    for path in outputs:
+        if path.suffix.lower() not in endings:
+            raise ValueError(f"-o is a file that ends in one of {', '.join(endings)}, got {str(path)!r}")
 
 
 def _video(path: Path, env: AtariEnv, args: argparse.Namespace) -> VideoWriter:

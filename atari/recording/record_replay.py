@@ -43,7 +43,8 @@ class RecordReplay(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs)
     def __init__(self, env: gymnasium.Env[Any, Any], path: str | PathLike[str]) -> None:
         inner = env.unwrapped
         if not isinstance(inner, AtariEnv):
-            raise TypeError(f"RecordReplay records an atari.AtariEnv, got {type(inner).__name__}")
+            hint = "; for an atari.AtariVectorEnv there is RecordVectorReplay" if hasattr(inner, "num_envs") else ""
+            raise TypeError(f"RecordReplay records an atari.AtariEnv, got {type(inner).__name__}{hint}")
         if isinstance(inner.core, RecordedCore):
             raise ValueError("this environment is being recorded already; close that RecordReplay first")
         RecordConstructorArgs.__init__(self, path=path)
