@@ -446,7 +446,7 @@ def test_stopping_lets_the_game_go_on(tmp_path: Path) -> None:
 def test_wrong_uses(tmp_path: Path) -> None:
     with pytest.raises(TypeError, match=r"records an atari\.AtariEnv, got CartPoleEnv"):
         RecordReplay(gymnasium.make("CartPole-v1"), tmp_path / "a.a26")
-    with pytest.raises(TypeError, match="got AtariVectorEnv; for an .* there is RecordVectorReplay"):
+    with pytest.raises(TypeError, match=r"got AtariVectorEnv; for an .* there is RecordVectorReplay"):
         RecordReplay(atari.AtariVectorEnv("pong", 1), tmp_path / "a.a26")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="must end in"):
         RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.mp4")
