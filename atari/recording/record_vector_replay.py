@@ -108,7 +108,7 @@ class RecordVectorReplay(VectorWrapper):
             self.stop()
             raise RuntimeError(
                 f"environment {self._index} is not where its recording is; was its RAM, mode or state set from "
-                f"outside? {self.path} ends before this step"
+                f"outside, or its action changed by a wrapper beneath this one? {self.path} ends before this step"
             )
 
 
