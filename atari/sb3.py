@@ -24,7 +24,7 @@ try:
     from stable_baselines3.common.vec_env import VecEnv
 except ImportError:
     raise gymnasium.error.DependencyNotInstalled(
-        "atari.sb3 needs Stable-Baselines3: pip install stable-baselines3"
+        "atari.sb3 needs Stable-Baselines3: pip install 'atari-envs[sb3]'"
     ) from None
 
 Indices = int | Sequence[int] | None

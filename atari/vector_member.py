@@ -72,7 +72,7 @@ class Member:
         """
         if core.game != self.game:
             raise ValueError(f"this environment plays {self.game.id}, but the core {core.game.id}; make one of this")
-        core.load(self._engine.save(self.index)[1:][: len(core.save())])  # a flag, the emulator, what is around it
+        core.load(self._engine().save(self.index)[1:][: len(core.save())])  # a flag, the emulator, what is around it
 
     def screen_rgb(self) -> ByteArray:
         """The screen, (height, 160, 3)."""

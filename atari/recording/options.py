@@ -26,12 +26,21 @@ class VideoOptions:
     shape: tuple[int, int, int]  # of a screen
     rate: Fraction
     scale: int
+    pixel_aspect: tuple[int, int]
     sound: bool
     caption_lines: int
 
     @classmethod
     def check(
-        cls, path: str | PathLike[str], size: Any, fps: Any, *, scale: Any, sound: Any, caption_lines: Any
+        cls,
+        path: str | PathLike[str],
+        size: Any,
+        fps: Any,
+        *,
+        scale: Any,
+        sound: Any,
+        caption_lines: Any,
+        pixel_aspect: Any = (2, 1),
     ) -> "VideoOptions":
         """Check options given by a user."""
         format = _check_format(Path(path))
@@ -39,6 +48,9 @@ class VideoOptions:
             raise ValueError(f"{format.name} has no sound; write it with sound=False")
         if not isinstance(size, (tuple, list)) or len(size) != 2:
             raise TypeError(f"size is (rows, columns) of the screens, got {size!r}")
+        if not isinstance(pixel_aspect, (tuple, list)) or len(pixel_aspect) != 2:
+            raise TypeError(f"pixel_aspect is (columns, rows) of a pixel, such as (1, 1), got {pixel_aspect!r}")
+        across, down = (check_integer("a side of pixel_aspect", side, 1, 16) for side in pixel_aspect)
         rows, columns = (check_integer("a side of size", side, 1, format.limit) for side in size)
         options = cls(
             path=Path(path),
@@ -46,10 +58,11 @@ class VideoOptions:
             shape=(rows, columns, 3),
             rate=_check_rate(fps),
             scale=check_integer("scale", scale, 1, 16),
+            pixel_aspect=(across, down),
             sound=bool(sound),
             caption_lines=check_integer("caption_lines", caption_lines, 0, 1000),
         )
-        if options.height % format.multiple or max(options.width, options.height) > format.limit:
+        if any(side % format.multiple or side > format.limit for side in (options.width, options.height)):
             sides = "even sides" if format.multiple == 2 else "sides"
             raise ValueError(
                 f"the video would be {options.width}x{options.height}, but {format.name} needs {sides} up to "
@@ -60,12 +73,12 @@ class VideoOptions:
     @property
     def width(self) -> int:
         """Columns of the video."""
-        return 2 * self.scale * self.shape[1]
+        return self.pixel_aspect[0] * self.scale * self.shape[1]
 
     @property
     def height(self) -> int:
         """Rows of the video."""
-        return self.scale * self.shape[0] + self.caption_lines * line_height(self.scale)
+        return self.pixel_aspect[1] * self.scale * self.shape[0] + self.caption_lines * line_height(self.scale)
 
 
 def _check_format(path: Path) -> Format:

@@ -9,10 +9,10 @@ import numpy.typing as npt
 from atari.cores import ByteArray
 
 
-def enlarge(rgb: ByteArray, scale: int) -> ByteArray:
-    """Each pixel as a block of `scale` rows and `2 * scale` columns: the console's pixels are twice as wide as high."""
+def enlarge(rgb: ByteArray, across: int, down: int) -> ByteArray:
+    """Each pixel as a block of `across` columns and `down` rows."""
     rows, columns = rgb.shape[:2]
-    size = (2 * scale * columns, scale * rows)
+    size = (across * columns, down * rows)
     return np.asarray(cv2.resize(rgb, size, interpolation=cv2.INTER_NEAREST), np.uint8)
 
 

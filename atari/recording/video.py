@@ -65,6 +65,7 @@ class VideoWriter:
         fps: screens a second, such as `frame_rate(game)`.
         scale: a pixel of the screen becomes `2 * scale` columns and `scale` rows of the video. MP4 and WebM store
             colours for blocks of 2 x 2, so with an odd scale the colours of neighbouring rows mix at edges.
+        pixel_aspect: (columns, rows) of a pixel at scale 1: (2, 1) on this console; other environments have (1, 1).
         sound: the video has a sound track. Each screen's samples last as long as the screen, so `fps` must be that
             of emulated frames, not of steps.
         caption_lines: lines of text beneath the picture, `8 * scale` rows each, for the captions given to `write`.
@@ -85,10 +86,13 @@ class VideoWriter:
         fps: Fraction | float,
         *,
         scale: int = 2,
+        pixel_aspect: tuple[int, int] = (2, 1),
         sound: bool = False,
         caption_lines: int = 0,
     ) -> None:
-        options = VideoOptions.check(path, size, fps, scale=scale, sound=sound, caption_lines=caption_lines)
+        options = VideoOptions.check(
+            path, size, fps, scale=scale, pixel_aspect=pixel_aspect, sound=sound, caption_lines=caption_lines
+        )
         self._options = options
         self.path = options.path
         self.sound = options.sound
@@ -115,7 +119,7 @@ class VideoWriter:
         scale, lines = self._options.scale, self._options.caption_lines
         picture = np.ascontiguousarray(rgb)
         if lines or not self._options.format.enlarges:
-            picture = enlarge(picture, scale)
+            picture = enlarge(picture, *(scale * side for side in self._options.pixel_aspect))
         if lines:
             picture = add_caption(picture, caption, lines, scale)
         try:

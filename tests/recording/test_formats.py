@@ -159,8 +159,8 @@ def test_the_characters_of_captions_differ_and_keep_to_their_places(scale: int) 
 def test_enlarging_repeats_pixels() -> None:
     screen = np.random.default_rng(0).integers(0, 256, (7, 5, 3), np.uint8)
     for scale in (1, 2, 5):
-        assert np.array_equal(enlarge(screen, scale), enlarged(screen, scale))
-    assert np.array_equal(enlarge(screen[:, ::-1], 2), enlarged(screen[:, ::-1], 2))
+        assert np.array_equal(enlarge(screen, 2 * scale, scale), enlarged(screen, scale))
+    assert np.array_equal(enlarge(screen[:, ::-1], 4, 2), enlarged(screen[:, ::-1], 2))
 
 
 @pytest.mark.parametrize("suffix", [*SOUNDING, "gif"])

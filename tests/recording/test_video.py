@@ -75,6 +75,18 @@ def test_any_rate_is_kept_exactly(tmp_path: Path, fps: Any, expected: Any) -> No
         assert container.streams.video[0].average_rate == expected
 
 
+def test_pixels_can_be_square(tmp_path: Path) -> None:
+    path = tmp_path / "a.mp4"
+    with VideoWriter(path, (40, 60), 30, scale=1, pixel_aspect=(1, 1)) as video:
+        video.write(np.zeros((40, 60, 3), np.uint8))
+    with av.open(str(path)) as container:
+        assert (container.streams.video[0].width, container.streams.video[0].height) == (60, 40)
+    with pytest.raises(ValueError, match="the video would be 61x40, but MP4 .* needs even sides"):
+        VideoWriter(path, (40, 61), 30, scale=1, pixel_aspect=(1, 1))
+    with pytest.raises(TypeError, match=r"pixel_aspect is \(columns, rows\)"):
+        VideoWriter(path, (40, 60), 30, pixel_aspect=2)  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize("scale", [2, 4, 6])
 def test_each_pixel_of_a_game_becomes_a_block_of_its_colour(tmp_path: Path, scale: int) -> None:
     core = AleCore("seaquest", seed=1)
