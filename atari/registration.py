@@ -125,14 +125,14 @@ def make(game_or_id: str, *, preset: str | None = None, **options: Any) -> gymna
     """Make an environment of a game or a registered ID, as `gymnasium.make` would.
 
     Args:
-        game_or_id: a game ("breakout", which means "ALE/Breakout-v5") or an ID ("Breakout-ram-v4").
+        game_or_id: a game ("breakout", which means "ALE/Breakout-v5") or an ID of this package ("Breakout-ram-v4").
         preset: name of a preprocessing, such as "dqn2015" (see `atari.wrappers.preset`); the options of the
             environment that it prescribes are set, unless given.
         **options: those of `AtariEnv`, and those of `gymnasium.make`, such as `max_episode_steps`.
 
     Raises:
         gymnasium.error.NameNotFound: no such ID; the text suggests the right one.
-        ValueError: no such game; the text suggests the nearest.
+        ValueError: no such game; the text suggests the nearest. Or a preset for what is no Atari game.
     """
     if not isinstance(game_or_id, str):
         raise TypeError(f"make() takes a game ('breakout') or an ID ('ALE/Breakout-v5'), got {game_or_id!r}")
@@ -140,11 +140,13 @@ def make(game_or_id: str, *, preset: str | None = None, **options: Any) -> gymna
         env_id = f"ALE/{stem(games.find(game_or_id).id)}-v5"
     else:
         registered = gymnasium.registry.get(game_or_id)
-        if registered is None or registered.entry_point != _ENTRY_POINT:
+        if registered is None or not str(registered.entry_point).startswith("atari."):
             resolve(game_or_id)
         env_id = game_or_id
     if preset is None:
         return gymnasium.make(env_id, **options)
+    if gymnasium.registry[env_id].entry_point != _ENTRY_POINT:
+        raise ValueError(f"a preset is for Atari games, and {env_id!r} is none; make it without preset={preset!r}")
     from atari import wrappers  # here, because it takes OpenCV along
 
     env = gymnasium.make(env_id, **{**wrappers.preset_options(preset), **options})

@@ -11,6 +11,18 @@ from atari.game import Game
 _SCALE = 3
 
 
+def open_display(pygame: Any) -> None:
+    """Start pygame's display.
+
+    Raises:
+        pygame.error: there is none. SDL then falls back to drawing where nobody sees it, unless that is asked for.
+    """
+    pygame.display.init()
+    if pygame.display.get_driver() == "offscreen" and os.environ.get("SDL_VIDEODRIVER") != "offscreen":
+        pygame.display.quit()
+        raise pygame.error("SDL found none and would draw where nobody sees it")
+
+
 class Window:
     """A window that shows the screen of a game at its own speed, with the console's 2:1 pixels.
 
@@ -31,7 +43,7 @@ class Window:
         self._pygame: Any = pygame
         size = (2 * game.screen.width * _SCALE // 2, game.screen.height * _SCALE // 2)
         try:
-            pygame.display.init()
+            open_display(pygame)
             self._surface = pygame.display.set_mode(size)
         except pygame.error as error:
             raise gymnasium.error.Error(

@@ -7,6 +7,7 @@ import gymnasium
 
 from atari.cores import ByteArray
 from atari.game import Game
+from atari.rendering import open_display
 
 _TEXT_HEIGHT = 24
 
@@ -45,9 +46,7 @@ class GameWindow:
         rows, columns = game.screen.shape
         self._size = (2 * scale * columns, scale * rows)
         try:
-            pygame.display.init()
-            if pygame.display.get_driver() == "offscreen" and os.environ.get("SDL_VIDEODRIVER") != "offscreen":
-                raise pygame.error("SDL found none and would draw where nobody sees it")
+            open_display(pygame)
             self._set_mode(full_screen)
         except pygame.error as error:
             pygame.display.quit()

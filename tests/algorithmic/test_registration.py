@@ -8,6 +8,7 @@ import pytest
 from gymnasium import spaces
 from gymnasium.utils.env_checker import check_env
 
+import atari
 from atari import algorithmic, classic
 
 TASKS = {
@@ -81,3 +82,9 @@ def test_registering_again_is_silent() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         algorithmic.register_all()
+
+
+def test_atari_make_knows_them_but_not_with_a_preset() -> None:
+    assert isinstance(atari.make("Copy-v0").unwrapped, algorithmic.CopyEnv)
+    with pytest.raises(ValueError, match="a preset is for Atari games, and 'Copy-v0' is none"):
+        atari.make("Copy-v0", preset="dqn2015")

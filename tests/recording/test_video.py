@@ -81,7 +81,7 @@ def test_pixels_can_be_square(tmp_path: Path) -> None:
         video.write(np.zeros((40, 60, 3), np.uint8))
     with av.open(str(path)) as container:
         assert (container.streams.video[0].width, container.streams.video[0].height) == (60, 40)
-    with pytest.raises(ValueError, match="the video would be 61x40, but MP4 .* needs even sides"):
+    with pytest.raises(ValueError, match=r"the video would be 61x40, but MP4 .* needs even sides"):
         VideoWriter(path, (40, 61), 30, scale=1, pixel_aspect=(1, 1))
     with pytest.raises(TypeError, match=r"pixel_aspect is \(columns, rows\)"):
         VideoWriter(path, (40, 60), 30, pixel_aspect=2)  # type: ignore[arg-type]
