@@ -80,8 +80,10 @@ void View::end(int left, bool ended) {
     if (!planes_) return;
     const bool pools = std::exchange(early_noted_, false);
     if (left == 0 && !(ended && settings_.end_frames == EndFrames::kGymnasium)) {
-        if (!late_.empty()) std::copy_n(current(), late_.size(), late_.begin());
-        return show(pools ? early() : current(), current());
+        // In the order in which they were played: nearer pictures have more lines in common, which are not drawn again.
+        const Index first = pools ? early() : current(), last = current();
+        if (!late_.empty()) std::copy_n(last, late_.size(), late_.begin());
+        return show(first, last);
     }
     switch (settings_.end_frames) {
         case EndFrames::kLast:
