@@ -1,7 +1,7 @@
 """`atari demo`: a random agent plays a game on the preprocessing of DQN, and a video of it is written.
 
 The agent sees what a DQN sees, four 84x84 screens a step; the video shows what the console draws, every emulated
-frame of it. A spectator between the environment and its core sees both the frames that are skipped and the true score.
+frame of it, with its sound. A spectator sees both the frames that are skipped and the true score.
 """
 
 import argparse
@@ -20,7 +20,7 @@ from tqdm import tqdm
 import atari
 from atari.catalog import games
 from atari.cli.command import add_command, ctrl_c_noticed, number, print_json
-from atari.cores import Core
+from atari.env import AtariEnv
 from atari.game import Game
 from atari.recording import VideoWriter, frame_rate
 
@@ -54,7 +54,10 @@ def _demo(args: argparse.Namespace) -> int:
     output = None if args.no_video else args.output or Path("videos", f"{game.id}-{args.seed}.mp4")
     env: Any = atari.make(game.id, preset=_PRESET)
     with closing(env), ctrl_c_noticed() as interrupted, _open_video(output, game) as video:
-        env.unwrapped.core = spectator = _Spectator(env.unwrapped.core, video)
+        if video is not None:
+            env.unwrapped.make_sound()
+        spectator = _Spectator(env.unwrapped, video)
+        env.unwrapped.observers.append(spectator)
         env.action_space.seed(args.seed)
         env.reset(seed=args.seed)
         start = time.perf_counter()
@@ -91,37 +94,32 @@ def _play(env: gymnasium.Env[Any, Any], steps: int, interrupted: Event) -> int:
 
 
 class _Spectator:
-    """A core that is watched while it is played: it counts frames and points and shows each frame to a video."""
+    """Counts frames and points, and has each frame filmed."""
 
-    def __init__(self, core: Core, video: VideoWriter | None) -> None:
-        self._core = core
+    def __init__(self, env: AtariEnv, video: VideoWriter | None) -> None:
+        self._env = env
         self._video = video
         self.frames = 0
         self.scores: list[int] = []  # of each game, the last of which may be unfinished
 
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._core, name)
-
-    def reset(self) -> None:
-        self._core.reset()
+    def game_begun(self) -> None:
+        """Begin a new score."""
         self.scores.append(0)
 
-    def act(self, action: int, strength: float = 1.0) -> int:
-        before = self._core.frame_number
-        reward = self._core.act(action, strength)
-        if self._core.frame_number != before:  # nothing is played after the end
-            self.frames += 1
-            self.scores[-1] += reward
-            if self._video is not None:
-                self._video.write(self._core.screen_rgb())
-        return reward
+    def frame_played(self, action: int, reward: int) -> None:
+        """Count a frame, and film it."""
+        self.frames += 1
+        self.scores[-1] += reward
+        if self._video is not None:
+            core = self._env.core
+            self._video.write(core.screen_rgb(), core.audio())
 
 
 def _open_video(output: Path | None, game: Game) -> AbstractContextManager[VideoWriter | None]:
     if output is None:
         return nullcontext()
     try:
-        return VideoWriter(output, game.screen.shape, frame_rate(game))
+        return VideoWriter(output, game.screen.shape, frame_rate(game), sound=True)
     except gymnasium.error.DependencyNotInstalled as error:
         raise gymnasium.error.DependencyNotInstalled(f"{error}; or play without a video: --no-video") from None
 

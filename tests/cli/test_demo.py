@@ -16,7 +16,6 @@ import pytest
 import atari
 from atari.cli import main
 from atari.cli.demo import _Spectator
-from atari.cores import AleCore
 from atari.recording import VideoWriter, frame_rate
 
 
@@ -47,8 +46,8 @@ def test_writes_a_video_of_breakout_and_says_where(folder: Path, capsys: pytest.
     assert re.search(r"speed   [\d,]+ steps/s, [\d,]+ frames/s", captured.out)
     assert "27 of 30 steps" in captured.err
     with av.open(str(path)) as container:
-        (stream,) = container.streams
-        assert stream.codec_context.name == "h264"
+        stream, sound = container.streams
+        assert (stream.codec_context.name, sound.codec_context.name) == ("h264", "aac")
         assert (stream.width, stream.height) == (640, 420)
         assert stream.average_rate == frame_rate(atari.games["breakout"])
 
@@ -104,14 +103,15 @@ def test_no_video_makes_no_file(folder: Path, capsys: pytest.CaptureFixture[str]
 
 
 def test_the_spectator_films_what_is_played_and_nothing_after_the_end(folder: Path) -> None:
-    core = AleCore("breakout", max_num_frames_per_episode=6)
-    with VideoWriter(folder / "a.mp4", core.game.screen.shape, 60) as video:
-        spectator = _Spectator(core, video)
-        spectator.reset()
-        assert [spectator.act(1) for _ in range(9)] == [0] * 9
+    env = atari.AtariEnv("breakout", core="ale", max_num_frames_per_episode=6)
+    env.make_sound()
+    with VideoWriter(folder / "a.mp4", env.game.screen.shape, 60, sound=True) as video:
+        spectator = _Spectator(env, video)
+        env.observers.append(spectator)
+        env.reset(seed=0)
+        assert env.play_frames(1, 9) == 0
     assert (spectator.frames, video.frames, spectator.scores) == (6, 6, [0])
-    assert spectator.truncated
-    assert np.array_equal(spectator.ram(), core.ram())
+    assert env.core.truncated
 
 
 @pytest.mark.parametrize(
