@@ -37,23 +37,6 @@ constexpr auto kPairsWith = [] {
     return table;
 }();
 
-// How far each motion nibble moves an object, by the cycle of the line that HMOVE is written in.
-constexpr auto kMotion = [] {
-    std::array<std::array<int8_t, 16>, 76> table{};
-    for (int cycle = 0; cycle < 76; ++cycle)
-        for (int nibble = 0; nibble < 16; ++nibble)
-            table[static_cast<size_t>(cycle)][static_cast<size_t>(nibble)] = static_cast<int8_t>(motion(cycle, nibble));
-    return table;
-}();
-
-// The delays of writes, by the two low bits of the cycle.
-constexpr auto kDelays = [] {
-    std::array<std::array<uint8_t, 4>, 64> table{};
-    for (uint8_t reg = 0; reg < 64; ++reg)
-        for (uint32_t cycle = 0; cycle < 4; ++cycle) table[reg][cycle] = static_cast<uint8_t>(write_delay(reg, cycle));
-    return table;
-}();
-
 // The pair of each latch.
 constexpr auto kPairOf = [] {
     std::array<Pair, 16> table{};
@@ -103,18 +86,23 @@ void Beam::reach(int32_t clock) {
 
 const Write* Beam::draw_line(const Write* first, const Write* last, int32_t line_end) {
     Tia& t = t_;
-    involved_ = enabled_;
-    if (t.enabl || t.old_enabl) involved_ |= bit_of(kBL);  // which VDELBL hides or shows
+    begin_line();
     int32_t pending = t.pending;
     const Write* write = first;
-    for (; write != last && static_cast<int32_t>(3 * write->cycle) < line_end; ++write) apply_one<kPixels>(t, *write, pending);
+    for (; write != last && static_cast<int32_t>(3 * write->cycle) < line_end; ++write)
+        apply_one<kPixels>(t, *write, pending);
     t.pending = pending;
     reach(line_end);
     return write;
 }
 
-void Beam::repeat_row() {
+void Beam::begin_line() {
     involved_ = enabled_;
+    if (t_.enabl || t_.old_enabl) involved_ |= bit_of(kBL);  // which VDELBL hides or shows
+}
+
+void Beam::repeat_row() {
+    begin_line();
     std::memcpy(row_ + kScreenWidth, row_, kScreenWidth);
     row_ += kScreenWidth;
     line_end_ += 228;

@@ -83,6 +83,7 @@ class Beam {
     void go_to(int32_t target);
     template <Work work>
     void line_part(int32_t line_end, int32_t until);
+    void begin_line();
     void end_line();
     int32_t line_end() const;
     bool blank_is_over() const;

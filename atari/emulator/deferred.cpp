@@ -36,7 +36,9 @@ bool Console::run_deferred() {
 void Console::begin_log() {
     Tia& t = m_.tia;
     log_ = 0;
-    const auto is_needed = [&](int log) { return log == owed_[0] || log == owed_[1] || log == last_log_ || logs_[log].writes == line_cache_->log(); };
+    const auto is_needed = [&](int log) {
+        return log == owed_[0] || log == owed_[1] || log == last_log_ || logs_[log].writes == line_cache_->log();
+    };
     while (is_needed(log_)) ++log_;
     FrameLog& log = logs_[log_];
     log.start = t;

@@ -28,6 +28,14 @@ constexpr uint32_t write_delay(uint8_t reg, uint32_t cycle_in_line) {
     }
 }
 
+// The same by the two low bits of the cycle, in a table.
+inline constexpr auto kDelays = [] {
+    std::array<std::array<uint8_t, 4>, 64> table{};
+    for (uint8_t reg = 0; reg < 64; ++reg)
+        for (uint32_t cycle = 0; cycle < 4; ++cycle) table[reg][cycle] = static_cast<uint8_t>(write_delay(reg, cycle));
+    return table;
+}();
+
 // How far HMOVE moves an object, by the cycle of the line it is written in and the object's motion nibble.
 constexpr int motion(int cycle, int nibble) {
     constexpr int8_t kFloor[17] = {-6, -5, -5, -4, -3, -2, -2, -1, 0, 1, 1, 2, 3, 4, 4, 5, 6};
@@ -38,6 +46,16 @@ constexpr int motion(int cycle, int nibble) {
     if (cycle <= 54) return 0;
     return std::min(0, normal + kOffset[cycle - 55]);
 }
+
+// The same in a table.
+inline constexpr auto kMotion = [] {
+    std::array<std::array<int8_t, 16>, 76> table{};
+    for (int cycle = 0; cycle < 76; ++cycle)
+        for (int nibble = 0; nibble < 16; ++nibble)
+            table[static_cast<std::size_t>(cycle)][static_cast<std::size_t>(nibble)] =
+                static_cast<int8_t>(motion(cycle, nibble));
+    return table;
+}();
 
 inline uint8_t wrapped(int position) { return static_cast<uint8_t>((position % 160 + 160) % 160); }
 

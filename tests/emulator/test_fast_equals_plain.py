@@ -196,6 +196,15 @@ def test_pictures_that_change(batch: int) -> None:
         play(wild_programs.changing_picture(rng), "4K", f"changing_picture {seed}", rng, rounds=6, travels=0.3)
 
 
+@pytest.mark.parametrize("batch", range(6))
+def test_pictures_of_which_little_changes(batch: int) -> None:
+    """Lines that are as in the picture drawn last are not drawn again, and what is not shown may differ."""
+    for seed in range(40 * batch, 40 * batch + 40):
+        rng = random.Random(seed)
+        image = wild_programs.nearly_still(rng)
+        play(image, "4K", f"nearly_still {seed}", rng, rounds=16, pokes=0.8, resets=0, looks=0.8, travels=0.01)
+
+
 @pytest.mark.parametrize("batch", range(4))
 def test_stars_in_motion(batch: int) -> None:
     for seed in range(15 * batch, 15 * batch + 15):

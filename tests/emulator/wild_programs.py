@@ -238,6 +238,27 @@ def changing_picture(rng: random.Random) -> bytes:
     return code.image(again)
 
 
+def nearly_still(rng: random.Random) -> bytes:
+    """A picture that every frame makes in the same way from the same bytes of RAM: it changes only where one of them is
+    changed from outside. Most lines have no writes."""
+    code = Code()
+    code.emit(0x78, 0xD8, 0xA2, 0xFF, 0x9A)
+    again = len(code.bytes)
+    code.begin_frame()
+    favourites = rng.choice((SHOWN, SHOWN, [W.ENABL, W.VDELBL, W.GRP1, W.RESBL], [*OBJECTS, *STROBES]))
+    lines = 0
+    for block in range(rng.randrange(3, 9)):
+        for _ in range(rng.randrange(3, 20) if block == 0 else rng.randrange(4)):
+            code.emit(*[0xEA] * rng.randrange(4), 0xA5, rng.randrange(0x80, 0x100), 0x85, rng.choice(favourites))
+            if rng.random() < 0.3:
+                code.emit(0x85, W.WSYNC)
+        wait = rng.choice((1, 2, 3, 20, 60))
+        code.emit(0xA2, wait, 0x85, W.WSYNC, 0xCA, 0xD0, 0xFB)
+        lines += wait
+    code.emit(0xA2, max(1, 250 - lines), 0x85, W.WSYNC, 0xCA, 0xD0, 0xFB)
+    return code.image(again)
+
+
 def sometimes(code: Code, rng: random.Random, part: Ingredient) -> None:
     """In every frame, or if some bits of the number of the frame are set, or if none of them is."""
     made = part(rng)
