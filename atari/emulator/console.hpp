@@ -8,11 +8,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <vector>
 
-#include "beam.hpp"
 #include "cartridge.hpp"
+#include "collider.hpp"
 #include "masks.hpp"
 #include "random.hpp"
 #include "line_cache.hpp"
@@ -48,8 +49,8 @@ struct ConsoleConfig {
 inline constexpr uint32_t kCyclesBelowLimit = 2 * kInstructionLimit;
 
 // A frame ends with its first write to the TIA behind line 342, and BRK, which writes three bytes, takes 7 cycles:
-// no more writes than this need to be kept.
-inline constexpr int kLogSize = 344 * 76 * 3 / 7 + 16;
+// no more writes than this need to be kept, two of its three with a note that they come at the same time.
+inline constexpr int kLogSize = 344 * 76 * 5 / 7 + 16;
 
 // The writes of a frame, with the TIA as it was at its beginning: all that is needed to draw it.
 struct FrameLog {
@@ -67,6 +68,14 @@ struct Written {
     uint8_t reg[64];
     uint8_t old_grp0, old_grp1, old_enabl;  // values of GRP0, GRP1 and ENABL that the delayed copies have
     bool mirror_changed;  // CTRLPF's bit 0, in this frame or without effect so far
+
+    // No object has a motion for HMOVE.
+    bool still() const {
+        uint32_t players_and_missiles;
+        std::memcpy(&players_and_missiles, reg + HMP0, 4);
+        return !(players_and_missiles & 0xf0f0f0f0) && !(reg[HMBL] & 0xf0);
+    }
+    uint16_t beside_grp1() const { return static_cast<uint16_t>(old_grp0 | (old_enabl & 2) << 7); }
 };
 
 // A console's whole state, copied in memory as it is: pictures that have not been drawn yet as their logs.
@@ -298,7 +307,7 @@ class Console {
     int log_ = 0;                       // the one in use
     int last_log_ = -1;                 // that of the frame before, if it had one
     int owed_[2] = {-1, -1};            // by picture: the log that is still to be drawn into it, or -1
-    Beam beam_{m_.tia, config_};
+    Collider collider_{m_.tia, config_};
     std::unique_ptr<LineCache> line_cache_;  // draws
     const Write* applied_ = nullptr;          // up to here the TIA's state contains the log
     const Write* collisions_from_ = nullptr;  // the last CXCLR, or the beginning of the log

@@ -48,7 +48,7 @@ void Console::begin_log() {
     overlong_ = first_cycle_ + 76 * (config_.pal ? 343 : 291);
     watched_latches_ = cleared_ ? read_latches_ : 0xffff;
     cleared_ = false;
-    beam_.begin(Beam::kCollisions, watched_latches_, nullptr);
+    collider_.begin(watched_latches_);
     if (open_log_ < 0 && watched_latches_ != 0xffff) {
         open_log_ = log_;
         open_from_ = log.writes;
@@ -81,8 +81,9 @@ void Console::end_log() {
     Tia& t = m_.tia;
     FrameLog& log = logs_[log_];
     log.size = static_cast<int>(log_end_ - log.writes);
-    apply_kept(end_clock_);
-    beam_.finish();
+    // A frame that is too long ends at a write, which may show a little later.
+    apply_kept(log.size > 0 ? std::max(end_clock_, shown_at(log_end_[-1], first_cycle_)) : end_clock_);
+    collider_.finish();
     for (int object = kP0; object <= kBL; ++object) t.hm[object] = written_.reg[HMP0 + object] >> 4;
     log.reached = t.pending;
     // In front of the last line a blank may reach further.
@@ -97,9 +98,9 @@ void Console::end_log() {
 
 // Brings the state of the TIA up to an access at a clock.
 void Console::apply_kept(int32_t clock) {
-    beam_.apply(applied_, log_end_, collisions_from_);
+    collider_.apply(applied_, log_end_, collisions_from_);
     applied_ = log_end_;
-    beam_.reach(clock);
+    collider_.reach(clock);
 }
 
 // The two latches of a read register.
@@ -110,7 +111,7 @@ void Console::read_latches(int reg) {
     if (!(latches & ~watched_latches_)) return;
     settle_latches();
     watched_latches_ |= latches;
-    beam_.watch(watched_latches_);
+    collider_.watch(watched_latches_);
     open_log_ = log_;
     open_from_ = log_end_;
 }
@@ -128,11 +129,11 @@ void Console::settle_latches() {
         Tia tia = log.start;
         tia.collisions = 0;
         tia.pending = tia.draw_start;
-        Beam beam(tia, config_);
-        beam.begin(Beam::kCollisions, ~watched_latches_ & 0xffff, nullptr);
+        Collider collider(tia, config_);
+        collider.begin(~watched_latches_ & 0xffff);
         const Write* end = running ? log_end_ : log.writes + log.size;
-        beam.apply(log.writes, end, number == open_log_ ? open_from_ : log.writes);
-        beam.reach(running ? m_.tia.pending : log.reached);
+        collider.apply(log.writes, end, number == open_log_ ? open_from_ : log.writes);
+        collider.reach(running ? m_.tia.pending : log.reached);
         found |= tia.collisions;
     }
     m_.tia.collisions = static_cast<uint16_t>(m_.tia.collisions | found);
@@ -228,7 +229,6 @@ void Console::keep_write(uint8_t reg, uint8_t value) {
             break;
         }
         case HMCLR: std::fill_n(w.reg + HMP0, 5, uint8_t{0}); return;
-        case HMOVE: return keep_hmove(m_.cycles);
         case CTRLPF: w.mirror_changed |= ((w.reg[CTRLPF] ^ value) & 1) != 0; break;
         case CXCLR:
             collisions_from_ = log_end_;
@@ -242,7 +242,11 @@ void Console::keep_write(uint8_t reg, uint8_t value) {
             if (reg > CXCLR || reg == RSYNC) return;
     }
     w.reg[reg] = value;
-    *log_end_++ = {m_.cycles, reg, value, 0};
+    // JSR and BRK push two or three bytes at the same time, into the TIA if the stack is there.
+    if (log_end_ != logs_[log_].writes && log_end_[-1].cycle == m_.cycles) *log_end_++ = {m_.cycles, SAME_TIME, 0, 0};
+    if (reg == HMOVE) return keep_hmove(m_.cycles);
+    const int beside = reg == GRP0 ? w.old_grp1 : reg == GRP1 ? w.beside_grp1() : 0;
+    *log_end_++ = {m_.cycles, reg, value, static_cast<uint16_t>(beside)};
 }
 
 void Console::keep_hmove(uint32_t cycles) {

@@ -289,8 +289,8 @@ struct FastCpu {
     }
 
     // Keeps a write to the TIA for later. There is room: see `kLogSize`.
-    INLINE static void keep(uint32_t cycles, Console& c, uint32_t reg, uint32_t value) {
-        *c.log_end_++ = {cycles, static_cast<uint8_t>(reg), static_cast<uint8_t>(value), 0};
+    INLINE static void keep(uint32_t cycles, Console& c, uint32_t reg, uint32_t value, uint16_t beside = 0) {
+        *c.log_end_++ = {cycles, static_cast<uint8_t>(reg), static_cast<uint8_t>(value), beside};
     }
 
     template <int op, Operand operand>
@@ -336,26 +336,29 @@ struct FastCpu {
             if (w.reg[reg] >> 4 == 7 && byte >> 4 == 6) keep(r.cycles, c, reg, value);  // perhaps Cosmic Ark's trick
             w.reg[reg] = byte;
         } else if constexpr (operand == Operand::Hmove) {
-            c.keep_hmove(r.cycles);
+            // At the end of a line or in the first cycles of one it moves objects by their motions only.
+            if (w.still() && (r.cycles - c.first_cycle_ + 1) % 76 <= 4) keep(r.cycles, c, STILL, 0);
+            else c.keep_hmove(r.cycles);
         } else if constexpr (operand == Operand::Ctrlpf) {
             // Written again it can act once more, if the mirroring was changed late in a line.
             if (w.reg[reg] != byte || w.mirror_changed) {
+                const bool priority = !((w.reg[reg] ^ byte) & 0x31) && !w.mirror_changed;
                 w.mirror_changed |= ((w.reg[reg] ^ byte) & 1) != 0;
                 w.reg[reg] = byte;
-                keep(r.cycles, c, reg, value);
+                keep(r.cycles, c, priority ? uint32_t{PRIORITY} : reg, value);
             }
         } else if constexpr (operand == Operand::Grp0) {
             if (w.reg[0x1b] != byte || w.old_grp1 != w.reg[0x1c]) {
                 w.reg[0x1b] = byte;
                 w.old_grp1 = w.reg[0x1c];
-                keep(r.cycles, c, reg, value);
+                keep(r.cycles, c, reg, value, w.old_grp1);
             }
         } else if constexpr (operand == Operand::Grp1) {
             if (w.reg[0x1c] != byte || w.old_grp0 != w.reg[0x1b] || w.old_enabl != w.reg[0x1f]) {
                 w.reg[0x1c] = byte;
                 w.old_grp0 = w.reg[0x1b];
                 w.old_enabl = w.reg[0x1f];
-                keep(r.cycles, c, reg, value);
+                keep(r.cycles, c, reg, value, w.beside_grp1());
             }
         } else {
             r.cycles = line_start(c, r.cycles);

@@ -41,7 +41,7 @@ void LineCache::draw(const FrameLog& log, Picture (&pictures)[2], int picture) {
     if (log.start.frame_start != frame_start_) known_ = 0;  // clocks are counted from elsewhere
     frame_start_ = log.start.frame_start;
     Drawing d{log.start, {d.tia, config_}, pictures, picture, log.writes, log.writes + log.size, log.writes};
-    d.beam.begin(Beam::kPixels, 0, pictures[picture]);
+    d.beam.begin(pictures[picture]);
 
     const int behind_picture = config_.first_line + config_.height;
     const int lines = std::min({(log.reached - frame_start_) / 228, behind_picture, kMostLines});
@@ -57,7 +57,7 @@ void LineCache::draw(const FrameLog& log, Picture (&pictures)[2], int picture) {
     if (lines < behind_picture) {
         // The frame ends in this line. What its row shows behind that is older.
         if (const int row = lines - config_.first_line; row >= 0) shown_[picture][row] = 0;
-        d.beam.apply(d.next, d.end, d.next);
+        d.beam.apply(d.next, d.end);
         d.beam.reach(log.reached);
     }
     known_ = lines;
@@ -69,8 +69,8 @@ void LineCache::draw_straight(const FrameLog& log, uint8_t* pixels) {
     if (--straight_ == kStraight - 1) forget();
     Tia tia = log.start;
     Beam beam(tia, config_);
-    beam.begin(Beam::kPixels, 0, pixels);
-    beam.apply(log.writes, log.writes + log.size, log.writes);
+    beam.begin(pixels);
+    beam.apply(log.writes, log.writes + log.size);
     beam.reach(log.reached);
 }
 
@@ -130,7 +130,7 @@ void LineCache::begin_line(Drawing& d) {
     } else {
         if (d.difference.objects) carry(d.difference, beginning);
         static_cast<TiaLine&>(d.tia) = beginning;
-        d.beam.begin(Beam::kPixels, 0, d.pictures[d.picture]);
+        d.beam.begin(d.pictures[d.picture]);
         d.live = true;
     }
     first_[d.line] = static_cast<uint16_t>(d.next - d.log);

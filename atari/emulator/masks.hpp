@@ -132,15 +132,21 @@ inline uint64_t cells_of_run(int x, int width) {
     return (cells | cells >> 40) & 0xffffffffff;
 }
 
+inline uint64_t reversed_half(uint64_t cells) {
+    return uint64_t{kReversed[cells & 0xff]} << 12 | uint64_t{kReversed[(cells >> 8) & 0xff]} << 4 |
+           kReversed[(cells >> 16) & 0xf] >> 4;
+}
+
 // `playfield` as in `Tia`: PF0 is drawn lowest bit first, PF1 highest first, PF2 lowest first, in cells of 4 pixels.
 inline uint64_t playfield_cells(uint32_t playfield, bool mirror) {
     const uint64_t left = (playfield & 0xff00f) | uint64_t{kReversed[(playfield >> 4) & 0xff]} << 4;
-    uint64_t right = left;
-    if (mirror) {
-        right = uint64_t{kReversed[left & 0xff]} << 12 | uint64_t{kReversed[(left >> 8) & 0xff]} << 4 |
-                kReversed[(left >> 16) & 0xf] >> 4;
-    }
-    return left | right << 20;
+    return left | (mirror ? reversed_half(left) : left) << 20;
+}
+
+// The bits of the playfield that light any of these cells.
+inline uint32_t playfield_of_cells(uint64_t cells, bool mirror) {
+    const uint64_t right = cells >> 20, left = (cells & 0xfffff) | (mirror ? reversed_half(right) : right);
+    return static_cast<uint32_t>((left & 0xff00f) | uint64_t{kReversed[(left >> 4) & 0xff]} << 4);
 }
 
 inline Mask playfield_mask(uint32_t playfield, bool mirror) {

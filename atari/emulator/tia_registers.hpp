@@ -14,7 +14,11 @@ enum Register : uint8_t {
     VSYNC = 0x00, VBLANK, WSYNC, RSYNC, NUSIZ0, NUSIZ1, COLUP0, COLUP1, COLUPF, COLUBK, CTRLPF, REFP0, REFP1,
     PF0, PF1, PF2, RESP0, RESP1, RESM0, RESM1, RESBL, AUDC0, AUDC1, AUDF0, AUDF1, AUDV0, AUDV1,
     GRP0, GRP1, ENAM0, ENAM1, ENABL, HMP0, HMP1, HMM0, HMM1, HMBL, VDELP0, VDELP1, VDELBL, RESMP0, RESMP1,
-    HMOVE, HMCLR, CXCLR
+    HMOVE, HMCLR, CXCLR,
+    // Only in logs of writes (write_log.hpp):
+    SAME_TIME,  // the next write comes at the same time as the one before
+    PRIORITY,   // CTRLPF, but neither the mirroring nor the ball's size changes
+    STILL       // HMOVE, at its ordinary place and without a motion
 };
 
 // After how many clocks a write shows in the picture.

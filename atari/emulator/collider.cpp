@@ -1,0 +1,637 @@
+#include "collider.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <initializer_list>
+
+#include "console.hpp"
+
+#if defined(__GNUC__)
+#define INLINE [[gnu::always_inline]] inline
+#else
+#define INLINE __forceinline
+#endif
+
+namespace atari {
+namespace {
+
+// The collision latches that a set of enabled objects could switch on.
+constexpr auto kPairsOf = [] {
+    std::array<uint16_t, 64> table{};
+    for (unsigned objects = 0; objects < 64; ++objects)
+        for (const Pair& pair : kPairs)
+            if ((objects >> pair.a & 1) && (objects >> pair.b & 1)) table[objects] |= pair.latch;
+    return table;
+}();
+
+// The collision latches that an object has a part in.
+constexpr auto kPairsWith = [] {
+    std::array<uint16_t, 6> table{};
+    for (const Pair& pair : kPairs) {
+        table[pair.a] |= pair.latch;
+        table[pair.b] |= pair.latch;
+    }
+    return table;
+}();
+
+// The pair of each latch.
+constexpr auto kPairOf = [] {
+    std::array<Pair, 16> table{};
+    for (const Pair& pair : kPairs) table[static_cast<size_t>(std::countr_zero(pair.latch))] = pair;
+    return table;
+}();
+
+const Pair& lowest_pair(unsigned pairs) { return kPairOf[static_cast<size_t>(std::countr_zero(pairs))]; }
+
+constexpr unsigned bit_of(unsigned object) { return 1u << object; }
+
+constexpr uint64_t set_of(std::initializer_list<uint8_t> registers) {
+    uint64_t set = 0;
+    for (const uint8_t reg : registers) set |= 1ull << reg;
+    return set;
+}
+
+constexpr uint64_t kPlayfieldRegisters = set_of({PF0, PF1, PF2});
+// What objects look like, not where they are.
+constexpr uint64_t kLooks = kPlayfieldRegisters | set_of({GRP0, GRP1, REFP0, REFP1, ENAM0, ENAM1, ENABL});
+// Later writes build on what others do, so these act in any case.
+constexpr uint64_t kAlwaysActing = ~(kLooks | set_of({COLUP0, COLUP1, COLUPF, COLUBK, STILL, PRIORITY}));
+
+// What a set of objects looks like, by which players and ball are delayed: those change when the other one is written.
+constexpr auto kLooksOf = [] {
+    std::array<std::array<uint64_t, 32>, 8> table{};
+    for (unsigned delayed = 0; delayed < 8; ++delayed)
+        for (unsigned objects = 0; objects < 32; ++objects) {
+            uint64_t& looks = table[delayed][objects];
+            for (unsigned i : {0u, 1u}) {
+                if (objects >> (kP0 + i) & 1) looks |= 1ull << (delayed >> i & 1 ? GRP1 - i : GRP0 + i) | 1ull << (REFP0 + i);
+                if (objects >> (kM0 + i) & 1) looks |= 1ull << (ENAM0 + i);
+            }
+            if (objects >> kBL & 1) looks |= 1ull << (delayed & 4 ? GRP1 : ENABL);
+        }
+    return table;
+}();
+
+}  // namespace
+
+void Collider::begin(unsigned latches) {
+    const Tia& t = t_;
+    watched_ = latches;
+    first_cycle_ = static_cast<uint32_t>(t.frame_start / 3);
+    from_ = t.drawn_to;
+    blanked_at_ = t.draw_start;
+    line_end_acts_ = collecting_ = true;
+    idle_ = false;
+    noted_ = 0;
+    stale_ = 0x3f;
+    near_known_ = 0;
+    unknown_ = 0xffff;
+    enabled_ = 0;
+    for (unsigned i : {0u, 1u}) {
+        enabled_ |= (t.vdelp[i] ? t.old_grp[i] : t.grp[i]) ? bit_of(kP0 + i) : 0;
+        enabled_ |= t.enam[i] && !t.resmp[i] ? bit_of(kM0 + i) : 0;
+    }
+    enabled_ |= (t.vdelbl ? t.old_enabl : t.enabl) ? bit_of(kBL) : 0;
+    enabled_ |= t.playfield ? bit_of(kPF) : 0;
+    find_open_pairs();
+    reconsider();
+}
+
+void Collider::watch(unsigned latches) {
+    bring_up(kLooks);
+    watched_ = latches;
+    find_open_pairs();
+    reconsider();
+}
+
+void Collider::apply(const Write* first, const Write* last, const Write* collisions_from) {
+    if (collisions_from > first) {
+        const Write* const collected = std::min(collisions_from, last);
+        collecting_ = false;
+        reconsider();
+        apply_range(first, collected);
+        first = collected;
+        bring_up(kLooks);
+        collecting_ = true;
+        reconsider();
+    }
+    apply_range(first, last);
+}
+
+void Collider::finish() {
+    Tia& t = t_;
+    bring_up(~0ull);
+    if (idle_) skip_to_pending();
+    if (t.hmove_blank && blank_is_over()) t.hmove_blank = false;
+    t.to_line_end = line_end(t) - t.drawn_to;
+    const int32_t drawn = t.drawn_to - t.draw_start;
+    t.write_pos = drawn / 228 * kScreenWidth + std::max(0, drawn % 228 - 68);
+}
+
+// A write that acts is applied when the beam has been brought to where the write shows.
+INLINE void Collider::apply_one(const Write& write) {
+    Tia& t = t_;
+    const unsigned reg = write.reg;
+    const uint8_t value = write.value;
+    const auto clock = static_cast<int32_t>(3 * write.cycle);
+    const auto hpos = [&] { return static_cast<int>(3 * ((write.cycle - first_cycle_) % 76)); };
+    switch (reg) {
+        case VBLANK:
+            if ((t.vblank ^ value) & 2) {
+                advance(clock + 1);
+                bring_up(kLooks);
+                reconsider();
+            }
+            t.vblank = value;
+            break;
+        case NUSIZ0: case NUSIZ1: write_nusiz(reg - NUSIZ0, value, clock); break;
+        case CTRLPF: write_ctrlpf(value, hpos(), clock); break;
+        case REFP0: case REFP1:
+            if (t.refp[reg - REFP0] != ((value & 8) != 0)) advance(clock + 1);
+            apply_noted(write);
+            break;
+        case PF0: case PF1: case PF2:
+            write_playfield(write, clock + static_cast<int32_t>(kDelays[reg][(write.cycle - first_cycle_) & 3]));
+            break;
+        case RESP0: case RESP1: reset_player(reg - RESP0, hpos(), clock); break;
+        case RESM0: case RESM1: {
+            const unsigned second = reg - RESM0;
+            advance(clock + 8);
+            bring_up(set_of({STILL}));
+            t.pos[kM0 + second] = strobe_missile(second, hpos(), static_cast<uint32_t>(clock - t.last_hmove));
+            if (second == 0) t.m0_variant = kPlain;
+            moved(kM0 + second);
+            break;
+        }
+        case RESBL:
+            advance(clock);
+            bring_up(set_of({STILL}));
+            t.pos[kBL] = strobe_ball(hpos(), static_cast<uint32_t>(clock - t.last_hmove));
+            moved(kBL);
+            break;
+        case GRP0: write_graphics(0, write, clock); break;
+        case GRP1: write_graphics(1, write, clock); break;
+        case ENAM0: case ENAM1:
+            if (!t.resmp[reg - ENAM0]) advance(clock);
+            apply_noted(write);
+            break;
+        case ENABL:
+            if (!t.vdelbl) advance(clock);
+            apply_noted(write);
+            break;
+        case HMM0:  // kept only if the motion goes from 7 to 6
+            bring_up(set_of({STILL}));
+            if (static_cast<uint32_t>(clock - t.last_hmove) != 63) break;
+            advance(clock);
+            bring_up(~0ull);
+            t.cosmic_ark = line_end_acts_ = true;
+            t.ark_counter = 0;
+            reconsider();
+            break;
+        case VDELP0: case VDELP1: {
+            const unsigned player = reg - VDELP0;
+            advance(clock);
+            bring_up(kLooks);
+            t.vdelp[player] = value & 1;
+            show(player);
+            reconsider();
+            break;
+        }
+        case VDELBL:
+            advance(clock);
+            bring_up(kLooks);
+            t.vdelbl = value & 1;
+            enable(kBL, t.vdelbl ? t.old_enabl : t.enabl);
+            reconsider();
+            break;
+        case RESMP0: case RESMP1: release_missile(reg - RESMP0, value, clock); break;
+        case HMOVE: move_objects(write, clock); break;
+        case STILL:
+            advance(clock);
+            apply_noted(write);
+            break;
+        case CXCLR:
+            advance(clock);
+            bring_up(kLooks);
+            t.collisions = 0;
+            find_open_pairs();
+            reconsider();
+            break;
+        case SAME_TIME:  // of writes that one instruction makes at the same time, the slowest counts
+            t.pending = std::max(t.pending, shown_at((&write)[-1], first_cycle_));
+            break;
+        default: apply_noted(write); break;  // colours
+    }
+}
+
+// Notes writes to registers that do not act. Returns the first that does, or `last`.
+INLINE const Write* Collider::note(const Write* write, const Write* last) {
+    const Registers acting = acting_;
+    Registers noted = noted_;
+    for (; write != last && !(acting >> write->reg & 1); ++write) {
+        latest_[write->reg] = write;
+        noted |= 1ull << write->reg;
+    }
+    noted_ = noted;
+    return write;
+}
+
+void Collider::apply_range(const Write* write, const Write* last) {
+    while ((write = note(write, last)) != last) {
+        if (!chosen_ && !(kAlwaysActing >> write->reg & 1)) {
+            choose_acting();
+            if ((write = note(write, last)) == last) return;
+        }
+        apply_one(*write++);
+    }
+}
+
+// What a write does to its register, without bringing the beam to it first.
+void Collider::apply_noted(const Write& write) {
+    Tia& t = t_;
+    const uint8_t value = write.value;
+    noted_ &= ~(1ull << write.reg);
+    switch (write.reg) {
+        case COLUP0: case COLUP1: case COLUPF: case COLUBK:
+            t.colour[write.reg - COLUP0] = colour_of(value, config_.pal, t);
+            break;
+        case PRIORITY: t.ctrlpf = value; break;
+        case REFP0: case REFP1:
+            t.refp[write.reg - REFP0] = value & 8;
+            outdate(write.reg - REFP0);
+            break;
+        case PF0: case PF1: case PF2:
+            t.playfield = with_playfield(t.playfield, write.reg, value);
+            if (t.playfield) enable(kPF, true);  // it stays so: it comes and goes with the lines
+            moved(kPF);
+            break;
+        case GRP0:
+            t.grp[0] = value;
+            t.old_grp[1] = static_cast<uint8_t>(write.beside);
+            if (!t.vdelp[0]) show(0);
+            if (t.vdelp[1]) show(1);
+            break;
+        case GRP1:
+            t.grp[1] = value;
+            t.old_grp[0] = static_cast<uint8_t>(write.beside);
+            t.old_enabl = write.beside >> 8 != 0;
+            if (t.vdelp[0]) show(0);
+            if (!t.vdelp[1]) show(1);
+            if (t.vdelbl) enable(kBL, t.old_enabl);
+            break;
+        case ENAM0: case ENAM1: {
+            const unsigned missile = write.reg - ENAM0;
+            t.enam[missile] = value & 2;
+            enable(kM0 + missile, t.enam[missile] && !t.resmp[missile]);
+            break;
+        }
+        case ENABL:
+            t.enabl = value & 2;
+            if (!t.vdelbl) enable(kBL, t.enabl);
+            break;
+        case STILL:
+            t.last_hmove = static_cast<int32_t>(3 * write.cycle);
+            t.cosmic_ark = false;
+            if (config_.hmove_blanks) blank(t.last_hmove);
+            if (t.skip_first[0]) outdate(kP0);
+            if (t.skip_first[1]) outdate(kP1);
+            t.skip_first[0] = t.skip_first[1] = false;
+            if (t.m0_variant != kPlain) {
+                t.m0_variant = kPlain;
+                moved(kM0);
+            }
+            break;
+        default: break;
+    }
+}
+
+// Applies what has been noted.
+void Collider::bring_up(Registers registers) {
+    const Registers due = noted_ & registers;
+    for (Registers rest = due; rest; rest &= rest - 1) apply_noted(*latest_[std::countr_zero(rest)]);
+    if (due & kLooks) reconsider();  // an object may have disappeared whose registers do not act
+}
+
+void Collider::write_nusiz(unsigned player, uint8_t value, int32_t clock) {
+    Tia& t = t_;
+    const bool ark = player == 0 && (t.cosmic_ark || t.m0_variant != kPlain);
+    if (((t.nusiz[player] ^ value) & 0x37) || t.skip_first[player] || ark) {
+        advance(clock + 8);
+        t.skip_first[player] = false;
+        if (player == 0) t.m0_variant = kPlain;
+        moved(kP0 + player);
+        moved(kM0 + player);
+    }
+    t.nusiz[player] = value;
+}
+
+void Collider::write_ctrlpf(uint8_t value, int hpos, int32_t clock) {
+    Tia& t = t_;
+    const bool mirror = hpos < 147 ? value & 1 : t.pf_mirror != 0;
+    const bool sized = (t.ctrlpf ^ value) & 0x30, mirrored = mirror != t.pf_mirror || mirror != (value & 1);
+    if (sized || mirrored) advance(clock);
+    t.ctrlpf = value;
+    noted_ &= ~(1ull << PRIORITY);
+    if (sized) moved(kBL);
+    if (!mirrored) return;
+    bring_up(kLooks);
+    t.pf_mirror = mirror;
+    line_end_acts_ |= mirror != (value & 1);
+    near_known_ = 0;
+    moved(kPF);
+    reconsider();
+}
+
+// A write to one player's graphics also moves the other's new graphics to its delayed copy.
+inline void Collider::write_graphics(unsigned player, const Write& write, int32_t clock) {
+    const Tia& t = t_;
+    const unsigned other = player ^ 1;
+    const bool own = !t.vdelp[player] && t.grp[player] != write.value;
+    const bool others = t.vdelp[other] && t.old_grp[other] != static_cast<uint8_t>(write.beside);
+    const bool ball = player == 1 && t.vdelbl && t.old_enabl != (write.beside >> 8 != 0);
+    if (own || others || ball) advance(clock + 1);
+    apply_noted(write);
+}
+
+// Bits of the playfield that are near to no object do not matter.
+inline void Collider::write_playfield(const Write& write, int32_t shown) {
+    const uint32_t changed = t_.playfield ^ with_playfield(t_.playfield, write.reg, write.value);
+    if (chosen_ && !(changed & acting_playfield_)) {
+        t_.playfield ^= changed;
+        outdate(kPF);
+        unknown_ |= kPairsWith[kPF];
+        noted_ &= ~(1ull << write.reg);
+        return;
+    }
+    advance(shown);
+    apply_noted(write);
+}
+
+void Collider::reset_player(unsigned player, int hpos, int32_t clock) {
+    Tia& t = t_;
+    const uint8_t position = strobe_player(hpos);
+    const PlayerStrobe strobe = player_strobe(position, t.pos[player], t.nusiz[player] & 7);
+    advance(strobe.goes_on ? clock + 11 : clock);
+    t.pos[player] = position;
+    t.skip_first[player] = strobe.hidden;
+    moved(kP0 + player);
+    if (!strobe.hidden) return;
+    line_end_acts_ = true;
+    reconsider();
+}
+
+inline void Collider::move_objects(const Write& write, int32_t clock) {
+    Tia& t = t_;
+    advance(clock);
+    bring_up(set_of({STILL}));
+    const uint32_t cycle_in_line = (write.cycle - first_cycle_) % 76;
+    if (config_.hmove_blanks && (cycle_in_line <= 20 || cycle_in_line == 75)) blank(clock);
+    const auto& distances = kMotion[cycle_in_line];
+    for (unsigned object = kP0; object <= kBL; ++object) {
+        const int distance = distances[object == kBL ? write.value : write.beside >> (4 * object) & 15];
+        if (distance == 0) continue;
+        t.pos[object] = moved_by(t.pos[object], distance);
+        moved(object);
+    }
+    if (t.skip_first[0]) outdate(kP0);
+    if (t.skip_first[1]) outdate(kP1);
+    t.skip_first[0] = t.skip_first[1] = false;
+    if (t.m0_variant != kPlain) {
+        t.m0_variant = kPlain;
+        moved(kM0);
+    }
+    t.last_hmove = clock;
+    t.cosmic_ark = false;
+}
+
+void Collider::release_missile(unsigned missile, uint8_t value, int32_t clock) {
+    Tia& t = t_;
+    advance(clock);
+    bring_up(kLooks);
+    if (t.resmp[missile] && !(value & 2)) {
+        t.pos[kM0 + missile] = released_missile(t.pos[missile], t.nusiz[missile] & 7);
+        if (missile == 0) t.m0_variant = kPlain;
+        moved(kM0 + missile);
+    }
+    t.resmp[missile] = value & 2;
+    enable(kM0 + missile, t.enam[missile] && !t.resmp[missile]);
+}
+
+void Collider::blank(int32_t clock) {
+    t_.hmove_blank = true;
+    blanked_at_ = std::max(from_, std::min(clock, t_.draw_stop));
+}
+
+// Whether the blank of the last HMOVE has been drawn: eight pixels of the line in which the beam was then, or of the next
+// one if it was past them already.
+bool Collider::blank_is_over() const {
+    const int32_t line = (blanked_at_ - t_.draw_start) / 228 * 228, in_line = (blanked_at_ - t_.draw_start) % 228;
+    return t_.drawn_to - t_.draw_start >= line + 76 + (in_line >= 76 ? 228 : 0);
+}
+
+// Brings collisions up to `pending`, or to the end of what shows.
+void Collider::catch_up() {
+    const Tia& t = t_;
+    if (t.pending < t.draw_start || t.drawn_to >= t.draw_stop || t.drawn_to >= t.pending) return;
+    if (!known_) find_possible();
+    if (possible_ || line_end_acts_) return go_to(std::min(t.pending, t.draw_stop));
+    idle_ = true;
+}
+
+// While nothing could happen the beam has not been moved.
+void Collider::skip_to_pending() {
+    Tia& t = t_;
+    if (t.pending >= t.draw_start) t.drawn_to = std::max(t.drawn_to, std::min(t.pending, t.draw_stop));
+}
+
+void Collider::go_to(int32_t target) {
+    Tia& t = t_;
+    const auto part = [&](int32_t end, int32_t until) {
+        const int from = 228 - (end - t.drawn_to), to = 228 - (end - until);
+        t.drawn_to = until;
+        if (to > 68 && to > from) collide(std::max(from - 68, 0), to - 68);
+    };
+    int32_t end = line_end(t);
+    while (target > end) {
+        part(end, end);
+        end_line();
+        int32_t lines = 1;
+        // Of several whole lines that are alike only the last is run.
+        if (const int32_t left = target - end - 228; left > 228 && !t.cosmic_ark) lines = 1 + (left - 1) / 228;
+        end += 228 * lines;
+        t.drawn_to = end - 228;
+    }
+    part(end, target);
+}
+
+void Collider::end_line() {
+    Tia& t = t_;
+    if (!line_end_acts_) return;
+    line_end_acts_ = t.cosmic_ark;
+    if (t.pf_mirror != (t.ctrlpf & 1)) {
+        t.pf_mirror = t.ctrlpf & 1;
+        moved(kPF);
+        near_known_ = 0;
+        reconsider();
+    }
+    for (unsigned player : {0u, 1u}) {
+        if (!t.skip_first[player]) continue;
+        t.skip_first[player] = false;
+        outdate(player);
+    }
+    if (t.cosmic_ark) {
+        step_cosmic_ark(t);
+        moved(kM0);
+    }
+}
+
+void Collider::enable(unsigned object, bool on) {
+    const unsigned bit = bit_of(object), now = on ? enabled_ | bit : enabled_ & ~bit;
+    if (now == enabled_) return;
+    enabled_ = now;
+    open_pairs_ = kPairsOf[enabled_] & watched_ & ~static_cast<unsigned>(t_.collisions);
+    possible_ &= open_pairs_;
+    if (on && (wanted_objects_ & bit)) reconsider();
+}
+
+// The graphics of a player that show may have changed.
+void Collider::show(unsigned player) {
+    enable(player, t_.vdelp[player] ? t_.old_grp[player] : t_.grp[player]);
+    outdate(player);
+}
+
+// The place or the size of an object has changed.
+void Collider::moved(unsigned object) {
+    const unsigned pairs = kPairsWith[object];
+    outdate(object);
+    near_known_ &= ~bit_of(object);
+    unknown_ |= pairs;
+    if (open_pairs_ & pairs) reconsider();
+}
+
+void Collider::find_open_pairs() {
+    const unsigned wanted = watched_ & ~static_cast<unsigned>(t_.collisions);
+    open_pairs_ = kPairsOf[enabled_] & wanted;
+    possible_ &= open_pairs_;
+    wanted_objects_ = 0;
+    for (unsigned object = kP0; object <= kPF; ++object)
+        if (wanted & kPairsWith[object]) wanted_objects_ |= bit_of(object);
+}
+
+// What could collide is no longer known.
+void Collider::reconsider() {
+    if (idle_) skip_to_pending();
+    idle_ = known_ = chosen_ = false;
+    acting_ = ~0ull;
+}
+
+// Finds the pairs of objects that may collide in what comes next.
+void Collider::find_possible() {
+    possible_ = 0;
+    known_ = true;
+    if (!collecting_ || (t_.vblank & 2)) return;
+    if (wanted_objects_ >> kPF & 1) bring_up(kPlayfieldRegisters);
+    for (unsigned unknown = open_pairs_ & unknown_; unknown; unknown &= unknown - 1) {
+        const Pair& pair = lowest_pair(unknown);
+        if (may_touch(pair.a, pair.b)) touching_ |= pair.latch;
+        else touching_ &= ~static_cast<unsigned>(pair.latch);
+    }
+    unknown_ &= ~open_pairs_;
+    possible_ = open_pairs_ & touching_;
+    if (possible_) bring_up(kLooks);  // some may have disappeared
+    known_ = true;
+}
+
+// Chooses the registers whose writes could matter to collisions from here on: those of objects that may collide where
+// they are, and those that could make an object appear. Of two enabled objects that are apart neither acts.
+void Collider::choose_acting() {
+    const Tia& t = t_;
+    if (!known_) find_possible();
+    if (t.cosmic_ark || t.pf_mirror != (t.ctrlpf & 1)) return;  // the line's end moves objects: nothing is put off
+    chosen_ = true;
+    acting_ = kAlwaysActing;
+    if (t.skip_first[0] || t.skip_first[1] || t.m0_variant != kPlain) acting_ |= set_of({STILL});
+    if (!collecting_ || (t.vblank & 2)) return;
+    unsigned objects = wanted_objects_ & ~enabled_;
+    for (unsigned pairs = possible_; pairs; pairs &= pairs - 1)
+        objects |= bit_of(lowest_pair(pairs).a) | bit_of(lowest_pair(pairs).b);
+    acting_ |= kLooksOf[t.vdelp[0] | t.vdelp[1] << 1 | t.vdelbl << 2][objects & 31];
+    acting_playfield_ = 0;
+    const unsigned wanted = watched_ & ~static_cast<unsigned>(t.collisions);
+    unsigned pairs = kPairsOf[enabled_ | bit_of(kPF)] & wanted & kPairsWith[kPF];
+    if (!(enabled_ & bit_of(kPF)) && pairs) acting_playfield_ = ~0u;
+    else for (; pairs; pairs &= pairs - 1) acting_playfield_ |= playfield_near(lowest_pair(pairs).a);
+    if (acting_playfield_ & 0xf) acting_ |= set_of({PF0});
+    if (acting_playfield_ & 0xff0) acting_ |= set_of({PF1});
+    if (acting_playfield_ & 0xff000) acting_ |= set_of({PF2});
+}
+
+// Whether two objects could share a pixel where they are now, whatever the graphics of players.
+bool Collider::may_touch(unsigned a, unsigned b) {
+    if (b == kPF) return (playfield_near(a) & t_.playfield) != 0;
+    const int width_a = width_of(a), width_b = width_of(b);
+    bool touch = false;
+    visit_copies(a, [&](int xa) {
+        visit_copies(b, [&](int xb) {
+            const int behind = (xb - xa + 2 * kScreenWidth) % kScreenWidth;
+            touch |= behind < width_a || behind + width_b > kScreenWidth;
+        });
+    });
+    return touch;
+}
+
+// The bits of the playfield that an object could collide with where it is now; cells of four pixels are near enough.
+uint32_t Collider::playfield_near(unsigned object) {
+    if (!(near_known_ & bit_of(object))) {
+        near_known_ |= bit_of(object);
+        const int width = width_of(object);
+        uint64_t cells = 0;
+        visit_copies(object, [&](int x) { cells |= cells_of_run(x % kScreenWidth, width); });
+        near_[object] = playfield_of_cells(cells, t_.pf_mirror);
+    }
+    return near_[object];
+}
+
+// How many pixels wide each copy of an object can be.
+inline int Collider::width_of(unsigned object) const {
+    const Tia& t = t_;
+    if (object == kBL) return 1 << (t.ctrlpf >> 4 & 3);
+    if (object >= kM0) return 1 << ((t.nusiz[object - kM0] >> 4 & 3) | (t.m0_variant == kWide ? 1 : 0));
+    const int mode = t.nusiz[object] & 7;
+    return mode == 5 ? 17 : mode == 7 ? 33 : 8;  // wide players begin a pixel late
+}
+
+// Calls `visit` with the first pixel of each copy of an object, not wrapped.
+template <typename Visit>
+inline void Collider::visit_copies(unsigned object, Visit&& visit) const {
+    const int position = t_.pos[object];
+    if (object == kBL) return visit(position);
+    const auto& copies = kCopies[t_.nusiz[object & 1] & 7];
+    for (int copy = 0; copy < copies.count; ++copy) visit(position + copies.offset[copy]);
+}
+
+inline const Mask& Collider::mask(unsigned object) {
+    if (stale_ & bit_of(object)) {
+        stale_ &= ~bit_of(object);
+        masks_[object] = object_mask(t_, static_cast<int>(object));
+    }
+    return masks_[object];
+}
+
+// Latches the collisions in pixels first .. last-1 of the line.
+void Collider::collide(int first, int last) {
+    if (!known_) find_possible();
+    unsigned pairs = possible_;
+    if (!pairs) return;
+    const Mask span = Mask::range(first, last);
+    for (; pairs; pairs &= pairs - 1) {
+        const Pair& pair = lowest_pair(pairs);
+        if (!meets(mask(pair.a) & span, mask(pair.b))) continue;
+        t_.collisions |= pair.latch;
+        find_open_pairs();
+        reconsider();
+    }
+}
+
+}  // namespace atari
