@@ -157,7 +157,7 @@ bool is_branch(uint16_t handler) {
 }
 
 Record decode(const uint8_t* bytes, int available, const Cartridge& cartridge, const uint8_t* bank) {
-    Record record{kStep, 0, 0, 0, 0};
+    Record record{nullptr, kStep, 0, 0, 0};
     const Opcode opcode = kOpcodes[bytes[0]];
     const int length = length_of(opcode.form);
     if (length > available) return record;
@@ -180,7 +180,7 @@ Record decode(const uint8_t* bytes, int available, const Cartridge& cartridge, c
 std::vector<Record> decode_image(const Cartridge& cartridge) {
     const size_t size = cartridge.size(), slice = slice_size(cartridge.type());
     const uint8_t* image = cartridge.image();
-    std::vector<Record> records(size + 1, Record{kStep, 0, 0, 0, 0});
+    std::vector<Record> records(size + 1, Record{nullptr, kStep, 0, 0, 0});
     const auto decodable = [&](size_t first, size_t from, size_t to) {
         // An instruction that ends a slice is not: behind it is another slice, or the TIA, where programs see the bus.
         if (to >= first + slice || first + slice > size) return false;
@@ -218,6 +218,7 @@ std::vector<Record> decode_image(const Cartridge& cartridge) {
         }
         records[i].handler = fused(plain[i].handler, plain[behind(i)].handler);
     }
+    for (Record& record : records) record.code = code_of(record.handler);
     return records;
 }
 

@@ -106,13 +106,16 @@ enum Handler : uint16_t {
 };
 
 struct Record {
+    const void* code;  // where the handler begins, see `code_of`
     uint16_t handler;
     uint16_t operand;  // index into RAM, address, constant or register
     int16_t jump;      // records to the target of a branch or near jump; under kPollTimer, the load's own handler
     uint8_t taken;     // cycles of the branch when it is taken; under kPollTimer, of one round of the loop
-    uint8_t unused;
 };
-static_assert(sizeof(Record) == 8);
+
+// The label of a handler in the fast interpreter, so that one jump through the record gets there (fast_cpu.cpp). Null
+// where handlers are chosen by a switch.
+const void* code_of(uint16_t handler);
 
 bool is_branch(uint16_t handler);
 

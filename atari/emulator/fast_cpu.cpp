@@ -3,24 +3,22 @@
 
 namespace atari {
 
-// A handler ends by going to the next one. Where the compiler has labels as values every handler does so itself, which
-// lets the processor predict each such jump on its own; elsewhere they come back to one switch.
+// A handler ends by going to the next one. Where the compiler has labels as values the record holds the next handler's,
+// and every handler jumps there itself: one instruction, which the processor predicts for each handler on its own.
+// Elsewhere they come back to one switch.
 #if defined(__GNUC__) && !defined(ATARI_NO_COMPUTED_GOTO)
 #define COMPUTED_GOTO 1
 #define HANDLER(name) handle_##name:
-#define DISPATCH(handler) goto* kLabels[handler]
+#define NEXT goto* r.at->code
+#define RUN_HANDLER(handler) goto* kLabels[handler]
 #else
 #define COMPUTED_GOTO 0
 #define HANDLER(name) case name:
-#define DISPATCH(handler) do { chosen = handler; goto dispatch; } while (false)
+#define NEXT RUN_HANDLER(r.at->handler)
+#define RUN_HANDLER(handler) do { chosen = handler; goto dispatch; } while (false)
 #endif
 
-Exit FastCpu::run(Console& c) {
-    Registers r;
-    Exit exit = kNext;
-    take(r, c.m_.cpu, c.m_.cycles);
-    uint32_t pc = c.m_.cpu.pc;
-
+Exit FastCpu::run(Console* console, [[maybe_unused]] const void* const** labels) {
 #if COMPUTED_GOTO
     static const void* const kLabels[] = {
         &&handle_kStep, &&handle_kPollTimer, &&handle_kRamCode,
@@ -28,16 +26,25 @@ Exit FastCpu::run(Console& c) {
 #define PAIR(o1, k1, o2, k2) &&handle_##o1##_##k1##_##o2##_##k2,
 #include "handlers.def"
     };
+    if (labels) {
+        *labels = kLabels;
+        return kNext;
+    }
 #else
     uint16_t chosen;
 #endif
+    Console& c = *console;
+    Registers r;
+    Exit exit = kNext;
+    take(r, c.m_.cpu, c.m_.cycles);
+    uint32_t pc = c.m_.cpu.pc;
 
 look:  // where the processor is, and whether it goes on
     if (c.m_.cpu.stop || c.m_.cpu.jammed) goto stop;
     c.remapped_ = false;
     r.at = enter(c, pc);
     if (!r.at) goto plain_at_pc;
-    DISPATCH(r.at->handler);
+    NEXT;
 
 #if !COMPUTED_GOTO
 dispatch:
@@ -50,24 +57,24 @@ dispatch:
 #define SINGLE(o1, k1)       \
     HANDLER(o1##_##k1) {     \
         RUN(o1, k1)          \
-        DISPATCH(r.at->handler); \
+        NEXT;                \
     }
 #define PAIR(o1, k1, o2, k2)             \
     HANDLER(o1##_##k1##_##o2##_##k2) {   \
         RUN(o1, k1)                      \
         RUN(o2, k2)                      \
-        DISPATCH(r.at->handler);         \
+        NEXT;                            \
     }
 #include "handlers.def"
 #undef RUN
 
     HANDLER(kPollTimer) {
         poll_timer(r, c);
-        DISPATCH(static_cast<uint16_t>(r.at->jump));
+        RUN_HANDLER(static_cast<uint16_t>(r.at->jump));
     }
 
     HANDLER(kRamCode) {
-        DISPATCH(decode_ram(c, r.at));
+        RUN_HANDLER(decode_ram(c, r.at));
     }
 
     HANDLER(kStep) {
@@ -101,6 +108,22 @@ stop:
     c.m_.cpu.pc = static_cast<uint16_t>(pc);
     return exit;
 }
+
+const void* FastCpu::label(uint16_t handler) {
+#if COMPUTED_GOTO
+    static const void* const* const kLabels = [] {
+        const void* const* labels;
+        run(nullptr, &labels);
+        return labels;
+    }();
+    return kLabels[handler];
+#else
+    static_cast<void>(handler);
+    return nullptr;
+#endif
+}
+
+const void* code_of(uint16_t handler) { return FastCpu::label(handler); }
 
 namespace {
 
@@ -161,7 +184,7 @@ void Console::run_counted() {
 
 bool Console::run_fast() {
     cycle_limit_ = kCyclesBelowLimit;
-    return FastCpu::run(*this) != kLimit && !m_.cpu.jammed;
+    return FastCpu::run(this) != kLimit && !m_.cpu.jammed;
 }
 
 }  // namespace atari

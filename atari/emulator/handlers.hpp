@@ -42,11 +42,14 @@ constexpr bool is_modify(int op) {
 
 // The bodies of the handlers; a friend of the console.
 struct FastCpu {
-    // Until the frame ends, or so many cycles have passed that the limit of instructions may be near (kLimit).
-    static Exit run(Console& c);
+    // Until the frame ends, or so many cycles have passed that the limit of instructions may be near (kLimit). With
+    // `labels` it runs nothing, but tells where its handlers begin, which only it knows.
+    static Exit run(Console* console, const void* const** labels = nullptr);
 
     // As many instructions, one by one, or to the end of the frame.
     static void run_counted(Console& c, int left);
+
+    static const void* label(uint16_t handler);
 
   private:
     using R = Registers;
@@ -94,6 +97,7 @@ struct FastCpu {
             record.taken = 3;
         }
         record.handler = kRamCode;
+        record.code = at->code;
         c.ram_code_[place] = record;
         return known.handler;
     }
