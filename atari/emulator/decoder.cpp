@@ -172,6 +172,10 @@ Record decode(const uint8_t* bytes, int available, const Cartridge& cartridge, c
         return record;
     }
     const Operand kind = operand_of(opcode, operand, cartridge, bank);
+    if (kind == Operand::IndY) {
+        if (!pointer_in_ram(operand)) return record;
+        operand &= 0x7f;
+    }
     record.operand = operand;
     record.handler = kSingles[opcode.operation][static_cast<size_t>(kind)];
     return record;

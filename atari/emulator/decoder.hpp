@@ -119,6 +119,9 @@ const void* code_of(uint16_t handler);
 
 bool is_branch(uint16_t handler);
 
+// Whether both bytes of a pointer in the zero page are in RAM, and the second is not the TIA's $0100.
+constexpr bool pointer_in_ram(uint32_t zero_page) { return zero_page - 0x80 < 0x7f; }
+
 // The record of the instruction that begins at `bytes`, of which `available` can be read. `bank` is the image of the
 // window it runs in if that window is one bank, and null if the operand's bytes cannot be foreseen.
 Record decode(const uint8_t* bytes, int available, const Cartridge& cartridge, const uint8_t* bank);

@@ -158,12 +158,13 @@ struct FastCpu {
         return c.m_.cpu.stop || c.remapped_;
     }
 
-    // `slow` is set if it was none of RAM and plain image: then the window may show another bank.
+    // `slow` is set if it was none of RAM and plain image: then the window may show another bank. The bits of `address`
+    // above the sixteenth, where the sum of base and index may have left one, mean nothing.
     INLINE static uint32_t read_any(R& r, Console& c, uint32_t address, uint32_t bus, bool& slow) {
         const uint8_t* page = c.pages_[address >> 6 & 255];
         if (page) [[likely]] return page[address & 63];
         slow = true;
-        return read_port(c, r.cycles, address, bus);
+        return read_port(c, r.cycles, address & 0xffff, bus);
     }
 
     INLINE static Exit write_any(R& r, Console& c, uint32_t address, uint32_t value) {
@@ -177,11 +178,9 @@ struct FastCpu {
     }
 
     INLINE static uint32_t pointer(const Console& c, uint32_t zero_page) {
-        const uint8_t* low = c.m_.riot.ram + (zero_page & 0x7f);
+        const uint8_t* low = c.m_.riot.ram + zero_page;
         return low[0] | uint32_t{low[1]} << 8;
     }
-    // Both bytes of the pointer are in RAM, and the second is not the TIA's $0100.
-    static bool pointer_in_ram(uint32_t zero_page) { return zero_page - 0x80 < 0x7f; }
 
     static uint32_t page_crossed(uint32_t base, uint32_t index) { return ((base & 0xff) + index) >> 8; }
 
@@ -209,16 +208,15 @@ struct FastCpu {
         } else if constexpr (operand == Operand::AnyX || operand == Operand::AnyY) {
             const uint32_t index = operand == Operand::AnyX ? r.x : r.y;
             r.cycles += page_crossed(given, index);
-            value = read_any(r, c, (given + index) & 0xffff, given >> 8, slow);
+            value = read_any(r, c, given + index, given >> 8, slow);
         } else if constexpr (operand == Operand::IndY) {
-            if (!pointer_in_ram(given)) return kPlainly;
             const uint32_t base = pointer(c, given);
             r.cycles += page_crossed(base, r.y);
-            value = read_any(r, c, (base + r.y) & 0xffff, base >> 8, slow);
+            value = read_any(r, c, base + r.y, base >> 8, slow);
         } else if constexpr (operand == Operand::IndX) {
             const uint32_t place = (given + r.x) & 0xff;
             if (!pointer_in_ram(place)) return kPlainly;
-            const uint32_t address = pointer(c, place);
+            const uint32_t address = pointer(c, place & 0x7f);
             value = read_any(r, c, address, address >> 8, slow);
         } else {
             slow = true;
@@ -283,9 +281,9 @@ struct FastCpu {
             r.nz = (reg - o) & 0xff;
         }
         if constexpr (op == ADC || op == SBC) {
-            const uint32_t added = op == ADC ? o : o ^ 0xff;
-            const uint32_t sum = r.a + added + r.carry;
-            set_overflow(c, (r.a ^ sum) & (added ^ sum));
+            // With o ^ 0xff added the signs of both differ from the sum's where those of A and o differ, and A's and the sum's.
+            const uint32_t sum = op == ADC ? r.a + r.carry + o : r.a + r.carry + 0xff - o;
+            set_overflow(c, (r.a ^ sum) & (op == ADC ? o ^ sum : r.a ^ o));
             r.carry = sum >> 8;
             r.nz = r.a = sum & 0xff;
         }
@@ -310,9 +308,9 @@ struct FastCpu {
         } else if constexpr (operand == Operand::AnyX || operand == Operand::AnyY) {
             address = (given + (operand == Operand::AnyX ? r.x : r.y)) & 0xffff;
         } else if constexpr (operand == Operand::IndY || operand == Operand::IndX) {
-            const uint32_t place = operand == Operand::IndX ? (given + r.x) & 0xff : given;
-            if (!pointer_in_ram(place)) return kPlainly;
-            address = (pointer(c, place) + (operand == Operand::IndY ? r.y : 0)) & 0xffff;
+            const uint32_t place = operand == Operand::IndX ? (given + r.x) & 0xff : given | 0x80;
+            if (operand == Operand::IndX && !pointer_in_ram(place)) return kPlainly;
+            address = (pointer(c, place & 0x7f) + (operand == Operand::IndY ? r.y : 0)) & 0xffff;
         }
         r.cycles += store_cost(operand);
         r.at += length_of(operand);
@@ -370,10 +368,9 @@ struct FastCpu {
         return kNext;
     }
 
-    // WSYNC: the beginning of the next line, or now if a line begins now.
+    // WSYNC: the beginning of the next line, or now if a line begins now. Below `overlong_` nothing overflows.
     INLINE static uint32_t line_start(const Console& c, uint32_t cycles) {
-        const uint32_t in_line = (cycles - c.first_cycle_) % 76;
-        return in_line == 0 ? cycles : cycles + 76 - in_line;
+        return c.first_cycle_ + (cycles - c.first_cycle_ + 75) / 76 * 76;
     }
 
     template <int op, Operand operand>
@@ -475,7 +472,7 @@ struct FastCpu {
     INLINE static Exit jump_indirect(R& r, Console& c) {
         const uint32_t place = r.at->operand;
         if ((place & 0xff) == 0xff) return kPlainly;
-        if (is_ram(place)) return jump(r, c, pointer(c, place), 5);
+        if (is_ram(place)) return jump(r, c, pointer(c, place & 0x7f), 5);
         if (!(place & 0x1000) || (place & 0xfff) - c.plain_.from >= c.plain_.size - 1) return kPlainly;
         const uint8_t* low = c.image_ + c.segment_[place >> 10 & 15] + (place & 0x3ff);
         return jump(r, c, low[0] | uint32_t{low[1]} << 8, 5);
