@@ -13,6 +13,9 @@ Console::Console(std::shared_ptr<const Cartridge> cartridge, const ConsoleConfig
       cart_ram_(cartridge->ram_size()), pictures_{}, cartridge_(std::move(cartridge)), config_(config) {
     for (unsigned page = 0; page < 256; ++page)
         if (const unsigned address = 64 * page; (address & 0x1280) == 0x80) pages_[page] = m_.riot.ram + (address & 0x7f);
+    for (unsigned segment = 0; segment < 4; ++segment)
+        if (plain_.from < 1024 * (segment + 1) && 1024 * segment < plain_.from + plain_.size)
+            code_segments_ |= 0x1010u << segment;
     std::fill(std::begin(ram_code_), std::end(ram_code_), Record{code_of(kRamCode), kRamCode, 0, 0, 0});
     if (!plain) {
         logs_ = std::make_unique_for_overwrite<FrameLog[]>(kLogs);

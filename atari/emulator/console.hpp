@@ -275,10 +275,15 @@ class Console {
     const uint8_t* image_;
     const Record* first_record_;
     const Record* base_record_;     // the record whose instruction is at `origin_`
+    // In which 1 KiB segments any plain image is, a bit each by bits 10 to 13 of the address. All of such a segment may be
+    // entered: where it is not plain image the record is kStep.
+    uint32_t code_segments_ = 0;
     uint32_t origin_ = 0;
     uint32_t overlong_ = 0;         // from this cycle on, a write to the TIA ends the frame
     uint32_t cycle_limit_ = 0;      // from this cycle on, the limit of instructions may be near
     uint32_t first_cycle_ = 0;      // of line 0
+    uint8_t overflow_ = 0;          // V is bit 7
+    uint8_t modes_ = 0;             // D and I as in the status, and its two bits that are always set
     Write* log_end_ = nullptr;
     Written written_{};
     // Where in the image the 1 KiB segments of the window are, by bits 10 to 13 of the address.

@@ -36,7 +36,7 @@ Exit FastCpu::run(Console* console, [[maybe_unused]] const void* const** labels)
     Console& c = *console;
     Registers r;
     Exit exit = kNext;
-    take(r, c.m_.cpu, c.m_.cycles);
+    take(r, c);
     uint32_t pc = c.m_.cpu.pc;
 
 look:  // where the processor is, and whether it goes on
@@ -92,10 +92,10 @@ other:
     if (exit == kLeave) goto look;
 
 plain_at_pc:
-    give(r, c.m_);
+    give(r, c);
     c.m_.cpu.pc = static_cast<uint16_t>(pc);
     c.run_instruction();
-    take(r, c.m_.cpu, c.m_.cycles);
+    take(r, c);
     pc = c.m_.cpu.pc;
     if (r.cycles >= c.cycle_limit_) {
         exit = kLimit;
@@ -104,7 +104,7 @@ plain_at_pc:
     goto look;
 
 stop:
-    give(r, c.m_);
+    give(r, c);
     c.m_.cpu.pc = static_cast<uint16_t>(pc);
     return exit;
 }
@@ -147,7 +147,7 @@ void FastCpu::run_counted(Console& c, int left) {
 #include "handlers.def"
     };
     Registers r;
-    take(r, c.m_.cpu, c.m_.cycles);
+    take(r, c);
     uint32_t pc = c.m_.cpu.pc;
     bool here = false;  // r.at is the record at which to go on
     for (; left > 0 && !c.m_.cpu.stop && !c.m_.cpu.jammed; --left) {
@@ -164,13 +164,13 @@ void FastCpu::run_counted(Console& c, int left) {
             pc = pc_of(c, r.at);
             continue;
         }
-        give(r, c.m_);
+        give(r, c);
         c.m_.cpu.pc = static_cast<uint16_t>(pc);
         c.run_instruction();
-        take(r, c.m_.cpu, c.m_.cycles);
+        take(r, c);
         pc = c.m_.cpu.pc;
     }
-    give(r, c.m_);
+    give(r, c);
     c.m_.cpu.pc = static_cast<uint16_t>(pc);
 }
 

@@ -62,12 +62,11 @@ struct FastCpu {
 
     // The record of the instruction at `pc`, null where it cannot be run from one.
     INLINE static const Record* enter(Console& c, uint32_t pc) {
-        if (!(pc & 0x1000)) return enter_ram(c, pc);
-        if ((pc & 0xfff) - c.plain_.from >= c.plain_.size) return nullptr;
-        const uint32_t index = c.segment_[pc >> 10 & 15] + (pc & 0x3ff);
-        c.origin_ = pc - index;
-        c.base_record_ = c.first_record_;
-        return c.first_record_ + index;
+        const uint32_t segment = pc >> 10 & 15;
+        if (!(c.code_segments_ >> segment & 1)) return enter_ram(c, pc);
+        c.origin_ = pc & 0xfc00;
+        c.base_record_ = c.first_record_ + c.segment_[segment];
+        return c.base_record_ + (pc & 0x3ff);
     }
 
     static const Record* enter_ram(Console& c, uint32_t pc) {
@@ -251,8 +250,6 @@ struct FastCpu {
 
     // --- operations ---
 
-    static void set_overflow(Console& c, uint32_t value) { c.m_.cpu.v = (value & 0x80) != 0; }
-
     template <int op, Operand operand>
     INLINE static Exit read(R& r, Console& c) {
         if constexpr (op == ADC || op == SBC)
@@ -273,7 +270,7 @@ struct FastCpu {
         if constexpr (op == EOR) r.nz = r.a ^= o;
         if constexpr (op == BIT) {
             r.nz = (r.a & o) | (o & 0x80) << 1;
-            set_overflow(c, o << 1);
+            c.overflow_ = static_cast<uint8_t>(o << 1);
         }
         if constexpr (op == CMP || op == CPX || op == CPY) {
             const uint32_t reg = op == CMP ? r.a : op == CPX ? r.x : r.y;
@@ -283,7 +280,7 @@ struct FastCpu {
         if constexpr (op == ADC || op == SBC) {
             // With o ^ 0xff added the signs of both differ from the sum's where those of A and o differ, and A's and the sum's.
             const uint32_t sum = op == ADC ? r.a + r.carry + o : r.a + r.carry + 0xff - o;
-            set_overflow(c, (r.a ^ sum) & (op == ADC ? o ^ sum : r.a ^ o));
+            c.overflow_ = static_cast<uint8_t>((r.a ^ sum) & (op == ADC ? o ^ sum : r.a ^ o));
             r.carry = sum >> 8;
             r.nz = r.a = sum & 0xff;
         }
@@ -403,33 +400,42 @@ struct FastCpu {
 
     // The stack pointer may point at the TIA, too: several games push flags into its registers.
     INLINE static Exit push(R& r, Console& c, uint32_t value) {
-        const uint32_t address = 0x100u | c.m_.cpu.sp--;
+        const uint32_t sp = c.m_.cpu.sp--;
         r.cycles += 3;
         r.at += 1;
-        return write_any(r, c, address, value);
+        return write_any(r, c, 0x100 | sp, value);
     }
 
     // What is at the stack pointer is read first, and stays on the bus; `bus` is what was there before.
     INLINE static uint32_t pull(R& r, Console& c, uint32_t bus) {
-        uint8_t& sp = c.m_.cpu.sp;
+        const uint32_t sp = c.m_.cpu.sp++;
         r.cycles += 4;
         r.at += 1;
-        bool slow = false;  // no stack switches banks
-        const uint32_t passed = read_any(r, c, 0x100u | sp, bus, slow);
-        return read_any(r, c, 0x100u | ++sp, passed, slow);
+        if (sp - 0x80 < 0x7f) return c.m_.riot.ram[(sp + 1) & 0x7f];
+        return pull_port(c, r.cycles, sp, bus);
     }
 
-    static uint32_t status(const R& r, const Cpu& cpu) {
-        return ((r.nz & 0x180) ? 0x80u : 0u) | (cpu.v ? 0x40u : 0u) | 0x30u | (cpu.d ? 8u : 0u) | (cpu.i ? 4u : 0u) |
-               ((r.nz & 0xff) ? 0u : 2u) | r.carry;
+    // The same where the TIA is read, or RAM and the TIA. No cartridge is switched by such addresses.
+    [[gnu::noinline]] static uint32_t pull_port(Console& c, uint32_t cycles, uint32_t sp, uint32_t bus) {
+        const uint32_t passed = read_port(c, cycles, 0x100 | sp, bus);
+        return read_port(c, cycles, 0x100 | ((sp + 1) & 0xff), passed);
     }
 
-    static void set_status(R& r, Cpu& cpu, uint32_t value) {
+    INLINE static uint32_t status(const R& r, const Console& c) {
+        return ((r.nz | r.nz >> 1) & 0x80) | (c.overflow_ & 0x80u) >> 1 | c.modes_ | ((r.nz & 0xff) ? 0u : 2u) | r.carry;
+    }
+
+    INLINE static void set_status(R& r, Console& c, uint32_t value) {
         r.nz = (value & 0x80) << 1 | ((value & 2) ? 0u : 1u);
-        cpu.v = (value & 0x40) != 0;
-        cpu.d = (value & 8) != 0;
-        cpu.i = (value & 4) != 0;
+        c.overflow_ = static_cast<uint8_t>(value << 1);
         r.carry = value & 1;
+        set_modes(c, (value & 8) != 0, (value & 4) != 0);
+    }
+
+    INLINE static void set_modes(Console& c, bool d, bool i) {
+        c.m_.cpu.d = d;
+        c.m_.cpu.i = i;
+        c.modes_ = static_cast<uint8_t>(0x30 | d << 3 | i << 2);
     }
 
     template <Operand operand>
@@ -462,8 +468,7 @@ struct FastCpu {
         if (cpu.sp - 0x80u >= 0x7e) return kPlainly;
         const uint8_t* stack = c.m_.riot.ram + (cpu.sp & 0x7f);
         const uint32_t back = stack[1] | uint32_t{stack[2]} << 8;
-        // The byte at `back` is read, too: it must be plain like the one behind it.
-        if (!(back & 0x1000) || (back & 0xfff) - c.plain_.from >= c.plain_.size) return kPlainly;
+        if (!c.pages_[back >> 6 & 255]) return kPlainly;  // the byte at `back` is read, too
         const Exit exit = jump(r, c, (back + 1) & 0xffff, 6);
         if (exit != kPlainly) cpu.sp = static_cast<uint8_t>(cpu.sp + 2);
         return exit;
@@ -482,13 +487,13 @@ struct FastCpu {
     INLINE static Exit implied(R& r, Console& c) {
         Cpu& cpu = c.m_.cpu;
         if constexpr (op == PHA) return push(r, c, r.a);
-        if constexpr (op == PHP) return push(r, c, status(r, cpu));
+        if constexpr (op == PHP) return push(r, c, status(r, c));
         if constexpr (op == PLA) {
             r.nz = r.a = pull(r, c, 0x68);
             return kNext;
         }
         if constexpr (op == PLP) {
-            set_status(r, cpu, pull(r, c, 0x28));
+            set_status(r, c, pull(r, c, 0x28));
             return kNext;
         }
         if constexpr (op == RTS) return return_from(r, c);
@@ -504,11 +509,11 @@ struct FastCpu {
         if constexpr (op == DEY) r.nz = r.y = (r.y - 1) & 0xff;
         if constexpr (op == CLC) r.carry = 0;
         if constexpr (op == SEC) r.carry = 1;
-        if constexpr (op == CLI) cpu.i = false;
-        if constexpr (op == SEI) cpu.i = true;
-        if constexpr (op == CLV) cpu.v = false;
-        if constexpr (op == CLD) cpu.d = false;
-        if constexpr (op == SED) cpu.d = true;
+        if constexpr (op == CLI) set_modes(c, cpu.d, false);
+        if constexpr (op == SEI) set_modes(c, cpu.d, true);
+        if constexpr (op == CLV) c.overflow_ = 0;
+        if constexpr (op == CLD) set_modes(c, false, cpu.i);
+        if constexpr (op == SED) set_modes(c, true, cpu.i);
         r.cycles += 2;
         r.at += 1;
         return kNext;
@@ -525,8 +530,8 @@ struct FastCpu {
         else if constexpr (op == BEQ) return branch(r, c, !(r.nz & 0xff));
         else if constexpr (op == BCC) return branch(r, c, !r.carry);
         else if constexpr (op == BCS) return branch(r, c, r.carry);
-        else if constexpr (op == BVC) return branch(r, c, !c.m_.cpu.v);
-        else if constexpr (op == BVS) return branch(r, c, c.m_.cpu.v);
+        else if constexpr (op == BVC) return branch(r, c, !(c.overflow_ & 0x80));
+        else if constexpr (op == BVS) return branch(r, c, c.overflow_ & 0x80);
         else if constexpr (op == JMP && operand == Operand::Ind) return jump_indirect(r, c);
         else if constexpr (op == JMP) return go_to<operand>(r, c, 3);
         else if constexpr (op == JSR) return call<operand>(r, c);
@@ -553,24 +558,28 @@ struct FastCpu {
         r.cycles += (end - 1 - passed) / r.at->taken * r.at->taken;
     }
 
-    static void take(R& r, const Cpu& cpu, uint32_t cycles) {
-        r.cycles = cycles;
+    static void take(R& r, Console& c) {
+        const Cpu& cpu = c.m_.cpu;
+        r.cycles = c.m_.cycles;
         r.a = cpu.a;
         r.x = cpu.x;
         r.y = cpu.y;
         r.nz = (cpu.z ? 0u : 1u) | (cpu.n ? 0x100u : 0u);
         r.carry = cpu.c ? 1 : 0;
+        c.overflow_ = cpu.v ? 0x80 : 0;
+        c.modes_ = static_cast<uint8_t>(0x30 | cpu.d << 3 | cpu.i << 2);
     }
 
-    static void give(const R& r, Machine& m) {
-        Cpu& cpu = m.cpu;
-        m.cycles = r.cycles;
+    static void give(const R& r, Console& c) {
+        Cpu& cpu = c.m_.cpu;
+        c.m_.cycles = r.cycles;
         cpu.a = static_cast<uint8_t>(r.a);
         cpu.x = static_cast<uint8_t>(r.x);
         cpu.y = static_cast<uint8_t>(r.y);
         cpu.n = (r.nz & 0x180) != 0;
         cpu.z = (r.nz & 0xff) == 0;
         cpu.c = r.carry != 0;
+        cpu.v = (c.overflow_ & 0x80) != 0;
     }
 };
 
