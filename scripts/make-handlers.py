@@ -23,7 +23,7 @@ IMPLIED = "CLC CLD CLI CLV DEX DEY INX INY NOP PHA PHP PLA PLP RTS SEC SED SEI T
 # The kinds of operand (decoder.hpp says what each is), by addressing form.
 READ_MODES = {
     "Imm": ["Imm"],
-    "Zp": ["Ram", "PortZ"],
+    "Zp": ["Ram", "Input", "PortZ"],
     "ZpX": ["RamX"],
     "ZpY": ["RamY"],
     "Abs": ["Fixed", "RamA", "Timer", "Dpc", "PortA"],

@@ -231,8 +231,8 @@ class Console {
     // tia.cpp
     uint8_t read_tia(uint16_t address);
     void write_tia(uint8_t reg, uint8_t value);
-    bool paddle_charged(int32_t resistance) const;
-    uint8_t input_port(int port) const;
+    uint64_t input_from(int port) const;
+    void time_inputs();
     template <typename T, typename V>
     void change(T& field, V value, unsigned objects);
     void write_nusiz(int player, uint8_t value);
@@ -282,6 +282,8 @@ class Console {
     uint32_t overlong_ = 0;         // from this cycle on, a write to the TIA ends the frame
     uint32_t cycle_limit_ = 0;      // from this cycle on, the limit of instructions may be near
     uint32_t first_cycle_ = 0;      // of line 0
+    // `input_from` each port, in a frame that is run fast; nothing answers at the last two.
+    uint64_t inputs_from_[8] = {0, 0, 0, 0, 0, 0, ~uint64_t{0}, ~uint64_t{0}};
     uint8_t overflow_ = 0;          // V is bit 7
     uint8_t modes_ = 0;             // D and I as in the status, and its two bits that are always set
     Write* log_end_ = nullptr;

@@ -118,7 +118,8 @@ Operand operand_of(Opcode opcode, uint16_t& operand, const Cartridge& cartridge,
                 operand &= 0x7f;
                 return Operand::Ram;
             }
-            if (!is_store(opcode.operation) || watches_tia(cartridge.type())) return Operand::PortZ;
+            if (watches_tia(cartridge.type())) return Operand::PortZ;
+            if (!is_store(opcode.operation)) return operand & 8 ? Operand::Input : Operand::PortZ;
             if (stored_in(operand & 0x3f) != Operand::PortZ) operand &= 0x3f;
             return stored_in(operand & 0x3f);
         case ZpX: return Operand::RamX;

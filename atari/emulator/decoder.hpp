@@ -26,6 +26,7 @@ enum class Operand : uint8_t {
     RamA,              // RAM by an address of two bytes
     Fixed,             // a byte of the image that this code always sees at this address: a constant
     Timer,             // INTIM
+    Input,             // INPT0 .. INPT5 and the two addresses behind them, in the zero page
     Dpc,               // the registers of the DPC chip
     RomX, RomY,        // indexed, the whole reach plain image
     AnyX, AnyY,        // indexed, anywhere
@@ -77,7 +78,7 @@ constexpr int length_of(Operand operand) {
 constexpr uint32_t read_cost(Operand operand) {
     switch (operand) {
         case Operand::Imm: return 2;
-        case Operand::Ram: case Operand::PortZ: return 3;
+        case Operand::Ram: case Operand::Input: case Operand::PortZ: return 3;
         case Operand::IndY: return 5;
         case Operand::IndX: return 6;
         default: return 4;

@@ -127,11 +127,12 @@ const void* code_of(uint16_t handler) { return FastCpu::label(handler); }
 
 namespace {
 
-// The handler of a record's first instruction alone.
+// The handler of a record's first instruction alone. Where the TIA draws as it goes, reading an input makes it draw.
 constexpr auto kFirstOf = [] {
     std::array<uint16_t, kHandlers> table{kStep, kPollTimer, kRamCode};
-#define SINGLE(operation, operand) table[operation##_##operand] = operation##_##operand;
-#define PAIR(o1, k1, o2, k2) table[o1##_##k1##_##o2##_##k2] = o1##_##k1;
+#define SINGLE(operation, operand) \
+    table[operation##_##operand] = Operand::operand == Operand::Input ? uint16_t{kStep} : uint16_t{operation##_##operand};
+#define PAIR(o1, k1, o2, k2) table[o1##_##k1##_##o2##_##k2] = table[o1##_##k1];
 #include "handlers.def"
     return table;
 }();
@@ -184,6 +185,7 @@ void Console::run_counted() {
 
 bool Console::run_fast() {
     cycle_limit_ = kCyclesBelowLimit;
+    time_inputs();
     return FastCpu::run(this) != kLimit && !m_.cpu.jammed;
 }
 

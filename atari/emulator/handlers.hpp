@@ -127,9 +127,15 @@ struct FastCpu {
 
     // A read that is neither RAM nor plain image. `bus` is the byte last on the data bus.
     [[gnu::noinline]] static uint32_t read_port(Console& c, uint32_t cycles, uint32_t address, uint32_t bus) {
+        if ((address & 0x1088) == 8 && c.deferred_ && !c.watches_tia_) return input(c, cycles, address, bus);
         c.m_.cycles = cycles;
         c.m_.bus = static_cast<uint8_t>(bus);
         return c.read(static_cast<uint16_t>(address));
+    }
+
+    // INPT0 .. INPT5, and two addresses at which nothing answers. While writes are kept for later, a read changes nothing.
+    INLINE static uint32_t input(const Console& c, uint32_t cycles, uint32_t address, uint32_t bus) {
+        return (cycles >= c.inputs_from_[address & 7] ? 0x80u : 0u) | (bus & 0x3f);
     }
 
     // A store that is not to RAM. True if the frame has ended or another bank is shown.
@@ -198,6 +204,8 @@ struct FastCpu {
             value = slow ? read_port(c, r.cycles, address, given) : c.m_.riot.ram[address & 0x7f];
         } else if constexpr (operand == Operand::Timer) {
             value = timer(r, c);
+        } else if constexpr (operand == Operand::Input) {
+            value = input(c, r.cycles, given, given);
         } else if constexpr (operand == Operand::Dpc) {
             value = read_dpc(c, r.cycles, given & 0x3f);
         } else if constexpr (operand == Operand::RomX || operand == Operand::RomY) {

@@ -126,6 +126,10 @@ void Console::write_vsync(uint8_t value) {
     }
 }
 
+void Console::time_inputs() {
+    for (int port = 0; port < 6; ++port) inputs_from_[port] = input_from(port);
+}
+
 // Bit 7 of VBLANK holds the paddles' capacitors empty.
 void Console::switch_dump(uint8_t old, uint8_t value) {
     Tia& t = m_.tia;
@@ -134,7 +138,10 @@ void Console::switch_dump(uint8_t old, uint8_t value) {
     } else if ((old & 0x80) && !(value & 0x80)) {
         t.dump_on = false;
         t.dump_off_cycle = static_cast<int32_t>(m_.cycles);
+    } else {
+        return;
     }
+    time_inputs();
 }
 
 void Console::write_vblank(uint8_t value) {
@@ -213,29 +220,28 @@ uint8_t Console::read_tia(uint16_t address) {
     if (reg < 8) {
         driven = static_cast<uint8_t>((m_.tia.collisions >> (14 - 2 * reg) & 3) << 6);
     } else if (reg < 0xe) {
-        driven = input_port(reg - 8);
+        driven = m_.cycles >= input_from(reg - 8) ? 0x80 : 0x00;
     }
     return static_cast<uint8_t>(driven | (m_.bus & 0x3f));
 }
 
-// INPT0-3 are the paddles' capacitors, INPT4 and 5 the sticks' fire buttons.
-uint8_t Console::input_port(int port) const {
+// INPT0-3 are the paddles' capacitors, INPT4 and 5 the sticks' fire buttons: from which cycle on each reads as 1, as
+// long as nobody writes VBLANK. A button is 1 from the beginning or never.
+uint64_t Console::input_from(int port) const {
+    constexpr uint64_t kNever = ~uint64_t{0};
+    const int swapped = config_.swap_ports ? 1 : 0;
     if (port >= 4) {
-        const int side = (port - 4) ^ (config_.swap_ports ? 1 : 0);
-        return !config_.paddles[side] && m_.inputs.fire[side] ? 0x00 : 0x80;
+        const int side = (port - 4) ^ swapped;
+        return !config_.paddles[side] && m_.inputs.fire[side] ? kNever : 0;
     }
-    const int side = (port / 2) ^ (config_.swap_ports ? 1 : 0);
-    if (!config_.paddles[side]) return 0x00;
-    const int paddle = 2 * side + ((port & 1) ^ (config_.swap_paddles ? 1 : 0));
-    return paddle_charged(m_.inputs.resistance[paddle]) ? 0x80 : 0x00;
-}
-
-bool Console::paddle_charged(int32_t resistance) const {
-    if (resistance == 0) return true;
-    if (m_.tia.dump_on) return false;
+    const int side = (port / 2) ^ swapped;
+    if (!config_.paddles[side]) return kNever;
+    const int32_t resistance = m_.inputs.resistance[2 * side + ((port & 1) ^ (config_.swap_paddles ? 1 : 0))];
+    if (resistance == 0) return 0;
+    if (m_.tia.dump_on) return kNever;
     const double needed = (1.6 * resistance * 0.01e-6) * 1.19e6;
-    // Unsigned as in the reference: a capacitor charged in an earlier frame reads as empty.
-    return m_.cycles > static_cast<uint32_t>(m_.tia.dump_off_cycle) + static_cast<uint32_t>(needed);
+    // The sum wraps as in the reference: a capacitor charged in an earlier frame reads as empty.
+    return uint64_t{static_cast<uint32_t>(m_.tia.dump_off_cycle) + static_cast<uint32_t>(needed)} + 1;
 }
 
 void Console::reset_tia() {
