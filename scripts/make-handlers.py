@@ -2,17 +2,19 @@
 """Writes atari/emulator/handlers.def: which instructions the fast interpreter knows, and which pairs of them it fuses.
 
 Single handlers follow from the table of opcodes: every documented instruction, once for each kind of operand that is
-worth code of its own. Pairs come from COUNTS, lines of `count first second` as
-tests/instructions/pairs.cpp prints them; the most frequent are kept. Without COUNTS the pairs stay as they are.
+worth code of its own. Pairs come from COUNTS, lines of `count first second ...` as tests/instructions/runs.cpp prints
+them: how often instructions run one behind the other. Without COUNTS the pairs stay as they are.
 """
 
 import argparse
 import re
+from collections import Counter
+from itertools import pairwise
 from pathlib import Path
 
 EMULATOR = Path(__file__).parent.parent / "atari" / "emulator"
-PAIRS = 300
-"""So many. More, and longer runs, take minutes to compile for 5 % of time (docs/performance.md)."""
+PAIRS = 500
+"""So many: with more, compilers take minutes (docs/performance.md)."""
 
 READS = "ADC AND BIT CMP CPX CPY EOR LDA LDX LDY ORA SBC".split()
 STORES = "STA STX STY".split()
@@ -77,18 +79,45 @@ def singles() -> list[tuple[str, str]]:
     return sorted(found)
 
 
-def pairs(counts: Path, known: set[str]) -> list[tuple[str, ...]]:
-    """The most frequent pairs whose first instruction always goes on to the second."""
+Runs = list[tuple[float, list[str]]]
+Pair = tuple[str, str]
+
+
+def uses(runs: Runs, fused: set[Pair]) -> Counter[Pair]:
+    """How often each pair is run as one: from the beginning of a run, wherever the next two are a pair."""
+    found = Counter[Pair]()
+    for count, names in runs:
+        at = 0
+        while at + 1 < len(names):
+            pair = names[at], names[at + 1]
+            if pair in fused:
+                found[pair] += count
+                at += 1
+            at += 1
+    return found
+
+
+def pairs(counts: Path, known: set[str]) -> list[Pair]:
+    """The pairs that save most dispatches.
+
+    Not the most frequent: where A, B and C follow each other, B and C are no pair if A and B are one. So it begins with
+    all pairs whose first instruction always goes on to the second, and leaves out those that are used least, by and by.
+    """
     rows = [line.split() for line in counts.read_text().splitlines()]
-    ranked = sorted(((int(count), tuple(names)) for count, *names in rows if len(names) == 2), reverse=True)
-    good = [names for _, names in ranked if known.issuperset(names) and names[0].split("_")[0] not in LAST]
-    return sorted(good[:PAIRS])
+    runs = [(float(count), names) for count, *names in rows]
+    fused = {pair for _, names in runs for pair in pairwise(names) if known.issuperset(pair)}
+    fused = {pair for pair in fused if pair[0].split("_")[0] not in LAST}
+    while len(fused) > PAIRS:
+        found = uses(runs, fused)
+        ranked = sorted(fused, key=lambda pair: (found[pair], pair))
+        fused -= set(ranked[: min(len(fused) - PAIRS, len(fused) // 32 + 1)])
+    return sorted(fused)
 
 
 def main() -> None:
     """Write the file anew."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("counts", nargs="?", type=Path, help="how often pairs occur (default: keep those there are)")
+    parser.add_argument("counts", nargs="?", type=Path, help="how often runs of instructions occur (default: keep the pairs)")
     counts: Path | None = parser.parse_args().counts
     path = EMULATOR / "handlers.def"
     known = singles()

@@ -1,8 +1,8 @@
-// Counts which handlers of the fast interpreter follow each other, over all ROMs of a folder, for
-// scripts/make-handlers.py. Every ROM counts the same. Prints "count first second", counts a million
+// Counts which handlers of the fast interpreter run one behind the other, over all ROMs of a folder, for
+// scripts/make-handlers.py. Every ROM counts the same. Prints "count first second ...", counts a million
 // instructions; what the plain interpreter runs and what follows a wait for the timer is left out.
 //
-// usage: pairs FOLDER > counts
+// usage: runs FOLDER > counts
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -26,6 +26,8 @@ constexpr const char* kNames[] = {
 #define PAIR(...)
 #include "handlers.def"
 };
+
+constexpr size_t kLongest = 24;
 
 using Run = std::vector<uint16_t>;
 using Counts = std::map<Run, double>;
@@ -57,20 +59,19 @@ void count(const std::filesystem::path& path, Counts& counts) {
             const uint16_t now = bytes ? decode(bytes, 3, *cartridge, bank).handler : uint16_t{kStep};
             const uint16_t before = run.empty() ? uint16_t{kStep} : run.back();
             const bool waits = before == LDA_Timer || before == LDX_Timer || before == LDY_Timer;
-            if (now == kStep || waits || cpu.pc != next) run.clear();
-            if (now != kStep) run.push_back(now);
-            if (run.size() > 2) run.erase(run.begin());
-            if (frame >= 100) {
-                if (run.size() == 2) here[run] += 1;
-                total += 1;
+            if (now == kStep || waits || cpu.pc != next || run.size() == kLongest) {
+                if (frame >= 100 && run.size() > 1) here[run] += 1;
+                run.clear();
             }
+            if (now != kStep) run.push_back(now);
+            if (frame >= 100) total += 1;
             next = static_cast<uint16_t>(cpu.pc + (bytes ? length_of(kOpcodes[bytes[0]].form) : 1));
             console.run_instruction();
             if (console.machine().cpu.stop || console.machine().cpu.jammed) break;
         }
         console.raw_machine().cpu.stop = false;
     }
-    for (const auto& [pair, times] : here) counts[pair] += 1e6 * times / total;
+    for (const auto& [run, times] : here) counts[run] += 1e6 * times / total;
 }
 
 }  // namespace
@@ -82,10 +83,10 @@ int main(int, char** arguments) {
         if (entry.path().extension() == ".bin") roms.push_back(entry.path());
     std::sort(roms.begin(), roms.end());
     for (const auto& rom : roms) count(rom, counts);
-    for (const auto& [pair, times] : counts) {
-        if (times < 2.0 * static_cast<double>(roms.size())) continue;
-        std::printf("%.0f", times / static_cast<double>(roms.size()));
-        for (uint16_t handler : pair) std::printf(" %s", kNames[handler]);
+    for (const auto& [run, times] : counts) {
+        if (times < 0.5 * static_cast<double>(roms.size())) continue;
+        std::printf("%.1f", times / static_cast<double>(roms.size()));
+        for (uint16_t handler : run) std::printf(" %s", kNames[handler]);
         std::printf("\n");
     }
 }
