@@ -117,7 +117,9 @@ def pairs(counts: Path, known: set[str]) -> list[Pair]:
 def main() -> None:
     """Write the file anew."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("counts", nargs="?", type=Path, help="how often runs of instructions occur (default: keep the pairs)")
+    parser.add_argument(
+        "counts", nargs="?", type=Path, help="how often runs of instructions occur (default: keep the pairs)"
+    )
     counts: Path | None = parser.parse_args().counts
     path = EMULATOR / "handlers.def"
     known = singles()

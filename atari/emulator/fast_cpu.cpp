@@ -4,8 +4,8 @@
 namespace atari {
 
 // A handler ends by going to the next one. Where the compiler has labels as values the record holds the next handler's,
-// and every handler jumps there itself: one instruction, which the processor predicts for each handler on its own.
-// Elsewhere they come back to one switch.
+// and every handler jumps there itself, which lets the processor predict each such jump on its own. Elsewhere they come
+// back to one switch.
 #if defined(__GNUC__) && !defined(ATARI_NO_COMPUTED_GOTO)
 #define COMPUTED_GOTO 1
 #define HANDLER(name) handle_##name:
@@ -131,7 +131,7 @@ namespace {
 constexpr auto kFirstOf = [] {
     std::array<uint16_t, kHandlers> table{kStep, kPollTimer, kRamCode};
 #define SINGLE(operation, operand) \
-    table[operation##_##operand] = Operand::operand == Operand::Input ? uint16_t{kStep} : uint16_t{operation##_##operand};
+    table[operation##_##operand] = Operand::operand == Operand::Input ? kStep : operation##_##operand;
 #define PAIR(o1, k1, o2, k2) table[o1##_##k1##_##o2##_##k2] = table[o1##_##k1];
 #include "handlers.def"
     return table;

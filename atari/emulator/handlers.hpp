@@ -133,7 +133,8 @@ struct FastCpu {
         return c.read(static_cast<uint16_t>(address));
     }
 
-    // INPT0 .. INPT5, and two addresses at which nothing answers. While writes are kept for later, a read changes nothing.
+    // INPT0 .. INPT5, and two addresses at which nothing answers. Where writes are kept for later, a read changes nothing:
+    // what the TIA would draw before it is in the log.
     INLINE static uint32_t input(const Console& c, uint32_t cycles, uint32_t address, uint32_t bus) {
         return (cycles >= c.inputs_from_[address & 7] ? 0x80u : 0u) | (bus & 0x3f);
     }
@@ -286,7 +287,8 @@ struct FastCpu {
             r.nz = (reg - o) & 0xff;
         }
         if constexpr (op == ADC || op == SBC) {
-            // With o ^ 0xff added the signs of both differ from the sum's where those of A and o differ, and A's and the sum's.
+            // V: both terms have another sign than the sum. SBC adds o ^ 0xff: where A's sign is not the sum's, that one's
+            // is not the sum's just where o's is not A's.
             const uint32_t sum = op == ADC ? r.a + r.carry + o : r.a + r.carry + 0xff - o;
             c.overflow_ = static_cast<uint8_t>((r.a ^ sum) & (op == ADC ? o ^ sum : r.a ^ o));
             r.carry = sum >> 8;
