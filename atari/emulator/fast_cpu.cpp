@@ -158,7 +158,7 @@ void FastCpu::run_counted(Console& c, int left) {
         }
         uint16_t handler = r.at ? kFirstOf[r.at->handler] : uint16_t{kStep};
         if (handler == kPollTimer) handler = static_cast<uint16_t>(r.at->jump);
-        if (handler == kRamCode) handler = decode_ram(c, r.at);
+        if (handler == kRamCode) handler = kFirstOf[decode_ram(c, r.at)];
         if (left == 1) handler = kStep;  // what the last instruction leaves on the bus stays in the state
         here = handler != kStep && kSteps[handler](r, c) != kPlainly;
         if (here) {

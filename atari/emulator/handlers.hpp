@@ -64,9 +64,12 @@ struct FastCpu {
     INLINE static const Record* enter(Console& c, uint32_t pc) {
         const uint32_t segment = pc >> 10 & 15;
         if (!(c.code_segments_ >> segment & 1)) return enter_ram(c, pc);
+        const Record* base = c.first_record_ + c.segment_[segment];
+        const Record* record = base + (pc & 0x3ff);
+        if (record->handler == kStep) return nullptr;
         c.origin_ = pc & 0xfc00;
-        c.base_record_ = c.first_record_ + c.segment_[segment];
-        return c.base_record_ + (pc & 0x3ff);
+        c.base_record_ = base;
+        return record;
     }
 
     static const Record* enter_ram(Console& c, uint32_t pc) {
