@@ -1,13 +1,6 @@
 """`AtariEnv`, but for what `conformance/` compares with ale-py over all games."""
 
-import copy
-import hashlib
 import inspect
-import pickle
-import subprocess
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -15,57 +8,10 @@ import ale_py.env
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.wrappers import FrameStackObservation
+from env_tools import comparable, over, play, started, unchanged
 
 import atari
-from atari import Action, AtariEnv, snapshot
-
-
-@contextmanager
-def unchanged(env: AtariEnv) -> Iterator[None]:
-    """The block, which is expected to be refused, leaves the environment as it was."""
-    before = env.snapshot()
-    yield
-    assert env.snapshot() == before
-
-
-def started(game: str = "breakout", *, seed: int = 0, **options: Any) -> AtariEnv:
-    env = AtariEnv(game, **options)
-    env.reset(seed=seed)
-    return env
-
-
-def over(env: AtariEnv) -> AtariEnv:
-    """The game of Breakout with its last ball lost."""
-    env.core.set_ram(0x39, 0)
-    env.step(0)
-    return env
-
-
-def play(env: gymnasium.Env[Any, Any], steps: int, seed: int = 0) -> list[tuple[Any, ...]]:
-    rng = np.random.default_rng(seed)
-    actions = [int(action) for action in rng.integers(4, size=steps)]
-    return [comparable(env.step(action)) for action in actions]
-
-
-def comparable(result: tuple[Any, ...]) -> tuple[Any, ...]:
-    observation, *rest = result
-    pixels = observation if isinstance(observation, dict) else {"image": observation}
-    return ({key: value.tobytes() for key, value in pixels.items()}, *rest)
-
-
-class Watcher:
-    """Writes down what an observer is told."""
-
-    def __init__(self, env: AtariEnv) -> None:
-        self.env, self.told = env, []  # type: ignore[var-annotated]
-
-    def game_begun(self) -> None:
-        self.told.append(("begun", self.env.core.frame_number))
-
-    def frame_played(self, action: int, reward: int) -> None:
-        self.told.append((action, reward, self.env.core.frame_number))
-
+from atari import Action, AtariEnv
 
 # Options.
 
@@ -131,6 +77,13 @@ def test_a_rom_path_that_is_a_folder_is_refused(tmp_path: Path) -> None:
 def test_a_rom_file_of_another_game_is_refused() -> None:
     with pytest.raises(ValueError, match="Pong"):
         AtariEnv("breakout", rom=Path(ale_py.__file__).parent / "roms" / "pong.bin")
+
+
+def test_the_core_is_within_reach() -> None:
+    env = gymnasium.make("ALE/Pong-v5").unwrapped
+    assert isinstance(env, AtariEnv)
+    assert isinstance(env.core, atari.cores.NativeCore)
+    assert env.core.game is env.game is atari.games["pong"]
 
 
 # Observations, rewards, info.
@@ -433,218 +386,3 @@ def test_closing_twice_is_fine_and_nothing_goes_on_after_it() -> None:
         env.step(0)
     with pytest.raises(RuntimeError, match="this core is closed; make a new one"):
         env.reset()
-
-
-# Snapshots and copies.
-
-
-def test_a_snapshot_brings_everything_back() -> None:
-    env = started("seaquest", frameskip=(2, 5), sound_obs=True)
-    play(env, 30)
-    saved = env.snapshot()
-    expected = play(env, 40, seed=1)
-    env.restore(saved)
-    assert env.snapshot() == saved
-    assert play(env, 40, seed=1) == expected
-
-
-def test_a_snapshot_goes_on_in_another_environment_also_over_a_reset() -> None:
-    env, other = started("seaquest", frameskip=(2, 5)), AtariEnv("seaquest", frameskip=(2, 5))
-    play(env, 30)
-    other.restore(env.snapshot())
-    assert play(other, 20) == play(env, 20)
-    assert np.array_equal(other.reset()[0], env.reset()[0])
-    assert play(other, 20) == play(env, 20)
-
-
-def test_what_is_seen_may_differ_between_snapshot_and_restore() -> None:
-    """Pixels of a game that was played from RAM, for instance."""
-    player, watcher = started("pong", obs_type="ram"), AtariEnv("pong", render_mode="rgb_array")
-    play(player, 30)
-    watcher.restore(player.snapshot())
-    assert np.array_equal(watcher.render(), player.core.screen_rgb())
-
-
-def test_a_restored_environment_knows_whether_it_was_reset() -> None:
-    fresh, env = AtariEnv("pong"), started("pong")
-    env.restore(fresh.snapshot())
-    with pytest.raises(gymnasium.error.ResetNeeded):
-        env.step(0)
-
-
-def test_a_restored_environment_knows_that_the_episode_is_over() -> None:
-    env = AtariEnv("breakout")
-    env.restore(over(started()).snapshot())
-    with pytest.warns(UserWarning, match="after the episode had ended"):
-        env.step(0)
-
-
-@pytest.mark.parametrize(
-    ("options", "text"),
-    [
-        ({"game": "pong"}, "taken with game = 'pong', but this environment has 'breakout'"),
-        ({"mode": 4}, "taken with mode = 4"),
-        ({"difficulty": 1}, "taken with difficulty = 1"),
-        ({"repeat_action_probability": 0.5}, "taken with repeat_action_probability = 0.5"),
-        ({"max_num_frames_per_episode": 7}, "taken with max_num_frames_per_episode = 7"),
-        ({"sound_obs": True}, "taken with sound = True"),
-    ],
-)
-def test_a_snapshot_of_another_kind_of_environment_is_refused(options: dict[str, Any], text: str) -> None:
-    env, other = started(), started(**options)
-    with unchanged(env), pytest.raises(ValueError, match="the snapshot was taken with") as error:
-        env.restore(other.snapshot())
-    assert text in str(error.value)
-
-
-def test_a_snapshot_of_a_core_is_not_one_of_an_environment() -> None:
-    env = started()
-    with unchanged(env), pytest.raises(ValueError, match="the snapshot was taken with of = None"):
-        env.restore(env.core.snapshot())
-
-
-@pytest.mark.parametrize("data", [b"", b"garbage", "text", None])
-def test_what_is_no_snapshot_is_refused(data: Any) -> None:
-    env = started()
-    with unchanged(env), pytest.raises((ValueError, TypeError), match="snapshot"):
-        env.restore(data)
-
-
-def test_a_damaged_snapshot_is_refused() -> None:
-    env = started()
-    good = env.snapshot()
-    with unchanged(env):
-        for place in range(0, len(good), 97):
-            bad = bytearray(good)
-            bad[place] ^= 0x10
-            with pytest.raises(ValueError, match="snapshot"):
-                env.restore(bytes(bad))
-            with pytest.raises(ValueError, match="snapshot"):
-                env.restore(good[:place])
-
-
-def test_a_snapshot_of_another_version_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    env = started()
-    with monkeypatch.context() as patch:
-        patch.setattr(snapshot, "VERSION", 2)
-        future = env.snapshot()
-    with (
-        unchanged(env),
-        pytest.raises(ValueError, match="format version 2, this release of atari-envs reads version 1"),
-    ):
-        env.restore(future)
-
-
-@pytest.mark.parametrize("duplicate", [copy.deepcopy, copy.copy, lambda env: pickle.loads(pickle.dumps(env))])
-def test_copies_keep_the_position_and_go_their_own_way(duplicate: Any) -> None:
-    env = started("seaquest", frameskip=(2, 5), obs_type="grayscale")
-    play(env, 30)
-    other = duplicate(env)
-    assert other.snapshot() == env.snapshot()
-    expected = play(env, 20)
-    assert play(other, 20) == expected
-    play(other, 5)
-    assert other.core.frame_number > env.core.frame_number
-
-
-def test_a_pickle_goes_on_in_another_process(tmp_path: Path) -> None:
-    env = started("pong", obs_type="ram", frameskip=(2, 5))
-    play(env, 30)
-    (tmp_path / "env").write_bytes(pickle.dumps(env))
-    program = (
-        "import hashlib, pickle\nenv = pickle.load(open('env', 'rb'))\n"
-        "steps = [env.step(action)[0].tobytes() for action in [0, 1, 2, 3] * 10]\n"
-        "print(hashlib.sha256(b''.join(steps)).hexdigest())"
-    )
-    result = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True)
-    steps = [env.step(action)[0].tobytes() for action in [0, 1, 2, 3] * 10]
-    assert result.stdout.strip() == hashlib.sha256(b"".join(steps)).hexdigest()
-
-
-def test_a_copy_keeps_the_spec() -> None:
-    env = gymnasium.make("Pong-ramNoFrameskip-v4").unwrapped
-    assert copy.deepcopy(env).spec == pickle.loads(pickle.dumps(env)).spec == env.spec
-    assert env.spec is not None
-    assert env.spec.id == "Pong-ramNoFrameskip-v4"
-
-
-def test_a_wrapped_environment_can_be_copied_too() -> None:
-    env = FrameStackObservation(gymnasium.make("ALE/Seaquest-v5"), 3)
-    env.reset(seed=0)
-    play(env, 20)
-    other = copy.deepcopy(env)
-    assert play(other, 20) == play(env, 20)
-
-
-def test_a_cloned_state_brings_the_game_back() -> None:
-    env = started("breakout", repeat_action_probability=0.0, obs_type="ram")
-    play(env, 30)
-    state = env.clone_state()
-    expected = play(env, 30)
-    env.restore_state(state)
-    assert play(env, 30) == expected
-
-
-def test_a_cloned_state_can_leave_the_end_of_an_episode() -> None:
-    env = started("breakout")
-    state = env.clone_state()
-    over(env)
-    env.restore_state(state)
-    assert env.step(0)[2] is False
-
-
-def test_what_is_no_state_is_refused() -> None:
-    env = started()
-    with unchanged(env), pytest.raises(TypeError, match="restore_state takes what clone_state returned, got bytes"):
-        env.restore_state(env.snapshot())
-
-
-def test_the_core_is_within_reach() -> None:
-    env = gymnasium.make("ALE/Pong-v5").unwrapped
-    assert isinstance(env, AtariEnv)
-    assert isinstance(env.core, atari.cores.NativeCore)
-    assert env.core.game is env.game is atari.games["pong"]
-
-
-# Those who watch.
-
-
-def test_observers_are_told_of_every_frame() -> None:
-    env = AtariEnv("breakout", frameskip=3, repeat_action_probability=0.0)
-    watcher = Watcher(env)
-    env.observers.append(watcher)
-    env.reset(seed=0)
-    first = env.core.frame_number
-    env.core.set_ram(0x4D, 0x25)
-    env.step(1)
-    env.play_frames(Action.LEFT, 2)
-    assert watcher.told == [
-        ("begun", first),
-        (1, 25, first + 1),
-        (1, 0, first + 2),
-        (1, 0, first + 3),
-        (4, 0, first + 4),
-        (4, 0, first + 5),
-    ]
-
-
-def test_observers_are_not_told_of_frames_that_are_not_played() -> None:
-    env = started(frameskip=4)
-    watcher = Watcher(env)
-    env.observers.append(watcher)
-    over(env)
-    assert len(watcher.told) == 1
-    env.observers.clear()
-    env.reset()
-    env.step(0)
-    assert len(watcher.told) == 1
-
-
-def test_making_sound_changes_nothing_else() -> None:
-    env, silent = started("seaquest"), started("seaquest")
-    env.make_sound()
-    assert play(env, 30) == play(silent, 30)
-    assert env.core.audio().min() >= 128
-    for other in (copy.deepcopy(env), pickle.loads(pickle.dumps(env))):
-        assert other.core.sound
-        assert play(other, 20) == play(copy.deepcopy(env), 20)

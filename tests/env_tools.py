@@ -1,0 +1,43 @@
+"""What the tests of `AtariEnv` share: starting a game, playing at random, comparing results."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import gymnasium
+import numpy as np
+
+from atari import AtariEnv
+
+
+@contextmanager
+def unchanged(env: AtariEnv) -> Iterator[None]:
+    """The block, which is expected to be refused, leaves the environment as it was."""
+    before = env.snapshot()
+    yield
+    assert env.snapshot() == before
+
+
+def started(game: str = "breakout", *, seed: int = 0, **options: Any) -> AtariEnv:
+    env = AtariEnv(game, **options)
+    env.reset(seed=seed)
+    return env
+
+
+def over(env: AtariEnv) -> AtariEnv:
+    """The game of Breakout with its last ball lost."""
+    env.core.set_ram(0x39, 0)
+    env.step(0)
+    return env
+
+
+def play(env: gymnasium.Env[Any, Any], steps: int, seed: int = 0) -> list[tuple[Any, ...]]:
+    rng = np.random.default_rng(seed)
+    actions = [int(action) for action in rng.integers(4, size=steps)]
+    return [comparable(env.step(action)) for action in actions]
+
+
+def comparable(result: tuple[Any, ...]) -> tuple[Any, ...]:
+    observation, *rest = result
+    pixels = observation if isinstance(observation, dict) else {"image": observation}
+    return ({key: value.tobytes() for key, value in pixels.items()}, *rest)

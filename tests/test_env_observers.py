@@ -1,0 +1,62 @@
+"""Those who watch an `AtariEnv`: they are told of every frame, and sound made for them changes nothing."""
+
+import copy
+import pickle
+
+from env_tools import over, play, started
+
+from atari import Action, AtariEnv
+
+
+class Watcher:
+    """Writes down what an observer is told."""
+
+    def __init__(self, env: AtariEnv) -> None:
+        self.env, self.told = env, []  # type: ignore[var-annotated]
+
+    def game_begun(self) -> None:
+        self.told.append(("begun", self.env.core.frame_number))
+
+    def frame_played(self, action: int, reward: int) -> None:
+        self.told.append((action, reward, self.env.core.frame_number))
+
+
+def test_observers_are_told_of_every_frame() -> None:
+    env = AtariEnv("breakout", frameskip=3, repeat_action_probability=0.0)
+    watcher = Watcher(env)
+    env.observers.append(watcher)
+    env.reset(seed=0)
+    first = env.core.frame_number
+    env.core.set_ram(0x4D, 0x25)
+    env.step(1)
+    env.play_frames(Action.LEFT, 2)
+    assert watcher.told == [
+        ("begun", first),
+        (1, 25, first + 1),
+        (1, 0, first + 2),
+        (1, 0, first + 3),
+        (4, 0, first + 4),
+        (4, 0, first + 5),
+    ]
+
+
+def test_observers_are_not_told_of_frames_that_are_not_played() -> None:
+    env = started(frameskip=4)
+    watcher = Watcher(env)
+    env.observers.append(watcher)
+    over(env)
+    assert len(watcher.told) == 1
+    env.observers.clear()
+    env.reset()
+    env.step(0)
+    assert len(watcher.told) == 1
+
+
+def test_making_sound_changes_nothing_else() -> None:
+    env, silent = started("seaquest"), started("seaquest")
+    env.make_sound()
+    assert play(env, 30) == play(silent, 30)
+    assert env.core.audio().min() >= 128
+    for other in (copy.deepcopy(env), pickle.loads(pickle.dumps(env))):
+        assert other.core.sound
+        assert play(other, 20) == play(copy.deepcopy(env), 20)

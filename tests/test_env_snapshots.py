@@ -1,0 +1,178 @@
+"""Snapshots, cloned states and copies of an `AtariEnv`: what they bring back, and which are refused."""
+
+import copy
+import hashlib
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from env_tools import over, play, started, unchanged
+from gymnasium.wrappers import FrameStackObservation
+
+from atari import AtariEnv, snapshot
+
+
+def test_a_snapshot_brings_everything_back() -> None:
+    env = started("seaquest", frameskip=(2, 5), sound_obs=True)
+    play(env, 30)
+    saved = env.snapshot()
+    expected = play(env, 40, seed=1)
+    env.restore(saved)
+    assert env.snapshot() == saved
+    assert play(env, 40, seed=1) == expected
+
+
+def test_a_snapshot_goes_on_in_another_environment_also_over_a_reset() -> None:
+    env, other = started("seaquest", frameskip=(2, 5)), AtariEnv("seaquest", frameskip=(2, 5))
+    play(env, 30)
+    other.restore(env.snapshot())
+    assert play(other, 20) == play(env, 20)
+    assert np.array_equal(other.reset()[0], env.reset()[0])
+    assert play(other, 20) == play(env, 20)
+
+
+def test_what_is_seen_may_differ_between_snapshot_and_restore() -> None:
+    """Pixels of a game that was played from RAM, for instance."""
+    player, watcher = started("pong", obs_type="ram"), AtariEnv("pong", render_mode="rgb_array")
+    play(player, 30)
+    watcher.restore(player.snapshot())
+    assert np.array_equal(watcher.render(), player.core.screen_rgb())
+
+
+def test_a_restored_environment_knows_whether_it_was_reset() -> None:
+    fresh, env = AtariEnv("pong"), started("pong")
+    env.restore(fresh.snapshot())
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.step(0)
+
+
+def test_a_restored_environment_knows_that_the_episode_is_over() -> None:
+    env = AtariEnv("breakout")
+    env.restore(over(started()).snapshot())
+    with pytest.warns(UserWarning, match="after the episode had ended"):
+        env.step(0)
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"game": "pong"}, "taken with game = 'pong', but this environment has 'breakout'"),
+        ({"mode": 4}, "taken with mode = 4"),
+        ({"difficulty": 1}, "taken with difficulty = 1"),
+        ({"repeat_action_probability": 0.5}, "taken with repeat_action_probability = 0.5"),
+        ({"max_num_frames_per_episode": 7}, "taken with max_num_frames_per_episode = 7"),
+        ({"sound_obs": True}, "taken with sound = True"),
+    ],
+)
+def test_a_snapshot_of_another_kind_of_environment_is_refused(options: dict[str, Any], text: str) -> None:
+    env, other = started(), started(**options)
+    with unchanged(env), pytest.raises(ValueError, match="the snapshot was taken with") as error:
+        env.restore(other.snapshot())
+    assert text in str(error.value)
+
+
+def test_a_snapshot_of_a_core_is_not_one_of_an_environment() -> None:
+    env = started()
+    with unchanged(env), pytest.raises(ValueError, match="the snapshot was taken with of = None"):
+        env.restore(env.core.snapshot())
+
+
+@pytest.mark.parametrize("data", [b"", b"garbage", "text", None])
+def test_what_is_no_snapshot_is_refused(data: Any) -> None:
+    env = started()
+    with unchanged(env), pytest.raises((ValueError, TypeError), match="snapshot"):
+        env.restore(data)
+
+
+def test_a_damaged_snapshot_is_refused() -> None:
+    env = started()
+    good = env.snapshot()
+    with unchanged(env):
+        for place in range(0, len(good), 97):
+            bad = bytearray(good)
+            bad[place] ^= 0x10
+            with pytest.raises(ValueError, match="snapshot"):
+                env.restore(bytes(bad))
+            with pytest.raises(ValueError, match="snapshot"):
+                env.restore(good[:place])
+
+
+def test_a_snapshot_of_another_version_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    env = started()
+    with monkeypatch.context() as patch:
+        patch.setattr(snapshot, "VERSION", 2)
+        future = env.snapshot()
+    with (
+        unchanged(env),
+        pytest.raises(ValueError, match="format version 2, this release of atari-envs reads version 1"),
+    ):
+        env.restore(future)
+
+
+@pytest.mark.parametrize("duplicate", [copy.deepcopy, copy.copy, lambda env: pickle.loads(pickle.dumps(env))])
+def test_copies_keep_the_position_and_go_their_own_way(duplicate: Any) -> None:
+    env = started("seaquest", frameskip=(2, 5), obs_type="grayscale")
+    play(env, 30)
+    other = duplicate(env)
+    assert other.snapshot() == env.snapshot()
+    expected = play(env, 20)
+    assert play(other, 20) == expected
+    play(other, 5)
+    assert other.core.frame_number > env.core.frame_number
+
+
+def test_a_pickle_goes_on_in_another_process(tmp_path: Path) -> None:
+    env = started("pong", obs_type="ram", frameskip=(2, 5))
+    play(env, 30)
+    (tmp_path / "env").write_bytes(pickle.dumps(env))
+    program = (
+        "import hashlib, pickle\nenv = pickle.load(open('env', 'rb'))\n"
+        "steps = [env.step(action)[0].tobytes() for action in [0, 1, 2, 3] * 10]\n"
+        "print(hashlib.sha256(b''.join(steps)).hexdigest())"
+    )
+    result = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True)
+    steps = [env.step(action)[0].tobytes() for action in [0, 1, 2, 3] * 10]
+    assert result.stdout.strip() == hashlib.sha256(b"".join(steps)).hexdigest()
+
+
+def test_a_copy_keeps_the_spec() -> None:
+    env = gymnasium.make("Pong-ramNoFrameskip-v4").unwrapped
+    assert copy.deepcopy(env).spec == pickle.loads(pickle.dumps(env)).spec == env.spec
+    assert env.spec is not None
+    assert env.spec.id == "Pong-ramNoFrameskip-v4"
+
+
+def test_a_wrapped_environment_can_be_copied_too() -> None:
+    env = FrameStackObservation(gymnasium.make("ALE/Seaquest-v5"), 3)
+    env.reset(seed=0)
+    play(env, 20)
+    other = copy.deepcopy(env)
+    assert play(other, 20) == play(env, 20)
+
+
+def test_a_cloned_state_brings_the_game_back() -> None:
+    env = started("breakout", repeat_action_probability=0.0, obs_type="ram")
+    play(env, 30)
+    state = env.clone_state()
+    expected = play(env, 30)
+    env.restore_state(state)
+    assert play(env, 30) == expected
+
+
+def test_a_cloned_state_can_leave_the_end_of_an_episode() -> None:
+    env = started("breakout")
+    state = env.clone_state()
+    over(env)
+    env.restore_state(state)
+    assert env.step(0)[2] is False
+
+
+def test_what_is_no_state_is_refused() -> None:
+    env = started()
+    with unchanged(env), pytest.raises(TypeError, match="restore_state takes what clone_state returned, got bytes"):
+        env.restore_state(env.snapshot())
