@@ -1,14 +1,31 @@
-"""The window of `render_mode="human"`, through pygame-ce (extra `play`)."""
+"""Screens for people: the window of `render_mode="human"`, through pygame-ce (extra `play`), and mosaics of many."""
 
+import math
 import os
+from collections.abc import Sequence
 from typing import Any
 
 import gymnasium
+import numpy as np
 
 from atari.cores.protocol import ByteArray
 from atari.game import Game
 
 _SCALE = 3
+
+
+def tile(screens: Sequence[ByteArray], columns: int) -> ByteArray:
+    """Screens (height, 160, 3) as one picture, row by row; lower ones, and what is left over, are filled with black.
+
+    Returns:
+        (rows * the greatest height, columns * 160, 3) uint8.
+    """
+    height, width = max(screen.shape[0] for screen in screens), screens[0].shape[1]
+    rows = math.ceil(len(screens) / columns)
+    picture = np.zeros((rows, height, columns, width, 3), np.uint8)
+    for index, screen in enumerate(screens):
+        picture[index // columns, : len(screen), index % columns] = screen
+    return picture.reshape(rows * height, columns * width, 3)
 
 
 def open_display(pygame: Any) -> None:

@@ -24,6 +24,7 @@ from gymnasium.vector.utils import batch_space
 from atari import _emulator
 from atari.cores import ByteArray
 from atari.game import Game
+from atari.rendering import tile
 from atari.vector_member import Member
 from atari.vector_options import VectorOptions
 from atari.vector_results import Results
@@ -280,16 +281,10 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         return tuple(engine.screen_rgb(index) for index in range(self.num_envs))
 
     def mosaic(self) -> ByteArray:
-        """The screens of all environments in one picture, as square as it gets, row by row: (rows, columns, 3)."""
+        """The screens of all environments in a picture (height, width, 3), in as many columns as rows, or one more."""
         engine = self._open()
         screens = [engine.screen_rgb(index) for index in range(self.num_envs)]
-        height, width = max(screen.shape[0] for screen in screens), screens[0].shape[1]
-        columns = math.ceil(math.sqrt(len(screens)))
-        rows = math.ceil(len(screens) / columns)
-        picture = np.zeros((rows, height, columns, width, 3), np.uint8)
-        for index, screen in enumerate(screens):
-            picture[index // columns, : len(screen), index % columns] = screen
-        return picture.reshape(rows * height, columns * width, 3)
+        return tile(screens, math.ceil(math.sqrt(len(screens))))
 
     @property
     def autoreset_mode(self) -> AutoresetMode:

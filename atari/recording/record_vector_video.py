@@ -17,13 +17,13 @@ import numpy.typing as npt
 from gymnasium.utils import RecordConstructorArgs
 from gymnasium.vector import AutoresetMode, VectorWrapper
 
-from atari.cores import ByteArray
 from atari.cores.options import check_integer
 from atari.recording.camera import Camera, Shot
 from atari.recording.follower import Follower
 from atari.recording.record_video import make_folder
 from atari.recording.schedule import Schedule, Trigger
 from atari.recording.video import frame_rate
+from atari.rendering import tile
 from atari.vector import AtariVectorEnv
 
 
@@ -231,16 +231,6 @@ class RecordVectorVideo(VectorWrapper[Any, Any, Any, Any, Any], RecordConstructo
             self.stop_recording()
         finally:
             self.env.close(**kwargs)
-
-
-def tile(screens: Sequence[ByteArray], columns: int) -> ByteArray:
-    """Screens (height, 160, 3) in one picture, row by row; lower ones, and what is left over, are filled with black."""
-    height, width = max(screen.shape[0] for screen in screens), screens[0].shape[1]
-    rows = math.ceil(len(screens) / columns)
-    picture = np.zeros((rows, height, columns, width, 3), np.uint8)
-    for i, screen in enumerate(screens):
-        picture[i // columns, : len(screen), i % columns] = screen
-    return picture.reshape(rows * height, columns * width, 3)
 
 
 def _columns(shapes: Sequence[tuple[int, int]], aspect_ratio: Any) -> int:

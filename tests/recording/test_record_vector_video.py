@@ -16,7 +16,7 @@ import atari
 from atari import AtariVectorEnv
 from atari.recording import RecordVectorVideo
 from atari.recording.audio import to_16_bit
-from atari.recording.record_vector_video import tile
+from atari.rendering import tile
 
 OPTIONS: list[dict[str, Any]] = [
     {},
