@@ -11,6 +11,7 @@ from atari.cores import ByteArray, Core
 from atari.recording.formats import FORMATS
 from atari.recording.movie import import_av
 from atari.recording.options import VideoOptions
+from atari.recording.trouble import Troubled
 from atari.recording.video import VideoWriter
 
 OVERLAYS = ("score", "action", "ram")
@@ -67,13 +68,12 @@ class Shot:
         return VideoWriter(path, self.size, self.fps, **self._options())
 
 
-class Camera:
+class Camera(Troubled):
     """Films the core of an environment, as an observer of its frames."""
 
     def __init__(self, shot: Shot) -> None:
         self._shot = shot
         self._writer: VideoWriter | None = None
-        self._trouble: OSError | None = None
         self._score = 0
 
     @property
@@ -103,16 +103,6 @@ class Camera:
         writer, self._writer = self._writer, None
         if writer is not None:
             writer.close()
-
-    def raise_trouble(self) -> None:
-        """Tell of a video that ended because it could not be written, once.
-
-        Raises:
-            OSError: it could not.
-        """
-        trouble, self._trouble = self._trouble, None
-        if trouble is not None:
-            raise trouble
 
     def begin_game(self) -> None:
         """A new game: its score is 0."""

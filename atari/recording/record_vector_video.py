@@ -8,7 +8,6 @@ not followed; a video goes on with the screen that the reset ends with.
 
 import math
 import os
-import weakref
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
@@ -18,16 +17,16 @@ from gymnasium.utils import RecordConstructorArgs
 from gymnasium.vector import AutoresetMode, VectorWrapper
 
 from atari.cores.options import check_integer
-from atari.recording.camera import Camera, Shot
+from atari.recording.camera import Shot
+from atari.recording.filming import Filming, make_folder
 from atari.recording.follower import Follower
-from atari.recording.record_video import make_folder
 from atari.recording.schedule import Schedule, Trigger
 from atari.recording.video import frame_rate
 from atari.rendering import tile
 from atari.vector import AtariVectorEnv
 
 
-class RecordVectorVideo(VectorWrapper[Any, Any, Any, Any, Any], RecordConstructorArgs):
+class RecordVectorVideo(Filming, VectorWrapper[Any, Any, Any, Any, Any], RecordConstructorArgs):
     """Record videos of a vector environment.
 
     Arguments, names of files and what is recorded when are those of `gymnasium.wrappers.vector.RecordVideo`; the videos
@@ -104,26 +103,10 @@ class RecordVectorVideo(VectorWrapper[Any, Any, Any, Any, Any], RecordConstructo
         self._shot = Shot(format, (size[0], size[1]), rate, scale, sound, overlay)
         self._schedule = Schedule(episode_trigger, step_trigger, video_length, name_prefix)
         self.video_folder = make_folder(video_folder)
-        self._camera = Camera(self._shot)
-        self._finalizer = weakref.finalize(self, self._camera.stop)
+        self._set_up_camera()
         self._followers = [Follower(inner, i) for i in filmed]
         self._sounding = next(follower for follower in self._followers if follower.index == self._index)
         self._done = np.zeros(inner.num_envs, np.bool_)
-
-    @property
-    def recording(self) -> bool:
-        """Whether a video is being written."""
-        return self._camera.filming
-
-    @property
-    def episode_id(self) -> int:
-        """The number of the episode of environment `index`."""
-        return self._schedule.episode_id
-
-    @property
-    def step_id(self) -> int:
-        """The number of the last step."""
-        return self._schedule.step_id
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset the environments; if environment `index` is among them, its episode ends."""
@@ -132,7 +115,7 @@ class RecordVectorVideo(VectorWrapper[Any, Any, Any, Any, Any], RecordConstructo
         chosen = np.ones(self.num_envs, np.bool_) if mask is None else mask
         ends = bool(chosen[self._index])
         if ends:
-            self._next_episode()
+            self._before_episode()
         result = self.env.reset(seed=seed, options=options)
         self._done = self._done & ~chosen
         if ends:
@@ -148,9 +131,8 @@ class RecordVectorVideo(VectorWrapper[Any, Any, Any, Any, Any], RecordConstructo
         resets = self._done if mode == AutoresetMode.NEXT_STEP else np.zeros(self.num_envs, np.bool_)
         begins = bool(resets[self._index])
         if begins:
-            self._next_episode()
-        if (name := self._schedule.step_video()) is not None:
-            self.start_recording(name)
+            self._before_episode()
+        self._before_step()
         if self.recording:
             self._catch_up(self._followers)
         result = self.env.step(actions)
@@ -159,7 +141,7 @@ class RecordVectorVideo(VectorWrapper[Any, Any, Any, Any, Any], RecordConstructo
         self._film_step(actions, resets, info)
         if mode == AutoresetMode.SAME_STEP and self._done[self._index]:
             begins = True
-            self._next_episode()
+            self._before_episode()
             self._film_resets()
         self._schedule.step_id += 1
         self._schedule.episode_id += begins
@@ -195,42 +177,6 @@ class RecordVectorVideo(VectorWrapper[Any, Any, Any, Any, Any], RecordConstructo
         for follower in followers:
             if follower.catch_up() and follower is self._sounding:
                 self._camera.begin_game()
-
-    def _next_episode(self) -> None:
-        if self.recording and self._schedule.by_episode:
-            self.stop_recording()
-        if (name := self._schedule.episode_video()) is not None:
-            self.start_recording(name)
-
-    def _count(self) -> None:
-        if self.recording and self._schedule.take():
-            self.stop_recording()
-
-    def start_recording(self, video_name: str) -> None:
-        """Begin a video of this name, without an ending; the one being recorded is completed.
-
-        Raises:
-            OSError: a file cannot be written.
-        """
-        self.stop_recording()
-        self._camera.start(self._shot.path(self.video_folder, video_name))
-        self._schedule.begin()
-
-    def stop_recording(self) -> None:
-        """Complete the video; without one, nothing happens.
-
-        Raises:
-            OSError: the last of it cannot be written.
-        """
-        self._camera.stop()
-
-    def close(self, **kwargs: Any) -> None:
-        """Complete the video and close the environments."""
-        try:
-            self._camera.raise_trouble()
-            self.stop_recording()
-        finally:
-            self.env.close(**kwargs)
 
 
 def _columns(shapes: Sequence[tuple[int, int]], aspect_ratio: Any) -> int:

@@ -1,22 +1,21 @@
 """`RecordVideo`: Gymnasium's wrapper of this name, with every frame, at the console's speed, with its sound."""
 
 import os
-import weakref
 from collections.abc import Callable
 from typing import Any
 
 import gymnasium
-from gymnasium import logger
 from gymnasium.utils import RecordConstructorArgs
 from gymnasium.vector import VectorEnv
 
 from atari.env import AtariEnv
 from atari.recording.camera import Camera, Shot
+from atari.recording.filming import Filming, make_folder
 from atari.recording.schedule import Schedule, Trigger
 from atari.recording.video import frame_rate
 
 
-class RecordVideo(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class RecordVideo(Filming, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """Record videos of chosen episodes.
 
     Arguments, names of files and what is recorded when are those of `gymnasium.wrappers.RecordVideo`, which this can
@@ -96,35 +95,16 @@ class RecordVideo(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
         self.video_folder = make_folder(video_folder)
         if self._shot.sound:
             inner.make_sound()
+        self._watch()
+
+    def _watch(self) -> None:
         self._set_up_camera()
-
-    def _set_up_camera(self) -> None:
-        self._camera = Camera(self._shot)
         self._atari.observers.append(Observer(self._atari, self._camera))
-        self._finalizer = weakref.finalize(self, self._camera.stop)  # should nobody call close
-
-    @property
-    def recording(self) -> bool:
-        """Whether a video is being written."""
-        return self._camera.filming
-
-    @property
-    def episode_id(self) -> int:
-        """The number of this episode."""
-        return self._schedule.episode_id
-
-    @property
-    def step_id(self) -> int:
-        """The number of the last step, over all episodes."""
-        return self._schedule.step_id
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset the environment, end the video of the last episode, and perhaps begin another."""
         self._camera.raise_trouble()
-        if self.recording and self._schedule.by_episode:
-            self.stop_recording()
-        if (name := self._schedule.episode_video()) is not None:
-            self.start_recording(name)
+        self._before_episode()
         result = self.env.reset(seed=seed, options=options)
         self._schedule.episode_id += 1
         if self.recording and not self._camera.frames:  # the reset played nothing, as after a lost life
@@ -135,42 +115,11 @@ class RecordVideo(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Play a step, and film its frames."""
         self._camera.raise_trouble()
-        if (name := self._schedule.step_video()) is not None:
-            self.start_recording(name)
+        self._before_step()
         result = self.env.step(action)
         self._schedule.step_id += 1
         self._count()
         return result
-
-    def _count(self) -> None:
-        if self.recording and self._schedule.take():
-            self.stop_recording()
-
-    def start_recording(self, video_name: str) -> None:
-        """Begin a video of this name, without an ending; the one being recorded is completed.
-
-        Raises:
-            OSError: a file cannot be written.
-        """
-        self.stop_recording()
-        self._camera.start(self._shot.path(self.video_folder, video_name))
-        self._schedule.begin()
-
-    def stop_recording(self) -> None:
-        """Complete the video; without one, nothing happens.
-
-        Raises:
-            OSError: the last of it cannot be written.
-        """
-        self._camera.stop()
-
-    def close(self) -> None:
-        """Complete the video and close the environment."""
-        try:
-            self._camera.raise_trouble()
-            self.stop_recording()
-        finally:
-            self.env.close()
 
     def __getstate__(self) -> dict[str, Any]:
         """A copy counts on, but records only from its next trigger on."""
@@ -178,7 +127,7 @@ class RecordVideo(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
-        self._set_up_camera()
+        self._watch()
 
 
 class Observer:
@@ -195,18 +144,3 @@ class Observer:
     def frame_played(self, action: int, reward: int) -> None:
         """Film a frame."""
         self._camera.take(self._env.core, action, reward)
-
-
-def make_folder(video_folder: str | os.PathLike[str]) -> str:
-    """Make the folder of the videos, warn if it is there already, and return its absolute path.
-
-    Raises:
-        OSError: it cannot be made or written to.
-    """
-    folder = os.path.abspath(video_folder)
-    if os.path.isdir(folder):
-        logger.warn(f"videos of the same names in {folder} will be replaced; choose another video_folder to keep them")
-    os.makedirs(folder, exist_ok=True)
-    if not os.access(folder, os.W_OK | os.X_OK):
-        raise PermissionError(f"videos cannot be written into {folder}; choose another video_folder")
-    return folder

@@ -12,6 +12,7 @@ from atari.env import AtariEnv
 from atari.game import Game
 from atari.recording.replay_events import ACTS_PER_CHUNK, Event, Kind, pack
 from atari.recording.replay_file import FRAMES_PER_CHECK, FRAMES_PER_CHUNK, Play, Writer, check, episode, mark
+from atari.recording.trouble import Troubled
 from atari.roms import find
 from atari.roms.image import md5, read_image
 
@@ -38,7 +39,7 @@ def header_of(env: AtariEnv, source: str) -> dict[str, Any]:
     }
 
 
-class Recorder:
+class Recorder(Troubled):
     """Collects what is done, and writes it chunk by chunk.
 
     If a chunk cannot be written, the recording ends, what follows is ignored, and `raise_trouble` says why: the game
@@ -58,7 +59,6 @@ class Recorder:
         """The sum of rewards since the last reset."""
         self.core = core
         """What is recorded."""
-        self._trouble: OSError | None = None
         self._episodes: list[dict[str, Any]] = []
         self._in_episode = False
         self._held: tuple[int, float] = (0, 1.0)
@@ -167,16 +167,6 @@ class Recorder:
             self._write("end", {"episodes": self._episodes, "check": check(self.core, self.score)})
             self._writer = None
         self.raise_trouble()
-
-    def raise_trouble(self) -> None:
-        """Tell of a file that could not be written, once.
-
-        Raises:
-            OSError: it could not.
-        """
-        trouble, self._trouble = self._trouble, None
-        if trouble is not None:
-            raise trouble
 
     def _start_chunk(self) -> None:
         self._first = self.frames
