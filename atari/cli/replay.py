@@ -21,7 +21,7 @@ def add_commands(commands: "Commands") -> None:
     group = commands.add_parser(
         "replay",
         help="show, verify and film replays",
-        description="Replays (.a26): games as the few kilobytes that make them happen again.",
+        description="Replays (.a26): games as what was played, about 2 kB a minute; they happen again exactly.",
         epilog="`atari play` and `atari record -o game.a26` write replays, and so does atari.recording.RecordReplay.",
         allow_abbrev=False,
     )
