@@ -2,6 +2,7 @@
 
 import argparse
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,7 +10,8 @@ from atari.catalog import games
 from atari.cli.command import add_command, number, print_json
 from atari.play import Session, play
 from atari.play.controls import HELP
-from atari.play.window import import_pygame
+from atari.play.window import import_pygame, needs_display
+from atari.rendering import open_display
 
 if TYPE_CHECKING:
     from atari.cli.command import Commands
@@ -37,10 +39,13 @@ def add_commands(commands: "Commands") -> None:
 
 def _play(args: argparse.Namespace) -> int:
     game = games.find(args.game)
-    import_pygame()  # whether it is there shows before any file is made
-    replay = None
+    pygame = import_pygame()
+    with needs_display(pygame):
+        open_display(pygame)  # whether there is one shows before any file is made, or replaced
+    replay, new_folders = None, []
     if not args.no_replay:
         replay = args.replay or Path("replays", f"{game.id}-{time.strftime('%Y%m%d-%H%M%S')}.a26")
+        new_folders = [folder for folder in replay.parents if not folder.exists()]
     session = Session(
         args.game,
         replay=replay,
@@ -54,7 +59,10 @@ def _play(args: argparse.Namespace) -> int:
     finally:
         session.close()
         if replay is not None and not session.frames:
-            replay.unlink()  # as where there is no display
+            replay.unlink()
+            with suppress(OSError):  # of a folder into which something else was put
+                for folder in new_folders:
+                    folder.rmdir()
     files = [path.resolve() for path in (replay, *session.written) if path is not None and path.exists()]
     result = {"game": game.id, "frames": session.frames, "best_score": session.best, "files": files}
     if args.json:

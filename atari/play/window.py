@@ -1,6 +1,8 @@
 """`GameWindow`: the screen of a game in a window, with the console's 2:1 pixels, and a line of text over it."""
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import gymnasium
@@ -28,6 +30,22 @@ def import_pygame() -> Any:
     return pygame
 
 
+@contextmanager
+def needs_display(pygame: Any) -> Iterator[None]:
+    """What fails here, fails for want of a display.
+
+    Raises:
+        gymnasium.error.Error: it failed.
+    """
+    try:
+        yield
+    except pygame.error as error:
+        pygame.display.quit()
+        raise gymnasium.error.Error(
+            f"playing needs a display, and there is none ({error}); on a machine without one, use `atari record`"
+        ) from None
+
+
 class GameWindow:
     """A window. Its size can be changed; the picture stays in proportion.
 
@@ -45,14 +63,9 @@ class GameWindow:
         self._pygame = pygame
         rows, columns = game.screen.shape
         self._size = (2 * scale * columns, scale * rows)
-        try:
+        with needs_display(pygame):
             open_display(pygame)
             self._set_mode(full_screen)
-        except pygame.error as error:
-            pygame.display.quit()
-            raise gymnasium.error.Error(
-                f"playing needs a display, and there is none ({error}); on a machine without one, use `atari record`"
-            ) from None
         pygame.font.init()
         self._font = pygame.font.Font(None, _TEXT_HEIGHT)
         pygame.mouse.set_visible(False)

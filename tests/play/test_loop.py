@@ -257,9 +257,17 @@ def test_the_command_writes_a_replay(monkeypatch: pytest.MonkeyPatch, capsys: py
 
 def test_no_frame_no_file(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Loop, "run", lambda loop: None)
-    assert main(["play", "pong", "--scale", "1", "--no-sound", "--replay", "a.a26"]) == 0
-    assert main(["play", "pong", "--scale", "1", "--no-sound", "--no-replay"]) == 0
-    assert not list(Path().iterdir())
+    for words in (["--replay", "a.a26"], ["--replay", "a/b/c.a26"], ["--no-replay"], []):
+        assert main(["play", "pong", "--scale", "1", "--no-sound", *words]) == 0
+        assert not list(Path().iterdir())
+
+
+def test_without_a_frame_only_folders_that_were_made_for_it_go(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Loop, "run", lambda loop: loop._session.save())
+    Path("replays").mkdir()
+    assert main(["play", "pong", "--scale", "1", "--no-sound"]) == 0
+    assert main(["play", "pong", "--scale", "1", "--no-sound", "--replay", "a/b.a26", "--state", "a/c.state"]) == 0
+    assert sorted(map(str, Path().rglob("*"))) == ["a", "a/c.state", "replays", "states", "states/pong.state"]
 
 
 @pytest.mark.parametrize(
@@ -285,20 +293,23 @@ def test_without_pygame_the_extra_is_named(monkeypatch: pytest.MonkeyPatch, caps
     assert not list(Path().iterdir())
 
 
-@pytest.mark.parametrize("driver", [None, "x11"])
-def test_without_a_display_it_says_so(driver: str | None, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("driver", "options"), [(None, []), ("x11", ["--replay", "best.a26"])])
+def test_without_a_display_it_says_so_and_touches_no_file(
+    driver: str | None, options: list[str], tmp_path: Path
+) -> None:
     absent = ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER")
     environment = {name: value for name, value in os.environ.items() if name not in absent}
     if driver:
         environment["SDL_VIDEODRIVER"] = driver
-    words = [sys.executable, "-m", "atari", "play", "pong"]
+    (tmp_path / "best.a26").write_bytes(b"of yesterday")
+    words = [sys.executable, "-m", "atari", "play", "pong", *options]
     result = subprocess.run(
         words, env=environment, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False
     )
     assert result.returncode == 1
     assert "atari: error: playing needs a display, and there is none (" in result.stderr
     assert "use `atari record`" in result.stderr
-    assert not any(path.is_file() for path in tmp_path.rglob("*"))
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {"best.a26": b"of yesterday"}
 
 
 def test_a_display_that_is_lost_is_an_error_of_gymnasium(monkeypatch: pytest.MonkeyPatch) -> None:
