@@ -5,6 +5,7 @@ Sources: the registrations of OpenAI Gym 0.1-0.26 (v0 and v4) and of ale-py 0.7-
 """
 
 import difflib
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
@@ -110,15 +111,25 @@ def register_all() -> None:
         )
 
 
+def known_ids() -> tuple[str, ...]:
+    """Every ID that `make` takes: those of `ids`, of the algorithmic tasks, and of games that were registered."""
+    others = (env_id for env_id, spec in gymnasium.registry.items() if str(spec.entry_point).startswith("atari."))
+    return tuple(dict.fromkeys([*ids(), *others]))
+
+
 def resolve(env_id: str) -> tuple[Family, str]:
     """The family and game of an ID.
 
     Raises:
-        gymnasium.error.NameNotFound: there is no such ID; the text suggests the right one.
+        gymnasium.error.NameNotFound: there is no such ID, or it is of no family; the text suggests the right one.
     """
     if env_id in ids():
         return ids()[env_id]
-    raise gymnasium.error.NameNotFound(f"there is no environment {env_id!r}; {_suggestion(env_id)}")
+    if env_id in known_ids():
+        raise gymnasium.error.NameNotFound(
+            f"only IDs of ALE's games are explained, {env_id!r} is none; gymnasium.spec({env_id!r}) shows what it is"
+        )
+    raise _not_found(env_id)
 
 
 def make(game_or_id: str, *, preset: str | None = None, **options: Any) -> gymnasium.Env[Any, Any]:
@@ -139,9 +150,8 @@ def make(game_or_id: str, *, preset: str | None = None, **options: Any) -> gymna
     if "-v" not in game_or_id and "/" not in game_or_id:
         env_id = f"ALE/{stem(games.find(game_or_id).id)}-v5"
     else:
-        registered = gymnasium.registry.get(game_or_id)
-        if registered is None or not str(registered.entry_point).startswith("atari."):
-            resolve(game_or_id)
+        if game_or_id not in known_ids():
+            raise _not_found(game_or_id)
         env_id = game_or_id
     if preset is None:
         return gymnasium.make(env_id, **options)
@@ -192,7 +202,7 @@ def explain(env_id: str) -> str:
     """What an ID means, in words, and how its siblings differ from it.
 
     Raises:
-        gymnasium.error.NameNotFound: there is no such ID; the text suggests the right one.
+        gymnasium.error.NameNotFound: as of `resolve`.
     """
     family, game_id = resolve(env_id)
     game = games[game_id]
@@ -244,21 +254,24 @@ def _difference(family: Family, other: Family, game: str) -> str:
     return "; ".join(words) or "the same"
 
 
+def _not_found(env_id: str) -> gymnasium.error.NameNotFound:
+    return gymnasium.error.NameNotFound(f"there is no environment {env_id!r}; {_suggestion(env_id)}")
+
+
 def _suggestion(env_id: str) -> str:
     """The cure for the mistakes people make with IDs: wrong prefix, version, case, or spelling."""
-    wanted = _skeleton(env_id)
-    candidates = [known for known in ids() if _skeleton(known) == wanted]
+    candidates = [known for known in known_ids() if skeleton(known) == skeleton(env_id)]
     version, namespace = env_id.rpartition("-v")[2], env_id.lower().startswith("ale/")
     closest = [c for c in candidates if c.endswith(f"-v{version}") or (namespace and c.startswith("ALE/"))]
     if candidates:
         return f"did you mean {' or '.join(map(repr, closest or candidates))}?"
-    near = difflib.get_close_matches(env_id.lower(), {known.lower(): known for known in ids()}, n=1, cutoff=0.6)
-    original = {known.lower(): known for known in ids()}
-    return f"did you mean {original[near[0]]!r}?" if near else "see `atari list --ids` for all of them"
+    by_lower = {known.lower(): known for known in known_ids()}
+    near = difflib.get_close_matches(env_id.lower(), by_lower, n=1, cutoff=0.6)
+    return f"did you mean {by_lower[near[0]]!r}?" if near else "see `atari list --ids` for all of them"
 
 
-def _skeleton(env_id: str) -> str:
-    """An ID without what people get wrong: namespace, version, case and punctuation."""
-    name = env_id.lower().removeprefix("ale/").removeprefix("atari:")
+def skeleton(env_id: str) -> str:
+    """An ID without what people get wrong: module, namespace, version, case and punctuation."""
+    name = re.split("[/:]", env_id.lower())[-1]
     name = name.rpartition("-v")[0] if "-v" in name else name
     return "".join(letter for letter in name if letter.isalnum())

@@ -92,6 +92,8 @@ def test_registered_ids_work_with_gymnasium_and_in_vector_environments() -> None
         envs = gymnasium.make_vec("Catch-ram-v5", num_envs=2)
         assert envs.reset(seed=0)[0].shape == (2, 128)
         assert atari.make("Catch-ram-v5").observation_space.shape == (128,)
+        with pytest.raises(gymnasium.error.NameNotFound, match="did you mean 'Catch-v5'"):
+            atari.make("Cacth-v5")
         with pytest.raises(ValueError, match="the ID 'Catch-v5' is taken; rename the game file"):
             atari.register_game(RULES, rom=IMAGE)
     finally:

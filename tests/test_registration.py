@@ -12,6 +12,7 @@ import pytest
 
 import atari
 from atari import registration
+from atari.algorithmic.registration import TASKS
 from atari.env import AtariEnv
 
 
@@ -168,6 +169,12 @@ def test_make_suggests_the_nearest_game() -> None:
         ("ALE/Breakout", "did you mean 'ALE/Breakout-v5'?"),
         ("ALE/Brekout-v5", "did you mean 'ALE/Breakout-v5'?"),
         ("atari:Breakout-v5", "did you mean 'ALE/Breakout-v5'?"),
+        ("atari:ALE/Breakout-v4", "did you mean 'Breakout-v4'?"),
+        ("Copi-v0", "did you mean 'Copy-v0'?"),
+        ("copy-v0", "did you mean 'Copy-v0'?"),
+        ("Revers-v0", "did you mean 'Reverse-v0'?"),
+        ("ReversedAddition3-v1", "did you mean 'ReversedAddition3-v0'?"),
+        ("ALE/RepeatCopy", "did you mean 'RepeatCopy-v0'?"),
         ("CartPole-v1", "see `atari list --ids` for all of them"),
     ],
 )
@@ -178,7 +185,20 @@ def test_a_wrong_id_is_answered_with_the_right_one(wrong: str, cure: str) -> Non
         assert str(error.value) == f"there is no environment {wrong!r}; {cure}"
 
 
+def test_every_id_registered_by_this_package_is_one_that_make_takes() -> None:
+    known = registration.known_ids()
+    assert set(known) >= {*registration.ids(), *TASKS}
+    assert all(type(atari.make(env_id).unwrapped).__module__.startswith("atari.") for env_id in [*known[::100], *TASKS])
+    assert "CartPole-v1" not in known
+
+
 # explain()
+
+
+def test_only_what_has_a_history_is_explained() -> None:
+    text = "only IDs of ALE's games are explained, 'Copy-v0' is none; gymnasium.spec('Copy-v0') shows what it is"
+    with pytest.raises(gymnasium.error.NameNotFound, match=re.escape(text)):
+        atari.explain("Copy-v0")
 
 
 def test_explain_says_what_an_id_means() -> None:

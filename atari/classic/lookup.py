@@ -9,6 +9,7 @@ from importlib import import_module, util
 import gymnasium
 
 from atari.classic import history, logger
+from atari.registration import skeleton
 
 _MUJOCO_PY = re.compile(r"gymnasium_robotics\.envs\.(mujoco\.|.*:MujocoPy)")
 _VERSION = re.compile(r"(.+)-v(\d+)")
@@ -75,17 +76,10 @@ def _cure(env_id: str) -> str:
         return gone
     by_name: dict[str, list[str]] = {}
     for other in filter(is_alive, gymnasium.registry):
-        by_name.setdefault(_skeleton(other), []).append(other)
-    near = difflib.get_close_matches(_skeleton(env_id), by_name, n=1)
+        by_name.setdefault(skeleton(other), []).append(other)
+    near = difflib.get_close_matches(skeleton(env_id), by_name, n=1)
     if not near:
         return "gym.envs.registry.all() lists what there is"
     version = env_id.rpartition("-v")[2]
     best = max(by_name[near[0]], key=lambda other: (other.endswith(f"-v{version}"), "/" not in other, other))
     return f"did you mean {best!r}?"
-
-
-def _skeleton(env_id: str) -> str:
-    """An ID without what people get wrong: namespace, version, case and punctuation."""
-    name = env_id.lower().rpartition("/")[2]
-    name = name.rpartition("-v")[0] if "-v" in name else name
-    return "".join(letter for letter in name if letter.isalnum())
