@@ -28,6 +28,26 @@ def tile(screens: Sequence[ByteArray], columns: int) -> ByteArray:
     return picture.reshape(rows * height, columns * width, 3)
 
 
+def import_pygame(use: str, instead: str) -> Any:
+    """The module pygame.
+
+    Args:
+        use: what needs it.
+        instead: what to do without it.
+
+    Raises:
+        gymnasium.error.DependencyNotInstalled: it is not installed; the text names the extra.
+    """
+    os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
+    try:
+        import pygame
+    except ImportError:
+        raise gymnasium.error.DependencyNotInstalled(
+            f"{use} needs pygame-ce: pip install 'atari-envs[play]'; {instead}"
+        ) from None
+    return pygame
+
+
 def open_display(pygame: Any) -> None:
     """Start pygame's display.
 
@@ -49,15 +69,7 @@ class Window:
     """
 
     def __init__(self, game: Game, frames_per_second: float) -> None:
-        os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
-        try:
-            import pygame
-        except ImportError:
-            raise gymnasium.error.DependencyNotInstalled(
-                "render_mode='human' needs pygame-ce: pip install 'atari-envs[play]'; "
-                "render_mode='rgb_array' needs nothing"
-            ) from None
-        self._pygame: Any = pygame
+        self._pygame = pygame = import_pygame("render_mode='human'", "render_mode='rgb_array' needs nothing")
         size = (2 * game.screen.width * _SCALE // 2, game.screen.height * _SCALE // 2)
         try:
             open_display(pygame)

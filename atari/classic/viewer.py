@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from atari.classic import logger
+from atari.rendering import import_pygame
 
 _LEAST_ROWS = 400  # smaller pictures are shown larger
 
@@ -32,14 +33,7 @@ class Viewer:
                 "there is no display, so env.render() shows nothing; env.render(mode='rgb_array') returns the picture"
             )
             return
-        os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
-        try:
-            import pygame
-        except ImportError:
-            raise gymnasium.error.DependencyNotInstalled(
-                "env.render() needs pygame-ce: pip install 'atari-envs[play]'"
-            ) from None
-        self._pygame: Any = pygame
+        self._pygame = pygame = import_pygame("env.render()", "env.render(mode='rgb_array') needs nothing")
         self._title, self._rate, self._aspect = title, frames_per_second, pixel_aspect
         self._clock = pygame.time.Clock()
         self._surface: Any = None

@@ -10,8 +10,7 @@ from atari.catalog import games
 from atari.cli.command import add_command, number, print_json
 from atari.play import Session, play
 from atari.play.controls import HELP
-from atari.play.window import import_pygame, needs_display
-from atari.rendering import open_display
+from atari.play.window import start_pygame
 
 if TYPE_CHECKING:
     from atari.cli.command import Commands
@@ -39,9 +38,7 @@ def add_commands(commands: "Commands") -> None:
 
 def _play(args: argparse.Namespace) -> int:
     game = games.find(args.game)
-    pygame = import_pygame()
-    with needs_display(pygame):
-        open_display(pygame)  # whether there is one shows before any file is made, or replaced
+    start_pygame()  # whether it is there, and a display, shows before any file is made or replaced
     replay, new_folders = None, []
     if not args.no_replay:
         replay = args.replay or Path("replays", f"{game.id}-{time.strftime('%Y%m%d-%H%M%S')}.a26")

@@ -9,7 +9,7 @@ import gymnasium
 from atari.play.controls import Command, Controls
 from atari.play.session import Session
 from atari.play.speaker import Speaker
-from atari.play.window import GameWindow, import_pygame
+from atari.play.window import GameWindow, start_pygame
 from atari.recording import frame_rate
 
 _MESSAGE_SECONDS = 2.0
@@ -47,7 +47,7 @@ def play(session: Session, *, scale: int = 3, sound: bool = True, full_screen: b
         gymnasium.error.DependencyNotInstalled: pygame-ce is not installed.
         gymnasium.error.Error: there is no display.
     """
-    pygame = import_pygame()
+    pygame = start_pygame()
     window = GameWindow(pygame, session.game, scale, full_screen=full_screen)
     speaker = Speaker(pygame, float(frame_rate(session.game))) if sound else None
     pygame.joystick.init()

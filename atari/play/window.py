@@ -1,6 +1,5 @@
 """`GameWindow`: the screen of a game in a window, with the console's 2:1 pixels, and a line of text over it."""
 
-import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -9,34 +8,27 @@ import gymnasium
 
 from atari.cores import ByteArray
 from atari.game import Game
-from atari.rendering import open_display
+from atari.rendering import import_pygame, open_display
 
 _TEXT_HEIGHT = 24
 
 
-def import_pygame() -> Any:
-    """The module pygame.
+def start_pygame() -> Any:
+    """The module pygame, with its display.
 
     Raises:
         gymnasium.error.DependencyNotInstalled: it is not installed.
+        gymnasium.error.Error: there is no display.
     """
-    os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
-    try:
-        import pygame
-    except ImportError:
-        raise gymnasium.error.DependencyNotInstalled(
-            "playing needs pygame-ce: pip install 'atari-envs[play]'; `atari record` needs no window"
-        ) from None
+    pygame = import_pygame("playing", "`atari record` needs no window")
+    with _needs_display(pygame):
+        open_display(pygame)
     return pygame
 
 
 @contextmanager
-def needs_display(pygame: Any) -> Iterator[None]:
-    """What fails here, fails for want of a display.
-
-    Raises:
-        gymnasium.error.Error: it failed.
-    """
+def _needs_display(pygame: Any) -> Iterator[None]:
+    """What fails here fails for want of a display."""
     try:
         yield
     except pygame.error as error:
@@ -50,21 +42,20 @@ class GameWindow:
     """A window. Its size can be changed; the picture stays in proportion.
 
     Args:
-        pygame: the module.
+        pygame: the module, see `start_pygame`.
         game: whose screen is shown.
         scale: the window is made so large that a pixel has `2 * scale` x `scale` of the display's.
         full_screen: fill the display.
 
     Raises:
-        gymnasium.error.Error: there is no display.
+        gymnasium.error.Error: the display has no place for it.
     """
 
     def __init__(self, pygame: Any, game: Game, scale: int, *, full_screen: bool = False) -> None:
         self._pygame = pygame
         rows, columns = game.screen.shape
         self._size = (2 * scale * columns, scale * rows)
-        with needs_display(pygame):
-            open_display(pygame)
+        with _needs_display(pygame):
             self._set_mode(full_screen)
         pygame.font.init()
         self._font = pygame.font.Font(None, _TEXT_HEIGHT)
