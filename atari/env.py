@@ -7,8 +7,9 @@ Options, defaults, observations, rewards and random streams are those of ale-py'
 import copy
 import math
 import operator
+from collections.abc import Sequence
 from os import PathLike
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, Protocol, get_args
 
 import gymnasium
 import numpy as np
@@ -19,15 +20,12 @@ from atari.actions import PLAYER_ACTIONS, Action
 from atari.ale_view import AleView
 from atari.catalog import games
 from atari.cores import CORES, ByteArray, Core
-from atari.cores.options import check_integer, check_probability
+from atari.cores.options import check_integer, check_name, check_probability
 from atari.game import Game
 from atari.rendering import Window
 
 ObsType = Literal["rgb", "grayscale", "ram"]
 RenderMode = Literal["human", "rgb_array", "rgb_array_list"]
-
-_OBS_TYPES = ("rgb", "grayscale", "ram")
-_RENDER_MODES = ("human", "rgb_array", "rgb_array_list")
 
 
 class FrameObserver(Protocol):
@@ -72,7 +70,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
     Rewards are floats, the sum over the step's frames, not clipped.
     """
 
-    metadata: dict[str, Any] = {"render_modes": list(_RENDER_MODES), "render_fps": 15.0}  # noqa: RUF012
+    metadata: dict[str, Any] = {"render_modes": list(get_args(RenderMode)), "render_fps": 15.0}  # noqa: RUF012
     """What Gymnasium wants to know of the class; an environment has its own, with the rate of its steps."""
 
     core: Core
@@ -101,11 +99,11 @@ class AtariEnv(gymnasium.Env[Any, Any]):
     ) -> None:
         self._options = {key: value for key, value in locals().items() if key not in ("self", "__class__")}
         self.game: Game = games.find(game)
-        self._obs_type = _check_name("obs_type", obs_type, _OBS_TYPES)
+        self._obs_type = check_name("obs_type", obs_type, get_args(ObsType))
         self._frameskip = check_frameskip(frameskip)
-        _check_name("core", core, tuple(CORES))
+        check_name("core", core, CORES)
         if render_mode is not None:
-            _check_name("render_mode", render_mode, _RENDER_MODES)
+            check_name("render_mode", render_mode, get_args(RenderMode))
         self.render_mode = render_mode
         self._threshold = np.float32(check_probability("continuous_action_threshold", continuous_action_threshold))
         self.continuous = bool(continuous)
@@ -125,7 +123,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         self._sound_obs = bool(sound_obs)
         every = full_action_space or continuous
         self._action_set: tuple[Action, ...] = self.game.legal_actions if every else self.game.minimal_actions
-        self.action_space = self._make_action_space()
+        self.action_space = make_action_space(self._action_set, self.continuous)
         self.observation_space = self._make_observation_space()
         self.metadata = {**self.metadata, "render_fps": self._steps_per_second()}
         self._window = Window(self.game, self.metadata["render_fps"]) if render_mode == "human" else None
@@ -138,7 +136,11 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         return AleView(self)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Start a new episode; with `seed`, also restart all generators. `options` are ignored."""
+        """Start a new episode; with `seed`, also restart all generators. `options` are ignored.
+
+        Raises:
+            gymnasium.error.Error: the seed is no integer of 0 or more.
+        """
         super().reset(seed=seed)
         seeds: dict[str, Any] = {}
         if seed is not None:
@@ -173,6 +175,10 @@ class AtariEnv(gymnasium.Env[Any, Any]):
 
         What `step` does beneath observation and frame skip; wrappers that look at a part of the frames only
         (`atari.wrappers.DqnPreprocessing`) call it instead of `step`.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset.
+            TypeError, ValueError: no ALE action (0..17), or a strength that is not finite.
         """
         if self._phase != "playing":
             self._check_phase()
@@ -192,7 +198,11 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         self.core = self.core.with_sound()
 
     def render(self) -> Any:
-        """The screen (height, 160, 3), a list of such screens, or None, according to the render mode."""
+        """The screen, (height, 160, 3) uint8, a list of such screens, or None, according to the render mode.
+
+        Raises:
+            gymnasium.error.Error: there is no render mode.
+        """
         if self.render_mode == "rgb_array":
             return self.core.screen_rgb()
         if self.render_mode == "rgb_array_list":
@@ -216,7 +226,11 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         return [action.name for action in self._action_set]
 
     def get_keys_to_action(self) -> dict[tuple[str, ...], int]:
-        """Which keys stand for which action, for `gymnasium.utils.play`: w a s d, space for fire, e for none."""
+        """Which keys stand for which action, for `gymnasium.utils.play`: w a s d, space for fire, e for none.
+
+        Raises:
+            AttributeError: actions are continuous.
+        """
         if self.continuous:
             raise AttributeError("keys stand for discrete actions; this environment was made with continuous=True")
         return {_keys(action): index for index, action in enumerate(self._action_set)}
@@ -226,7 +240,11 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         return self.core.clone_state(include_rng=include_rng)
 
     def restore_state(self, state: Any) -> None:
-        """Continue from a state of `clone_state`."""
+        """Continue from a state of `clone_state`.
+
+        Raises:
+            TypeError, ValueError: it is no such state, or of another game or kind of core.
+        """
         self.core.restore_state(state)
         self._phase = "playing"
 
@@ -269,12 +287,6 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         first, second = int(words[0]), int(words[1])
         self.np_random = np.random.Generator(np.random.PCG64(np.random.SeedSequence(first)))
         return first, second
-
-    def _make_action_space(self) -> spaces.Space[Any]:
-        if self.continuous:
-            low, high = np.array([0, -np.pi, 0], np.float32), np.array([1, np.pi, 1], np.float32)
-            return spaces.Box(low, high, dtype=np.float32)
-        return spaces.Discrete(len(self._action_set))
 
     def _make_observation_space(self) -> spaces.Space[Any]:
         rows, columns = self.game.screen.shape
@@ -371,14 +383,20 @@ def _keys(action: Action) -> tuple[str, ...]:
     return tuple(key for key in (*keys, " " if action.fire else None) if key) or ("e",)
 
 
-def _check_name(name: str, value: Any, choices: tuple[str, ...]) -> str:
-    if value not in choices:
-        raise ValueError(f"{name} must be one of {', '.join(map(repr, choices))}, got {value!r}")
-    return str(value)
+def make_action_space(actions: Sequence[Action], continuous: bool) -> spaces.Space[Any]:
+    """The indices of `actions`, or (radius, angle, fire), three float32."""
+    if continuous:
+        low, high = np.array([0, -np.pi, 0], np.float32), np.array([1, np.pi, 1], np.float32)
+        return spaces.Box(low, high, dtype=np.float32)
+    return spaces.Discrete(len(actions))
 
 
 def check_frameskip(frameskip: Any) -> int | tuple[int, int]:
-    """`frameskip` as a number of frames, or as (low, high)."""
+    """`frameskip` as a number of frames, or as (low, high).
+
+    Raises:
+        TypeError, ValueError: it is neither, or there is nothing from low to high - 1.
+    """
     if not isinstance(frameskip, (tuple, list)):
         return check_integer("frameskip", frameskip, 1, 10_000)
     if len(frameskip) != 2:

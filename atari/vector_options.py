@@ -18,8 +18,8 @@ from atari import _emulator
 from atari.actions import PLAYER_ACTIONS, Action
 from atari.catalog import games as catalog
 from atari.cores.native import as_ale_reads, compiled
-from atari.cores.options import CoreOptions, check_integer, check_probability
-from atari.env import check_frameskip
+from atari.cores.options import CoreOptions, check_integer, check_name, check_probability
+from atari.env import check_frameskip, make_action_space
 from atari.game import Game
 from atari.roms import find
 from atari.roms.image import read_image
@@ -155,13 +155,10 @@ class VectorOptions:
 
     def action_space(self) -> spaces.Space[Any]:
         """Of one environment."""
-        if self.continuous:
-            low, high = np.array([0, -np.pi, 0], np.float32), np.array([1, np.pi, 1], np.float32)
-            return spaces.Box(low, high, dtype=np.float32)
-        return spaces.Discrete(len(self.actions[0]))
+        return make_action_space(self.actions[0], self.continuous)
 
     def action_masks(self) -> npt.NDArray[np.bool_] | None:
-        """(environments, 18): which actions each game has; None if all have the same."""
+        """Which actions each game has, (environments, 18) bool; None if all have the same."""
         if self.continuous or not self._mixed:
             return None
         return np.array([[action in actions for action in PLAYER_ACTIONS] for actions in self.action_sets])
@@ -180,7 +177,9 @@ class VectorOptions:
         return {"dict": ("image", "ram"), "ram": ("none", "")}.get(self.obs_type, ("", "none"))
 
     def moves(self, actions: Any) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float32] | None]:
-        """The indices of actions and how strongly paddles are turned; indices are not checked for their range.
+        """The indices of actions, (batch,) int64, and how strongly paddles are turned, (batch,) float32 or None.
+
+        Indices are not checked for their range.
 
         Raises:
             TypeError, ValueError: of the wrong kind or shape.
@@ -310,9 +309,7 @@ def _spread(name: str, value: Any, count: int) -> tuple[int | None, ...]:
 def _check_obs_type(obs_type: Any, grayscale: bool) -> tuple[str, bool]:
     if obs_type is None:
         return "grayscale" if grayscale else "rgb", grayscale
-    if obs_type not in ("grayscale", "rgb", "ram", "dict"):
-        raise ValueError(f"obs_type must be one of 'grayscale', 'rgb', 'ram', 'dict', got {obs_type!r}")
-    return obs_type, grayscale and obs_type != "rgb"
+    return check_name("obs_type", obs_type, ("grayscale", "rgb", "ram", "dict")), grayscale and obs_type != "rgb"
 
 
 def _check_autoreset(mode: Any) -> AutoresetMode:

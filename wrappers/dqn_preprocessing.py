@@ -22,12 +22,12 @@ from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker
 
 from atari import _emulator
 from atari.cores import ByteArray
-from atari.cores.options import check_integer
+from atari.cores.options import check_integer, check_name
 from atari.env import AtariEnv
 from atari.wrappers._checks import Environment, layers, require_atari, require_pixels, require_single_frames
 from atari.wrappers._rgb_pool import RgbPool
 from atari.wrappers.episodic_life import EpisodicLife
-from atari.wrappers.frame_stack import Padding, check_padding
+from atari.wrappers.frame_stack import Padding
 
 EndFrames = Literal["last", "gymnasium", "baselines", "envpool"]
 
@@ -96,11 +96,8 @@ class DqnPreprocessing(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorA
             stack_size = check_integer("stack_size", stack_size, 1, 10_000)
         if max_frames is not None:
             max_frames = check_integer("max_frames", max_frames, 1, 2**31)
-        check_padding(padding_type)
-        if end_frames not in get_args(EndFrames):
-            raise ValueError(
-                f"end_frames must be one of {', '.join(map(repr, get_args(EndFrames)))}, got {end_frames!r}"
-            )
+        check_name("padding_type", padding_type, get_args(Padding))
+        check_name("end_frames", end_frames, get_args(EndFrames))
         if pool_rgb and end_frames not in ("last", "baselines"):
             raise ValueError(f"pool_rgb goes with end_frames='last' or 'baselines', got {end_frames!r}")
         RecordConstructorArgs.__init__(

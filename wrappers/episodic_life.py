@@ -10,6 +10,7 @@ from typing import Any, Literal, get_args
 import gymnasium
 from gymnasium.utils import RecordConstructorArgs
 
+from atari.cores.options import check_name
 from atari.wrappers._checks import Environment, step_noop
 
 OnReset = Literal["noop", "continue", "new_game"]
@@ -37,8 +38,7 @@ class EpisodicLife(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs)
     """
 
     def __init__(self, env: Environment, on_reset: OnReset = "noop", *, last_life: bool = False) -> None:
-        if on_reset not in get_args(OnReset):
-            raise ValueError(f"on_reset must be one of {', '.join(map(repr, get_args(OnReset)))}, got {on_reset!r}")
+        check_name("on_reset", on_reset, get_args(OnReset))
         RecordConstructorArgs.__init__(self, on_reset=on_reset, last_life=last_life)
         super().__init__(env)
         self._on_reset = on_reset

@@ -5,7 +5,7 @@ frame four times, eight with the next observations; `lazy` stacks hold it once.
 """
 
 from collections import deque
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import gymnasium
 import numpy as np
@@ -13,7 +13,7 @@ import numpy.typing as npt
 from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
 
-from atari.cores.options import check_integer
+from atari.cores.options import check_integer, check_name
 from atari.wrappers._checks import Environment
 
 Padding = Literal["reset", "zero"]
@@ -45,7 +45,7 @@ class FrameStack(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
         if not isinstance(space, spaces.Box):
             raise TypeError(f"FrameStack stacks the arrays of a Box space, got {space}; put it beneath other wrappers")
         stack_size = check_integer("stack_size", stack_size, 1, 10_000)
-        check_padding(padding_type)
+        check_name("padding_type", padding_type, get_args(Padding))
         RecordConstructorArgs.__init__(self, stack_size=stack_size, padding_type=padding_type, lazy=lazy)
         super().__init__(env)
         low, high = (np.repeat(bound[None], stack_size, axis=0) for bound in (space.low, space.high))
@@ -122,9 +122,3 @@ class LazyStack:
 
     def __repr__(self) -> str:
         return f"LazyStack(shape={self.shape}, dtype={self.dtype})"
-
-
-def check_padding(padding_type: Any) -> None:
-    """Refuse what is no `padding_type`."""
-    if padding_type not in ("reset", "zero"):
-        raise ValueError(f"padding_type must be 'reset' or 'zero', got {padding_type!r}")

@@ -1,7 +1,12 @@
-"""What every core is made with, checked at the door."""
+"""What every core is made with, checked at the door.
+
+What is called `check` raises a TypeError for what is of the wrong kind and a ValueError for what is out of range, with
+a sentence that says what is expected.
+"""
 
 import math
 import operator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,11 +18,7 @@ _FRAMES_LIMIT = 2**31
 
 @dataclass(frozen=True)
 class CoreOptions:
-    """The options of a core, after checking.
-
-    Raises:
-        TypeError, ValueError: an option is of the wrong kind or out of range; the text says what is expected.
-    """
+    """The options of a core, after checking."""
 
     repeat_action_probability: float = 0.25
     mode: int | None = None
@@ -71,6 +72,14 @@ def check_probability(name: str, value: Any) -> float:
     if not 0.0 <= number <= 1.0:
         raise ValueError(f"{name} must be within 0..1, got {number}")
     return number
+
+
+def check_name(name: str, value: Any, choices: Iterable[str]) -> str:
+    """`value` as one of the names that there are."""
+    choices = tuple(choices)
+    if value not in choices:
+        raise ValueError(f"{name} must be one of {', '.join(map(repr, choices))}, got {value!r}")
+    return str(value)
 
 
 def check_action(action: Any) -> int:

@@ -8,6 +8,7 @@ from typing import Any
 
 from atari.actions import Action
 from atari.cores import ByteArray, Core
+from atari.cores.options import check_name
 from atari.recording.formats import FORMATS
 from atari.recording.movie import import_av
 from atari.recording.options import VideoOptions
@@ -43,9 +44,7 @@ class Shot:
         sound: bool,
         overlay: tuple[str, ...] | None,
     ) -> None:
-        names = [suffix[1:] for suffix in FORMATS]
-        if format not in names:
-            raise ValueError(f"format must be one of {', '.join(map(repr, names))}, got {format!r}")
+        check_name("format", format, [suffix[1:] for suffix in FORMATS])
         if isinstance(overlay, str) or not set(overlay or ()) <= set(OVERLAYS):
             raise ValueError(f"overlay is a tuple of some of {', '.join(map(repr, OVERLAYS))}, got {overlay!r}")
         self.format, self.size, self.fps, self.scale = format, size, fps, scale

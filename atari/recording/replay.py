@@ -16,7 +16,7 @@ from typing import Any
 from atari import snapshot
 from atari.catalog import games
 from atari.cores import CORES, ByteArray, Core
-from atari.cores.options import check_integer
+from atari.cores.options import check_integer, check_name
 from atari.env import AtariEnv
 from atari.game import Game
 from atari.recording import replay_file
@@ -169,7 +169,11 @@ class Replay:
 
     @property
     def episodes(self) -> tuple[Episode, ...]:
-        """The episodes. If the recording was cut, this plays it to find them out."""
+        """The episodes. If the recording was cut, this plays it to find them out.
+
+        Raises:
+            Corrupt: the file does not say.
+        """
         end = self._content.end
         try:
             return tuple(Episode(**episode) for episode in (end["episodes"] if end else self._play_for_episodes()))
@@ -281,7 +285,7 @@ class Replay:
 
     def make_env(self, *, core: str = "native", **options: Any) -> AtariEnv:
         """An environment made with the options of the recorded one; `options` take the place of some."""
-        _check_core(core)
+        check_name("core", core, CORES)
         return AtariEnv(self.game, **{**self.options, **options}, core=core, rom=self.rom)
 
     def walk(self, core: Core) -> Iterator[tuple[Event, Iterator[Call]]]:
@@ -303,7 +307,7 @@ class Replay:
             raise Corrupt(f"the replay is damaged at offset {play.offset}: {error}") from None
 
     def _new_player(self, core: str, *, sound: bool) -> Player:
-        _check_core(core)
+        check_name("core", core, CORES)
         options = self.options
         if core == "ale" and self._content.snapshots:  # they fit only a core that makes sound if they were, or not
             sound = bool(snapshot.unpack(self._content.snapshots[0])[0].get("sound"))
@@ -386,8 +390,3 @@ def _difference(player: Player, play: replay_file.Play) -> str:
 def _has_sound(path: str | PathLike[str]) -> bool:
     format = FORMATS.get(Path(path).suffix.lower())
     return format is not None and format.sound is not None
-
-
-def _check_core(core: str) -> None:
-    if core not in CORES:
-        raise ValueError(f"core must be one of {', '.join(map(repr, CORES))}, got {core!r}")

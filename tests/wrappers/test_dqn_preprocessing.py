@@ -257,7 +257,7 @@ def test_step_needs_a_reset_and_an_action_of_the_space(game_env):
         ({}, {"screen_size": 84.5}, TypeError, "screen_size must be an integer"),
         ({}, {"stack_size": 0}, ValueError, "stack_size must be within 1"),
         ({}, {"max_frames": 0}, ValueError, "max_frames must be within 1"),
-        ({}, {"padding_type": "first"}, ValueError, "padding_type must be 'reset' or 'zero'"),
+        ({}, {"padding_type": "first"}, ValueError, "padding_type must be one of 'reset', 'zero'"),
         (
             {},
             {"pool_rgb": True, "end_frames": "envpool"},

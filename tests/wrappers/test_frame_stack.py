@@ -93,7 +93,7 @@ class TestLazyStack:
     [
         ((0,), ValueError, "stack_size must be within 1"),
         ((2.0,), TypeError, "stack_size must be an integer"),
-        ((4, "first"), ValueError, "padding_type must be 'reset' or 'zero', got 'first'"),
+        ((4, "first"), ValueError, "padding_type must be one of 'reset', 'zero', got 'first'"),
     ],
 )
 def test_refuses(scripted, arguments, error, text):
