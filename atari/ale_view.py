@@ -14,7 +14,10 @@ if TYPE_CHECKING:
 
 
 class AleView:
-    """The part of ale-py's `ALEInterface` that concerns a running game; see its documentation for each method."""
+    """The part of ale-py's `ALEInterface` that concerns a running game; see its documentation for each method.
+
+    Arrays and errors are those of `atari.cores.Core`.
+    """
 
     # ruff: noqa: D102 - the names are ale-py's, one line each
 

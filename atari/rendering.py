@@ -15,7 +15,7 @@ _SCALE = 3
 
 
 def tile(screens: Sequence[ByteArray], columns: int) -> ByteArray:
-    """Screens (height, 160, 3) as one picture, row by row; lower ones, and what is left over, are filled with black.
+    """Screens (height, 160, 3) uint8 as one picture, row by row; lower ones and places left over are filled with black.
 
     Returns:
         (rows * the greatest height, columns * 160, 3) uint8.
@@ -84,7 +84,7 @@ class Window:
         self._rate = frames_per_second
 
     def show(self, rgb: ByteArray) -> None:
-        """Show one (height, 160, 3) screen and wait until it is time for the next."""
+        """Show one screen, (height, 160, 3) uint8, and wait until it is time for the next."""
         pygame = self._pygame
         pygame.event.pump()
         image = pygame.surfarray.make_surface(rgb.swapaxes(0, 1))

@@ -274,14 +274,14 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         self._started().fork(source, self._indices(targets))
 
     def render(self) -> tuple[ByteArray, ...] | None:
-        """The screens of all environments, (height, 160, 3) each; None without a render mode."""
+        """The screens of all environments, (height, 160, 3) uint8 each; None without a render mode."""
         if self.render_mode is None:
             return None
         engine = self._open()
         return tuple(engine.screen_rgb(index) for index in range(self.num_envs))
 
     def mosaic(self) -> ByteArray:
-        """The screens of all environments in a picture (height, width, 3), in as many columns as rows, or one more."""
+        """The screens as one picture, (height, width, 3) uint8, of as many columns of screens as rows, or one more."""
         engine = self._open()
         screens = [engine.screen_rgb(index) for index in range(self.num_envs)]
         return tile(screens, math.ceil(math.sqrt(len(screens))))

@@ -57,11 +57,15 @@ class Member:
         self._engine().set_difficulty(self.index, self.checked("difficulty", difficulty))
 
     def ram(self) -> ByteArray:
-        """The 128 bytes of RAM, a copy."""
+        """The bytes of RAM, (128,) uint8, a copy."""
         return np.frombuffer(bytearray(self._engine().ram(self.index)), np.uint8)
 
     def set_ram(self, index: int, value: int) -> None:
-        """Write one byte of RAM; `index` 0..127, `value` 0..255."""
+        """Write one byte of RAM; `index` 0..127, `value` 0..255.
+
+        Raises:
+            TypeError, ValueError: one of them is no such integer.
+        """
         self._engine().set_ram(self.index, *check_poke(index, value))
 
     def copy_to(self, core: NativeCore) -> None:
@@ -75,7 +79,7 @@ class Member:
         core.load(self._engine().save(self.index)[1:][: len(core.save())])  # a flag, the emulator, what is around it
 
     def screen_rgb(self) -> ByteArray:
-        """The screen, (height, 160, 3)."""
+        """The screen, (height, 160, 3) uint8."""
         return self._engine().screen_rgb(self.index)
 
     render = screen_rgb

@@ -22,12 +22,12 @@ class RgbPool:
         self._of_one = np.ascontiguousarray(self._of_pair.diagonal())
 
     def gray(self, frame: ByteArray, out: ByteArray) -> ByteArray:
-        """The gray values of one frame."""
+        """The gray values of one frame, uint8 of its shape, written to `out`."""
         cv2.LUT(frame, self._of_one, dst=out)
         return out
 
     def pooled(self, early: ByteArray, late: ByteArray, out: ByteArray) -> ByteArray:
-        """The gray values of two frames, pooled."""
+        """The gray values of two frames, pooled, uint8 of their shape, written to `out`."""
         self.gray(late, out)
         early, late = early.ravel(), late.ravel()
         differing = np.flatnonzero(early != late)
@@ -37,7 +37,7 @@ class RgbPool:
 
 @cache
 def gray_of_pairs(tv_format: str) -> ByteArray:
-    """(256, 256): the gray value of the maximum of two colours."""
+    """The gray value of the maximum of two colours by their palette indices, (256, 256) uint8."""
     palette = PALETTES[tv_format]
     table: ByteArray = cv2.cvtColor(np.maximum(palette[:, None], palette[None]), cv2.COLOR_RGB2GRAY)  # type: ignore[assignment]
     return table

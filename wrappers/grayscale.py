@@ -37,6 +37,6 @@ class Grayscale(gymnasium.ObservationWrapper[Any, Any, Any], RecordConstructorAr
         self.observation_space = spaces.Box(0, 255, self._shape, np.uint8)
 
     def observation(self, observation: ByteArray) -> ByteArray:
-        """The gray picture."""
+        """The gray picture, uint8 of the shape of the space."""
         gray: ByteArray = cv2.cvtColor(observation, cv2.COLOR_RGB2GRAY)  # type: ignore[assignment]
         return gray.reshape(self._shape)

@@ -38,6 +38,6 @@ class Resize(gymnasium.ObservationWrapper[Any, Any, Any], RecordConstructorArgs)
         self.observation_space = spaces.Box(0, 255, self._shape, np.uint8)
 
     def observation(self, observation: ByteArray) -> ByteArray:
-        """The scaled picture."""
+        """The scaled picture, uint8 of the shape of the space."""
         small: ByteArray = cv2.resize(observation, self._size, interpolation=cv2.INTER_AREA)  # type: ignore[assignment]
         return small.reshape(self._shape)  # OpenCV drops an axis of one colour

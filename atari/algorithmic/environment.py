@@ -163,7 +163,11 @@ class AlgorithmicEnv(gymnasium.Env[Any, Any]):
         return "".join(self.alphabet[: self.base].ljust(self.base + 1)[character] for character in characters)
 
     def render(self) -> str | None:
-        """The text of the present state with render mode "ansi"; with "human", it has been printed already."""
+        """The text of the present state with render mode "ansi"; with "human", it has been printed already.
+
+        Raises:
+            gymnasium.error.Error: there is no render mode.
+        """
         if self.render_mode is None:
             raise gymnasium.error.Error(
                 "render() needs a render mode; make the environment with render_mode='ansi' or 'human'"

@@ -72,6 +72,9 @@ class Adapter(Env):
         """Make the next `reset` begin the sequence of episodes of a seed; None chooses one. Returns the seed.
 
         Classic control and toy text then draw the numbers that they drew in Gym, as printed in books.
+
+        Raises:
+            ValueError: it is no integer of 0 or more.
         """
         if seed is None:
             seed = secrets.randbits(31)
@@ -81,7 +84,11 @@ class Adapter(Env):
         return [self._pending_seed]
 
     def reset(self, **options: Any) -> Any:
-        """Start a new episode and return its first observation."""
+        """Start a new episode and return its first observation.
+
+        Raises:
+            TypeError: options were given, such as Gymnasium's `seed`.
+        """
         if options:
             raise TypeError(
                 f"reset() takes no {' or '.join(options)} here; call env.seed(0) before it, or use gymnasium.make"
@@ -92,7 +99,11 @@ class Adapter(Env):
         return observation
 
     def step(self, action: Any) -> Step:
-        """Take an action; `info["TimeLimit.truncated"]` is there where a limit, not the task, ended the episode."""
+        """Take an action; `info["TimeLimit.truncated"]` is there where a limit, not the task, ended the episode.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset.
+        """
         if not self._started:
             raise gymnasium.error.ResetNeeded("step() came before the first reset(); call env.reset() first")
         action = to_action(self.action_space, action)

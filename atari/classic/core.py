@@ -95,12 +95,20 @@ class GoalEnv(Env):
     """
 
     def compute_reward(self, achieved_goal: Any, desired_goal: Any, info: dict[str, Any]) -> Any:
-        """The reward of having achieved one goal where another was desired."""
+        """The reward of having achieved one goal where another was desired.
+
+        Raises:
+            NotImplementedError: the environment does not say.
+        """
         raise NotImplementedError(f"{type(self).__name__} has no compute_reward(); define it")
 
 
 class Wrapper(Env):
-    """An environment around another, `env`, to which it leaves what it does not define itself."""
+    """An environment around another, `env`, to which it leaves what it does not define itself.
+
+    Raises:
+        TypeError: the other is no `Env` of this interface.
+    """
 
     def __init__(self, env: Env) -> None:
         if not isinstance(env, Env):

@@ -65,7 +65,11 @@ class Modern(gymnasium.Env[Any, Any]):
         return self._observation(observation), float(reward), done and not truncated, truncated, info
 
     def render(self) -> Any:
-        """What the environment's `render` returns in this mode; None in mode "human", which has shown it already."""
+        """What the environment's `render` returns in this mode; None in mode "human", which has shown it already.
+
+        Raises:
+            gymnasium.error.Error: there is no render mode.
+        """
         if self.render_mode is None:
             raise gymnasium.error.Error("render() needs a render mode; make the environment with one, such as 'human'")
         return None if self.render_mode == "human" else self._render()

@@ -183,6 +183,9 @@ class AleCore:
         As in ale-py, the picture stays that of before until the next act, the held action stays, and the generator
         of sticky actions goes on unless the state includes it. What ale-py leaves out cannot be saved either, so
         `snapshot` raises from here to the next reset (with `sound`, to the next `seed`).
+
+        Raises:
+            TypeError, ValueError: it is no such state, or of another game.
         """
         if not isinstance(state, AleState):
             raise TypeError(f"restore_state takes what clone_state returned, got {type(state).__name__}")

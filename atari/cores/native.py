@@ -98,7 +98,11 @@ class NativeCore(_emulator.Emulator):
         super().set_ram(*door.check_poke(index, value))
 
     def restore_state(self, state: _emulator.State) -> None:
-        """Continue from a state of `clone_state`: all of it, picture, sound and held action too."""
+        """Continue from a state of `clone_state`: all of it, picture, sound and held action too.
+
+        Raises:
+            TypeError, ValueError: it is no such state, or of another game.
+        """
         if not isinstance(state, _emulator.State):
             raise TypeError(f"restore_state takes what clone_state returned, got {type(state).__name__}")
         super().restore_state(state)

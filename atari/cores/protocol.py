@@ -18,7 +18,8 @@ class Core(Protocol):
     """One running game.
 
     A core is ready when constructed: the game is loaded, as after ALE's `loadROM`. Arrays are `uint8` and belong to
-    the caller; with `out` (C-contiguous, same shape) that array is filled and returned instead of a new one.
+    the caller; with `out` (C-contiguous, same shape and dtype) that array is filled and returned instead of a new one,
+    and another `out` is a ValueError.
     """
 
     name: str
@@ -26,7 +27,11 @@ class Core(Protocol):
     sound: bool
 
     def seed(self, seed: int) -> None:
-        """Start over as if constructed with this seed (0 .. 2**32 - 1); mode and difficulty stay."""
+        """Start over as if constructed with this seed (0 .. 2**32 - 1); mode and difficulty stay.
+
+        Raises:
+            TypeError, ValueError: it is no such seed.
+        """
 
     def reset(self) -> None:
         """Start a new game: power on, 60 frames, RESET, mode selection, the game's starting actions."""
@@ -62,10 +67,14 @@ class Core(Protocol):
         """Frames played since the last reset."""
 
     def ram(self, out: ByteArray | None = None) -> ByteArray:
-        """The 128 bytes of RAM, addresses 0x80..0xFF in order."""
+        """(128,) bytes of RAM, addresses 0x80..0xFF in order."""
 
     def set_ram(self, index: int, value: int) -> None:
-        """Write one byte of RAM; `index` 0..127, `value` 0..255."""
+        """Write one byte of RAM; `index` 0..127, `value` 0..255.
+
+        Raises:
+            TypeError, ValueError: one of them is no such integer; nothing is written.
+        """
 
     def screen(self, out: ByteArray | None = None) -> ByteArray:
         """(height, 160) palette indices."""
@@ -99,7 +108,11 @@ class Core(Protocol):
         """A state in memory, as cheap as this core can; it is opaque, and belongs to this kind of core."""
 
     def restore_state(self, state: Any) -> None:
-        """Continue from a cloned state; the generators of the environment too if it included them."""
+        """Continue from a cloned state; the generators of the environment too if it included them.
+
+        Raises:
+            TypeError, ValueError: it is no cloned state, or of another game or kind of core.
+        """
 
     def close(self) -> None:
         """Release what the core holds; every later call but `close` raises `RuntimeError`."""

@@ -84,12 +84,12 @@ class Session:
 
     @property
     def screen(self) -> ByteArray:
-        """What is seen, (height, 160, 3)."""
+        """What is seen, (height, 160, 3) uint8."""
         return self._atari.core.screen_rgb()
 
     @property
     def samples(self) -> ByteArray:
-        """What was heard during the last frame, (512,)."""
+        """What was heard during the last frame, (512,) uint8 around 128."""
         return self._atari.core.audio()
 
     def play(self, action: Action) -> None:

@@ -15,11 +15,7 @@ from atari.recording.pictures import line_height
 
 @dataclass(frozen=True)
 class VideoOptions:
-    """The options of a `VideoWriter`, after checking.
-
-    Raises:
-        TypeError, ValueError: an option is of the wrong kind or out of range.
-    """
+    """The options of a `VideoWriter`, after checking."""
 
     path: Path
     format: Format
@@ -42,7 +38,11 @@ class VideoOptions:
         caption_lines: Any,
         pixel_aspect: Any = (2, 1),
     ) -> "VideoOptions":
-        """Check options given by a user."""
+        """Check options given by a user.
+
+        Raises:
+            TypeError, ValueError: an option is of the wrong kind or out of range.
+        """
         format = _check_format(Path(path))
         if sound and format.sound is None:
             raise ValueError(f"{format.name} has no sound; write it with sound=False")

@@ -10,7 +10,7 @@ from atari.cores import ByteArray
 
 
 def enlarge(rgb: ByteArray, across: int, down: int) -> ByteArray:
-    """Each pixel as a block of `across` columns and `down` rows."""
+    """A picture (rows, columns, 3) with each pixel as a block: (down * rows, across * columns, 3) uint8."""
     rows, columns = rgb.shape[:2]
     size = (across * columns, down * rows)
     return np.asarray(cv2.resize(rgb, size, interpolation=cv2.INTER_NEAREST), np.uint8)
@@ -22,9 +22,10 @@ def line_height(scale: int) -> int:
 
 
 def add_caption(picture: ByteArray, text: str, lines: int, scale: int) -> ByteArray:
-    """The picture with lines of small white text on black beneath it, so that nothing of the game is covered.
+    """The picture (rows, columns, 3) with lines of white text on black beneath it, so that nothing of it is covered.
 
-    All characters are of one width, of which 64 fit under a game; other characters than ASCII's become "?".
+    It grows by `lines * line_height(scale)` rows. All characters are of one width, of which 64 fit under a game; other
+    characters than ASCII's become "?".
     """
     glyphs = _glyphs(scale)
     _, rows, columns = glyphs.shape
@@ -63,7 +64,7 @@ class Palette:
         self._numbers = np.zeros(1 << 24, np.uint16)  # by colour, and one more; the system gives memory for those used
 
     def numbers(self, picture: ByteArray) -> ByteArray:
-        """(rows, columns) numbers of the colours of a picture (rows, columns, 3)."""
+        """The numbers of the colours of a picture (rows, columns, 3): (rows, columns) uint8."""
         red, green, blue = (picture[..., i].astype(np.int32) for i in range(3))
         codes = red << 16 | green << 8 | blue
         numbers = self._numbers[codes]

@@ -152,7 +152,11 @@ class Writer:
         self._put(_chunk(b"P", play.pack()))
 
     def snapshot(self, data: bytes) -> None:
-        """Append a snapshot."""
+        """Append a snapshot.
+
+        Raises:
+            ValueError: it is larger than a chunk can be.
+        """
         if len(data) > _LARGEST:
             raise ValueError(f"a replay holds snapshots of up to {_LARGEST:,} bytes, got {len(data):,}")
         self._put(_chunk(b"S", data))

@@ -27,6 +27,9 @@ class Schedule:
         step_trigger: whether to begin a recording with a step, by its number over all episodes.
         video_length: steps after which a video ends, counting resets; 0 is at the end of the episode.
         name_prefix: of the files.
+
+    Raises:
+        TypeError, ValueError: a trigger is no function, or the length no integer of 0 or more.
     """
 
     def __init__(

@@ -20,7 +20,11 @@ class EnvMonitor:
         self._monitor: Monitor | None = None
 
     def start(self, directory: str | PathLike[str], *, seed: int | None = None, **options: Any) -> None:
-        """Begin to watch, after seeding the environment if `seed` is given; `options` are those of `Monitor`."""
+        """Begin to watch, after seeding the environment if `seed` is given; `options` are those of `Monitor`.
+
+        Raises:
+            gymnasium.error.Error: it watches already, or as of `Monitor`.
+        """
         if self._monitor is not None:
             raise gymnasium.error.Error("env.monitor is started already; call env.monitor.close() first")
         if seed is not None:

@@ -13,6 +13,9 @@ class TimeLimit(Wrapper):
     Args:
         env: an environment.
         max_episode_steps: None is the limit of the environment's spec.
+
+    Raises:
+        ValueError: it is less than 1, or None where the spec has no limit.
     """
 
     def __init__(self, env: Env, max_episode_steps: int | None = None) -> None:
