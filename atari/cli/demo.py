@@ -1,7 +1,7 @@
 """`atari demo`: a random agent plays a game on the preprocessing of DQN, and a video of it is written.
 
 The agent sees what a DQN sees, four 84x84 screens a step; the video shows what the console draws, every emulated
-frame of it, with its sound. A spectator sees both the frames that are skipped and the true score.
+frame of it, with its sound.
 """
 
 import argparse
@@ -20,7 +20,7 @@ from tqdm import tqdm
 import atari
 from atari.catalog import games
 from atari.cli.command import add_command, ctrl_c_noticed, number, print_json
-from atari.env import AtariEnv
+from atari.cli.spectators import Film, ScoreBoard
 from atari.game import Game
 from atari.recording import VideoWriter, frame_rate
 
@@ -54,10 +54,11 @@ def _demo(args: argparse.Namespace) -> int:
     output = None if args.no_video else args.output or Path("videos", f"{game.id}-{args.seed}.mp4")
     env: Any = atari.make(game.id, preset=_PRESET)
     with closing(env), ctrl_c_noticed() as interrupted, _open_video(output, game) as video:
+        score_board = ScoreBoard()
+        env.unwrapped.observers.append(score_board)
         if video is not None:
             env.unwrapped.make_sound()
-        spectator = _Spectator(env.unwrapped, video)
-        env.unwrapped.observers.append(spectator)
+            env.unwrapped.observers.append(Film(env.unwrapped, video))
         env.action_space.seed(args.seed)
         env.reset(seed=args.seed)
         start = time.perf_counter()
@@ -71,11 +72,11 @@ def _demo(args: argparse.Namespace) -> int:
         "preset": _PRESET,
         "seed": args.seed,
         "steps": steps,
-        "frames": spectator.frames,
+        "frames": score_board.frames,
         "elapsed_seconds": elapsed,
         "steps_per_second": steps / elapsed,
-        "frames_per_second": spectator.frames / elapsed,
-        "scores": spectator.scores,
+        "frames_per_second": score_board.frames / elapsed,
+        "scores": score_board.scores,
         "video": output and output.resolve(),
     }
     print_json(result) if args.json else print(_summary(game, result))
@@ -91,28 +92,6 @@ def _play(env: gymnasium.Env[Any, Any], steps: int, interrupted: Event) -> int:
         if terminated or truncated:
             env.reset()
     return steps
-
-
-class _Spectator:
-    """Counts frames and points, and has each frame filmed."""
-
-    def __init__(self, env: AtariEnv, video: VideoWriter | None) -> None:
-        self._env = env
-        self._video = video
-        self.frames = 0
-        self.scores: list[int] = []  # of each game, the last of which may be unfinished
-
-    def game_begun(self) -> None:
-        """Begin a new score."""
-        self.scores.append(0)
-
-    def frame_played(self, action: int, reward: int) -> None:
-        """Count a frame, and film it."""
-        self.frames += 1
-        self.scores[-1] += reward
-        if self._video is not None:
-            core = self._env.core
-            self._video.write(core.screen_rgb(), core.audio())
 
 
 def _open_video(output: Path | None, game: Game) -> AbstractContextManager[VideoWriter | None]:

@@ -6,7 +6,6 @@ import sys
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
 from threading import Event
@@ -16,8 +15,10 @@ from tqdm import tqdm
 
 import atari
 from atari.cli.command import add_command, ctrl_c_noticed, number, print_json
+from atari.cli.spectators import Film, ScoreBoard
 from atari.env import AtariEnv
 from atari.recording import FORMATS, RecordReplay, Replay, VideoWriter, frame_rate
+from atari.recording.formats import has_sound
 
 if TYPE_CHECKING:
     from atari.cli.command import Commands
@@ -91,39 +92,6 @@ def _record(args: argparse.Namespace) -> int:
     }
     print_json(result) if args.json else print(_summary(result))
     return 0
-
-
-@dataclass
-class ScoreBoard:
-    """Counts frames and points of each game."""
-
-    frames: int = 0
-    scores: list[int] = field(default_factory=list)
-
-    def game_begun(self) -> None:
-        """A new game."""
-        self.scores.append(0)
-
-    def frame_played(self, action: int, reward: int) -> None:
-        """A frame."""
-        self.frames += 1
-        self.scores[-1] += reward
-
-
-@dataclass
-class Film:
-    """Shows each frame to a video. An error of it ends the command."""
-
-    env: AtariEnv
-    video: VideoWriter
-
-    def game_begun(self) -> None:
-        """Nothing was played yet."""
-
-    def frame_played(self, action: int, reward: int) -> None:
-        """A frame."""
-        core = self.env.core
-        self.video.write(core.screen_rgb(), core.audio() if self.video.sound else None)
 
 
 def _play(env: Any, policy: Policy, score_board: ScoreBoard, args: argparse.Namespace, interrupted: Event) -> bool:
@@ -203,8 +171,7 @@ def _check_endings(outputs: list[Path]) -> None:
 
 
 def _video(path: Path, env: AtariEnv, args: argparse.Namespace) -> VideoWriter:
-    format = FORMATS.get(path.suffix.lower())
-    sound = not args.no_sound and format is not None and format.sound is not None
+    sound = not args.no_sound and has_sound(path)
     video = VideoWriter(path, env.game.screen.shape, frame_rate(env.game), scale=args.scale, sound=sound)
     if sound:
         env.make_sound()

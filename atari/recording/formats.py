@@ -9,6 +9,8 @@ second.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from os import PathLike
+from pathlib import Path
 from types import MappingProxyType
 
 
@@ -94,3 +96,9 @@ FORMATS: Mapping[str, Format] = MappingProxyType(
     }
 )
 """Formats by the ending of the file's name."""
+
+
+def has_sound(path: str | PathLike[str]) -> bool:
+    """Whether a file of this name is of a format that has sound."""
+    format = FORMATS.get(Path(path).suffix.lower())
+    return format is not None and format.sound is not None

@@ -20,7 +20,7 @@ from atari.cores.options import check_integer, check_name
 from atari.env import AtariEnv
 from atari.game import Game
 from atari.recording import replay_file
-from atari.recording.formats import FORMATS
+from atari.recording.formats import has_sound
 from atari.recording.recorder import rom_md5
 from atari.recording.replay_events import Event, Kind, unpack
 from atari.recording.replay_file import FRAMES_PER_CHECK, Corrupt
@@ -198,7 +198,7 @@ class Replay:
             sound: whether `audio` is filled.
 
         Raises:
-            ValueError: there is no such core, or the replay cannot be played on it.
+            TypeError, ValueError: there is no such frame or core, or the replay cannot be played on it.
         """
         start = check_integer("start", start, 0, max(self.frames_total, 0))
         stop = self.frames_total if stop is None else min(check_integer("stop", stop, 0, 2**62), self.frames_total)
@@ -212,6 +212,9 @@ class Replay:
         """A core of your own in the state behind the first `frame` frames, to look at or to play on.
 
         Behind 0 frames, not even the first reset has happened.
+
+        Raises:
+            TypeError, ValueError: as of `frames`.
         """
         frame = check_integer("frame", frame, 0, self.frames_total)
         player, calls = self._player(core, sound=sound, start=frame)
@@ -274,8 +277,13 @@ class Replay:
             sound: with the game's sound, if the format has any.
             start, stop, core: as of `frames`.
             progress: is called with 1 behind each frame.
+
+        Raises:
+            TypeError, ValueError: as of `frames`, and of `VideoWriter`.
+            OSError: the file cannot be written.
+            gymnasium.error.DependencyNotInstalled: PyAV is not installed.
         """
-        audible = sound and _has_sound(path)
+        audible = sound and has_sound(path)
         with VideoWriter(path, self.game.screen.shape, frame_rate(self.game), scale=scale, sound=audible) as video:
             for frame in self.frames(start, stop, core=core, sound=video.sound):
                 video.write(frame.screen, frame.audio)
@@ -284,7 +292,11 @@ class Replay:
         return video.path
 
     def make_env(self, *, core: str = "native", **options: Any) -> AtariEnv:
-        """An environment made with the options of the recorded one; `options` take the place of some."""
+        """An environment made with the options of the recorded one; `options` take the place of some.
+
+        Raises:
+            TypeError, ValueError: as of `AtariEnv`.
+        """
         check_name("core", core, CORES)
         return AtariEnv(self.game, **{**self.options, **options}, core=core, rom=self.rom)
 
@@ -385,8 +397,3 @@ def _difference(player: Player, play: replay_file.Play) -> str:
         if replay_file.check(player.core, player.score) != play.checks[number]:
             return "RAM, screen, reward, lives or end"
     return ""
-
-
-def _has_sound(path: str | PathLike[str]) -> bool:
-    format = FORMATS.get(Path(path).suffix.lower())
-    return format is not None and format.sound is not None

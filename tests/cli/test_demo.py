@@ -10,12 +10,12 @@ from typing import Any
 
 import av
 import numpy as np
-import numpy.typing as npt
 import pytest
+from video_reader import pictures
 
 import atari
 from atari.cli import main
-from atari.cli.demo import _Spectator
+from atari.cli.spectators import Film, ScoreBoard
 from atari.recording import VideoWriter, frame_rate
 
 
@@ -29,11 +29,6 @@ def demo_json(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]
     assert main(["demo", *words, "--json"]) == 0
     result: dict[str, Any] = json.loads(capsys.readouterr().out)
     return result
-
-
-def decode(path: Path) -> list[npt.NDArray[np.uint8]]:
-    with av.open(str(path)) as container:
-        return [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
 
 
 def test_writes_a_video_of_breakout_and_says_where(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -57,9 +52,9 @@ def test_video_has_every_emulated_frame_in_colour(capsys: pytest.CaptureFixture[
     assert result["video"] == str(Path("a/b.mp4").resolve())
     assert result["steps"] == 20
     assert 20 * 4 < result["frames"] <= 20 * 4 + 30  # the no-ops at the start are played too
-    pictures = decode(Path("a/b.mp4"))
-    assert len(pictures) == result["frames"]
-    red_row, blue_row = pictures[-1][2 * 60, 4 * 80], pictures[-1][2 * 90, 4 * 80]
+    shown = pictures(Path("a/b.mp4"))
+    assert len(shown) == result["frames"]
+    red_row, blue_row = shown[-1][2 * 60, 4 * 80], shown[-1][2 * 90, 4 * 80]
     assert np.abs(red_row.astype(int) - (200, 72, 72)).max() < 16
     assert np.abs(blue_row.astype(int) - (66, 72, 200)).max() < 16
 
@@ -102,15 +97,15 @@ def test_no_video_makes_no_file(folder: Path, capsys: pytest.CaptureFixture[str]
     assert not list(folder.iterdir())
 
 
-def test_the_spectator_films_what_is_played_and_nothing_after_the_end(folder: Path) -> None:
+def test_spectators_see_what_is_played_and_nothing_after_the_end(folder: Path) -> None:
     env = atari.AtariEnv("breakout", core="ale", max_num_frames_per_episode=6)
     env.make_sound()
     with VideoWriter(folder / "a.mp4", env.game.screen.shape, 60, sound=True) as video:
-        spectator = _Spectator(env, video)
-        env.observers.append(spectator)
+        score_board = ScoreBoard()
+        env.observers += [score_board, Film(env, video)]
         env.reset(seed=0)
         assert env.play_frames(1, 9) == 0
-    assert (spectator.frames, video.frames, spectator.scores) == (6, 6, [0])
+    assert (score_board.frames, video.frames, score_board.scores) == (6, 6, [0])
     assert env.core.truncated
 
 
@@ -182,4 +177,4 @@ def test_ctrl_c_ends_it_with_a_playable_video(folder: Path) -> None:
     assert told[2] == str((folder / "a.mp4").resolve())
     steps = int(told[1].replace(",", ""))
     assert 200 <= steps < 2000
-    assert len(decode(folder / "a.mp4")) > 4 * 200
+    assert len(pictures(folder / "a.mp4")) > 4 * 200
