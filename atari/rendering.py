@@ -60,6 +60,14 @@ def open_display(pygame: Any) -> None:
         raise pygame.error("SDL found none and would draw where nobody sees it")
 
 
+def draw(pygame: Any, surface: Any, rgb: ByteArray) -> None:
+    """Fill the surface of a window with a picture, (rows, columns, 3) uint8, and show it."""
+    pygame.event.pump()
+    image = pygame.surfarray.make_surface(rgb.swapaxes(0, 1))
+    surface.blit(pygame.transform.scale(image, surface.get_size()), (0, 0))
+    pygame.display.flip()
+
+
 class Window:
     """A window that shows the screen of a game at its own speed, with the console's 2:1 pixels.
 
@@ -85,11 +93,7 @@ class Window:
 
     def show(self, rgb: ByteArray) -> None:
         """Show one screen, (height, 160, 3) uint8, and wait until it is time for the next."""
-        pygame = self._pygame
-        pygame.event.pump()
-        image = pygame.surfarray.make_surface(rgb.swapaxes(0, 1))
-        self._surface.blit(pygame.transform.scale(image, self._surface.get_size()), (0, 0))
-        pygame.display.flip()
+        draw(self._pygame, self._surface, rgb)
         self._clock.tick(self._rate)
 
     def close(self) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from atari.classic import logger
-from atari.rendering import import_pygame
+from atari.rendering import draw, import_pygame
 
 _LEAST_ROWS = 400  # smaller pictures are shown larger
 
@@ -50,10 +50,7 @@ class Viewer:
         # pygame has one display: another environment may have taken or closed it.
         if self._surface is None or self._surface is not pygame.display.get_surface():
             self._surface = self._open(rgb.shape[0], rgb.shape[1])
-        pygame.event.pump()
-        image = pygame.surfarray.make_surface(rgb.swapaxes(0, 1))
-        self._surface.blit(pygame.transform.scale(image, self._surface.get_size()), (0, 0))
-        pygame.display.flip()
+        draw(pygame, self._surface, rgb)
         if pygame.display.get_driver() != "dummy":  # where nobody watches, nobody needs the time to
             self._clock.tick(self._rate)
 

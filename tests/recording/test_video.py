@@ -10,20 +10,12 @@ import av
 import cv2
 import gymnasium
 import numpy as np
-import numpy.typing as npt
 import pytest
+from video_reader import NTSC, Screen, pictures
 
 import atari
 from atari.cores import AleCore
 from atari.recording import VideoWriter, frame_rate
-
-Screen = npt.NDArray[np.uint8]
-NTSC = Fraction(1_640_625, 27_379)
-
-
-def decode(path: Path) -> list[Screen]:
-    with av.open(str(path)) as container:
-        return [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
 
 
 def moving_bar(frames: int, size: tuple[int, int] = (210, 160)) -> list[Screen]:
@@ -98,7 +90,7 @@ def test_each_pixel_of_a_game_becomes_a_block_of_its_colour(tmp_path: Path, scal
     with VideoWriter(tmp_path / "a.mp4", core.game.screen.shape, frame_rate(core.game), scale=scale) as video:
         for screen in screens:
             video.write(screen)
-    decoded = decode(video.path)
+    decoded = pictures(video.path)
     assert len(decoded) == len(screens)
     for screen, picture in zip(screens, decoded, strict=True):
         expected = screen.repeat(scale, axis=0).repeat(2 * scale, axis=1)
@@ -115,7 +107,7 @@ def test_colours_are_right_whether_or_not_a_reader_looks_at_what_the_file_says_o
     with av.open(str(video.path)) as container:
         context = container.streams.video[0].codec_context
         assert (context.colorspace, context.color_range) == (6, 1)  # BT.601, limited
-    middles = decode(video.path)[0][100, 40::80].astype(int)
+    middles = pictures(video.path)[0][100, 40::80].astype(int)
     assert np.abs(middles - colours).max() <= 3
     _, blue_green_red = cv2.VideoCapture(str(video.path)).read()  # OpenCV does not look
     assert np.abs(blue_green_red[100, 40::80, ::-1].astype(int) - colours).max() <= 3
@@ -125,7 +117,7 @@ def test_pictures_come_in_the_order_in_which_they_were_written(tmp_path: Path) -
     with VideoWriter(tmp_path / "a.mp4", (210, 160), NTSC) as video:
         for screen in moving_bar(100):
             video.write(screen)
-    columns = [int(picture.sum(axis=(0, 2), dtype=int).argmax()) // 4 for picture in decode(video.path)]
+    columns = [int(picture.sum(axis=(0, 2), dtype=int).argmax()) // 4 for picture in pictures(video.path)]
     assert columns == list(range(100))
 
 
@@ -134,7 +126,7 @@ def test_a_view_that_is_not_contiguous_is_written_as_it_looks(tmp_path: Path) ->
     screen[:, 80:] = 255
     with VideoWriter(tmp_path / "a.mp4", (210, 160), NTSC) as video:
         video.write(screen[:, ::-1])
-    (picture,) = decode(video.path)
+    (picture,) = pictures(video.path)
     assert picture[:, :310].min() > 240
     assert picture[:, 330:].max() < 15
 
@@ -149,7 +141,7 @@ def test_closing_twice_does_nothing_and_writing_then_raises(tmp_path: Path) -> N
     assert video.path.stat().st_size == size
     with pytest.raises(ValueError, match="is closed"):
         video.write(screen)
-    assert len(decode(video.path)) == 3
+    assert len(pictures(video.path)) == 3
 
 
 def test_file_is_playable_after_an_exception(tmp_path: Path) -> None:
@@ -161,7 +153,7 @@ def test_file_is_playable_after_an_exception(tmp_path: Path) -> None:
 
     with pytest.raises(ZeroDivisionError):
         record()
-    assert len(decode(tmp_path / "a.mp4")) == 70
+    assert len(pictures(tmp_path / "a.mp4")) == 70
 
 
 def test_no_screen_no_file(tmp_path: Path) -> None:
@@ -176,7 +168,7 @@ def test_missing_folders_are_made_and_an_old_file_replaced(tmp_path: Path) -> No
         with VideoWriter(path, (210, 160), NTSC) as video:
             for screen in moving_bar(frames):
                 video.write(screen)
-    assert len(decode(path)) == 4
+    assert len(pictures(path)) == 4
 
 
 @pytest.mark.parametrize(
@@ -224,7 +216,7 @@ def test_wrong_screens_are_refused_and_harm_nothing(
         with pytest.raises(error, match=text):
             video.write(screen)
         video.write(np.zeros((210, 160, 3), np.uint8))
-    assert len(decode(video.path)) == 2
+    assert len(pictures(video.path)) == 2
 
 
 def test_a_place_that_cannot_be_written_is_refused_at_once(tmp_path: Path) -> None:
