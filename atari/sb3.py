@@ -133,7 +133,7 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         self.vector.close()
 
     def get_images(self) -> Sequence[Any]:
-        """The screens, (height, 160, 3) each."""
+        """The screens, (height, 160, 3) uint8 each."""
         return self.env_method("screen_rgb")
 
     def get_attr(self, attr_name: str, indices: Indices = None) -> list[Any]:

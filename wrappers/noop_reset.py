@@ -45,6 +45,9 @@ class NoopReset(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
         Args:
             seed: of the environment, from which the number of no-ops is drawn too.
             options: "noops" is the number of no-ops, 0 or more; the rest is the environment's.
+
+        Raises:
+            TypeError, ValueError: "noops" is no such number; nothing is reset.
         """
         forced = (options or {}).get("noops")
         if forced is not None:
