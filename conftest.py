@@ -1,4 +1,4 @@
-"""Runs the code blocks of the documentation as tests, in a folder of their own."""
+"""Runs the code blocks of the documentation as tests, in a folder of their own, and forgets what they register."""
 
 import os
 import shlex
@@ -9,8 +9,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import gymnasium
 from sybil import Example, Sybil
 from sybil.parsers.markdown import CodeBlockParser, PythonCodeBlockParser
+
+import atari  # noqa: F401 - registers its IDs before any document does
 
 
 def run_atari_commands(example: Example) -> None:
@@ -30,10 +33,13 @@ def enter_folder(namespace: dict[str, Any]) -> None:
     namespace["came_from"] = Path.cwd()
     namespace["folder"] = TemporaryDirectory()
     os.chdir(namespace["folder"].name)
+    namespace["known_ids"] = set(gymnasium.registry)
 
 
 def leave_folder(namespace: dict[str, Any]) -> None:
-    """Go back to where the tests run."""
+    """Go back to where the tests run, with the environments that were there."""
+    for env_id in set(gymnasium.registry) - namespace["known_ids"]:
+        del gymnasium.registry[env_id]
     os.chdir(namespace["came_from"])
     namespace["folder"].cleanup()
 
