@@ -73,6 +73,19 @@ constexpr auto kLooksOf = [] {
     return table;
 }();
 
+// The bits of the playfield near to a run of pixels: by the mirroring, the bits that the width less one has, and the
+// first pixel. The widths are those of `width_of`.
+constexpr auto kPlayfieldNear = [] {
+    std::array<std::array<std::array<uint32_t, kScreenWidth>, 7>, 2> table{};
+    for (size_t mirror = 0; mirror < 2; ++mirror)
+        for (size_t width = 0; width < 7; ++width)
+            for (int x = 0; x < kScreenWidth; ++x) {
+                const int pixels = width == 5 ? 17 : width == 6 ? 33 : 1 << width;
+                table[mirror][width][static_cast<size_t>(x)] = playfield_of_cells(cells_of_run(x, pixels), mirror != 0);
+            }
+    return table;
+}();
+
 }  // namespace
 
 void Collider::begin(unsigned latches) {
@@ -129,6 +142,31 @@ void Collider::finish() {
     t.write_pos = drawn / 228 * kScreenWidth + std::max(0, drawn % 228 - 68);
 }
 
+// --- what single registers do ---
+
+// A write to one player's graphics also moves the other's new graphics to its delayed copy.
+INLINE void Collider::set_graphics(unsigned player, const Write& write) {
+    Tia& t = t_;
+    const unsigned other = player ^ 1;
+    t.grp[player] = write.value;
+    t.old_grp[other] = static_cast<uint8_t>(write.beside);
+    if (!t.vdelp[player]) show(player);
+    if (t.vdelp[other]) show(other);
+    if (player == 0) return;
+    t.old_enabl = write.beside >> 8 != 0;
+    if (t.vdelbl) enable(kBL, t.old_enabl);
+}
+
+INLINE void Collider::set_enam(unsigned missile, uint8_t value) {
+    t_.enam[missile] = value & 2;
+    enable(kM0 + missile, t_.enam[missile] && !t_.resmp[missile]);
+}
+
+INLINE void Collider::set_enabl(uint8_t value) {
+    t_.enabl = value & 2;
+    if (!t_.vdelbl) enable(kBL, t_.enabl);
+}
+
 // A write that acts is applied when the beam has been brought to where the write shows.
 INLINE void Collider::apply_one(const Write& write) {
     Tia& t = t_;
@@ -174,11 +212,11 @@ INLINE void Collider::apply_one(const Write& write) {
         case GRP1: write_graphics(1, write, clock); break;
         case ENAM0: case ENAM1:
             if (!t.resmp[reg - ENAM0]) advance(clock);
-            apply_noted(write);
+            set_enam(reg - ENAM0, value);
             break;
         case ENABL:
             if (!t.vdelbl) advance(clock);
-            apply_noted(write);
+            set_enabl(value);
             break;
         case HMM0:  // kept only if the motion goes from 7 to 6
             bring_up(set_of({STILL}));
@@ -243,6 +281,7 @@ void Collider::apply_range(const Write* write, const Write* last) {
             choose_acting();
             if ((write = note(write, last)) == last) return;
         }
+        noted_ &= ~(1ull << write->reg);  // it is older
         apply_one(*write++);
     }
 }
@@ -266,30 +305,10 @@ void Collider::apply_noted(const Write& write) {
             if (t.playfield) enable(kPF, true);  // it stays so: it comes and goes with the lines
             moved(kPF);
             break;
-        case GRP0:
-            t.grp[0] = value;
-            t.old_grp[1] = static_cast<uint8_t>(write.beside);
-            if (!t.vdelp[0]) show(0);
-            if (t.vdelp[1]) show(1);
-            break;
-        case GRP1:
-            t.grp[1] = value;
-            t.old_grp[0] = static_cast<uint8_t>(write.beside);
-            t.old_enabl = write.beside >> 8 != 0;
-            if (t.vdelp[0]) show(0);
-            if (!t.vdelp[1]) show(1);
-            if (t.vdelbl) enable(kBL, t.old_enabl);
-            break;
-        case ENAM0: case ENAM1: {
-            const unsigned missile = write.reg - ENAM0;
-            t.enam[missile] = value & 2;
-            enable(kM0 + missile, t.enam[missile] && !t.resmp[missile]);
-            break;
-        }
-        case ENABL:
-            t.enabl = value & 2;
-            if (!t.vdelbl) enable(kBL, t.enabl);
-            break;
+        case GRP0: set_graphics(0, write); break;
+        case GRP1: set_graphics(1, write); break;
+        case ENAM0: case ENAM1: set_enam(write.reg - ENAM0, value); break;
+        case ENABL: set_enabl(value); break;
         case STILL:
             t.last_hmove = static_cast<int32_t>(3 * write.cycle);
             t.cosmic_ark = false;
@@ -343,7 +362,6 @@ void Collider::write_ctrlpf(uint8_t value, int hpos, int32_t clock) {
     reconsider();
 }
 
-// A write to one player's graphics also moves the other's new graphics to its delayed copy.
 inline void Collider::write_graphics(unsigned player, const Write& write, int32_t clock) {
     const Tia& t = t_;
     const unsigned other = player ^ 1;
@@ -351,7 +369,7 @@ inline void Collider::write_graphics(unsigned player, const Write& write, int32_
     const bool others = t.vdelp[other] && t.old_grp[other] != static_cast<uint8_t>(write.beside);
     const bool ball = player == 1 && t.vdelbl && t.old_enabl != (write.beside >> 8 != 0);
     if (own || others || ball) advance(clock + 1);
-    apply_noted(write);
+    set_graphics(player, write);
 }
 
 // Bits of the playfield that are near to no object do not matter.
@@ -486,19 +504,13 @@ void Collider::end_line() {
     }
 }
 
-void Collider::enable(unsigned object, bool on) {
-    const unsigned bit = bit_of(object), now = on ? enabled_ | bit : enabled_ & ~bit;
-    if (now == enabled_) return;
-    enabled_ = now;
-    open_pairs_ = kPairsOf[enabled_] & watched_ & ~static_cast<unsigned>(t_.collisions);
-    possible_ &= open_pairs_;
-    if (on && (wanted_objects_ & bit)) reconsider();
-}
-
-// The graphics of a player that show may have changed.
-void Collider::show(unsigned player) {
-    enable(player, t_.vdelp[player] ? t_.old_grp[player] : t_.grp[player]);
-    outdate(player);
+// An object has appeared or disappeared.
+void Collider::toggle(unsigned object) {
+    enabled_ ^= bit_of(object);
+    find_open_pairs();
+    // Where no other object is enabled either, that one will act when it appears; but the playfield does not.
+    const unsigned pairs = kPairsOf[enabled_ | bit_of(kPF)] & wanted_ & kPairsWith[object];
+    if (enabled_ >> object & 1 && pairs) reconsider();
 }
 
 // The place or the size of an object has changed.
@@ -511,12 +523,9 @@ void Collider::moved(unsigned object) {
 }
 
 void Collider::find_open_pairs() {
-    const unsigned wanted = watched_ & ~static_cast<unsigned>(t_.collisions);
-    open_pairs_ = kPairsOf[enabled_] & wanted;
+    wanted_ = watched_ & ~static_cast<unsigned>(t_.collisions);
+    open_pairs_ = kPairsOf[enabled_] & wanted_;
     possible_ &= open_pairs_;
-    wanted_objects_ = 0;
-    for (unsigned object = kP0; object <= kPF; ++object)
-        if (wanted & kPairsWith[object]) wanted_objects_ |= bit_of(object);
 }
 
 // What could collide is no longer known.
@@ -531,7 +540,8 @@ void Collider::find_possible() {
     possible_ = 0;
     known_ = true;
     if (!collecting_ || (t_.vblank & 2)) return;
-    if (wanted_objects_ >> kPF & 1) bring_up(kPlayfieldRegisters);
+    if (wanted_ & kPairsWith[kPF]) bring_up(kPlayfieldRegisters);
+    if (open_pairs_ & unknown_ & ~kPairsWith[kPF]) bring_up(kLooks);
     for (unsigned unknown = open_pairs_ & unknown_; unknown; unknown &= unknown - 1) {
         const Pair& pair = lowest_pair(unknown);
         if (may_touch(pair.a, pair.b)) touching_ |= pair.latch;
@@ -553,13 +563,14 @@ void Collider::choose_acting() {
     acting_ = kAlwaysActing;
     if (t.skip_first[0] || t.skip_first[1] || t.m0_variant != kPlain) acting_ |= set_of({STILL});
     if (!collecting_ || (t.vblank & 2)) return;
-    unsigned objects = wanted_objects_ & ~enabled_;
+    unsigned objects = 0;
+    for (unsigned object = kP0; object <= kBL; ++object)
+        if (!(enabled_ >> object & 1) && (wanted_ & kPairsWith[object])) objects |= bit_of(object);
     for (unsigned pairs = possible_; pairs; pairs &= pairs - 1)
         objects |= bit_of(lowest_pair(pairs).a) | bit_of(lowest_pair(pairs).b);
     acting_ |= kLooksOf[t.vdelp[0] | t.vdelp[1] << 1 | t.vdelbl << 2][objects & 31];
     acting_playfield_ = 0;
-    const unsigned wanted = watched_ & ~static_cast<unsigned>(t.collisions);
-    unsigned pairs = kPairsOf[enabled_ | bit_of(kPF)] & wanted & kPairsWith[kPF];
+    unsigned pairs = kPairsOf[enabled_ | bit_of(kPF)] & wanted_ & kPairsWith[kPF];
     if (!(enabled_ & bit_of(kPF)) && pairs) acting_playfield_ = ~0u;
     else for (; pairs; pairs &= pairs - 1) acting_playfield_ |= playfield_near(lowest_pair(pairs).a);
     if (acting_playfield_ & 0xf) acting_ |= set_of({PF0});
@@ -585,10 +596,9 @@ bool Collider::may_touch(unsigned a, unsigned b) {
 uint32_t Collider::playfield_near(unsigned object) {
     if (!(near_known_ & bit_of(object))) {
         near_known_ |= bit_of(object);
-        const int width = width_of(object);
-        uint64_t cells = 0;
-        visit_copies(object, [&](int x) { cells |= cells_of_run(x % kScreenWidth, width); });
-        near_[object] = playfield_of_cells(cells, t_.pf_mirror);
+        const auto& near = kPlayfieldNear[t_.pf_mirror ? 1 : 0][static_cast<size_t>(std::bit_width(width_of(object) - 1u))];
+        near_[object] = 0;
+        visit_copies(object, [&](int x) { near_[object] |= near[static_cast<size_t>(x % kScreenWidth)]; });
     }
     return near_[object];
 }

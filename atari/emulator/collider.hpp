@@ -44,6 +44,9 @@ class Collider {
     const Write* note(const Write* write, const Write* last);
     void apply_one(const Write& write);
     void apply_noted(const Write& write);
+    void set_graphics(unsigned player, const Write& write);
+    void set_enam(unsigned missile, uint8_t value);
+    void set_enabl(uint8_t value);
     void bring_up(Registers registers);
 
     // --- single registers; `clock` is that of the write, `hpos` of its place in the line ---
@@ -68,8 +71,15 @@ class Collider {
     void end_line();
 
     // --- what could collide ---
-    void enable(unsigned object, bool on);
-    void show(unsigned player);
+    void enable(unsigned object, bool on) {
+        if ((enabled_ >> object & 1) != static_cast<unsigned>(on)) toggle(object);
+    }
+    void toggle(unsigned object);
+    // The graphics of a player that show may have changed.
+    void show(unsigned player) {
+        enable(player, t_.vdelp[player] ? t_.old_grp[player] : t_.grp[player]);
+        outdate(player);
+    }
     void moved(unsigned object);
     void outdate(unsigned object) { stale_ |= 1u << object; }
     void find_open_pairs();
@@ -94,8 +104,8 @@ class Collider {
 
     unsigned watched_ = 0xffff;    // collision latches that are wanted
     unsigned enabled_ = 0;         // objects that can be seen at all, a bit each
-    unsigned wanted_objects_ = 0;  // that have a part in latches that are watched and not set yet
-    unsigned open_pairs_ = 0;      // of enabled objects, watched, and not latched yet
+    unsigned wanted_ = 0xffff;     // and not latched yet
+    unsigned open_pairs_ = 0;      // of these, those of enabled objects
     // Pairs of objects that could collide where they are now, of those that have been looked at.
     unsigned touching_ = 0, unknown_ = 0xffff;
 

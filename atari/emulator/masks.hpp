@@ -126,13 +126,13 @@ inline Mask ball_mask(int position, int size) {
 
 // Of the 40 cells of four pixels in a line those that a run of `width` pixels at x reaches, as a set of bits. The run goes
 // on at pixel 0 behind pixel 159.
-inline uint64_t cells_of_run(int x, int width) {
+constexpr uint64_t cells_of_run(int x, int width) {
     const int first = x / 4, last = (x + width - 1) / 4;
     const uint64_t cells = (2ull << last) - (1ull << first);
     return (cells | cells >> 40) & 0xffffffffff;
 }
 
-inline uint64_t reversed_half(uint64_t cells) {
+constexpr uint64_t reversed_half(uint64_t cells) {
     return uint64_t{kReversed[cells & 0xff]} << 12 | uint64_t{kReversed[(cells >> 8) & 0xff]} << 4 |
            kReversed[(cells >> 16) & 0xf] >> 4;
 }
@@ -144,7 +144,7 @@ inline uint64_t playfield_cells(uint32_t playfield, bool mirror) {
 }
 
 // The bits of the playfield that light any of these cells.
-inline uint32_t playfield_of_cells(uint64_t cells, bool mirror) {
+constexpr uint32_t playfield_of_cells(uint64_t cells, bool mirror) {
     const uint64_t right = cells >> 20, left = (cells & 0xfffff) | (mirror ? reversed_half(right) : right);
     return static_cast<uint32_t>((left & 0xff00f) | uint64_t{kReversed[(left >> 4) & 0xff]} << 4);
 }
