@@ -35,10 +35,11 @@ READ_MODES = {
     "IndY": ["IndY"],
 }
 STORE_MODES = {
-    "Zp": ["Ram", "Tia", "Strobe", "Motion", "Hmove", "Ctrlpf", "Grp0", "Grp1", "Wsync", "PortZ"],
+    "Zp": ["Ram", "Tia", "Strobe", "Motion", "Hmove", "Ctrlpf", "Grp0", "Grp1", "Wsync"]
+    + ["Sound", "Hmclr", "Cxclr", "PortZ"],
     "ZpX": ["RamX"],
     "ZpY": ["RamY"],
-    "Abs": ["RamA", "PortA"],
+    "Abs": ["RamA", "TiaA", "Grp0A", "Grp1A", "PortA"],
     "AbsX": ["AnyX"],
     "AbsY": ["AnyY"],
     "IndX": ["IndX"],

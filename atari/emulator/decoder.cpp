@@ -106,6 +106,16 @@ bool reaches_plain_image(uint16_t& base, const Cartridge& cartridge, const uint8
 
 bool is_store(Operation operation) { return operation == STA || operation == STX || operation == STY; }
 
+// A store to what is not RAM, by an address of two bytes.
+Operand stored_at(uint16_t& address, const Cartridge& cartridge) {
+    if ((address & 0x1080) || watches_tia(cartridge.type())) return Operand::PortA;
+    const uint8_t reg = address & 0x3f;
+    const Operand kind = stored_in(reg);
+    if (kind != Operand::Tia && kind != Operand::Grp0 && kind != Operand::Grp1) return Operand::PortA;
+    address = reg;
+    return kind == Operand::Tia ? Operand::TiaA : kind == Operand::Grp0 ? Operand::Grp0A : Operand::Grp1A;
+}
+
 Operand operand_of(Opcode opcode, uint16_t& operand, const Cartridge& cartridge, const uint8_t* bank) {
     switch (opcode.form) {
         case Imp: return Operand::Imp;
@@ -130,7 +140,7 @@ Operand operand_of(Opcode opcode, uint16_t& operand, const Cartridge& cartridge,
                                within(operand & 0xfff, cartridge.plain_window())
                            ? Operand::Near
                            : Operand::Far;
-            if (is_store(opcode.operation) && !is_ram(operand)) return Operand::PortA;
+            if (is_store(opcode.operation) && !is_ram(operand)) return stored_at(operand, cartridge);
             return absolute(operand, cartridge, bank, operand);
         case AbsX:
         case AbsY: {

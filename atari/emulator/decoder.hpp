@@ -35,7 +35,8 @@ enum class Operand : uint8_t {
     Tia,               // stores: a register whose value can be written again without effect
     Strobe,            //         one that acts at every write
     Motion,            //         HMP0 .. HMBL, which act when HMOVE is written
-    Hmove, Ctrlpf, Grp0, Grp1, Wsync,
+    Hmove, Ctrlpf, Grp0, Grp1, Wsync, Sound, Hmclr, Cxclr,
+    TiaA, Grp0A, Grp1A,  // the same by an address of two bytes
     kCount
 };
 
@@ -47,6 +48,9 @@ constexpr Operand stored_in(uint8_t reg) {
         case 0x1c: return Operand::Grp1;
         case 0x2a: return Operand::Hmove;
         case 0x0a: return Operand::Ctrlpf;
+        case 0x15: case 0x16: case 0x17: case 0x18: case 0x19: case 0x1a: return Operand::Sound;
+        case 0x2b: return Operand::Hmclr;
+        case 0x2c: return Operand::Cxclr;
         case 0x04: case 0x05: case 0x10: case 0x11: case 0x12: case 0x13: case 0x14:
             return Operand::Strobe;  // NUSIZ, RES..
         case 0x20: case 0x21: case 0x22: case 0x23: case 0x24: return Operand::Motion;
@@ -68,7 +72,8 @@ constexpr int length_of(Operand operand) {
     switch (operand) {
         case Operand::Imp: case Operand::Acc: return 1;
         case Operand::Fixed: case Operand::RamA: case Operand::Timer: case Operand::Dpc: case Operand::RomX:
-        case Operand::RomY: case Operand::AnyX: case Operand::AnyY: case Operand::PortA: case Operand::Near:
+        case Operand::RomY: case Operand::AnyX: case Operand::AnyY: case Operand::PortA: case Operand::TiaA:
+        case Operand::Grp0A: case Operand::Grp1A: case Operand::Near:
         case Operand::Far: case Operand::Ind: return 3;
         default: return 2;
     }
@@ -86,7 +91,8 @@ constexpr uint32_t read_cost(Operand operand) {
 }
 constexpr uint32_t store_cost(Operand operand) {
     switch (operand) {
-        case Operand::RamX: case Operand::RamY: case Operand::RamA: case Operand::PortA: return 4;
+        case Operand::RamX: case Operand::RamY: case Operand::RamA: case Operand::PortA: case Operand::TiaA:
+        case Operand::Grp0A: case Operand::Grp1A: return 4;
         case Operand::AnyX: case Operand::AnyY: return 5;
         case Operand::IndX: case Operand::IndY: return 6;
         default: return 3;

@@ -213,9 +213,8 @@ void Console::keep_write(uint8_t reg, uint8_t value) {
     switch (reg) {
         case VSYNC: return write_vsync(value);
         case WSYNC: return halt_until_line_start();
-        case AUDC0: case AUDC1: m_.sound.audc[reg - AUDC0] = value & 15; return;
-        case AUDF0: case AUDF1: m_.sound.audf[reg - AUDF0] = value & 31; return;
-        case AUDV0: case AUDV1: m_.sound.audv[reg - AUDV0] = value & 15; return;
+        case AUDC0: case AUDC1: case AUDF0: case AUDF1: case AUDV0: case AUDV1:
+            return m_.sound.write(reg - AUDC0, value);
         case VBLANK: switch_dump(w.reg[VBLANK], value); break;
         case GRP0: w.old_grp1 = w.reg[GRP1]; break;
         case GRP1:
@@ -230,14 +229,6 @@ void Console::keep_write(uint8_t reg, uint8_t value) {
         }
         case HMCLR: std::fill_n(w.reg + HMP0, 5, uint8_t{0}); return;
         case CTRLPF: w.mirror_changed |= ((w.reg[CTRLPF] ^ value) & 1) != 0; break;
-        case CXCLR:
-            collisions_from_ = log_end_;
-            cleared_ = true;
-            if (watched_latches_ != 0xffff) {
-                open_log_ = log_;
-                open_from_ = log_end_;
-            }
-            break;
         default:
             if (reg > CXCLR || reg == RSYNC) return;
     }
@@ -245,6 +236,7 @@ void Console::keep_write(uint8_t reg, uint8_t value) {
     // JSR and BRK push two or three bytes at the same time, into the TIA if the stack is there.
     if (log_end_ != logs_[log_].writes && log_end_[-1].cycle == m_.cycles) *log_end_++ = {m_.cycles, SAME_TIME, 0, 0};
     if (reg == HMOVE) return keep_hmove(m_.cycles);
+    if (reg == CXCLR) return keep_cxclr(m_.cycles);
     const int beside = reg == GRP0 ? w.old_grp1 : reg == GRP1 ? w.beside_grp1() : 0;
     *log_end_++ = {m_.cycles, reg, value, static_cast<uint16_t>(beside)};
 }
@@ -253,6 +245,16 @@ void Console::keep_hmove(uint32_t cycles) {
     const uint8_t* hm = written_.reg + HMP0;
     *log_end_++ = {cycles, HMOVE, static_cast<uint8_t>(hm[kBL] >> 4),
                    static_cast<uint16_t>(hm[kP0] >> 4 | (hm[kP1] & 0xf0) | (hm[kM0] & 0xf0) << 4 | (hm[kM1] & 0xf0) << 8)};
+}
+
+void Console::keep_cxclr(uint32_t cycles) {
+    collisions_from_ = log_end_;
+    cleared_ = true;
+    if (watched_latches_ != 0xffff) {
+        open_log_ = log_;
+        open_from_ = log_end_;
+    }
+    *log_end_++ = {cycles, CXCLR, 0, 0};
 }
 
 // The picture, after what is missing has been drawn.

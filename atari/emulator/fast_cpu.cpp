@@ -175,6 +175,70 @@ void FastCpu::run_counted(Console& c, int left) {
     c.m_.cpu.pc = static_cast<uint16_t>(pc);
 }
 
+uint16_t FastCpu::decode_ram(Console& c, const Record* at) {
+    const auto place = static_cast<std::size_t>(at - c.ram_code_);
+    if (place >= 128) return kStep;
+    const uint8_t* bytes = c.m_.riot.ram + place;
+    const int available = static_cast<int>(128 - place);
+    Console::RamCode& known = c.ram_known_[place];
+    const std::array<uint8_t, 3> now = {bytes[0], available > 1 ? bytes[1] : uint8_t{0}, available > 2 ? bytes[2] : uint8_t{0}};
+    if (known.handler != kHandlers && known.bytes == now) return known.handler;
+    Record record = decode(bytes, available, *c.cartridge_, nullptr);
+    known = {now, record.handler};
+    // What runs out of RAM goes on in the TIA, where a program sees the byte last on the bus.
+    if (static_cast<int>(place) + length_of(kOpcodes[bytes[0]].form) > 127) known.handler = kStep;
+    if (record.handler == JSR_Far) known.handler = kStep;  // what it pushes may be its own address
+    if (is_branch(record.handler)) {
+        const int target = static_cast<int>(place) + record.jump;
+        if (target < 0 || target > 127 || place + 2 > 127) known.handler = kStep;
+        record.taken = 3;
+    }
+    record.handler = kRamCode;
+    record.code = at->code;
+    c.ram_code_[place] = record;
+    return known.handler;
+}
+
+bool FastCpu::write_port(Console& c, uint32_t cycles, uint32_t address, uint32_t value) {
+    c.m_.cycles = cycles;
+    if (!(address & 0x1080) && !c.watches_tia_ && cycles < c.overlong_) {
+        const uint32_t reg = address & 0x3f;
+        const Operand kind = kStoredIn[reg];
+        if (kind == Operand::Tia) {
+            if (c.written_.reg[reg] == value) return false;
+            c.written_.reg[reg] = static_cast<uint8_t>(value);
+        }
+        if (kind == Operand::Tia || kind == Operand::Strobe) {
+            keep(cycles, c, reg, value);
+            return false;
+        }
+        c.m_.cpu.last_access_was_read = true;
+        c.keep_write(static_cast<uint8_t>(reg), static_cast<uint8_t>(value));
+        c.m_.bus = static_cast<uint8_t>(value);
+        c.m_.cpu.last_access_was_read = false;
+        return c.m_.cpu.stop;
+    }
+    c.m_.cpu.last_access_was_read = true;
+    c.write(static_cast<uint16_t>(address), static_cast<uint8_t>(value));
+    return c.m_.cpu.stop || c.remapped_;
+}
+
+uint32_t FastCpu::read_dpc(Console& c, uint32_t cycles, uint32_t offset) {
+    const uint32_t function = offset >> 3, i = offset & 7;
+    if (function != 1 && function != 2) {
+        c.m_.cycles = cycles;
+        return c.read_dpc(static_cast<uint16_t>(offset));
+    }
+    CartridgeState& cart = c.m_.cart;
+    c.clock_dpc_random();
+    const uint32_t counter = cart.counter[i];
+    if ((counter & 0xff) == cart.top[i]) cart.flag[i] = 0xff;
+    else if ((counter & 0xff) == cart.bottom[i]) cart.flag[i] = 0;
+    if (i < 5 || !cart.music[i]) cart.counter[i] = (counter - 1) & 0x7ff;
+    const uint32_t value = c.image_[8192 + 2047 - counter];
+    return function == 1 ? value : value & cart.flag[i];
+}
+
 // The whole frame, or what is left of it, with every instruction counted and the TIA drawing as it goes.
 void Console::run_counted() {
     m_.cpu.stop = false;

@@ -80,29 +80,7 @@ struct FastCpu {
     }
 
     // Code in RAM: the record is made again where the bytes are not those it was made from. Its own handler is returned.
-    static uint16_t decode_ram(Console& c, const Record* at) {
-        const auto place = static_cast<std::size_t>(at - c.ram_code_);
-        if (place >= 128) return kStep;
-        const uint8_t* bytes = c.m_.riot.ram + place;
-        const int available = static_cast<int>(128 - place);
-        Console::RamCode& known = c.ram_known_[place];
-        const std::array<uint8_t, 3> now = {bytes[0], available > 1 ? bytes[1] : uint8_t{0}, available > 2 ? bytes[2] : uint8_t{0}};
-        if (known.handler != kHandlers && known.bytes == now) return known.handler;
-        Record record = decode(bytes, available, *c.cartridge_, nullptr);
-        known = {now, record.handler};
-        // What runs out of RAM goes on in the TIA, where a program sees the byte last on the bus.
-        if (static_cast<int>(place) + length_of(kOpcodes[bytes[0]].form) > 127) known.handler = kStep;
-        if (record.handler == JSR_Far) known.handler = kStep;  // what it pushes may be its own address
-        if (is_branch(record.handler)) {
-            const int target = static_cast<int>(place) + record.jump;
-            if (target < 0 || target > 127 || place + 2 > 127) known.handler = kStep;
-            record.taken = 3;
-        }
-        record.handler = kRamCode;
-        record.code = at->code;
-        c.ram_code_[place] = record;
-        return known.handler;
-    }
+    static uint16_t decode_ram(Console& c, const Record* at);
 
     // A jump to an address that only now is known. All paths of unlimited length come through here or `branch`.
     INLINE static Exit jump(R& r, Console& c, uint32_t pc, uint32_t cost) {
@@ -143,29 +121,7 @@ struct FastCpu {
     }
 
     // A store that is not to RAM. True if the frame has ended or another bank is shown.
-    [[gnu::noinline]] static bool write_port(Console& c, uint32_t cycles, uint32_t address, uint32_t value) {
-        c.m_.cycles = cycles;
-        if (!(address & 0x1080) && !c.watches_tia_ && cycles < c.overlong_) {
-            const uint32_t reg = address & 0x3f;
-            const Operand kind = kStoredIn[reg];
-            if (kind == Operand::Tia) {
-                if (c.written_.reg[reg] == value) return false;
-                c.written_.reg[reg] = static_cast<uint8_t>(value);
-            }
-            if (kind == Operand::Tia || kind == Operand::Strobe) {
-                keep(cycles, c, reg, value);
-                return false;
-            }
-            c.m_.cpu.last_access_was_read = true;
-            c.keep_write(static_cast<uint8_t>(reg), static_cast<uint8_t>(value));
-            c.m_.bus = static_cast<uint8_t>(value);
-            c.m_.cpu.last_access_was_read = false;
-            return c.m_.cpu.stop;
-        }
-        c.m_.cpu.last_access_was_read = true;
-        c.write(static_cast<uint16_t>(address), static_cast<uint8_t>(value));
-        return c.m_.cpu.stop || c.remapped_;
-    }
+    static bool write_port(Console& c, uint32_t cycles, uint32_t address, uint32_t value);
 
     // `slow` is set if it was none of RAM and plain image: then the window may show another bank. The bits of `address`
     // above the sixteenth, where the sum of base and index may have left one, mean nothing.
@@ -237,21 +193,7 @@ struct FastCpu {
     }
 
     // The two functions of a data fetcher that nearly all reads want; the others are `Console::read_dpc`'s.
-    [[gnu::noinline]] static uint32_t read_dpc(Console& c, uint32_t cycles, uint32_t offset) {
-        const uint32_t function = offset >> 3, i = offset & 7;
-        if (function != 1 && function != 2) {
-            c.m_.cycles = cycles;
-            return c.read_dpc(static_cast<uint16_t>(offset));
-        }
-        CartridgeState& cart = c.m_.cart;
-        c.clock_dpc_random();
-        const uint32_t counter = cart.counter[i];
-        if ((counter & 0xff) == cart.top[i]) cart.flag[i] = 0xff;
-        else if ((counter & 0xff) == cart.bottom[i]) cart.flag[i] = 0;
-        if (i < 5 || !cart.music[i]) cart.counter[i] = (counter - 1) & 0x7ff;
-        const uint32_t value = c.image_[8192 + 2047 - counter];
-        return function == 1 ? value : value & cart.flag[i];
-    }
+    static uint32_t read_dpc(Console& c, uint32_t cycles, uint32_t offset);
 
     INLINE static uint32_t timer(const R& r, Console& c) {
         const Riot& riot = c.m_.riot;
@@ -337,7 +279,7 @@ struct FastCpu {
     INLINE static Exit write_tia(R& r, Console& c, uint32_t reg, uint32_t value) {
         Written& w = c.written_;
         const auto byte = static_cast<uint8_t>(value);
-        if constexpr (operand == Operand::Tia) {
+        if constexpr (operand == Operand::Tia || operand == Operand::TiaA) {
             if (w.reg[reg] != byte) {
                 w.reg[reg] = byte;
                 keep(r.cycles, c, reg, value);
@@ -359,19 +301,25 @@ struct FastCpu {
                 w.reg[reg] = byte;
                 keep(r.cycles, c, priority ? uint32_t{PRIORITY} : reg, value);
             }
-        } else if constexpr (operand == Operand::Grp0) {
+        } else if constexpr (operand == Operand::Grp0 || operand == Operand::Grp0A) {
             if (w.reg[0x1b] != byte || w.old_grp1 != w.reg[0x1c]) {
                 w.reg[0x1b] = byte;
                 w.old_grp1 = w.reg[0x1c];
                 keep(r.cycles, c, reg, value, w.old_grp1);
             }
-        } else if constexpr (operand == Operand::Grp1) {
+        } else if constexpr (operand == Operand::Grp1 || operand == Operand::Grp1A) {
             if (w.reg[0x1c] != byte || w.old_grp0 != w.reg[0x1b] || w.old_enabl != w.reg[0x1f]) {
                 w.reg[0x1c] = byte;
                 w.old_grp0 = w.reg[0x1b];
                 w.old_enabl = w.reg[0x1f];
                 keep(r.cycles, c, reg, value, w.beside_grp1());
             }
+        } else if constexpr (operand == Operand::Sound) {
+            c.m_.sound.write(reg - AUDC0, byte);
+        } else if constexpr (operand == Operand::Hmclr) {
+            std::memset(w.reg + HMP0, 0, 5);
+        } else if constexpr (operand == Operand::Cxclr) {
+            c.keep_cxclr(r.cycles);
         } else {
             r.cycles = line_start(c, r.cycles);
         }
@@ -413,9 +361,11 @@ struct FastCpu {
 
     // The stack pointer may point at the TIA, too: several games push flags into its registers.
     INLINE static Exit push(R& r, Console& c, uint32_t value) {
-        const uint32_t sp = c.m_.cpu.sp--;
+        const uint32_t sp = c.m_.cpu.sp--, reg = sp & 0x3f;
         r.cycles += 3;
         r.at += 1;
+        const bool direct = !(sp & 0x80) && r.cycles < c.overlong_ && !c.watches_tia_;
+        if (direct && kStoredIn[reg] == Operand::Tia) return write_tia<Operand::Tia>(r, c, reg, value);
         return write_any(r, c, 0x100 | sp, value);
     }
 

@@ -87,6 +87,13 @@ struct Tia : TiaLine {
 struct Sound {
     uint8_t audc[2], audf[2], audv[2];
     uint8_t counter[2], p4[2], p5[2];
+
+    // Writes a register: 0 is AUDC0, 5 is AUDV1.
+    void write(unsigned reg, uint8_t value) {
+        if (reg < 2) audc[reg] = value & 15;
+        else if (reg < 4) audf[reg - 2] = value & 31;
+        else audv[reg - 4] = value & 15;
+    }
 };
 
 struct CartridgeState {

@@ -38,9 +38,7 @@ void Console::write_tia(uint8_t reg, uint8_t value) {
         case RESP0: case RESP1: reset_player(second, hpos); break;
         case RESM0: case RESM1: reset_missile(second, hpos); break;
         case RESBL: reset_ball(hpos); break;
-        case AUDC0: case AUDC1: m_.sound.audc[reg - AUDC0] = value & 15; break;
-        case AUDF0: case AUDF1: m_.sound.audf[reg - AUDF0] = value & 31; break;
-        case AUDV0: case AUDV1: m_.sound.audv[reg - AUDV0] = value & 15; break;
+        case AUDC0: case AUDC1: case AUDF0: case AUDF1: case AUDV0: case AUDV1: m_.sound.write(reg - AUDC0, value); break;
         case GRP0: write_graphics(0, value); break;
         case GRP1: write_graphics(1, value); break;
         case ENAM0: case ENAM1:
