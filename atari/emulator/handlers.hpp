@@ -268,7 +268,7 @@ struct FastCpu {
         r.at += length_of(operand);
         if constexpr (ram) return kNext;
         constexpr bool direct = operand >= Operand::Tia;
-        if (direct && r.cycles < c.overlong_) return write_tia<operand>(r, c, given, value);
+        if (direct && r.cycles < c.overlong_) [[likely]] return write_tia<operand>(r, c, given, value);
         return write_any(r, c, address, value);
     }
 
