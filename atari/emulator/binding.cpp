@@ -127,6 +127,13 @@ class Emulator {
     template <typename Work>
     auto locked(Work&& work) {
         nb::gil_scoped_release release;
+        return briefly(work);
+    }
+
+    // The same for work that takes less time than handing over the interpreter. Who holds the lock of this core never
+    // waits for the interpreter, so it may be waited for here.
+    template <typename Work>
+    auto briefly(Work&& work) {
         const std::lock_guard lock(mutex_);
         if (!environment_) throw std::runtime_error("this core is closed; make a new one");
         return work(*environment_);
@@ -250,7 +257,7 @@ NB_MODULE(_emulator, m) {
     };
     const auto number = [](auto getter) {
         return [getter](Emulator& emulator) {
-            return emulator.locked([getter](Environment& e) { return (e.*getter)(); });
+            return emulator.briefly([getter](Environment& e) { return (e.*getter)(); });
         };
     };
 
