@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <compare>
 #include <cstddef>
-#include <utility>
 
 #include "cartridge.hpp"
 
@@ -22,24 +22,25 @@ constexpr HandlerTable kSingles = [] {
     return table;
 }();
 
-// The rows are sorted by the names of the handlers, and so by their numbers.
 struct PairRow {
     uint16_t first, second, handler;
+    auto operator<=>(const PairRow&) const = default;
 };
-constexpr PairRow kPairRows[] = {
+constexpr auto kPairRows = [] {
+    std::array rows{
 #define SINGLE(...)
-#define PAIR(o1, k1, o2, k2) {o1##_##k1, o2##_##k2, o1##_##k1##_##o2##_##k2},
+#define PAIR(o1, k1, o2, k2) PairRow{o1##_##k1, o2##_##k2, o1##_##k1##_##o2##_##k2},
 #include "handlers.def"
-    {kHandlers, kHandlers, kStep},  // behind all others
-};
+        PairRow{kHandlers, kHandlers, kStep},  // behind all others
+    };
+    std::sort(rows.begin(), rows.end());
+    return rows;
+}();
 
 // The handler of two instructions, or of the first alone.
 uint16_t fused(uint16_t first, uint16_t second) {
-    const auto* row = std::lower_bound(std::begin(kPairRows), std::end(kPairRows), std::pair(first, second),
-                                       [](const PairRow& row, const std::pair<uint16_t, uint16_t>& wanted) {
-                                           return std::pair(row.first, row.second) < wanted;
-                                       });
-    return row != std::end(kPairRows) && row->first == first && row->second == second ? row->handler : first;
+    const auto row = std::lower_bound(kPairRows.begin(), kPairRows.end(), PairRow{first, second, 0});
+    return row->first == first && row->second == second ? row->handler : first;
 }
 
 // Whether the whole window is one bank of the image.
