@@ -1,6 +1,7 @@
 #include "beam.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 
 #include "console.hpp"
@@ -341,14 +342,6 @@ void Beam::end_line() {
     }
 }
 
-inline const Mask& Beam::mask(int object) {
-    if (stale_ & bit_of(object)) {
-        stale_ &= ~bit_of(object);
-        masks_[object] = object_mask(t_, object);
-    }
-    return masks_[object];
-}
-
 // Draws pixels first .. last-1 of the line.
 void Beam::draw(int first, int last) {
     const Tia& t = t_;
@@ -362,26 +355,28 @@ void Beam::draw(int first, int last) {
 
 void Beam::make_layers() {
     layers_known_ = true;
-    Mask lit[6];
-    for (int object = kP0; object <= kPF; ++object)
-        if (enabled_ & bit_of(object)) lit[object] = mask(object);
-    static constexpr Mask kLeft = Mask::range(0, 80);
+    for (unsigned stale = stale_ & enabled_; stale; stale &= stale - 1) {
+        const int object = std::countr_zero(stale);
+        masks_[object] = object_mask(t_, object);
+    }
+    stale_ &= ~enabled_;
+    static constexpr Mask kNone, kLeft = Mask::range(0, 80);
+    const auto lit = [&](int object) -> const Mask& { return enabled_ & bit_of(object) ? masks_[object] : kNone; };
+    const Mask &p0 = lit(kP0), &p1 = lit(kP1), &m0 = lit(kM0), &m1 = lit(kM1), &bl = lit(kBL), &pf = lit(kPF);
     const bool score = t_.ctrlpf & 2, playfield_first = t_.ctrlpf & 4;
-    const Mask side0 = lit[kP0] | lit[kM0], side1 = lit[kP1] | lit[kM1];
-    Layers& layers = layers_;
-    if (playfield_first) {
-        layers.playfield = lit[kPF] | lit[kBL];
-        layers.player0 = without(side0, layers.playfield);
-        layers.player1 = without(side1, layers.playfield | side0);
-        if (score && enabled_ == bit_of(kPF)) {
-            layers.player0 = lit[kPF] & kLeft;
-            layers.player1 = without(lit[kPF], kLeft);
-            layers.playfield = {};
+    const bool halved = score && (!playfield_first || enabled_ == bit_of(kPF));  // the playfield has the players' colours
+    for (int i = 0; i < 3; ++i) {
+        const uint64_t half = pf.word[i] & kLeft.word[i];
+        uint64_t player0 = p0.word[i] | m0.word[i], player1 = p1.word[i] | m1.word[i], playfield = pf.word[i] | bl.word[i];
+        if (halved) {
+            player0 |= half;
+            player1 |= pf.word[i] & ~half;
+            playfield &= ~pf.word[i] | bl.word[i];
         }
-    } else {
-        layers.player0 = score ? side0 | (lit[kPF] & kLeft) : side0;
-        layers.player1 = without(score ? side1 | without(lit[kPF], kLeft) : side1, layers.player0);
-        layers.playfield = without(lit[kPF] | lit[kBL], layers.player0 | layers.player1);
+        const uint64_t behind0 = playfield_first ? playfield : 0, behind = playfield_first ? 0 : player0 | player1;
+        layers_.player0.word[i] = player0 & ~behind0;
+        layers_.player1.word[i] = player1 & ~(behind0 | player0);
+        layers_.playfield.word[i] = playfield & ~behind;
     }
 }
 

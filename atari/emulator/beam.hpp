@@ -67,7 +67,6 @@ class Beam {
         layers_known_ = false;
     }
     void show(unsigned player);
-    const Mask& mask(int object);
     void draw(int first, int last);
     void make_layers();
 
