@@ -348,7 +348,8 @@ void Collider::write_nusiz(unsigned player, uint8_t value, int32_t clock) {
 void Collider::write_ctrlpf(uint8_t value, int hpos, int32_t clock) {
     Tia& t = t_;
     const bool mirror = hpos < 147 ? value & 1 : t.pf_mirror != 0;
-    const bool sized = (t.ctrlpf ^ value) & 0x30, mirrored = mirror != t.pf_mirror || mirror != (value & 1);
+    const bool sized = (t.ctrlpf ^ value) & 0x30, pending = t.pf_mirror != (t.ctrlpf & 1);
+    const bool mirrored = mirror != t.pf_mirror || mirror != (value & 1) || pending;
     if (sized || mirrored) advance(clock);
     t.ctrlpf = value;
     noted_ &= ~(1ull << PRIORITY);
@@ -391,6 +392,7 @@ void Collider::reset_player(unsigned player, int hpos, int32_t clock) {
     const uint8_t position = strobe_player(hpos);
     const PlayerStrobe strobe = player_strobe(position, t.pos[player], t.nusiz[player] & 7);
     advance(strobe.goes_on ? clock + 11 : clock);
+    bring_up(set_of({STILL}));  // it would end what is hidden from now on
     t.pos[player] = position;
     t.skip_first[player] = strobe.hidden;
     moved(kP0 + player);
