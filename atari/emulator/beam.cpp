@@ -96,12 +96,12 @@ INLINE void Beam::apply_one(Tia& t, const Write& write, int32_t& pending) {
             break;
         }
         case CTRLPF: case PRIORITY: {
-            const bool mirror = hpos() < 147 ? value & 1 : t.pf_mirror != 0;
-            if (t.ctrlpf == value && t.pf_mirror == mirror) break;
+            const bool at_once = hpos() < 147;  // otherwise the line's end changes the mirroring
+            if (t.ctrlpf == value && (!at_once || t.pf_mirror == (value & 1))) break;
             advance(pending);
             t.ctrlpf = value;
-            t.pf_mirror = mirror;
-            if (mirror != (value & 1)) line_end_acts_ = true;
+            if (at_once) t.pf_mirror = value & 1;
+            line_end_acts_ |= t.pf_mirror != (value & 1);
             outdate(bit_of(kPF) | bit_of(kBL));
             break;
         }

@@ -347,17 +347,16 @@ void Collider::write_nusiz(unsigned player, uint8_t value, int32_t clock) {
 
 void Collider::write_ctrlpf(uint8_t value, int hpos, int32_t clock) {
     Tia& t = t_;
-    const bool mirror = hpos < 147 ? value & 1 : t.pf_mirror != 0;
     const bool sized = (t.ctrlpf ^ value) & 0x30, pending = t.pf_mirror != (t.ctrlpf & 1);
-    const bool mirrored = mirror != t.pf_mirror || mirror != (value & 1) || pending;
+    const bool mirrored = pending || ((t.ctrlpf ^ value) & 1);
     if (sized || mirrored) advance(clock);
     t.ctrlpf = value;
     noted_ &= ~(1ull << PRIORITY);
     if (sized) moved(kBL);
     if (!mirrored) return;
     bring_up(kLooks);
-    t.pf_mirror = mirror;
-    line_end_acts_ |= mirror != (value & 1);
+    if (hpos < 147) t.pf_mirror = value & 1;  // otherwise the line's end changes it
+    line_end_acts_ |= t.pf_mirror != (value & 1);
     near_known_ = 0;
     moved(kPF);
     reconsider();
