@@ -146,10 +146,11 @@ void LineCache::draw_line(Drawing& d) {
 }
 
 // Whether the line has no writes and begins as the line above, which had none either. What the end of a line does comes
-// with the first clock of the next one; there is none in front of the first row, so it does not count. Under the Cosmic
-// Ark effect it moves a missile, and the line above may have begun behind that.
+// with the first clock of the next one, so both must begin at the same one; there is none in front of the first row, so
+// it does not count.
 bool LineCache::repeats_line_above(const Drawing& d) const {
-    if (d.line <= config_.first_line + 1 || first_[d.line] != first_[d.line - 1] || d.tia.cosmic_ark) return false;
+    if (d.line <= config_.first_line + 1 || first_[d.line] != first_[d.line - 1]) return false;
+    if (beginnings_[d.line].drawn_to != beginnings_[d.line - 1].drawn_to + 228) return false;
     if (d.next != d.end && static_cast<int32_t>(3 * d.next->cycle) < line_clock(d.line + 1)) return false;
     const auto* const now = reinterpret_cast<const char*>(&beginnings_[d.line]);
     return std::memcmp(now + kClocks, now - sizeof(TiaLine) + kClocks, sizeof(TiaLine) - kClocks) == 0;
