@@ -15,7 +15,7 @@ namespace atari {
 bool Console::run_deferred() {
     *before_ = m_;
     cart_ram_before_ = cart_ram_;
-    const auto open_before = std::pair(open_log_, open_from_);
+    const auto latches_before = std::tuple(open_log_, open_from_, watched_latches_, cleared_);
     m_.cpu.stop = false;
     begin_log();
     deferred_ = true;
@@ -25,7 +25,7 @@ bool Console::run_deferred() {
         m_ = *before_;
         std::copy(cart_ram_before_.begin(), cart_ram_before_.end(), cart_ram_.begin());
         map_segments();
-        std::tie(open_log_, open_from_) = open_before;
+        std::tie(open_log_, open_from_, watched_latches_, cleared_) = latches_before;
         log_ = last_log_;
         return false;
     }
