@@ -57,7 +57,8 @@ struct FrameLog {
     Tia start;
     int32_t reached;  // the clock of the frame's end
     int size;
-    int extent;       // pixels from the first on that the frame replaces
+    int replaced;     // pixels from the first on that the frame replaces
+    int extent;       // and how far it may reach at most
     Write writes[kLogSize];
 };
 
@@ -84,7 +85,7 @@ struct ConsoleCopy {
         bool used;
         Tia start;
         int32_t reached;
-        int extent;
+        int replaced, extent;
         std::vector<Write> writes;
     };
     Machine machine;

@@ -86,6 +86,7 @@ void Console::end_log() {
     collider_.finish();
     for (int object = kP0; object <= kBL; ++object) t.hm[object] = written_.reg[HMP0 + object] >> 4;
     log.reached = t.pending;
+    log.replaced = t.write_pos;
     // In front of the last line a blank may reach further.
     log.extent = t.write_pos + (t.hmove_blank && t.drawn_to < t.draw_stop ? kScreenWidth : 0);
     last_log_ = log_;
@@ -150,7 +151,7 @@ void Console::copy_to(ConsoleCopy& copy) const {
         const int owed = owed_[buffer];
         copy.owed[buffer] = owed;
         if (owed >= 0) needed[owed] = true;
-        if (owed < 0 || logs_[owed].extent < whole) copy.pictures[buffer].assign(pictures_[buffer], pictures_[buffer] + shown);
+        if (owed < 0 || logs_[owed].replaced < whole) copy.pictures[buffer].assign(pictures_[buffer], pictures_[buffer] + shown);
         else copy.pictures[buffer].clear();
     }
     if (open_log_ >= 0) needed[open_log_] = needed[log_] = true;
@@ -158,7 +159,7 @@ void Console::copy_to(ConsoleCopy& copy) const {
         copy.logs[i].used = needed[i];
         if (!needed[i]) continue;
         const FrameLog& log = logs_[i];
-        copy.logs[i] = {true, log.start, log.reached, log.extent, {log.writes, log.writes + log.size}};
+        copy.logs[i] = {true, log.start, log.reached, log.replaced, log.extent, {log.writes, log.writes + log.size}};
     }
     copy.log = log_;
     copy.last_log = last_log_;
@@ -183,6 +184,7 @@ void Console::copy_from(const ConsoleCopy& copy) {
         FrameLog& log = logs_[i];
         log.start = from.start;
         log.reached = from.reached;
+        log.replaced = from.replaced;
         log.extent = from.extent;
         log.size = static_cast<int>(from.writes.size());
         std::copy(from.writes.begin(), from.writes.end(), log.writes);
