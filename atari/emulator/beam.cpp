@@ -19,8 +19,6 @@ namespace {
 
 const Painter kPaint = best_painter();
 
-constexpr unsigned bit_of(unsigned object) { return 1u << object; }
-
 }  // namespace
 
 void Beam::begin(uint8_t* pixels) {

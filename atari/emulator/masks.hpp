@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -20,6 +21,36 @@ inline constexpr Pair kPairs[15] = {
     {kP0, kBL, 1 << 10}, {kP1, kPF, 1 << 9},  {kP1, kBL, 1 << 8},  {kM0, kPF, 1 << 7},  {kM0, kBL, 1 << 6},
     {kM1, kPF, 1 << 5},  {kM1, kBL, 1 << 4},  {kBL, kPF, 1 << 3},  {kP0, kP1, 1 << 1},  {kM0, kM1, 1 << 0},
 };
+
+// The collision latches that a set of enabled objects could switch on.
+inline constexpr auto kPairsOf = [] {
+    std::array<uint16_t, 64> table{};
+    for (unsigned objects = 0; objects < 64; ++objects)
+        for (const Pair& pair : kPairs)
+            if ((objects >> pair.a & 1) && (objects >> pair.b & 1)) table[objects] |= pair.latch;
+    return table;
+}();
+
+// The collision latches that an object has a part in.
+inline constexpr auto kPairsWith = [] {
+    std::array<uint16_t, 6> table{};
+    for (const Pair& pair : kPairs) {
+        table[pair.a] |= pair.latch;
+        table[pair.b] |= pair.latch;
+    }
+    return table;
+}();
+
+// The pair of each latch.
+inline constexpr auto kPairOf = [] {
+    std::array<Pair, 16> table{};
+    for (const Pair& pair : kPairs) table[static_cast<std::size_t>(std::countr_zero(pair.latch))] = pair;
+    return table;
+}();
+
+inline const Pair& lowest_pair(unsigned pairs) { return kPairOf[static_cast<std::size_t>(std::countr_zero(pairs))]; }
+
+constexpr unsigned bit_of(unsigned object) { return 1u << object; }
 
 struct Mask {
     uint64_t word[3] = {0, 0, 0};  // pixel x is bit x % 64 of word x / 64; the last word has 32 pixels

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 
 #include "state.hpp"
 #include "tia_registers.hpp"
@@ -18,6 +19,19 @@ struct Write {
     uint16_t beside;  // under HMOVE: of the others, a nibble each, player 0 lowest. Under GRP0 and GRP1: what the delayed
                       // copy of the other player's graphics becomes; under GRP1 bit 8 is what that of ENABL becomes
 };
+
+// Registers, as a set of bits.
+constexpr uint64_t set_of(std::initializer_list<uint8_t> registers) {
+    uint64_t set = 0;
+    for (const uint8_t reg : registers) set |= 1ull << reg;
+    return set;
+}
+
+inline constexpr uint64_t kPlayfieldRegisters = set_of({PF0, PF1, PF2});
+// What objects look like, not where they are.
+inline constexpr uint64_t kLooks = kPlayfieldRegisters | set_of({GRP0, GRP1, REFP0, REFP1, ENAM0, ENAM1, ENABL});
+// Later writes build on what others do, so these act in any case.
+inline constexpr uint64_t kAlwaysActing = ~(kLooks | set_of({COLUP0, COLUP1, COLUPF, COLUBK, STILL, PRIORITY}));
 
 // The clock at which a write shows.
 inline int32_t shown_at(const Write& write, uint32_t first_cycle) {

@@ -1,0 +1,182 @@
+// What the collider knows about objects: which of them could collide, and which writes could matter to that.
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "collider.hpp"
+#include "console.hpp"
+
+namespace atari {
+namespace {
+
+// What a set of objects looks like, by which players and ball are delayed: those change when the other one is written.
+constexpr auto kLooksOf = [] {
+    std::array<std::array<uint64_t, 32>, 8> table{};
+    for (unsigned delayed = 0; delayed < 8; ++delayed)
+        for (unsigned objects = 0; objects < 32; ++objects) {
+            uint64_t& looks = table[delayed][objects];
+            for (unsigned i : {0u, 1u}) {
+                if (objects >> (kP0 + i) & 1) looks |= 1ull << (delayed >> i & 1 ? GRP1 - i : GRP0 + i) | 1ull << (REFP0 + i);
+                if (objects >> (kM0 + i) & 1) looks |= 1ull << (ENAM0 + i);
+            }
+            if (objects >> kBL & 1) looks |= 1ull << (delayed & 4 ? GRP1 : ENABL);
+        }
+    return table;
+}();
+
+// The bits of the playfield near to a run of pixels: by the mirroring, the bits that the width less one has, and the
+// first pixel. The widths are those of `width_of`.
+constexpr auto kPlayfieldNear = [] {
+    std::array<std::array<std::array<uint32_t, kScreenWidth>, 7>, 2> table{};
+    for (size_t mirror = 0; mirror < 2; ++mirror)
+        for (size_t width = 0; width < 7; ++width)
+            for (int x = 0; x < kScreenWidth; ++x) {
+                const int pixels = width == 5 ? 17 : width == 6 ? 33 : 1 << width;
+                table[mirror][width][static_cast<size_t>(x)] = playfield_of_cells(cells_of_run(x, pixels), mirror != 0);
+            }
+    return table;
+}();
+
+}  // namespace
+
+// An object has appeared or disappeared.
+void Collider::toggle(unsigned object) {
+    enabled_ ^= bit_of(object);
+    find_open_pairs();
+    // Where no other object is enabled either, that one will act when it appears; but the playfield does not.
+    const unsigned pairs = kPairsOf[enabled_ | bit_of(kPF)] & wanted_ & kPairsWith[object];
+    if (enabled_ >> object & 1 && pairs) reconsider();
+}
+
+// The place or the size of an object has changed.
+void Collider::moved(unsigned object) {
+    const unsigned pairs = kPairsWith[object];
+    outdate(object);
+    near_known_ &= ~bit_of(object);
+    unknown_ |= pairs;
+    if (open_pairs_ & pairs) reconsider();
+}
+
+void Collider::find_open_pairs() {
+    wanted_ = watched_ & ~static_cast<unsigned>(t_.collisions);
+    open_pairs_ = kPairsOf[enabled_] & wanted_;
+    possible_ &= open_pairs_;
+}
+
+// What could collide is no longer known.
+void Collider::reconsider() {
+    if (idle_) skip_to_pending();
+    idle_ = known_ = chosen_ = false;
+    acting_ = ~0ull;
+}
+
+// Finds the pairs of objects that may collide in what comes next.
+void Collider::find_possible() {
+    possible_ = 0;
+    known_ = true;
+    if (!collecting_ || (t_.vblank & 2)) return;
+    if (wanted_ & kPairsWith[kPF]) bring_up(kPlayfieldRegisters);
+    if (open_pairs_ & unknown_ & ~kPairsWith[kPF]) bring_up(kLooks);
+    for (unsigned unknown = open_pairs_ & unknown_; unknown; unknown &= unknown - 1) {
+        const Pair& pair = lowest_pair(unknown);
+        if (may_touch(pair.a, pair.b)) touching_ |= pair.latch;
+        else touching_ &= ~static_cast<unsigned>(pair.latch);
+    }
+    unknown_ &= ~open_pairs_;
+    possible_ = open_pairs_ & touching_;
+    if (possible_) bring_up(kLooks);  // some may have disappeared
+    known_ = true;
+}
+
+// Chooses the registers whose writes could matter to collisions from here on: those of objects that may collide where
+// they are, and those that could make an object appear. Of two enabled objects that are apart neither acts.
+void Collider::choose_acting() {
+    const Tia& t = t_;
+    if (!known_) find_possible();
+    if (t.cosmic_ark || t.pf_mirror != (t.ctrlpf & 1)) return;  // the line's end moves objects: nothing is put off
+    chosen_ = true;
+    acting_ = kAlwaysActing;
+    if (t.skip_first[0] || t.skip_first[1] || t.m0_variant != kPlain) acting_ |= set_of({STILL});
+    if (!collecting_ || (t.vblank & 2)) return;
+    unsigned objects = 0;
+    for (unsigned object = kP0; object <= kBL; ++object)
+        if (!(enabled_ >> object & 1) && (wanted_ & kPairsWith[object])) objects |= bit_of(object);
+    for (unsigned pairs = possible_; pairs; pairs &= pairs - 1)
+        objects |= bit_of(lowest_pair(pairs).a) | bit_of(lowest_pair(pairs).b);
+    acting_ |= kLooksOf[t.vdelp[0] | t.vdelp[1] << 1 | t.vdelbl << 2][objects & 31];
+    acting_playfield_ = 0;
+    unsigned pairs = kPairsOf[enabled_ | bit_of(kPF)] & wanted_ & kPairsWith[kPF];
+    if (!(enabled_ & bit_of(kPF)) && pairs) acting_playfield_ = ~0u;
+    else for (; pairs; pairs &= pairs - 1) acting_playfield_ |= playfield_near(lowest_pair(pairs).a);
+    if (acting_playfield_ & 0xf) acting_ |= set_of({PF0});
+    if (acting_playfield_ & 0xff0) acting_ |= set_of({PF1});
+    if (acting_playfield_ & 0xff000) acting_ |= set_of({PF2});
+}
+
+// Whether two objects could share a pixel where they are now, whatever the graphics of players.
+bool Collider::may_touch(unsigned a, unsigned b) {
+    if (b == kPF) return (playfield_near(a) & t_.playfield) != 0;
+    const int width_a = width_of(a), width_b = width_of(b);
+    bool touch = false;
+    visit_copies(a, [&](int xa) {
+        visit_copies(b, [&](int xb) {
+            const int behind = (xb - xa + 2 * kScreenWidth) % kScreenWidth;
+            touch |= behind < width_a || behind + width_b > kScreenWidth;
+        });
+    });
+    return touch;
+}
+
+// The bits of the playfield that an object could collide with where it is now; cells of four pixels are near enough.
+uint32_t Collider::playfield_near(unsigned object) {
+    if (!(near_known_ & bit_of(object))) {
+        near_known_ |= bit_of(object);
+        const auto& near = kPlayfieldNear[t_.pf_mirror ? 1 : 0][static_cast<size_t>(std::bit_width(width_of(object) - 1u))];
+        near_[object] = 0;
+        visit_copies(object, [&](int x) { near_[object] |= near[static_cast<size_t>(x % kScreenWidth)]; });
+    }
+    return near_[object];
+}
+
+// How many pixels wide each copy of an object can be.
+inline int Collider::width_of(unsigned object) const {
+    const Tia& t = t_;
+    if (object == kBL) return 1 << (t.ctrlpf >> 4 & 3);
+    if (object >= kM0) return 1 << ((t.nusiz[object - kM0] >> 4 & 3) | (t.m0_variant == kWide ? 1 : 0));
+    const int mode = t.nusiz[object] & 7;
+    return mode == 5 ? 17 : mode == 7 ? 33 : 8;  // wide players begin a pixel late
+}
+
+// Calls `visit` with the first pixel of each copy of an object, not wrapped.
+template <typename Visit>
+inline void Collider::visit_copies(unsigned object, Visit&& visit) const {
+    const int position = t_.pos[object];
+    if (object == kBL) return visit(position);
+    const auto& copies = kCopies[t_.nusiz[object & 1] & 7];
+    for (int copy = 0; copy < copies.count; ++copy) visit(position + copies.offset[copy]);
+}
+
+inline const Mask& Collider::mask(unsigned object) {
+    if (stale_ & bit_of(object)) {
+        stale_ &= ~bit_of(object);
+        masks_[object] = object_mask(t_, static_cast<int>(object));
+    }
+    return masks_[object];
+}
+
+// Latches the collisions in pixels first .. last-1 of the line.
+void Collider::collide(int first, int last) {
+    if (!known_) find_possible();
+    unsigned pairs = possible_;
+    if (!pairs) return;
+    const Mask span = Mask::range(first, last);
+    for (; pairs; pairs &= pairs - 1) {
+        const Pair& pair = lowest_pair(pairs);
+        if (!meets(mask(pair.a) & span, mask(pair.b))) continue;
+        t_.collisions |= pair.latch;
+        find_open_pairs();
+        reconsider();
+    }
+}
+
+}  // namespace atari
