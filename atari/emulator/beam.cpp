@@ -5,14 +5,9 @@
 #include <cstring>
 
 #include "console.hpp"
+#include "inline.hpp"
 #include "paint.hpp"
 #include "tia_registers.hpp"
-
-#if defined(__GNUC__)
-#define INLINE [[gnu::always_inline]] inline
-#else
-#define INLINE __forceinline
-#endif
 
 namespace atari {
 namespace {

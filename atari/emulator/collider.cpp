@@ -4,14 +4,10 @@
 #include <bit>
 
 #include "console.hpp"
-
-#if defined(__GNUC__)
-#define INLINE [[gnu::always_inline]] inline
-#else
-#define INLINE __forceinline
-#endif
+#include "inline.hpp"
 
 namespace atari {
+
 void Collider::begin(unsigned latches) {
     const Tia& t = t_;
     watched_ = latches;
@@ -214,7 +210,6 @@ void Collider::apply_range(const Write* write, const Write* last) {
 void Collider::apply_noted(const Write& write) {
     Tia& t = t_;
     const uint8_t value = write.value;
-    noted_ &= ~(1ull << write.reg);
     switch (write.reg) {
         case COLUP0: case COLUP1: case COLUPF: case COLUBK:
             t.colour[write.reg - COLUP0] = colour_of(value, config_.pal, t);
@@ -234,16 +229,8 @@ void Collider::apply_noted(const Write& write) {
         case ENAM0: case ENAM1: set_enam(write.reg - ENAM0, value); break;
         case ENABL: set_enabl(value); break;
         case STILL:
-            t.last_hmove = static_cast<int32_t>(3 * write.cycle);
-            t.cosmic_ark = false;
-            if (config_.hmove_blanks) blank(t.last_hmove);
-            if (t.skip_first[0]) outdate(kP0);
-            if (t.skip_first[1]) outdate(kP1);
-            t.skip_first[0] = t.skip_first[1] = false;
-            if (t.m0_variant != kPlain) {
-                t.m0_variant = kPlain;
-                moved(kM0);
-            }
+            if (config_.hmove_blanks) blank(static_cast<int32_t>(3 * write.cycle));
+            end_tricks(static_cast<int32_t>(3 * write.cycle));
             break;
         default: break;
     }
@@ -252,6 +239,7 @@ void Collider::apply_noted(const Write& write) {
 // Applies what has been noted.
 void Collider::bring_up(Registers registers) {
     const Registers due = noted_ & registers;
+    noted_ &= ~due;
     for (Registers rest = due; rest; rest &= rest - 1) apply_noted(*latest_[std::countr_zero(rest)]);
     if (due & kLooks) reconsider();  // an object may have disappeared whose registers do not act
 }
@@ -303,7 +291,6 @@ inline void Collider::write_playfield(const Write& write, int32_t shown) {
         t_.playfield ^= changed;
         outdate(kPF);
         unknown_ |= kPairsWith[kPF];
-        noted_ &= ~(1ull << write.reg);
         return;
     }
     advance(shown);
@@ -337,15 +324,20 @@ inline void Collider::move_objects(const Write& write, int32_t clock) {
         t.pos[object] = moved_by(t.pos[object], distance);
         moved(object);
     }
+    end_tricks(clock);
+}
+
+// What every HMOVE does, whether it moves anything or not.
+inline void Collider::end_tricks(int32_t clock) {
+    Tia& t = t_;
+    t.last_hmove = clock;
+    t.cosmic_ark = false;
     if (t.skip_first[0]) outdate(kP0);
     if (t.skip_first[1]) outdate(kP1);
     t.skip_first[0] = t.skip_first[1] = false;
-    if (t.m0_variant != kPlain) {
-        t.m0_variant = kPlain;
-        moved(kM0);
-    }
-    t.last_hmove = clock;
-    t.cosmic_ark = false;
+    if (t.m0_variant == kPlain) return;
+    t.m0_variant = kPlain;
+    moved(kM0);
 }
 
 void Collider::release_missile(unsigned missile, uint8_t value, int32_t clock) {

@@ -57,6 +57,7 @@ class Collider {
     void reset_player(unsigned player, int hpos, int32_t clock);
     void move_objects(const Write& write, int32_t clock);
     void release_missile(unsigned missile, uint8_t value, int32_t clock);
+    void end_tricks(int32_t clock);
     void blank(int32_t clock);
     bool blank_is_over() const;
 

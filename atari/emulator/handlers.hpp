@@ -6,13 +6,8 @@
 #pragma once
 
 #include "console.hpp"
+#include "inline.hpp"
 #include "opcodes.hpp"
-
-#if defined(__GNUC__)
-#define INLINE [[gnu::always_inline]] inline
-#else
-#define INLINE __forceinline
-#endif
 
 namespace atari {
 
