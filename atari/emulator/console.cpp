@@ -16,7 +16,7 @@ Console::Console(std::shared_ptr<const Cartridge> cartridge, const ConsoleConfig
     for (unsigned segment = 0; segment < 4; ++segment)
         if (plain_.from < 1024 * (segment + 1) && 1024 * segment < plain_.from + plain_.size)
             code_segments_ |= 0x1010u << segment;
-    std::fill(std::begin(ram_code_), std::end(ram_code_), Record{code_of(kRamCode), kRamCode, 0, 0, 0});
+    std::fill(std::begin(ram_code_), std::end(ram_code_), Record{code_of(kRamCode), kRamCode, 0, 0, 0, Loop::kNone});
     if (!plain) {
         logs_ = std::make_unique_for_overwrite<FrameLog[]>(kLogs);
         before_ = std::make_unique<Machine>();

@@ -154,11 +154,32 @@ Operand operand_of(Opcode opcode, uint16_t& operand, const Cartridge& cartridge,
     }
 }
 
-// LDA, LDX or LDY of the timer, and a branch back to it on zero or sign: a wait. (`Handlers::poll_timer`)
-bool polls_timer(const Record& load, const Record& branch) {
-    const bool reads = load.handler == LDA_Timer || load.handler == LDX_Timer || load.handler == LDY_Timer;
-    const bool waits = branch.handler == BNE_Rel || branch.handler == BPL_Rel || branch.handler == BMI_Rel;
-    return reads && waits && branch.jump == -3;
+bool is_expiry(uint16_t address) { return (address & 0x1285) == 0x285; }
+
+// The loop that begins with these records, which are of instructions one behind the other.
+Loop loop_of(const Record& first, const Record& second, const Record& third) {
+    const auto either = [](uint16_t handler, auto... of) { return ((handler == of) || ...); };
+    const auto counts = [&](const Record& step, const Record& branch) {
+        return either(step.handler, DEX_Imp, DEY_Imp) && either(branch.handler, BNE_Rel, BPL_Rel);
+    };
+    if (counts(first, second) && second.jump == -1) return first.handler == DEX_Imp ? Loop::kCountX : Loop::kCountY;
+    if (either(first.handler, STA_Wsync, STX_Wsync, STY_Wsync) && counts(second, third) && third.jump == -3)
+        return second.handler == DEX_Imp ? Loop::kLinesX : Loop::kLinesY;
+    if (first.handler == SBC_Imm && second.handler == BCS_Rel && second.jump == -2) return Loop::kDivide;
+    if (second.jump != -3) return Loop::kNone;
+    if (either(first.handler, LDA_Timer, LDX_Timer, LDY_Timer) && either(second.handler, BNE_Rel, BPL_Rel, BMI_Rel))
+        return Loop::kTimer;
+    const bool reads_expiry = either(first.handler, LDA_PortA, LDX_PortA, LDY_PortA, BIT_PortA) && is_expiry(first.operand);
+    return reads_expiry && second.handler == BPL_Rel ? Loop::kExpiry : Loop::kNone;
+}
+
+// How many cycles one round takes; behind a WSYNC, what follows it.
+int round_cycles(Loop loop, const Record& second, const Record& third) {
+    switch (loop) {
+        case Loop::kLinesX: case Loop::kLinesY: return 2 + third.taken;
+        case Loop::kTimer: case Loop::kExpiry: return 4 + second.taken;
+        default: return 2 + second.taken;
+    }
 }
 
 }  // namespace
@@ -169,7 +190,7 @@ bool is_branch(uint16_t handler) {
 }
 
 Record decode(const uint8_t* bytes, int available, const Cartridge& cartridge, const uint8_t* bank) {
-    Record record{nullptr, kStep, 0, 0, 0};
+    Record record{nullptr, kStep, 0, 0, 0, Loop::kNone};
     const Opcode opcode = kOpcodes[bytes[0]];
     const int length = length_of(opcode.form);
     if (length > available) return record;
@@ -196,7 +217,7 @@ Record decode(const uint8_t* bytes, int available, const Cartridge& cartridge, c
 std::vector<Record> decode_image(const Cartridge& cartridge) {
     const size_t size = cartridge.size(), slice = slice_size(cartridge.type());
     const uint8_t* image = cartridge.image();
-    std::vector<Record> records(size + 1, Record{nullptr, kStep, 0, 0, 0});
+    std::vector<Record> records(size + 1, Record{nullptr, kStep, 0, 0, 0, Loop::kNone});
     const auto decodable = [&](size_t first, size_t from, size_t to) {
         // An instruction that ends a slice is not: behind it is another slice, or the TIA, where programs see the bus.
         if (to >= first + slice || first + slice > size) return false;
@@ -226,13 +247,15 @@ std::vector<Record> decode_image(const Cartridge& cartridge) {
     const auto behind = [&](size_t i) { return i + static_cast<size_t>(length_of(kOpcodes[image[i]].form)); };
     for (size_t i = 0; i < size; ++i) {
         if (plain[i].handler == kStep) continue;
-        if (polls_timer(plain[i], plain[behind(i)])) {
-            records[i].handler = kPollTimer;
-            records[i].jump = static_cast<int16_t>(plain[i].handler);
-            records[i].taken = static_cast<uint8_t>(4 + plain[behind(i)].taken);
-            continue;
-        }
-        records[i].handler = fused(plain[i].handler, plain[behind(i)].handler);
+        const size_t second = behind(i), third = plain[second].handler == kStep ? size : behind(second);
+        const uint16_t handler = fused(plain[i].handler, plain[second].handler);
+        const Loop loop = loop_of(plain[i], plain[second], plain[third]);
+        records[i].handler = handler;
+        if (loop == Loop::kNone) continue;
+        records[i].handler = kLoop;
+        records[i].loop = loop;
+        records[i].jump = static_cast<int16_t>(handler);
+        records[i].taken = static_cast<uint8_t>(round_cycles(loop, plain[second], plain[third]));
     }
     for (Record& record : records) record.code = code_of(record.handler);
     return records;

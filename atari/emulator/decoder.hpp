@@ -103,21 +103,32 @@ constexpr uint32_t modify_cost(Operand operand) {
 }
 
 enum Handler : uint16_t {
-    kStep,       // one instruction by the plain interpreter
-    kPollTimer,  // a loop that waits for the timer
-    kRamCode,    // an instruction in RAM, which may have changed since it was decoded
+    kStep,     // one instruction by the plain interpreter
+    kLoop,     // a loop whose rounds, but for the last, can be skipped (loops.hpp)
+    kRamCode,  // an instruction in RAM, which may have changed since it was decoded
 #define SINGLE(operation, operand) operation##_##operand,
 #define PAIR(o1, k1, o2, k2) o1##_##k1##_##o2##_##k2,
 #include "handlers.def"
     kHandlers
 };
 
+// Loops that only wait, count, or divide.
+enum class Loop : uint8_t {
+    kNone,
+    kTimer,   // LDA, LDX or LDY of INTIM; BNE, BPL or BMI
+    kExpiry,  // LDA, LDX, LDY or BIT of TIMINT; BPL
+    kCountX, kCountY,  // DEX or DEY; BNE or BPL
+    kLinesX, kLinesY,  // the same behind a WSYNC
+    kDivide,  // SBC of a constant; BCS
+};
+
 struct Record {
     const void* code;  // where the handler begins, see `code_of`
     uint16_t handler;
     uint16_t operand;  // index into RAM, address, constant or register
-    int16_t jump;      // records to the target of a branch or near jump; under kPollTimer, the load's own handler
-    uint8_t taken;     // cycles of the branch when it is taken; under kPollTimer, of one round of the loop
+    int16_t jump;      // records to the target of a branch or near jump; under kLoop, what is the handler otherwise
+    uint8_t taken;     // cycles of the branch when it is taken; under kLoop, of one round
+    Loop loop;         // under kLoop
 };
 
 // The label of a handler in the fast interpreter, so that one jump through the record gets there (fast_cpu.cpp). Null

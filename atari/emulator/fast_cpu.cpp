@@ -1,5 +1,5 @@
 // The 6507 at speed: the decoded records of the cartridge, one handler after the other, the registers in locals.
-#include "handlers.hpp"
+#include "loops.hpp"
 
 namespace atari {
 
@@ -21,7 +21,7 @@ namespace atari {
 Exit FastCpu::run(Console* console, [[maybe_unused]] const void* const** labels) {
 #if COMPUTED_GOTO
     static const void* const kLabels[] = {
-        &&handle_kStep, &&handle_kPollTimer, &&handle_kRamCode,
+        &&handle_kStep, &&handle_kLoop, &&handle_kRamCode,
 #define SINGLE(operation, operand) &&handle_##operation##_##operand,
 #define PAIR(o1, k1, o2, k2) &&handle_##o1##_##k1##_##o2##_##k2,
 #include "handlers.def"
@@ -68,8 +68,8 @@ dispatch:
 #include "handlers.def"
 #undef RUN
 
-    HANDLER(kPollTimer) {
-        poll_timer(r, c);
+    HANDLER(kLoop) {
+        skip_rounds(r, c);
         RUN_HANDLER(static_cast<uint16_t>(r.at->jump));
     }
 
@@ -129,7 +129,7 @@ namespace {
 
 // The handler of a record's first instruction alone. Where the TIA draws as it goes, reading an input makes it draw.
 constexpr auto kFirstOf = [] {
-    std::array<uint16_t, kHandlers> table{kStep, kPollTimer, kRamCode};
+    std::array<uint16_t, kHandlers> table{kStep, kLoop, kRamCode};
 #define SINGLE(operation, operand) \
     table[operation##_##operand] = Operand::operand == Operand::Input ? kStep : operation##_##operand;
 #define PAIR(o1, k1, o2, k2) table[o1##_##k1##_##o2##_##k2] = table[o1##_##k1];
@@ -157,7 +157,7 @@ void FastCpu::run_counted(Console& c, int left) {
             r.at = enter(c, pc);
         }
         uint16_t handler = r.at ? kFirstOf[r.at->handler] : uint16_t{kStep};
-        if (handler == kPollTimer) handler = static_cast<uint16_t>(r.at->jump);
+        if (handler == kLoop) handler = kFirstOf[r.at->jump];
         if (handler == kRamCode) handler = kFirstOf[decode_ram(c, r.at)];
         if (left == 1) handler = kStep;  // what the last instruction leaves on the bus stays in the state
         here = handler != kStep && kSteps[handler](r, c) != kPlainly;

@@ -501,20 +501,12 @@ struct FastCpu {
         return run_one<op, operand>(r, c);
     }
 
-    // Skips the rounds of a loop `load INTIM; branch back` that will find the timer not yet where the loop waits for
-    // it, and leaves the last round to the ordinary handlers. A round does nothing but to take its cycles.
-    static void poll_timer(R& r, const Console& c) {
-        const Riot& riot = c.m_.riot;
-        const uint16_t wait = r.at[3].handler;
-        const uint32_t passed = r.cycles + 4 - 1 - static_cast<uint32_t>(riot.set_at);  // at the first read
-        const uint32_t value = riot.timer - (passed >> riot.shift) - 1;                 // of which this is the result
-        // BNE waits for 0, BPL for what comes behind 0, BMI for 127: the value is kept in [last, value] till then.
-        const uint32_t last = wait == BNE_Rel ? 1 : wait == BPL_Rel ? 0 : 128;
-        if (value > 255 || value < last || (wait == BPL_Rel && value > 127)) return;
-        const uint32_t end = (riot.timer - last) << riot.shift;  // the first time at which the value is less than `last`
-        if (end <= passed || r.cycles + (end - passed) >= c.cycle_limit_) return;
-        r.cycles += (end - 1 - passed) / r.at->taken * r.at->taken;
-    }
+    // loops.hpp
+    static void skip_rounds(R& r, const Console& c);
+    static uint32_t rounds_of_count(uint32_t& counter, uint16_t branch);
+    static uint32_t rounds_until_timer(const R& r, const Console& c);
+    static uint32_t rounds_until_expiry(const R& r, const Console& c);
+    static uint32_t rounds_before(const R& r, uint32_t passed, uint32_t end);
 
     static void take(R& r, Console& c) {
         const Cpu& cpu = c.m_.cpu;

@@ -237,7 +237,7 @@ def test_short_frames(batch: int) -> None:
 
 
 @pytest.mark.parametrize("batch", range(4))
-def test_waiting_for_the_timer(batch: int) -> None:
+def test_waiting_and_counting(batch: int) -> None:
     for seed in range(50 * batch, 50 * batch + 50):
         rng = random.Random(seed)
         play(wild_programs.waiting(rng), "4K", f"waiting {seed}", rng)

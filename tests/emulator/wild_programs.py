@@ -21,6 +21,7 @@ BRANCHES = [0x10 + 0x20 * k for k in range(8)]
 LOADS, STORES = (0xA9, 0xA2, 0xA0), (0x85, 0x86, 0x84)  # A, X, Y: immediate, zero page
 TIMERS = (R.TIM1T, R.TIM8T, R.TIM64T, R.T1024T)
 MIRRORS_OF_INTIM = (0x284, 0x286, 0x294, 0x2AC, 0x384, 0x684, 0xE284)
+MIRRORS_OF_TIMINT = (0x285, 0x287, 0x29D, 0x3AF, 0xE685)
 COLLISIONS = range(8)
 SHOWN = list(range(W.NUSIZ0, W.CXCLR + 1))  # all that act on the picture or the sound
 OBJECTS = [W.GRP0, W.GRP1, W.ENAM0, W.ENAM1, W.ENABL, W.PF0, W.PF1, W.PF2]
@@ -140,17 +141,29 @@ def timer(rng: random.Random) -> bytes:
 
 
 def poll(rng: random.Random) -> bytes:
-    """A loop that reads the timer, and often waits for it."""
+    """A loop that reads the timer or whether it has run out, and often waits for it."""
     opcode = rng.choice((0xAD, 0xAD, 0xAD, 0xAE, 0xAC, 0x2C, 0xCD, 0x0D))
     distance = rng.choice((-5, -5, -5, -5, -4, -6))
-    wait = rng.choice((0xD0, 0xD0, 0x10, 0x30, 0xF0, 0x90, 0x50))
-    return bytes([opcode]) + word(rng.choice(MIRRORS_OF_INTIM)) + bytes([wait, distance & 0xFF])
+    wait = rng.choice((0xD0, 0xD0, 0x10, 0x10, 0x30, 0xF0, 0x90, 0x50))
+    mirrors = rng.choice((MIRRORS_OF_INTIM, MIRRORS_OF_INTIM, MIRRORS_OF_TIMINT))
+    return bytes([opcode]) + word(rng.choice(mirrors)) + bytes([wait, distance & 0xFF])
 
 
 def count_down(rng: random.Random) -> bytes:
-    """A loop of DEX or DEY."""
+    """A loop of DEX or DEY, perhaps with a WSYNC: mostly to zero or past it, from anywhere."""
     way = rng.choice(((0xA2, 0xCA), (0xA0, 0x88)))
-    return bytes([way[0], rng.randrange(1, 40), way[1], 0xD0, 0xFD])
+    line = rng.choice((b"", b"", b"", bytes([rng.choice(STORES), W.WSYNC])))
+    count = rng.choice((rng.randrange(40), rng.randrange(20) if line else rng.choice((0x7F, 0x80, 0x81, rng.randrange(256)))))
+    branch = rng.choice((0xD0, 0xD0, 0x10, 0x10, rng.choice(BRANCHES)))
+    distance = rng.choice((-3 - len(line), -3 - len(line), -3 - len(line), -3, -2))
+    return bytes([way[0], count, *line, way[1], branch, distance & 0xFF])
+
+
+def divide(rng: random.Random) -> bytes:
+    """A loop of SBC, with and without carry, in decimal mode, and by zero."""
+    by = rng.choice((15, 15, rng.randrange(1, 256), rng.randrange(40)))
+    mode = bytes([rng.choice((0x38, 0x38, 0x38, 0x18)), rng.choice((0xD8, 0xD8, 0xD8, 0xF8))])
+    return bytes([0xA9, rng.randrange(256), *mode, 0xE9, by, rng.choice((0xB0, 0xB0, 0xB0, 0x90)), 0xFC])
 
 
 def code_in_ram(rng: random.Random) -> bytes:
@@ -181,7 +194,7 @@ def nothing(rng: random.Random) -> bytes:
 INGREDIENTS, AMOUNTS = zip(
     *{
         any_instruction: 25, load: 6, store_in_ram: 8, store_in_tia: 14, branch: 10, jump: 5, return_or_stack: 4,
-        stack_pointer: 1, wait_for_line: 6, vertical_sync: 1, collisions: 5, timer: 3, count_down: 1, code_in_ram: 1,
+        stack_pointer: 1, wait_for_line: 6, vertical_sync: 1, collisions: 5, timer: 3, count_down: 1, divide: 1, code_in_ram: 1,
         pointer: 3, input_port: 1, nothing: 2,
     }.items(), strict=True,
 )  # fmt: skip
@@ -334,7 +347,7 @@ def short_frames(rng: random.Random) -> bytes:
 
 
 def waiting(rng: random.Random) -> bytes:
-    """Waits for the timer in every form, after every interval, at all places of a page, also when it has run out."""
+    """Loops, and waits for the timer in every form, after every interval, at all places of a page, also when it has run out."""
     code = Code()
     code.emit(0x78, 0xD8, 0xA2, 0xFF, 0x9A)
     again = len(code.bytes)
@@ -348,8 +361,12 @@ def waiting(rng: random.Random) -> bytes:
         elif part < 0.55:
             code.emit(*poll(rng))
             code.emit(0x08, 0x68, rng.choice(STORES), rng.randrange(0x81, 0xF0))
-        elif part < 0.7:
+        elif part < 0.65:
             code.emit(*count_down(rng))
+            code.emit(0x08, 0x68, rng.choice(STORES), rng.randrange(0x81, 0xF0))
+        elif part < 0.7:
+            code.emit(*divide(rng))
+            code.emit(0x08, 0x68, rng.choice(STORES), rng.randrange(0x81, 0xF0))
         elif part < 0.8:
             code.emit(*nothing(rng))
         elif part < 0.88:

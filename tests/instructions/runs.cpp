@@ -21,7 +21,7 @@ namespace {
 using namespace atari;
 
 constexpr const char* kNames[] = {
-    "kStep", "kPollTimer", "kRamCode",
+    "kStep", "kLoop", "kRamCode",
 #define SINGLE(operation, operand) #operation "_" #operand,
 #define PAIR(...)
 #include "handlers.def"
