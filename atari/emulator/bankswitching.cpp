@@ -2,7 +2,7 @@
 #include "console.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <cstring>
 
 namespace atari {
 
@@ -42,15 +42,28 @@ void Console::map_segments() {
 // A page that is only partly plain image is none.
 void Console::map_pages() {
     const unsigned first = (plain_.from + 63) / 64, last = (plain_.from + plain_.size) / 64;
-    const bool two_halves = cartridge_->type() == Type::kFE;
-    bool one_bank = true;
-    for (uint32_t i = 1; i < 4; ++i) one_bank &= segment_[12 + i] == segment_[12] + 1024 * i;
-    for (unsigned page = first; page < last; ++page) {
-        const uint32_t start = one_bank ? segment_[12] + 64 * page : segment_[12 + page / 16] + 64 * (page & 15);
-        pages_[64 + page] = pages_[192 + page] = image_ + start;
+    const auto map = [](const uint8_t** pages, const uint8_t* bytes, unsigned count) {
+        for (unsigned i = 0; i < count; ++i) pages[i] = bytes + 64 * i;
+    };
+    const auto map_window = [&](const uint8_t** pages, const uint32_t* segments) {
+        bool one_bank = true;
+        for (uint32_t i = 1; i < 4; ++i) one_bank &= segments[i] == segments[0] + 1024 * i;
+        if (one_bank) return map(pages + first, image_ + segments[0] + 64 * first, last - first);
+        for (unsigned page = first; page < last; ++page) pages[page] = image_ + segments[page / 16] + 64 * (page % 16);
+    };
+    map_window(pages_ + 64, segment_ + 4);
+    map_window(pages_ + 192, segment_ + 12);
+}
+
+// The RAM of cartridges that always show it at the same place.
+void Console::map_cartridge_ram() {
+    unsigned first = 2, count = 2;
+    switch (cartridge_->type()) {
+        case Type::kF8SC: case Type::kF6SC: case Type::kF4SC: break;
+        case Type::kFASC: first = count = 4; break;
+        default: return;
     }
-    if (two_halves)
-        for (unsigned page = first; page < last; ++page) pages_[64 + page] = image_ + segment_[4] + 64 * page;
+    for (unsigned i = 0; i < count; ++i) pages_[64 + first + i] = pages_[192 + first + i] = cart_ram_.data() + 64 * i;
 }
 
 // Reads of all that is not plain image. A switch happens before the byte is fetched: it comes from the new bank.
@@ -120,11 +133,12 @@ void Console::write_cartridge(uint16_t address, uint8_t value) {
 
 // Accesses of banks and slices, on reads and on writes alike.
 void Console::hotspot(uint16_t offset, bool reading) {
+    if (offset < 0xfe0) return;
     CartridgeState& cart = m_.cart;
+    const CartridgeState before = cart;
     const auto switch_bank = [&](int first, int count) {
         if (offset >= first && offset < first + count) cart.bank = static_cast<uint8_t>(offset - first);
     };
-    if (offset < 0xfe0) return;
     switch (cartridge_->type()) {
         case Type::kF8: case Type::kF8Swapped: case Type::kF8SC: switch_bank(0xff8, 2); break;
         case Type::kF6: case Type::kF6SC: switch_bank(0xff6, 4); break;
@@ -145,7 +159,7 @@ void Console::hotspot(uint16_t offset, bool reading) {
             break;
         default: break;
     }
-    map_segments();
+    if (cart.bank != before.bank || std::memcmp(cart.slice, before.slice, sizeof cart.slice) != 0) map_segments();
 }
 
 // A write that 3F and 3E watch: it chooses what the lower half of the window shows.
@@ -185,46 +199,44 @@ void Console::cartridge_watches(uint16_t address, uint8_t value) {
 
 void Console::switch_dpc_bank(uint16_t offset) {
     if (offset != 0xff8 && offset != 0xff9) return;
-    m_.cart.bank = offset & 1;
+    const uint8_t bank = offset & 1;
+    if (m_.cart.bank == bank) return;
+    m_.cart.bank = bank;
     map_segments();
 }
 
 uint8_t Console::read_dpc(uint16_t offset) {
-    CartridgeState& cart = m_.cart;
-    const uint8_t* image = cartridge_->image();
+    if (offset < 0x40) return read_fetcher(offset);
     clock_dpc_random();
-    if (offset >= 0x40) {
-        switch_dpc_bank(offset);
-        return image[4096 * cart.bank + offset];
+    switch_dpc_bank(offset);
+    return image_[4096 * m_.cart.bank + offset];
+}
+
+uint8_t Console::read_fetcher(unsigned offset) {
+    CartridgeState& cart = m_.cart;
+    clock_dpc_random();
+    const unsigned function = offset >> 3 & 7, i = offset & 7;
+    const unsigned counter = cart.counter[i], low = counter & 0xff;
+    if (low == cart.top[i]) cart.flag[i] = 0xff;
+    else if (low == cart.bottom[i]) cart.flag[i] = 0;
+    if (i < 5 || !cart.music[i]) cart.counter[i] = (counter - 1) & 0x7ff;
+    switch (function) {
+        case 0: return i < 4 ? cart.random : dpc_music();
+        case 1: return image_[8192 + 2047 - counter];
+        case 2: return image_[8192 + 2047 - counter] & cart.flag[i];
+        case 7: return cart.flag[i];
+        default: return 0;
     }
-    const int i = offset & 7;
-    const uint8_t low = cart.counter[i] & 0xff;
-    if (low == cart.top[i])
-        cart.flag[i] = 0xff;
-    else if (low == cart.bottom[i])
-        cart.flag[i] = 0;
-    uint8_t result = 0;
-    switch (offset >> 3 & 7) {
-        case 0: {
-            static constexpr uint8_t kAmplitude[8] = {0, 4, 5, 9, 6, 10, 11, 15};
-            if (i <= 3) {
-                result = cart.random;
-            } else {
-                update_dpc_music();
-                int on = 0;
-                for (int k = 0; k < 3; ++k)
-                    if (cart.music[5 + k] && cart.flag[5 + k]) on |= 1 << k;
-                result = kAmplitude[on];
-            }
-            break;
-        }
-        case 1: result = image[8192 + 2047 - cart.counter[i]]; break;
-        case 2: result = image[8192 + 2047 - cart.counter[i]] & cart.flag[i]; break;
-        case 7: result = cart.flag[i]; break;
-        default: break;
-    }
-    if (i < 5 || !cart.music[i]) cart.counter[i] = (cart.counter[i] - 1) & 0x7ff;
-    return result;
+}
+
+// The three voices together.
+uint8_t Console::dpc_music() {
+    static constexpr uint8_t kAmplitude[8] = {0, 4, 5, 9, 6, 10, 11, 15};
+    update_dpc_music();
+    const CartridgeState& cart = m_.cart;
+    unsigned on = 0;
+    for (unsigned k = 0; k < 3; ++k) on |= static_cast<unsigned>(cart.music[5 + k] && cart.flag[5 + k]) << k;
+    return kAmplitude[on];
 }
 
 void Console::write_dpc(uint16_t offset, uint8_t value) {
@@ -258,7 +270,7 @@ void Console::update_dpc_music() {
     const auto elapsed = static_cast<int32_t>(m_.cycles - static_cast<uint32_t>(cart.stamp));
     cart.stamp = static_cast<int32_t>(m_.cycles);
     const double pulses = (15750.0 * elapsed) / 1193191.66666667 + cart.fraction;
-    const double whole = std::trunc(pulses);
+    const auto whole = static_cast<int32_t>(pulses);
     cart.fraction = pulses - whole;
     if (whole <= 0) return;
     for (int i = 5; i <= 7; ++i) {
@@ -268,7 +280,7 @@ void Console::update_dpc_music() {
         if (top == 0) {
             low = 0;
         } else {
-            low -= static_cast<int>(static_cast<int64_t>(whole) % (top + 1));
+            low -= whole <= top ? whole : whole % (top + 1);
             if (low < 0) low += top + 1;
         }
         if (low <= cart.bottom[i])

@@ -13,6 +13,7 @@ Console::Console(std::shared_ptr<const Cartridge> cartridge, const ConsoleConfig
       cart_ram_(cartridge->ram_size()), pictures_{}, cartridge_(std::move(cartridge)), config_(config) {
     for (unsigned page = 0; page < 256; ++page)
         if (const unsigned address = 64 * page; (address & 0x1280) == 0x80) pages_[page] = m_.riot.ram + (address & 0x7f);
+    map_cartridge_ram();
     for (unsigned segment = 0; segment < 4; ++segment)
         if (plain_.from < 1024 * (segment + 1) && 1024 * segment < plain_.from + plain_.size)
             code_segments_ |= 0x1010u << segment;

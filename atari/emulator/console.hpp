@@ -222,6 +222,8 @@ class Console {
     void cartridge_watches(uint16_t address, uint8_t value);
     void hotspot(uint16_t offset, bool reading);
     uint8_t read_dpc(uint16_t offset);
+    uint8_t read_fetcher(unsigned offset);
+    uint8_t dpc_music();
     void write_dpc(uint16_t offset, uint8_t value);
     void clock_dpc_random() { m_.cart.random = kDpcRandom[m_.cart.random]; }
     void switch_dpc_bank(uint16_t offset);
@@ -229,6 +231,7 @@ class Console {
     void reset_cartridge();
     void map_segments();
     void map_pages();
+    void map_cartridge_ram();
 
     // tia.cpp
     uint8_t read_tia(uint16_t address);

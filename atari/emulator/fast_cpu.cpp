@@ -200,43 +200,24 @@ uint16_t FastCpu::decode_ram(Console& c, const Record* at) {
 }
 
 bool FastCpu::write_port(Console& c, uint32_t cycles, uint32_t address, uint32_t value) {
+    const bool plain_tia = !(address & 0x1080) && !c.watches_tia_ && cycles < c.overlong_;
+    const bool kept = plain_tia && write_register(cycles, c, address & 0x3f, value);
     c.m_.cycles = cycles;
-    if (!(address & 0x1080) && !c.watches_tia_ && cycles < c.overlong_) {
-        const uint32_t reg = address & 0x3f;
-        const Operand kind = kStoredIn[reg];
-        if (kind == Operand::Tia) {
-            if (c.written_.reg[reg] == value) return false;
-            c.written_.reg[reg] = static_cast<uint8_t>(value);
-        }
-        if (kind == Operand::Tia || kind == Operand::Strobe) {
-            keep(cycles, c, reg, value);
-            return false;
-        }
-        c.m_.cpu.last_access_was_read = true;
-        c.keep_write(static_cast<uint8_t>(reg), static_cast<uint8_t>(value));
-        c.m_.bus = static_cast<uint8_t>(value);
-        c.m_.cpu.last_access_was_read = false;
-        return c.m_.cpu.stop;
-    }
+    if (kept) return false;
     c.m_.cpu.last_access_was_read = true;
     c.write(static_cast<uint16_t>(address), static_cast<uint8_t>(value));
     return c.m_.cpu.stop || c.remapped_;
 }
 
-uint32_t FastCpu::read_dpc(Console& c, uint32_t cycles, uint32_t offset) {
-    const uint32_t function = offset >> 3, i = offset & 7;
-    if (function != 1 && function != 2) {
-        c.m_.cycles = cycles;
-        return c.read_dpc(static_cast<uint16_t>(offset));
+bool FastCpu::write_register(uint32_t& cycles, Console& c, uint32_t reg, uint32_t value) {
+    switch (kStoredIn[reg]) {
+#define KIND(kind) \
+    case Operand::kind: write_tia<Operand::kind>(cycles, c, reg, value); return true;
+        KIND(Tia) KIND(Strobe) KIND(Motion) KIND(Hmove) KIND(Ctrlpf) KIND(Grp0) KIND(Grp1) KIND(Wsync) KIND(Sound)
+        KIND(Hmclr) KIND(Cxclr)
+#undef KIND
+        default: return false;
     }
-    CartridgeState& cart = c.m_.cart;
-    c.clock_dpc_random();
-    const uint32_t counter = cart.counter[i];
-    if ((counter & 0xff) == cart.top[i]) cart.flag[i] = 0xff;
-    else if ((counter & 0xff) == cart.bottom[i]) cart.flag[i] = 0;
-    if (i < 5 || !cart.music[i]) cart.counter[i] = (counter - 1) & 0x7ff;
-    const uint32_t value = c.image_[8192 + 2047 - counter];
-    return function == 1 ? value : value & cart.flag[i];
 }
 
 // The whole frame, or what is left of it, with every instruction counted and the TIA drawing as it goes.

@@ -118,6 +118,9 @@ struct FastCpu {
     // A store that is not to RAM. True if the frame has ended or another bank is shown.
     static bool write_port(Console& c, uint32_t cycles, uint32_t address, uint32_t value);
 
+    // The same to a register of the TIA. False, and nothing done, if it is none that can be kept for later.
+    static bool write_register(uint32_t& cycles, Console& c, uint32_t reg, uint32_t value);
+
     // `slow` is set if it was none of RAM and plain image: then the window may show another bank. The bits of `address`
     // above the sixteenth, where the sum of base and index may have left one, mean nothing.
     INLINE static uint32_t read_any(R& r, Console& c, uint32_t address, uint32_t bus, bool& slow) {
@@ -162,7 +165,8 @@ struct FastCpu {
         } else if constexpr (operand == Operand::Input) {
             value = input(c, r.cycles, given, given);
         } else if constexpr (operand == Operand::Dpc) {
-            value = read_dpc(c, r.cycles, given & 0x3f);
+            c.m_.cycles = r.cycles;
+            value = c.read_fetcher(given & 0x3f);
         } else if constexpr (operand == Operand::RomX || operand == Operand::RomY) {
             const uint32_t index = operand == Operand::RomX ? r.x : r.y;
             r.cycles += page_crossed(given, index);
@@ -186,9 +190,6 @@ struct FastCpu {
         }
         return kNext;
     }
-
-    // The two functions of a data fetcher that nearly all reads want; the others are `Console::read_dpc`'s.
-    static uint32_t read_dpc(Console& c, uint32_t cycles, uint32_t offset);
 
     INLINE static uint32_t timer(const R& r, Console& c) {
         const Riot& riot = c.m_.riot;
@@ -263,7 +264,10 @@ struct FastCpu {
         r.at += length_of(operand);
         if constexpr (ram) return kNext;
         constexpr bool direct = operand >= Operand::Tia;
-        if (direct && r.cycles < c.overlong_) [[likely]] return write_tia<operand>(r, c, given, value);
+        if (direct && r.cycles < c.overlong_) [[likely]] {
+            write_tia<operand>(r.cycles, c, given, value);
+            return kNext;
+        }
         return write_any(r, c, address, value);
     }
 
@@ -271,54 +275,53 @@ struct FastCpu {
     // kept would not delay a later write either: the next one is nine clocks away at least, and no delay is longer.
     // (tests: test_fast_equals_plain.py; the list of writes that change nothing is tia.md 11.3)
     template <Operand operand>
-    INLINE static Exit write_tia(R& r, Console& c, uint32_t reg, uint32_t value) {
+    INLINE static void write_tia(uint32_t& cycles, Console& c, uint32_t reg, uint32_t value) {
         Written& w = c.written_;
         const auto byte = static_cast<uint8_t>(value);
         if constexpr (operand == Operand::Tia || operand == Operand::TiaA) {
             if (w.reg[reg] != byte) {
                 w.reg[reg] = byte;
-                keep(r.cycles, c, reg, value);
+                keep(cycles, c, reg, value);
             }
         } else if constexpr (operand == Operand::Strobe) {
-            keep(r.cycles, c, reg, value);
+            keep(cycles, c, reg, value);
         } else if constexpr (operand == Operand::Motion) {
-            if (w.reg[reg] >> 4 == 7 && byte >> 4 == 6) keep(r.cycles, c, reg, value);  // perhaps Cosmic Ark's trick
+            if (w.reg[reg] >> 4 == 7 && byte >> 4 == 6) keep(cycles, c, reg, value);  // perhaps Cosmic Ark's trick
             w.reg[reg] = byte;
         } else if constexpr (operand == Operand::Hmove) {
             // At the end of a line or in the first cycles of one it moves objects by their motions only.
-            if (w.still() && (r.cycles - c.first_cycle_ + 1) % 76 <= 4) keep(r.cycles, c, STILL, 0);
-            else c.keep_hmove(r.cycles);
+            if (w.still() && (cycles - c.first_cycle_ + 1) % 76 <= 4) keep(cycles, c, STILL, 0);
+            else c.keep_hmove(cycles);
         } else if constexpr (operand == Operand::Ctrlpf) {
             // Written again it can act once more, if the mirroring was changed late in a line.
             if (w.reg[reg] != byte || w.mirror_changed) {
                 const bool priority = !((w.reg[reg] ^ byte) & 0x31) && !w.mirror_changed;
                 w.mirror_changed |= ((w.reg[reg] ^ byte) & 1) != 0;
                 w.reg[reg] = byte;
-                keep(r.cycles, c, priority ? uint32_t{PRIORITY} : reg, value);
+                keep(cycles, c, priority ? uint32_t{PRIORITY} : reg, value);
             }
         } else if constexpr (operand == Operand::Grp0 || operand == Operand::Grp0A) {
             if (w.reg[0x1b] != byte || w.old_grp1 != w.reg[0x1c]) {
                 w.reg[0x1b] = byte;
                 w.old_grp1 = w.reg[0x1c];
-                keep(r.cycles, c, reg, value, w.old_grp1);
+                keep(cycles, c, reg, value, w.old_grp1);
             }
         } else if constexpr (operand == Operand::Grp1 || operand == Operand::Grp1A) {
             if (w.reg[0x1c] != byte || w.old_grp0 != w.reg[0x1b] || w.old_enabl != w.reg[0x1f]) {
                 w.reg[0x1c] = byte;
                 w.old_grp0 = w.reg[0x1b];
                 w.old_enabl = w.reg[0x1f];
-                keep(r.cycles, c, reg, value, w.beside_grp1());
+                keep(cycles, c, reg, value, w.beside_grp1());
             }
         } else if constexpr (operand == Operand::Sound) {
             c.m_.sound.write(reg - AUDC0, byte);
         } else if constexpr (operand == Operand::Hmclr) {
             std::memset(w.reg + HMP0, 0, 5);
         } else if constexpr (operand == Operand::Cxclr) {
-            c.keep_cxclr(r.cycles);
+            c.keep_cxclr(cycles);
         } else {
-            r.cycles = line_start(c, r.cycles);
+            cycles = line_start(c, cycles);
         }
-        return kNext;
     }
 
     // WSYNC: the beginning of the next line, or now if a line begins now. Below `overlong_` nothing overflows.
@@ -360,7 +363,10 @@ struct FastCpu {
         r.cycles += 3;
         r.at += 1;
         const bool direct = !(sp & 0x80) && r.cycles < c.overlong_ && !c.watches_tia_;
-        if (direct && kStoredIn[reg] == Operand::Tia) return write_tia<Operand::Tia>(r, c, reg, value);
+        if (direct && kStoredIn[reg] == Operand::Tia) {
+            write_tia<Operand::Tia>(r.cycles, c, reg, value);
+            return kNext;
+        }
         return write_any(r, c, 0x100 | sp, value);
     }
 
