@@ -2,7 +2,7 @@
 #include "console.hpp"
 
 #include <algorithm>
-#include <cstring>
+#include <array>
 
 namespace atari {
 
@@ -42,17 +42,22 @@ void Console::map_segments() {
 // A page that is only partly plain image is none.
 void Console::map_pages() {
     const unsigned first = (plain_.from + 63) / 64, last = (plain_.from + plain_.size) / 64;
-    const auto map = [](const uint8_t** pages, const uint8_t* bytes, unsigned count) {
-        for (unsigned i = 0; i < count; ++i) pages[i] = bytes + 64 * i;
-    };
-    const auto map_window = [&](const uint8_t** pages, const uint32_t* segments) {
+    for (const unsigned half : {4u, 12u}) {
+        const uint32_t* const starts = segment_ + half;
+        const uint8_t** const pages = pages_ + 16 * half;
+        const auto map = [&](unsigned from, unsigned to, uint32_t start) {
+            const uint8_t* const* const shown = cartridge_->pages() + start / 64;
+            if (from < to) std::copy(shown, shown + (to - from), pages + from);
+        };
         bool one_bank = true;
-        for (uint32_t i = 1; i < 4; ++i) one_bank &= segments[i] == segments[0] + 1024 * i;
-        if (one_bank) return map(pages + first, image_ + segments[0] + 64 * first, last - first);
-        for (unsigned page = first; page < last; ++page) pages[page] = image_ + segments[page / 16] + 64 * (page % 16);
-    };
-    map_window(pages_ + 64, segment_ + 4);
-    map_window(pages_ + 192, segment_ + 12);
+        for (uint32_t i = 1; i < 4; ++i) one_bank &= starts[i] == starts[0] + 1024 * i;
+        if (one_bank) map(first, last, starts[0] + 64 * first);
+        else
+            for (unsigned i = 0; i < 4; ++i) {
+                const unsigned from = std::max(first, 16 * i);
+                map(from, std::min(last, 16 * i + 16), starts[i] + 64 * (from - 16 * i));
+            }
+    }
 }
 
 // The RAM of cartridges that always show it at the same place.
@@ -135,7 +140,8 @@ void Console::write_cartridge(uint16_t address, uint8_t value) {
 void Console::hotspot(uint16_t offset, bool reading) {
     if (offset < 0xfe0) return;
     CartridgeState& cart = m_.cart;
-    const CartridgeState before = cart;
+    const uint8_t bank_before = cart.bank;
+    const std::array<uint8_t, 4> slices_before = std::to_array(cart.slice);
     const auto switch_bank = [&](int first, int count) {
         if (offset >= first && offset < first + count) cart.bank = static_cast<uint8_t>(offset - first);
     };
@@ -159,7 +165,7 @@ void Console::hotspot(uint16_t offset, bool reading) {
             break;
         default: break;
     }
-    if (cart.bank != before.bank || std::memcmp(cart.slice, before.slice, sizeof cart.slice) != 0) map_segments();
+    if (cart.bank != bank_before || std::to_array(cart.slice) != slices_before) map_segments();
 }
 
 // A write that 3F and 3E watch: it chooses what the lower half of the window shows.
