@@ -36,7 +36,7 @@ READ_MODES = {
     "IndY": ["IndY"],
 }
 STORE_MODES = {
-    "Zp": "Ram Tia Strobe Motion Hmove Ctrlpf Grp0 Grp1 Wsync Sound Hmclr Cxclr PortZ".split(),
+    "Zp": "Ram Tia Strobe Nusiz Motion Hmove Ctrlpf Grp0 Grp1 Wsync Sound Hmclr Cxclr PortZ".split(),
     "ZpX": ["RamX"],
     "ZpY": ["RamY"],
     "Abs": ["RamA", "TiaA", "Grp0A", "Grp1A", "PortA"],

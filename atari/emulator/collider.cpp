@@ -318,8 +318,13 @@ inline void Collider::move_objects(const Write& write, int32_t clock) {
     const uint32_t cycle_in_line = (write.cycle - first_cycle_) % 76;
     if (config_.hmove_blanks && (cycle_in_line <= 20 || cycle_in_line == 75)) blank(clock);
     const auto& distances = kMotion[cycle_in_line];
-    for (unsigned object = kP0; object <= kBL; ++object) {
-        const int distance = distances[object == kBL ? write.value : write.beside >> (4 * object) & 15];
+    const uint32_t motions = write.beside | uint32_t{write.value} << 16;
+    uint32_t nibbles = 0x11111;  // at most cycles an object without motion stays where it is
+    if (distances[0] == 0) nibbles &= motions | motions >> 1 | motions >> 2 | motions >> 3;
+    for (; nibbles; nibbles &= nibbles - 1) {
+        const int at = std::countr_zero(nibbles);
+        const auto object = static_cast<unsigned>(at) / 4;
+        const int distance = distances[motions >> at & 15];
         if (distance == 0) continue;
         t.pos[object] = moved_by(t.pos[object], distance);
         moved(object);

@@ -115,7 +115,7 @@ void Collider::choose_acting() {
 
 // Whether two objects could share a pixel where they are now, whatever the graphics of players.
 bool Collider::may_touch(unsigned a, unsigned b) {
-    if (b == kPF) return (playfield_near(a) & t_.playfield) != 0;
+    if (b == kPF) return t_.playfield && (playfield_near(a) & t_.playfield);
     const int width_a = width_of(a), width_b = width_of(b);
     bool touch = false;
     visit_copies(a, [&](int xa) {

@@ -66,9 +66,10 @@ inline constexpr int kLogs = 4;
 
 // What was last written to the TIA, so that a write that changes nothing can be left out.
 struct Written {
-    uint8_t reg[64];
+    uint8_t reg[64];      // RESP0 and RESP1: strobed since the last NUSIZ, which ends what a strobe hides
     uint8_t old_grp0, old_grp1, old_enabl;  // values of GRP0, GRP1 and ENABL that the delayed copies have
     bool mirror_changed;  // CTRLPF's bit 0, in this frame or without effect so far
+    bool ark;             // Cosmic Ark's trick may have been played
 
     // No object has a motion for HMOVE.
     bool still() const {

@@ -35,7 +35,7 @@ enum class Operand : uint8_t {
     Tia,               // stores: a register whose value can be written again without effect
     Strobe,            //         one that acts at every write
     Motion,            //         HMP0 .. HMBL, which act when HMOVE is written
-    Hmove, Ctrlpf, Grp0, Grp1, Wsync, Sound, Hmclr, Cxclr,
+    Nusiz, Hmove, Ctrlpf, Grp0, Grp1, Wsync, Sound, Hmclr, Cxclr,
     TiaA, Grp0A, Grp1A,  // the same by an address of two bytes
     kCount
 };
@@ -51,8 +51,8 @@ constexpr Operand stored_in(uint8_t reg) {
         case 0x15: case 0x16: case 0x17: case 0x18: case 0x19: case 0x1a: return Operand::Sound;
         case 0x2b: return Operand::Hmclr;
         case 0x2c: return Operand::Cxclr;
-        case 0x04: case 0x05: case 0x10: case 0x11: case 0x12: case 0x13: case 0x14:
-            return Operand::Strobe;  // NUSIZ, RES..
+        case 0x04: case 0x05: return Operand::Nusiz;
+        case 0x10: case 0x11: case 0x12: case 0x13: case 0x14: return Operand::Strobe;  // RES..
         case 0x20: case 0x21: case 0x22: case 0x23: case 0x24: return Operand::Motion;
         case 0x06: case 0x07: case 0x08: case 0x09: case 0x0b: case 0x0c: case 0x0d: case 0x0e: case 0x0f: case 0x1d:
         case 0x1e: case 0x1f: case 0x25: case 0x26: case 0x27: case 0x28: case 0x29:

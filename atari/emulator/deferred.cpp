@@ -66,6 +66,8 @@ void Console::begin_log() {
         w.reg[ENAM0 + i] = t.enam[i] ? 2 : 0;
         w.reg[VDELP0 + i] = t.vdelp[i] ? 1 : 0;
         w.reg[RESMP0 + i] = t.resmp[i] ? 2 : 0;
+        w.reg[NUSIZ0 + i] = t.nusiz[i];
+        w.reg[RESP0 + i] = t.skip_first[i] ? 1 : 0;
     }
     w.reg[ENABL] = t.enabl ? 2 : 0;
     w.reg[VDELBL] = t.vdelbl ? 1 : 0;
@@ -75,6 +77,7 @@ void Console::begin_log() {
     w.old_enabl = t.old_enabl ? 2 : 0;
     w.reg[CTRLPF] = t.ctrlpf;
     w.mirror_changed = t.pf_mirror != (t.ctrlpf & 1);
+    w.ark = t.cosmic_ark || t.m0_variant != kPlain;
 }
 
 void Console::end_log() {
@@ -227,9 +230,11 @@ void Console::keep_write(uint8_t reg, uint8_t value) {
             const bool trick = w.reg[reg] >> 4 == 7 && value >> 4 == 6;
             w.reg[reg] = value;
             if (!trick) return;
+            w.ark = true;
             break;
         }
         case HMCLR: std::fill_n(w.reg + HMP0, 5, uint8_t{0}); return;
+        case RESP0: case RESP1: value = 1; break;
         case CTRLPF: w.mirror_changed |= ((w.reg[CTRLPF] ^ value) & 1) != 0; break;
         default:
             if (reg > CXCLR || reg == RSYNC) return;

@@ -213,7 +213,7 @@ bool FastCpu::write_register(uint32_t& cycles, Console& c, uint32_t reg, uint32_
     switch (kStoredIn[reg]) {
 #define KIND(kind) \
     case Operand::kind: write_tia<Operand::kind>(cycles, c, reg, value); return true;
-        KIND(Tia) KIND(Strobe) KIND(Motion) KIND(Hmove) KIND(Ctrlpf) KIND(Grp0) KIND(Grp1) KIND(Wsync) KIND(Sound)
+        KIND(Tia) KIND(Strobe) KIND(Nusiz) KIND(Motion) KIND(Hmove) KIND(Ctrlpf) KIND(Grp0) KIND(Grp1) KIND(Wsync) KIND(Sound)
         KIND(Hmclr) KIND(Cxclr)
 #undef KIND
         default: return false;

@@ -284,9 +284,20 @@ struct FastCpu {
                 keep(cycles, c, reg, value);
             }
         } else if constexpr (operand == Operand::Strobe) {
+            w.reg[reg] = 1;
             keep(cycles, c, reg, value);
+        } else if constexpr (operand == Operand::Nusiz) {
+            uint8_t& strobed = w.reg[reg + (RESP0 - NUSIZ0)];
+            if (w.reg[reg] != byte || strobed || w.ark) {
+                w.reg[reg] = byte;
+                strobed = 0;
+                keep(cycles, c, reg, value);
+            }
         } else if constexpr (operand == Operand::Motion) {
-            if (w.reg[reg] >> 4 == 7 && byte >> 4 == 6) keep(cycles, c, reg, value);  // perhaps Cosmic Ark's trick
+            if (w.reg[reg] >> 4 == 7 && byte >> 4 == 6) {  // perhaps Cosmic Ark's trick
+                w.ark = true;
+                keep(cycles, c, reg, value);
+            }
             w.reg[reg] = byte;
         } else if constexpr (operand == Operand::Hmove) {
             // At the end of a line or in the first cycles of one it moves objects by their motions only.

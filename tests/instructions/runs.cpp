@@ -1,6 +1,6 @@
 // Counts which handlers of the fast interpreter run one behind the other, over all ROMs of a folder, for
 // scripts/make-handlers.py. Every ROM counts the same. Prints "count first second ...", counts a million
-// instructions; what the plain interpreter runs and what follows a wait for the timer is left out.
+// instructions; what the plain interpreter runs and what follows a short loop is left out.
 //
 // usage: runs FOLDER > counts
 #include <algorithm>
@@ -56,10 +56,10 @@ void count(const std::filesystem::path& path, Counts& counts) {
             const uint8_t* bytes = console.image_at(cpu.pc);
             const unsigned in_bank = cartridge->type() == CartridgeType::k2K ? 0x7ff : 0xfff;
             const uint8_t* bank = bytes && one_bank ? bytes - (cpu.pc & in_bank) : nullptr;
-            const uint16_t now = bytes ? decode(bytes, 3, *cartridge, bank).handler : uint16_t{kStep};
-            const uint16_t before = run.empty() ? uint16_t{kStep} : run.back();
-            const bool waits = before == LDA_Timer || before == LDX_Timer || before == LDY_Timer;
-            if (now == kStep || waits || cpu.pc != next || run.size() == kLongest) {
+            const Record record = bytes ? decode(bytes, 3, *cartridge, bank) : Record{};
+            const uint16_t now = record.handler;
+            const bool loops = is_branch(now) && record.jump >= -3 && record.jump < 0;  // nearly all are skipped
+            if (now == kStep || loops || cpu.pc != next || run.size() == kLongest) {
                 if (frame >= 100 && run.size() > 1) here[run] += 1;
                 run.clear();
             }
