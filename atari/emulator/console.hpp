@@ -129,6 +129,9 @@ class Console {
     // Pictures of frames that were run fast are drawn when they are asked for.
     const uint8_t* picture() { return drawn(m_.tia.current); }
     const uint8_t* previous_picture() { return drawn(m_.tia.current ^ 1); }
+    // How their rows look (LineCache::looks), when they have been drawn; null if that is not known.
+    const uint32_t* looks() const { return line_cache_ ? line_cache_->looks(m_.tia.current) : nullptr; }
+    const uint32_t* previous_looks() const { return line_cache_ ? line_cache_->looks(m_.tia.current ^ 1) : nullptr; }
     const Cartridge& cartridge() const { return *cartridge_; }
     bool plain() const { return !logs_; }
 

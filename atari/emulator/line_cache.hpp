@@ -34,6 +34,9 @@ class LineCache {
     // The pictures are not what has been drawn here.
     void forget();
 
+    // How the rows of picture 0 or 1 look, a number each: rows of equal numbers are equal. 0 where that is not known.
+    const uint32_t* looks(int picture) const { return shown_[picture]; }
+
   private:
     // A frame ends with its first write to the TIA behind line 342.
     static constexpr int kMostLines = 344;

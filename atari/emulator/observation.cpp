@@ -151,6 +151,13 @@ AreaResize::AreaResize(int rows, int height, int width, bool plain)
         throw std::invalid_argument("the size must not divide that of the picture in both directions");
     down_ = taps(rows, height);
     std::stable_sort(down_.begin(), down_.end(), [](const Tap& a, const Tap& b) { return a.source < b.source; });
+    for (size_t i = 0; i < down_.size(); ++i) {
+        if (down_[i].first) {
+            sources_.push_back({down_[i].source, down_[i].source});
+            first_taps_.push_back(i);
+        }
+        sources_.back().last = down_[i].source;
+    }
     make_windows(taps(kScreenWidth, width));
 }
 
@@ -203,14 +210,15 @@ void AreaResize::make_windows(const std::vector<Tap>& across) {
 
 // Each row's results are made once, and then go into the sums of the one or two rows below that have a share in it.
 template <auto across>
-INLINED void AreaResize::run(const uint8_t* picture, const uint8_t* repeats, uint8_t* out) const {
+INLINED void AreaResize::run(const uint8_t* picture, const uint8_t* repeats, uint8_t* out, int first, int last) const {
     float line[kMostResults], sum[kMostResults];
     uint8_t bytes[kMostResults];
     const Window* const windows = windows_.data();
     const Taps* const taps = across_.data();
     const int count = static_cast<int>(windows_.size()), depth = depth_;
-    int row = -1;  // that `line` is of
-    for (const Tap& tap : down_) {
+    int row = sources(first).first - 1;  // that `line` is of
+    for (size_t i = first_taps_[static_cast<size_t>(first)]; i < down_.size() && down_[i].result < last; ++i) {
+        const Tap& tap = down_[i];
         while (row < tap.source) {
             if (++row > 0 && repeats && repeats[row]) continue;
             const uint8_t* const pixels = picture + kScreenWidth * row;
@@ -221,7 +229,7 @@ INLINED void AreaResize::run(const uint8_t* picture, const uint8_t* repeats, uin
         if (!tap.last) continue;
         round(sum, 8 * count, bytes);
         uint8_t* const results = out + width_ * tap.result;
-        const bool more = tap.result < height_ - 1;
+        const bool more = tap.result < last - 1;
         // Eight at once; what is no window's result is overwritten by the next window or the next row.
         for (int k = 0; k < count; ++k)
             if (more) std::memcpy(results + windows[k].result, bytes + 8 * k, 8);
@@ -230,16 +238,17 @@ INLINED void AreaResize::run(const uint8_t* picture, const uint8_t* repeats, uin
 }
 
 #if ATARI_AVX2
-WIDE void AreaResize::run_wide(const uint8_t* picture, const uint8_t* repeats, uint8_t* out) const {
-    run<across_wide>(picture, repeats, out);
+WIDE void AreaResize::run_wide(const uint8_t* picture, const uint8_t* repeats, uint8_t* out, int first,
+                               int last) const {
+    run<across_wide>(picture, repeats, out, first, last);
 }
 #endif
 
-void AreaResize::operator()(const uint8_t* picture, const uint8_t* repeats, uint8_t* out) const {
+void AreaResize::make_rows(const uint8_t* picture, const uint8_t* repeats, uint8_t* out, int first, int last) const {
 #if ATARI_AVX2
-    if (wide_) return run_wide(picture, repeats, out);
+    if (wide_) return run_wide(picture, repeats, out, first, last);
 #endif
-    run<across_plain>(picture, repeats, out);
+    run<across_plain>(picture, repeats, out, first, last);
 }
 
 }  // namespace atari

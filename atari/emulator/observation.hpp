@@ -6,6 +6,7 @@
 // `plain`, for tests, does without instructions that not every processor has. Results are the same.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -33,7 +34,18 @@ class AreaResize {
     int width() const { return width_; }
 
     // `repeats` as pool_gray tells it; null takes every row for a new one.
-    void operator()(const uint8_t* picture, const uint8_t* repeats, uint8_t* out) const;
+    void operator()(const uint8_t* picture, const uint8_t* repeats, uint8_t* out) const {
+        make_rows(picture, repeats, out, 0, height_);
+    }
+
+    // Rows first .. last-1 of the result. They depend on the picture's rows from `sources(first).first` to
+    // `sources(last - 1).last`; if there is `repeats`, it is 0 for the first of these.
+    void make_rows(const uint8_t* picture, const uint8_t* repeats, uint8_t* out, int first, int last) const;
+
+    struct Sources {
+        int first, last;
+    };
+    Sources sources(int result) const { return sources_[static_cast<size_t>(result)]; }
 
     // The n-th tap of each of eight neighbouring results. `pixel` is counted from where the results' window begins; its
     // upper bytes are 0x80, with which a shuffle of bytes makes zeros. What is unused weighs nothing.
@@ -56,12 +68,14 @@ class AreaResize {
     static std::vector<Tap> taps(int source, int target);
     void make_windows(const std::vector<Tap>& across);
     template <auto across>
-    void run(const uint8_t* picture, const uint8_t* repeats, uint8_t* out) const;
-    void run_wide(const uint8_t* picture, const uint8_t* repeats, uint8_t* out) const;
+    void run(const uint8_t* picture, const uint8_t* repeats, uint8_t* out, int first, int last) const;
+    void run_wide(const uint8_t* picture, const uint8_t* repeats, uint8_t* out, int first, int last) const;
 
     int rows_, height_, width_;
     [[maybe_unused]] bool wide_;
-    std::vector<Tap> down_;  // ordered by source
+    std::vector<Tap> down_;  // ordered by source, and so by result
+    std::vector<Sources> sources_;
+    std::vector<size_t> first_taps_;  // of each result, in down_
     std::vector<Window> windows_;
     std::vector<Taps> across_;  // depth_ for each window
     int depth_ = 0;             // the most taps that a result has in its row

@@ -19,6 +19,9 @@ class Scaler {
     // `repeats` as `pool_gray` tells it; null takes every row for a new one.
     void operator()(const uint8_t* picture, const uint8_t* repeats, uint8_t* out) const;
 
+    // What can make single rows of the result, or null.
+    const AreaResize* by_rows() const { return resize_ ? &*resize_ : nullptr; }
+
   private:
     void sum_blocks(const uint8_t* picture, uint8_t* out) const;
 

@@ -73,7 +73,7 @@ void View::played(int left, bool ended) {
     if (left != 1 || !planes_ || !settings_.max_pool || (ended && settings_.end_frames == EndFrames::kGymnasium)) return;
     early_noted_ = true;
     early_copied_ = environment_.console().machine().tia.partial;
-    if (early_copied_) early_.assign(current(), current() + plane_size());
+    if (early_copied_) early_.assign(current().pixels, current().pixels + plane_size());
 }
 
 void View::end(int left, bool ended) {
@@ -81,8 +81,8 @@ void View::end(int left, bool ended) {
     const bool pools = std::exchange(early_noted_, false);
     if (left == 0 && !(ended && settings_.end_frames == EndFrames::kGymnasium)) {
         // In the order in which they were played: nearer pictures have more lines in common, which are not drawn again.
-        const Index first = pools ? early() : current(), last = current();
-        if (!late_.empty()) std::copy_n(last, late_.size(), late_.begin());
+        const Frame first = pools ? early() : current(), last = current();
+        if (!late_.empty()) std::copy_n(last.pixels, late_.size(), late_.begin());
         return show(first, last);
     }
     switch (settings_.end_frames) {
@@ -93,7 +93,7 @@ void View::end(int left, bool ended) {
             return show_with_last();
         case EndFrames::kBaselines:
             if (!pools) break;
-            return show(current(), late_.data());
+            return show(current(), {late_.data(), nullptr});
         case EndFrames::kEnvpool:
             if (!pools) break;
             return show(current(), current());
@@ -101,18 +101,57 @@ void View::end(int left, bool ended) {
     repeat(false);
 }
 
-void View::show(Index early, Index late) {
+void View::show(Frame early, Frame late) {
+    if (const AreaResize* resize = scaler_->by_rows(); resize && planes_ == 1) return show_changes(early, late, *resize);
     const auto height = static_cast<size_t>(environment_.height()), planes = static_cast<size_t>(planes_);
     uint8_t* const repeats = working_memory(planes * (height + plane_size()));
     uint8_t* const pooled = pooled_.empty() ? repeats + planes * height : pooled_.data();
     for (size_t plane = 0; plane < planes; ++plane)
-        pool_plane(early, late, static_cast<int>(plane), pooled + plane * plane_size(), repeats + plane * height);
+        pool_plane(early, late, static_cast<int>(plane), 0, environment_.height(), pooled + plane * plane_size(),
+                   repeats + plane * height);
     push(pooled, repeats);
 }
 
-void View::pool_plane(Index early, Index late, int plane, uint8_t* out, uint8_t* repeats) const {
+// Rows that are made of what they were made of in the last small picture are copied from there.
+// (tests/vector/test_equals_ale_py.py and test_presets.py compare every byte)
+void View::show_changes(Frame early, Frame late, const AreaResize& resize) {
+    const int height = environment_.height(), results = settings_.height;
+    uint8_t* const changed = working_memory(2 * static_cast<size_t>(height) + plane_size());
+    uint8_t* const repeats = changed + height;
+    uint8_t* const pooled = pooled_.empty() ? repeats + height : pooled_.data();
+    looks_.resize(static_cast<size_t>(height));
+    for (int row = 0; row < height; ++row) {
+        RowLooks& known = looks_[static_cast<size_t>(row)];
+        const RowLooks now{early.looks ? early.looks[row] : 0, late.looks ? late.looks[row] : 0};
+        changed[row] = now != known || now.early == 0 || now.late == 0;
+        known = now;
+    }
+    const auto width = static_cast<size_t>(settings_.width);
+    const auto is_new = [&](int result) {
+        const auto [first, last] = resize.sources(result);
+        return std::find(changed + first, changed + last + 1, uint8_t{1}) != changed + last + 1;
+    };
+    const uint8_t* const before = ring_.data() + picture_size_ * static_cast<size_t>(newest_);
+    uint8_t* const place = next_place();
+    for (int first = 0, end; first < results; first = end) {
+        const bool make = is_new(first);
+        for (end = first + 1; end < results && is_new(end) == make;) ++end;
+        if (make) {
+            const int from = resize.sources(first).first, count = resize.sources(end - 1).last + 1 - from;
+            pool_plane(early, late, 0, from, count, pooled, repeats);
+            resize.make_rows(pooled, repeats, place, first, end);
+        } else if (place != before) {
+            const size_t offset = width * static_cast<size_t>(first), size = width * static_cast<size_t>(end - first);
+            std::memcpy(place + offset, before + offset, size);
+        }
+    }
+}
+
+// Rows first .. first+count-1 of a plane, in their places of `out` and `repeats`.
+void View::pool_plane(Frame early, Frame late, int plane, int first, int count, uint8_t* out, uint8_t* repeats) const {
+    const auto offset = kScreenWidth * first;
     const auto pooling = [&](auto function) {
-        function(early, late, environment_.height(), tables_[plane], out, repeats);
+        function(early.pixels + offset, late.pixels + offset, count, tables_[plane], out + offset, repeats + first);
     };
     if (settings_.pixels == Pixels::kGrayOfRgb) pooling(pool_pairs);
     else pooling([](auto... arguments) { pool_gray(arguments...); });
@@ -124,11 +163,12 @@ void View::show_with_last() {
     uint8_t* const repeats = working_memory(height + plane_size());
     uint8_t* const plane = repeats + height;
     for (int k = 0; k < planes_; ++k) {
-        pool_plane(early(), early(), k, plane, repeats);
+        pool_plane(early(), early(), k, 0, environment_.height(), plane, repeats);
         uint8_t* const pooled = pooled_.data() + plane_size() * static_cast<size_t>(k);
         for (size_t i = 0; i < plane_size(); ++i) pooled[i] = std::max(pooled[i], plane[i]);
     }
     push(pooled_.data(), nullptr);
+    looks_.clear();
 }
 
 uint8_t* View::next_place() {
@@ -169,6 +209,7 @@ const uint8_t* View::load(const uint8_t* in) {
     }
     std::memcpy(&newest_, in, sizeof newest_);
     newest_ = std::clamp(newest_, 0, settings_.stack - 1);
+    looks_.clear();
     return in + sizeof newest_;
 }
 

@@ -44,14 +44,30 @@ class View {
     const uint8_t* load(const uint8_t* in);
 
   private:
-    using Index = const uint8_t*;
-    void show(Index early, Index late);
+    // A frame's palette indices, and how its rows look (LineCache::looks) or null.
+    struct Frame {
+        const uint8_t* pixels;
+        const uint32_t* looks;
+    };
+    struct RowLooks {
+        uint32_t early, late;
+        bool operator==(const RowLooks&) const = default;
+    };
+    void show(Frame early, Frame late);
+    void show_changes(Frame early, Frame late, const AreaResize& resize);
     void show_with_last();
-    void pool_plane(Index early, Index late, int plane, uint8_t* out, uint8_t* repeats) const;
+    void pool_plane(Frame early, Frame late, int plane, int first, int count, uint8_t* out, uint8_t* repeats) const;
     void push(const uint8_t* pooled, const uint8_t* repeats);
     uint8_t* next_place();
-    Index early() { return early_copied_ ? early_.data() : environment_.console().previous_picture(); }
-    Index current() { return environment_.console().picture(); }
+    Frame early() {
+        if (early_copied_) return {early_.data(), nullptr};
+        const uint8_t* const pixels = environment_.console().previous_picture();
+        return {pixels, environment_.console().previous_looks()};
+    }
+    Frame current() {
+        const uint8_t* const pixels = environment_.console().picture();
+        return {pixels, environment_.console().looks()};
+    }
     size_t plane_size() const { return static_cast<size_t>(environment_.height()) * kScreenWidth; }
 
     Environment& environment_;
@@ -64,6 +80,7 @@ class View {
     std::vector<uint8_t> late_;          // for kBaselines: the last whole skip's last frame
     std::vector<uint8_t> early_;         // a frame that the console will not keep
     bool early_noted_ = false, early_copied_ = false;
+    std::vector<RowLooks> looks_;        // by row, of what the newest small picture was made of; zeros if not known
     std::vector<uint8_t> ring_;          // of small pictures
     size_t picture_size_;
     int newest_ = 0;
