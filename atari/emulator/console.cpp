@@ -10,7 +10,7 @@ namespace atari {
 Console::Console(std::shared_ptr<const Cartridge> cartridge, const ConsoleConfig& config, bool plain)
     : plain_(cartridge->plain_window()), image_(cartridge->image()), first_record_(cartridge->code()),
       base_record_(first_record_),
-      cart_ram_(cartridge->ram_size()), pictures_{}, cartridge_(std::move(cartridge)), config_(config) {
+      cart_ram_(cartridge->ram_size()), cartridge_(std::move(cartridge)), config_(config) {
     for (unsigned page = 0; page < 256; ++page)
         if (const unsigned address = 64 * page; (address & 0x1280) == 0x80) pages_[page] = m_.riot.ram + (address & 0x7f);
     map_cartridge_ram();
@@ -103,8 +103,8 @@ void Console::save(uint8_t* out) {
     out += sizeof m_;
     std::copy(cart_ram_.begin(), cart_ram_.end(), out);
     out += cart_ram_.size();
-    for (const auto& picture : pictures_) {
-        std::memcpy(out, picture, kFrameBytes);
+    for (int buffer : {0, 1}) {
+        pictures_.save(buffer, out);
         out += kFrameBytes;
     }
 }
@@ -148,8 +148,8 @@ bool Console::load(const uint8_t* in) {
     in += sizeof machine;
     std::copy_n(in, cart_ram_.size(), cart_ram_.begin());
     in += cart_ram_.size();
-    for (auto& picture : pictures_) {
-        std::memcpy(picture, in, kFrameBytes);
+    for (int buffer : {0, 1}) {
+        std::memcpy(pictures_.use(buffer), in, kFrameBytes);
         in += kFrameBytes;
     }
     stale_ = 0x3f;

@@ -5,6 +5,7 @@
 // Behaviour is that of the reference (ale-py 0.12.1), also where real hardware differs.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -17,6 +18,7 @@
 #include "masks.hpp"
 #include "random.hpp"
 #include "line_cache.hpp"
+#include "pictures.hpp"
 #include "state.hpp"
 
 namespace atari {
@@ -43,6 +45,11 @@ struct ConsoleConfig {
     bool paddles[2] = {false, false};  // left and right jack; otherwise a joystick
     bool swap_ports = false;
     bool swap_paddles = false;
+
+    // Of a picture, of which at least 200 rows are shown, and of what may be drawn behind it.
+    std::size_t picture_bytes() const {
+        return static_cast<std::size_t>(kScreenWidth * std::max(height, 200) + Pictures::kBehind);
+    }
 };
 
 // So many cycles are at least 25000 instructions: up to here a frame cannot have met its limit of instructions.
@@ -196,7 +203,7 @@ class Console {
     void read_latches(int reg);
     void settle_latches();
     void forget_logs();
-    uint8_t* drawn(int buffer);
+    const uint8_t* drawn(int buffer);
 
     // cpu.cpp
     template <int operation, int form>
@@ -312,7 +319,7 @@ class Console {
     RamCode ram_known_[128];
 
     std::vector<uint8_t> cart_ram_;
-    Picture pictures_[2];
+    Pictures pictures_;
     std::shared_ptr<const Cartridge> cartridge_;
     ConsoleConfig config_;
     MachineRandom random_;

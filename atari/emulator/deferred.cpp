@@ -147,7 +147,7 @@ void Console::settle_latches() {
 void Console::copy_to(ConsoleCopy& copy) const {
     copy.machine = m_;
     copy.cart_ram = cart_ram_;
-    const size_t shown = kScreenWidth * static_cast<size_t>(std::max(config_.height, 200)) + kBehindPicture;
+    const size_t shown = config_.picture_bytes();
     const auto whole = static_cast<int>(kScreenWidth) * config_.height;
     bool needed[kLogs] = {};
     for (int buffer : {0, 1}) {
@@ -179,7 +179,8 @@ void Console::copy_from(const ConsoleCopy& copy) {
     cart_ram_ = copy.cart_ram;
     for (int buffer : {0, 1}) {
         owed_[buffer] = copy.owed[buffer];
-        std::copy(copy.pictures[buffer].begin(), copy.pictures[buffer].end(), pictures_[buffer]);
+        const std::vector<uint8_t>& picture = copy.pictures[buffer];
+        if (!picture.empty()) std::copy(picture.begin(), picture.end(), pictures_.use(buffer, picture.size()));
     }
     for (int i = 0; i < kLogs; ++i) {
         const ConsoleCopy::Log& from = copy.logs[i];
@@ -265,7 +266,7 @@ void Console::keep_cxclr(uint32_t cycles) {
 }
 
 // The picture, after what is missing has been drawn.
-uint8_t* Console::drawn(int buffer) {
+const uint8_t* Console::drawn(int buffer) {
     const int owed = std::exchange(owed_[buffer], -1);
     if (owed >= 0) line_cache_->draw(logs_[owed], pictures_, buffer);
     return pictures_[buffer];

@@ -31,8 +31,9 @@ void LineCache::forget() {
     for (auto& rows : shown_) std::fill(std::begin(rows), std::end(rows), 0u);
 }
 
-void LineCache::draw(const FrameLog& log, Picture (&pictures)[2], int picture) {
-    if (straight_ > 0) return draw_straight(log, pictures[picture]);
+void LineCache::draw(const FrameLog& log, Pictures& pictures, int picture) {
+    uint8_t* const pixels = pictures.use(picture, config_.picture_bytes());
+    if (straight_ > 0) return draw_straight(log, pixels);
     if (++frame_ == 0) {
         forget();
         frame_ = 1;
@@ -40,8 +41,8 @@ void LineCache::draw(const FrameLog& log, Picture (&pictures)[2], int picture) {
     const bool comparable = known_ > 0;
     if (log.start.frame_start != frame_start_) known_ = 0;  // clocks are counted from elsewhere
     frame_start_ = log.start.frame_start;
-    Drawing d{log.start, {d.tia, config_}, pictures, picture, log.writes, log.writes + log.size, log.writes};
-    d.beam.begin(pictures[picture]);
+    Drawing d{log.start, {d.tia, config_}, pixels, pictures[picture ^ 1], picture, log.writes, log.writes + log.size, log.writes};
+    d.beam.begin(pixels);
 
     const int behind_picture = config_.first_line + config_.height;
     const int lines = std::min({(log.reached - frame_start_) / 228, behind_picture, kMostLines});
@@ -117,7 +118,7 @@ bool LineCache::shows(const Drawing& d, int line) {
     uint32_t& shown = shown_[d.picture][row];
     if (shown != looks_[line] && shown_[d.picture ^ 1][row] == looks_[line]) {
         const auto offset = kScreenWidth * row;
-        std::memcpy(d.pictures[d.picture] + offset, d.pictures[d.picture ^ 1] + offset, kScreenWidth);
+        std::memcpy(d.pixels + offset, d.other_pixels + offset, kScreenWidth);
         shown = looks_[line];
     }
     return shown == looks_[line];
@@ -130,7 +131,7 @@ void LineCache::begin_line(Drawing& d) {
     } else {
         if (d.difference.objects) carry(d.difference, beginning);
         static_cast<TiaLine&>(d.tia) = beginning;
-        d.beam.begin(d.pictures[d.picture]);
+        d.beam.begin(d.pixels);
         d.live = true;
     }
     first_[d.line] = static_cast<uint16_t>(d.next - d.log);

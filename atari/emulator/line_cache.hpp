@@ -11,14 +11,12 @@
 #include <cstdint>
 
 #include "beam.hpp"
+#include "pictures.hpp"
 #include "state.hpp"
 
 namespace atari {
 
 struct FrameLog;
-
-constexpr int kBehindPicture = 96;  // a blank of HMOVE may reach past the last row
-using Picture = uint8_t[kFrameBytes + kBehindPicture];
 
 class LineCache {
   public:
@@ -26,7 +24,7 @@ class LineCache {
 
     // Draws a frame into picture 0 or 1. Rows that it shows already are left alone, rows that the other one shows are
     // copied from there. The log of the frame that was drawn before must still be there.
-    void draw(const FrameLog& log, Picture (&pictures)[2], int picture);
+    void draw(const FrameLog& log, Pictures& pictures, int picture);
 
     // The log of the frame drawn last, or null.
     const Write* log() const { return known_ > 0 ? log_ : nullptr; }
@@ -52,7 +50,8 @@ class LineCache {
     struct Drawing {
         Tia tia;
         Beam beam;
-        Picture (&pictures)[2];
+        uint8_t* const pixels;  // of the picture that is drawn
+        const uint8_t* const other_pixels;
         const int picture;
         const Write *const log, *const end;
         const Write* next;       // that has not been applied

@@ -254,7 +254,7 @@ void Console::reset_tia() {
     t.draw_stop = 228 * (config_.first_line + config_.height);
     t.to_line_end = 228;
     t.vsync_done = kVsyncIdle;
-    for (auto& picture : pictures_) std::fill(std::begin(picture), std::end(picture), uint8_t{0});
+    pictures_.clear();
     owed_[0] = owed_[1] = -1;
     forget_logs();
     stale_ = 0x3f;
@@ -278,7 +278,7 @@ void Console::start_frame() {
 
 // What the frame left undrawn when the instruction limit cut it.
 void Console::grey_rest() {
-    uint8_t* picture = pictures_[m_.tia.current];
+    uint8_t* picture = pictures_.use(m_.tia.current);
     // A restored state may be in any line; beyond the picture nothing is left.
     const int first = std::clamp(scan_lines() - config_.first_line, 0, config_.height);
     for (int i = first * kScreenWidth; i < config_.height * kScreenWidth; ++i)

@@ -1,0 +1,50 @@
+// The two pictures of a console: the frame that is being drawn or was drawn last, and the one before.
+//
+// They take memory when they are drawn to: where nobody looks at pictures, as in environments that observe RAM, they
+// need none.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "state.hpp"
+
+namespace atari {
+
+class Pictures {
+  public:
+    static constexpr int kBehind = 96;  // a blank of HMOVE may reach past the last row
+    static constexpr std::size_t kMost = kFrameBytes + kBehind;
+
+    // For reading as many bytes as have been drawn to, or kMost of a picture that has not: then all are 0.
+    const uint8_t* operator[](int picture) const {
+        static constexpr std::array<uint8_t, kMost> kBlank{};
+        const auto& pixels = pixels_[static_cast<std::size_t>(picture)];
+        return pixels.empty() ? kBlank.data() : pixels.data();
+    }
+
+    // For drawing to the first so many bytes.
+    uint8_t* use(int picture, std::size_t bytes = kMost) {
+        auto& pixels = pixels_[static_cast<std::size_t>(picture)];
+        if (pixels.size() < bytes) pixels.resize(bytes);
+        return pixels.data();
+    }
+
+    void save(int picture, uint8_t* out) const {
+        const auto& pixels = pixels_[static_cast<std::size_t>(picture)];
+        const std::size_t size = std::min(pixels.size(), std::size_t{kFrameBytes});
+        std::fill(std::copy_n(pixels.data(), size, out), out + kFrameBytes, uint8_t{0});
+    }
+
+    void clear() {
+        for (auto& pixels : pixels_) std::fill(pixels.begin(), pixels.end(), uint8_t{0});
+    }
+
+  private:
+    std::array<std::vector<uint8_t>, 2> pixels_;
+};
+
+}  // namespace atari
