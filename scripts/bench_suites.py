@@ -143,9 +143,10 @@ def core_frames(name: str = "native", rgb: bool = False) -> Callable[[str], Run]
         actions = [int(action) for action in core.game.minimal_actions]
 
         def run(steps: int) -> float:
+            choices = random_choices(actions, steps)
             resets = 0.0
             started = perf_counter()
-            for action in random_choices(actions, steps):
+            for action in choices:
                 if core.game_over:
                     paused = perf_counter()
                     core.reset()
@@ -180,9 +181,10 @@ def ale_py_frames(rgb: bool = False) -> Callable[[str], Run]:
         actions = [int(action.value) for action in ale.getMinimalActionSet()]
 
         def run(steps: int) -> float:
+            choices = random_choices(actions, steps)
             resets = 0.0
             started = perf_counter()
-            for action in random_choices(actions, steps):
+            for action in choices:
                 if ale.game_over():
                     paused = perf_counter()
                     ale.reset_game()
@@ -323,9 +325,10 @@ def steps_of(make: Callable[[str], gymnasium.Env[Any, Any]], count_resets: bool 
         actions = list(range(int(env.action_space.n)))  # type: ignore[attr-defined]
 
         def run(steps: int) -> float:
+            choices = random_choices(actions, steps)
             resets = 0.0
             started = perf_counter()
-            for action in random_choices(actions, steps):
+            for action in choices:
                 _, _, terminated, truncated, _ = env.step(action)
                 if terminated or truncated:
                     paused = perf_counter()
