@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
-#include <utility>
 
 #include "console.hpp"
 
@@ -14,13 +13,22 @@ namespace {
 constexpr size_t kStrict = offsetof(TiaLine, pos);
 constexpr size_t kClocks = offsetof(TiaLine, playfield);
 
+// Whether eight things are equal, without a branch for each: the compiler makes vectors of this.
+template <typename Word>
+bool eight_agree(const void* a, const void* b) {
+    Word x[8], y[8], differences = 0;
+    std::memcpy(x, a, sizeof x);
+    std::memcpy(y, b, sizeof y);
+    for (int i = 0; i < 8; ++i) differences |= x[i] ^ y[i];
+    return differences == 0;
+}
+
 // How many writes agree, of `count`.
 int agreeing(const Write* a, const Write* b, int count) {
-    constexpr int kAtOnce = 4;
-    const auto agree = [&](int i, int n) { return std::memcmp(a + i, b + i, static_cast<size_t>(n) * sizeof *a) == 0; };
+    static_assert(sizeof(Write) == sizeof(uint64_t));
     int i = 0;
-    while (i <= count - kAtOnce && agree(i, kAtOnce)) i += kAtOnce;
-    while (i < count && agree(i, 1)) ++i;
+    while (i <= count - 8 && eight_agree<uint64_t>(a + i, b + i)) i += 8;
+    while (i < count && std::memcmp(a + i, b + i, sizeof *a) == 0) ++i;
     return i;
 }
 
@@ -85,43 +93,63 @@ bool LineCache::begins_alike(Drawing& d) const {
     return !(d.difference.objects & involved_[d.line]);
 }
 
+// Finds how far the log goes on as it did before, and up to which line these are all writes.
+void LineCache::find_agreement(Drawing& d, int lines) const {
+    const int place = first_[d.line], moved = static_cast<int>(d.next - d.log) - place;
+    if (moved == d.moved && place <= d.agreed) return;  // that is known
+    const int comparable = std::min(static_cast<int>(d.end - d.next), first_[known_] - place);
+    d.moved = moved;
+    d.agreed = place + agreeing(d.next, log_ + place, comparable);
+    int line = d.line;
+    for (const int until = std::min(lines, known_); line < until && first_[line + 1] <= d.agreed;) ++line;
+    if (const Write* next = d.log + d.agreed + moved; next != d.end)
+        while (line > d.line && first_[line] == d.agreed && static_cast<int32_t>(3 * next->cycle) < line_clock(line)) --line;
+    d.agreed_lines = line;
+}
+
 // Skips lines with the writes that they had before, as long as they are shown. Returns whether the line that is reached
 // has its writes, too, and only has to be drawn.
 bool LineCache::skip_lines(Drawing& d, int lines) {
-    const int until = std::min(lines, known_), place = first_[d.line], moved = static_cast<int>(d.next - d.log) - place;
-    const int comparable = std::min(static_cast<int>(d.end - d.next), first_[known_] - place);
-    const int agreed = place + agreeing(d.next, log_ + place, comparable);
-    const Difference difference = d.difference;
-    bool has_to_be_drawn = false;
-    int line = d.line;
-    for (int behind = place; line < until; ++line) {
-        const int begins = std::exchange(behind, first_[line + 1]);
-        if (behind > agreed || (difference.objects & involved_[line])) break;
-        const Write* const next = d.log + behind + moved;
-        if (behind == agreed && next != d.end && static_cast<int32_t>(3 * next->cycle) < line_clock(line + 1)) break;
-        has_to_be_drawn = !shows(d, line);
-        if (has_to_be_drawn) break;
-        if (difference.objects) carry(difference, beginnings_[line]);
-        first_[line] = static_cast<uint16_t>(begins + moved);
-    }
-    if (line == d.line) return has_to_be_drawn;
+    find_agreement(d, lines);
+    const int same = std::max(d.line, d.agreed_lines);
+    const unsigned differing = d.difference.objects;
+    int alike = differing ? d.line : same;  // and look so
+    while (alike < same && !(differing & involved_[alike])) ++alike;
+
+    const int line = first_not_shown(d, d.line, alike);
+    if (line == d.line) return line < alike;
+    if (differing) carry(d.difference, d.line, line);
+    const int begins = first_[line];
+    if (d.moved)
+        for (int skipped = d.line; skipped < line; ++skipped) first_[skipped] = static_cast<uint16_t>(first_[skipped] + d.moved);
     d.line = line;
-    d.next = d.log + first_[line] + moved;
+    d.next = d.log + begins + d.moved;
     d.live = false;
-    return has_to_be_drawn;
+    return line < alike;
 }
 
-// Whether the picture shows the line as it looks; what the other one shows is copied.
-bool LineCache::shows(const Drawing& d, int line) {
-    const int row = line - config_.first_line;
-    if (row < 0) return true;
-    uint32_t& shown = shown_[d.picture][row];
-    if (shown != looks_[line] && shown_[d.picture ^ 1][row] == looks_[line]) {
-        const auto offset = kScreenWidth * row;
-        std::memcpy(d.pixels + offset, d.other_pixels + offset, kScreenWidth);
-        shown = looks_[line];
+// The first line from `line` on that the picture does not show as it looks, or `end`. What the other picture shows is
+// copied.
+int LineCache::first_not_shown(const Drawing& d, int line, int end) {
+    if (end <= config_.first_line) return end;
+    line = std::max(line, config_.first_line);
+    uint32_t* const shown = shown_[d.picture];
+    const uint32_t* const shown_by_other = shown_[d.picture ^ 1];
+    int single = line;  // up to here lines are looked at one by one
+    for (; line < end; ++line) {
+        int row = line - config_.first_line;
+        while (line >= single && line + 8 <= end && eight_agree<uint32_t>(shown + row, looks_ + line)) {
+            line += 8;
+            row += 8;
+        }
+        if (line >= single) single = line + 8;
+        if (line == end) break;
+        if (shown[row] == looks_[line]) continue;
+        if (shown_by_other[row] != looks_[line]) break;
+        std::memcpy(d.pixels + kScreenWidth * row, d.other_pixels + kScreenWidth * row, kScreenWidth);
+        shown[row] = looks_[line];
     }
-    return shown == looks_[line];
+    return line;
 }
 
 void LineCache::begin_line(Drawing& d) {
@@ -129,7 +157,7 @@ void LineCache::begin_line(Drawing& d) {
     if (d.live) {
         beginning = d.tia;
     } else {
-        if (d.difference.objects) carry(d.difference, beginning);
+        if (d.difference.objects) carry(d.difference, d.line, d.line + 1);
         static_cast<TiaLine&>(d.tia) = beginning;
         d.beam.begin(d.pixels);
         d.live = true;
@@ -176,15 +204,21 @@ LineCache::Difference LineCache::difference(const TiaLine& now, const TiaLine& b
     return d;
 }
 
-// Makes the beginning of a line that of this frame. Objects that take no part have been moved as before.
-inline void LineCache::carry(const Difference& by, TiaLine& line) {
-    for (int object = kP0; object <= kBL; ++object) {
-        const int position = line.pos[object] + by.pos[object];
-        line.pos[object] = static_cast<uint8_t>(position >= kScreenWidth ? position - kScreenWidth : position);
-    }
-    for (int player : {0, 1}) line.refp[player].value ^= by.refp[player];
-    line.vdelbl.value ^= by.vdelbl;
-    if (by.objects & Beam::kPlacing) line.last_hmove = by.last_hmove;
+// Makes the beginnings of lines those of this frame. Objects that take no part have been moved as before.
+void LineCache::carry(const Difference& by, int first, int last) {
+    const auto each = [&](auto change) {
+        for (int line = first; line < last; ++line) change(beginnings_[line]);
+    };
+    for (int object = kP0; object <= kBL; ++object)
+        if (const int distance = by.pos[object])
+            each([&](TiaLine& line) {
+                const int position = line.pos[object] + distance;
+                line.pos[object] = static_cast<uint8_t>(position >= kScreenWidth ? position - kScreenWidth : position);
+            });
+    for (int player : {0, 1})
+        if (by.refp[player]) each([&](TiaLine& line) { line.refp[player].value ^= by.refp[player]; });
+    if (by.vdelbl) each([&](TiaLine& line) { line.vdelbl.value ^= by.vdelbl; });
+    if (by.objects & Beam::kPlacing) each([&](TiaLine& line) { line.last_hmove = by.last_hmove; });
 }
 
 }  // namespace atari

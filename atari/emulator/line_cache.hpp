@@ -58,18 +58,22 @@ class LineCache {
         int line = 0;
         bool live = true;        // `tia` is up to date; otherwise it is what it was in the frame before, but for the
         Difference difference{};
+        // Writes up to `agreed` of the frame before are those of this one, `moved` further on, and all that come in lines
+        // before `agreed_lines`.
+        int agreed = -1, moved = 0, agreed_lines = 0;
     };
 
     int32_t line_clock(int line) const { return frame_start_ + 228 * line; }
     bool begins_alike(Drawing& d) const;
+    void find_agreement(Drawing& d, int lines) const;
     bool skip_lines(Drawing& d, int lines);
-    bool shows(const Drawing& d, int line);
+    int first_not_shown(const Drawing& d, int line, int end);
     void begin_line(Drawing& d);
     void draw_line(Drawing& d);
     bool repeats_line_above(const Drawing& d) const;
     void draw_straight(const FrameLog& log, uint8_t* pixels);
     static Difference difference(const TiaLine& now, const TiaLine& before);
-    static void carry(const Difference& difference, TiaLine& line);
+    void carry(const Difference& difference, int first, int last);
 
     const ConsoleConfig& config_;
 
