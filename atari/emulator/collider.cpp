@@ -197,11 +197,13 @@ INLINE const Write* Collider::note(const Write* write, const Write* last) {
 
 void Collider::apply_range(const Write* write, const Write* last) {
     while ((write = note(write, last)) != last) {
-        if (!chosen_ && !(kAlwaysActing >> write->reg & 1)) {
-            choose_acting();
-            if ((write = note(write, last)) == last) return;
+        if (!(kAlwaysActing >> write->reg & 1)) {
+            if (!chosen_) {
+                choose_acting();
+                if ((write = note(write, last)) == last) return;
+            }
+            noted_ &= ~(1ull << write->reg);  // it is older
         }
-        noted_ &= ~(1ull << write->reg);  // it is older
         apply_one(*write++);
     }
 }

@@ -84,6 +84,15 @@ struct Written {
         std::memcpy(&players_and_missiles, reg + HMP0, 4);
         return !(players_and_missiles & 0xf0f0f0f0) && !(reg[HMBL] & 0xf0);
     }
+    // As a write to HMOVE brings them along.
+    uint16_t motions() const {
+        uint32_t players_and_missiles;
+        std::memcpy(&players_and_missiles, reg + HMP0, 4);
+        uint32_t nibbles = players_and_missiles >> 4 & 0x0f0f0f0f;
+        nibbles = (nibbles | nibbles >> 4) & 0x00ff00ff;
+        return static_cast<uint16_t>(nibbles | nibbles >> 8);
+    }
+    uint8_t ball_motion() const { return reg[HMBL] >> 4; }
     uint16_t beside_grp1() const { return static_cast<uint16_t>(old_grp0 | (old_enabl & 2) << 7); }
 };
 
@@ -197,7 +206,7 @@ class Console {
     void begin_log();
     void end_log();
     void keep_write(uint8_t reg, uint8_t value);
-    void keep_hmove(uint32_t cycles);
+    void keep_hmove(uint32_t cycles) { *log_end_++ = {cycles, HMOVE, written_.ball_motion(), written_.motions()}; }
     void keep_cxclr(uint32_t cycles);
     void apply_kept(int32_t clock);
     void read_latches(int reg);

@@ -249,12 +249,6 @@ void Console::keep_write(uint8_t reg, uint8_t value) {
     *log_end_++ = {m_.cycles, reg, value, static_cast<uint16_t>(beside)};
 }
 
-void Console::keep_hmove(uint32_t cycles) {
-    const uint8_t* hm = written_.reg + HMP0;
-    *log_end_++ = {cycles, HMOVE, static_cast<uint8_t>(hm[kBL] >> 4),
-                   static_cast<uint16_t>(hm[kP0] >> 4 | (hm[kP1] & 0xf0) | (hm[kM0] & 0xf0) << 4 | (hm[kM1] & 0xf0) << 8)};
-}
-
 void Console::keep_cxclr(uint32_t cycles) {
     collisions_from_ = log_end_;
     cleared_ = true;
