@@ -37,6 +37,22 @@ constexpr auto kPlayfieldNear = [] {
     return table;
 }();
 
+constexpr int width_of_player(int mode) { return mode == 5 ? 17 : mode == 7 ? 33 : 8; }  // wide ones begin a pixel late
+
+// And near to all copies of a player: by the mirroring, the low bits of NUSIZ, and its place.
+constexpr auto kPlayfieldNearPlayer = [] {
+    std::array<std::array<std::array<uint32_t, kScreenWidth>, 8>, 2> table{};
+    for (size_t mirror = 0; mirror < 2; ++mirror)
+        for (int mode = 0; mode < 8; ++mode)
+            for (int x = 0; x < kScreenWidth; ++x)
+                for (int copy = 0; copy < kCopies[mode].count; ++copy) {
+                    const auto width = static_cast<size_t>(std::bit_width(static_cast<unsigned>(width_of_player(mode)) - 1u));
+                    const auto at = static_cast<size_t>((x + kCopies[mode].offset[copy]) % kScreenWidth);
+                    table[mirror][static_cast<size_t>(mode)][static_cast<size_t>(x)] |= kPlayfieldNear[mirror][width][at];
+                }
+    return table;
+}();
+
 }  // namespace
 
 // An object has appeared or disappeared.
@@ -129,9 +145,11 @@ bool Collider::may_touch(unsigned a, unsigned b) {
 
 // The bits of the playfield that an object could collide with where it is now; cells of four pixels are near enough.
 uint32_t Collider::playfield_near(unsigned object) {
+    const size_t mirror = t_.pf_mirror ? 1 : 0;
+    if (object <= kP1) return kPlayfieldNearPlayer[mirror][t_.nusiz[object] & 7][t_.pos[object]];
     if (!(near_known_ & bit_of(object))) {
         near_known_ |= bit_of(object);
-        const auto& near = kPlayfieldNear[t_.pf_mirror ? 1 : 0][static_cast<size_t>(std::bit_width(width_of(object) - 1u))];
+        const auto& near = kPlayfieldNear[mirror][static_cast<size_t>(std::bit_width(width_of(object) - 1u))];
         near_[object] = 0;
         visit_copies(object, [&](int x) { near_[object] |= near[static_cast<size_t>(x % kScreenWidth)]; });
     }
@@ -143,8 +161,7 @@ inline int Collider::width_of(unsigned object) const {
     const Tia& t = t_;
     if (object == kBL) return 1 << (t.ctrlpf >> 4 & 3);
     if (object >= kM0) return 1 << ((t.nusiz[object - kM0] >> 4 & 3) | (t.m0_variant == kWide ? 1 : 0));
-    const int mode = t.nusiz[object] & 7;
-    return mode == 5 ? 17 : mode == 7 ? 33 : 8;  // wide players begin a pixel late
+    return width_of_player(t.nusiz[object] & 7);
 }
 
 // Calls `visit` with the first pixel of each copy of an object, not wrapped.
