@@ -350,7 +350,7 @@ void Beam::make_layers() {
     layers_known_ = true;
     for (unsigned stale = stale_ & enabled_; stale; stale &= stale - 1) {
         const int object = std::countr_zero(stale);
-        masks_[object] = object_mask(t_, object);
+        make_mask(masks_[object], t_, object);
     }
     stale_ &= ~enabled_;
     static constexpr Mask kNone, kLeft = Mask::range(0, 80);

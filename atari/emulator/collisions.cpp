@@ -176,7 +176,7 @@ inline void Collider::visit_copies(unsigned object, Visit&& visit) const {
 inline const Mask& Collider::mask(unsigned object) {
     if (stale_ & bit_of(object)) {
         stale_ &= ~bit_of(object);
-        masks_[object] = object_mask(t_, static_cast<int>(object));
+        make_mask(masks_[object], t_, static_cast<int>(object));
     }
     return masks_[object];
 }

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <cstring>
 #include <memory>
+#include <new>
 #include <vector>
 
 #include "cartridge.hpp"
@@ -25,6 +26,9 @@ namespace atari {
 
 // The pixels of an object as it now is.
 Mask object_mask(const Tia& tia, int object);
+
+// Made where it is wanted: a copy right behind its making would wait for the words to arrive in memory.
+inline void make_mask(Mask& mask, const Tia& tia, int object) { new (&mask) Mask(object_mask(tia, object)); }
 
 // The DPC chip's next random number behind each.
 inline constexpr auto kDpcRandom = [] {

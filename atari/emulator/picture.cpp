@@ -115,7 +115,7 @@ bool Console::enabled(int object) const {
 const Mask& Console::mask(int object) {
     if (stale_ & 1u << object) {
         stale_ &= ~(1u << object);
-        masks_[object] = object_mask(m_.tia, object);
+        make_mask(masks_[object], m_.tia, object);
     }
     return masks_[object];
 }
