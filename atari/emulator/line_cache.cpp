@@ -13,22 +13,26 @@ namespace {
 constexpr size_t kStrict = offsetof(TiaLine, pos);
 constexpr size_t kClocks = offsetof(TiaLine, playfield);
 
-// Whether eight things are equal, without a branch for each: the compiler makes vectors of this.
-template <typename Word>
-bool eight_agree(const void* a, const void* b) {
-    Word x[8], y[8], differences = 0;
-    std::memcpy(x, a, sizeof x);
-    std::memcpy(y, b, sizeof y);
-    for (int i = 0; i < 8; ++i) differences |= x[i] ^ y[i];
-    return differences == 0;
+// Whether bytes agree, without a branch for each word: the compiler makes vectors of this.
+template <size_t size>
+bool agree(const void* a, const void* b) {
+    static_assert(size >= 8);
+    const auto differences = [&](size_t at) {
+        uint64_t x, y;
+        std::memcpy(&x, static_cast<const char*>(a) + at, sizeof x);
+        std::memcpy(&y, static_cast<const char*>(b) + at, sizeof y);
+        return x ^ y;
+    };
+    uint64_t any = differences(size - 8);
+    for (size_t at = 0; at + 8 < size; at += 8) any |= differences(at);
+    return any == 0;
 }
 
 // How many writes agree, of `count`.
 int agreeing(const Write* a, const Write* b, int count) {
-    static_assert(sizeof(Write) == sizeof(uint64_t));
     int i = 0;
-    while (i <= count - 8 && eight_agree<uint64_t>(a + i, b + i)) i += 8;
-    while (i < count && std::memcmp(a + i, b + i, sizeof *a) == 0) ++i;
+    while (i <= count - 8 && agree<8 * sizeof(Write)>(a + i, b + i)) i += 8;
+    while (i < count && agree<sizeof(Write)>(a + i, b + i)) ++i;
     return i;
 }
 
@@ -87,7 +91,7 @@ bool LineCache::begins_alike(Drawing& d) const {
     if (d.line >= known_) return false;
     if (d.live) {
         const TiaLine &now = d.tia, &before = beginnings_[d.line];
-        if (std::memcmp(&now, &before, kStrict) != 0) return false;
+        if (!agree<kStrict>(&now, &before)) return false;
         d.difference = difference(now, before);
     }
     return !(d.difference.objects & involved_[d.line]);
@@ -138,7 +142,7 @@ int LineCache::first_not_shown(const Drawing& d, int line, int end) {
     int single = line;  // up to here lines are looked at one by one
     for (; line < end; ++line) {
         int row = line - config_.first_line;
-        while (line >= single && line + 8 <= end && eight_agree<uint32_t>(shown + row, looks_ + line)) {
+        while (line >= single && line + 8 <= end && agree<8 * sizeof *shown>(shown + row, looks_ + line)) {
             line += 8;
             row += 8;
         }
@@ -182,12 +186,12 @@ bool LineCache::repeats_line_above(const Drawing& d) const {
     if (beginnings_[d.line].drawn_to != beginnings_[d.line - 1].drawn_to + 228) return false;
     if (d.next != d.end && static_cast<int32_t>(3 * d.next->cycle) < line_clock(d.line + 1)) return false;
     const auto* const now = reinterpret_cast<const char*>(&beginnings_[d.line]);
-    return std::memcmp(now + kClocks, now - sizeof(TiaLine) + kClocks, sizeof(TiaLine) - kClocks) == 0;
+    return agree<sizeof(TiaLine) - kClocks>(now + kClocks, now - sizeof(TiaLine) + kClocks);
 }
 
 LineCache::Difference LineCache::difference(const TiaLine& now, const TiaLine& before) {
     Difference d{};
-    if (std::memcmp(before.pos, now.pos, sizeof now - kStrict) == 0) return d;
+    if (agree<sizeof now - kStrict>(before.pos, now.pos)) return d;
     for (unsigned object = kP0; object <= kBL; ++object) {
         const int by = now.pos[object] - before.pos[object];
         d.pos[object] = static_cast<uint8_t>(by < 0 ? by + kScreenWidth : by);
