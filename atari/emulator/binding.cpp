@@ -182,7 +182,7 @@ class Emulator {
 
     // A new array, or `out`, filled by `fill(environment, pointer)`.
     template <typename Fill>
-    nb::object filled(std::vector<size_t> shape, nb::object out, Fill&& fill) {
+    nb::object filled(const std::vector<size_t>& shape, nb::object out, Fill&& fill) {
         size_t size = 1;
         for (size_t extent : shape) size *= extent;
         if (!out.is_none()) {
@@ -206,7 +206,7 @@ class Emulator {
     }
 
     size_t height() {
-        return locked([](Environment& e) { return static_cast<size_t>(e.height()); });
+        return briefly([](Environment& e) { return static_cast<size_t>(e.height()); });
     }
 
     // Actions are converted by hand: this is called for every frame, and its errors are read by people.
@@ -250,8 +250,8 @@ NB_MODULE(_emulator, m) {
 
     const auto array = [](auto method, bool colour) {
         return [method, colour](Emulator& emulator, nb::object out) {
-            std::vector<size_t> shape{emulator.height(), kScreenWidth};
-            if (colour) shape.push_back(3);
+            const size_t height = emulator.height();
+            const auto shape = colour ? std::vector<size_t>{height, kScreenWidth, 3} : std::vector<size_t>{height, kScreenWidth};
             return emulator.filled(shape, out, [method](Environment& e, uint8_t* to) { (e.*method)(to); });
         };
     };

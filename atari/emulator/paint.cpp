@@ -113,20 +113,24 @@ WIDER void to_rgb_wider(const uint8_t* picture, int rows, const Palette& palette
         red_green[channel] = _mm512_loadu_si512(kInterleaved.red_green[channel]);
         blue[channel] = _mm512_loadu_si512(kInterleaved.blue[channel]);
     }
-    const int pixels = rows * kScreenWidth;
-    for (int i = 0; i < pixels; i += 64) {
-        const int count = pixels - i;  // less than 64 in the last round, perhaps
-        const __mmask64 here = count >= 64 ? ~0ull : (1ull << count) - 1;
-        const __m512i indices = _mm512_maskz_loadu_epi8(here, picture + i);
+    const int pixels = rows * kScreenWidth, whole = pixels / 64 * 64;
+    const auto convert = [&](__m512i indices, auto store) WIDER {
         __m512i colour[3];
         for (int channel = 0; channel < 3; ++channel) colour[channel] = look_up(tables[channel], indices);
         for (int part = 0; part < 3; ++part) {
             const __m512i mixed = _mm512_permutex2var_epi8(colour[0], red_green[part], colour[1]);
-            const __m512i bytes = _mm512_mask_permutexvar_epi8(mixed, kInterleaved.is_blue[part], blue[part], colour[2]);
-            const int left = std::clamp(3 * count - 64 * part, 0, 64);
-            _mm512_mask_storeu_epi8(out + 3 * i + 64 * part, left == 64 ? ~0ull : (1ull << left) - 1, bytes);
+            store(part, _mm512_mask_permutexvar_epi8(mixed, kInterleaved.is_blue[part], blue[part], colour[2]));
         }
-    }
+    };
+    for (int i = 0; i < whole; i += 64)
+        convert(_mm512_loadu_si512(picture + i),
+                [&](int part, __m512i bytes) WIDER { _mm512_storeu_si512(out + 3 * i + 64 * part, bytes); });
+    if (whole == pixels) return;
+    // Half of 64 are left.
+    convert(_mm512_maskz_loadu_epi8(0xffffffff, picture + whole), [&](int part, __m512i bytes) WIDER {
+        const __mmask64 inside = part == 0 ? ~0ull : part == 1 ? 0xffffffff : 0;
+        _mm512_mask_storeu_epi8(out + 3 * whole + 64 * part, inside, bytes);
+    });
 }
 #endif
 
