@@ -249,6 +249,10 @@ void Console::keep_write(uint8_t reg, uint8_t value) {
     *log_end_++ = {m_.cycles, reg, value, static_cast<uint16_t>(beside)};
 }
 
+void Console::keep_hmove(uint32_t cycles) {
+    *log_end_++ = {cycles, HMOVE, written_.ball_motion(), written_.motions()};
+}
+
 void Console::keep_cxclr(uint32_t cycles) {
     collisions_from_ = log_end_;
     cleared_ = true;

@@ -153,7 +153,8 @@ def count_down(rng: random.Random) -> bytes:
     """A loop of DEX or DEY, perhaps with a WSYNC: mostly to zero or past it, from anywhere."""
     way = rng.choice(((0xA2, 0xCA), (0xA0, 0x88)))
     line = rng.choice((b"", b"", b"", bytes([rng.choice(STORES), W.WSYNC])))
-    count = rng.choice((rng.randrange(40), rng.randrange(20) if line else rng.choice((0x7F, 0x80, 0x81, rng.randrange(256)))))
+    many = rng.randrange(20) if line else rng.choice((0x7F, 0x80, 0x81, rng.randrange(256)))
+    count = rng.choice((rng.randrange(40), many))
     branch = rng.choice((0xD0, 0xD0, 0x10, 0x10, rng.choice(BRANCHES)))
     distance = rng.choice((-3 - len(line), -3 - len(line), -3 - len(line), -3, -2))
     return bytes([way[0], count, *line, way[1], branch, distance & 0xFF])
