@@ -33,7 +33,7 @@ from typing import Any
 import atari
 
 sys.path.insert(0, str(Path(__file__).parent))  # PYTHONSAFEPATH leaves it out
-from bench_suites import SUITES, Comparison
+from bench_suites import SUITES, Comparison, without_envpool
 
 Times = dict[str, list[float]]
 """Microseconds a step by contestant, one value a round."""
@@ -177,6 +177,7 @@ def main() -> None:
     for game in games:
         atari.games.find(game)
     comparisons = list(SUITES[options.suite](*([options.envs] if options.suite == "sizes" else [])))
+    comparisons = without_envpool(comparisons, games)
     results = {}
     for game in games:
         print(f"{game} ...", file=sys.stderr, flush=True)

@@ -376,6 +376,31 @@ def has_envpool() -> bool:
     return found
 
 
+def without_envpool(comparisons: list[Comparison], games: list[str]) -> list[Comparison]:
+    """The comparisons as they are if EnvPool has all these games; otherwise without it, which is said."""
+    beside = any(side.name.startswith("EnvPool") for comparison in comparisons for side in comparison.contestants)
+    if not beside:
+        return comparisons
+    import envpool
+
+    known = set(envpool.list_all_envs())
+    lacking = [game for game in games if envpool_task(game) not in known]
+    if not lacking:
+        return comparisons
+    print(f"EnvPool lacks {', '.join(lacking)} and is left out.", file=sys.stderr)
+    return [
+        dataclasses.replace(
+            comparison, contestants=[side for side in comparison.contestants if not side.name.startswith("EnvPool")]
+        )
+        for comparison in comparisons
+    ]
+
+
+def envpool_task(game: str) -> str:
+    """EnvPool's name of a game."""
+    return atari.registration.stem(game) + "-v5"
+
+
 def ale_py_envs(game: str, count: int, **options: Any) -> Any:
     """ale-py's vector environment with as many threads as it likes."""
     return ale_py.AtariVectorEnv(game, count, **options)
@@ -385,9 +410,8 @@ def envpool_envs(game: str, count: int) -> Any:
     """EnvPool with as many threads as there are cores."""
     import envpool
 
-    task = atari.registration.stem(game) + "-v5"
     threads = min(count, os.cpu_count() or 1)
-    return envpool.make(task, env_type="gymnasium", num_envs=count, num_threads=threads)
+    return envpool.make(envpool_task(game), env_type="gymnasium", num_envs=count, num_threads=threads)
 
 
 def batches_of(make: Callable[[str], Any], dtype: type[np.integer[Any]]) -> Callable[[str], Run]:
@@ -416,8 +440,7 @@ def envpool_vector(game: str) -> Run:
     """EnvPool, one environment, one thread."""
     import envpool
 
-    task = atari.registration.stem(game) + "-v5"
-    return vector_steps(envpool.make(task, env_type="gymnasium", num_envs=1, num_threads=1), np.int32)
+    return vector_steps(envpool.make(envpool_task(game), env_type="gymnasium", num_envs=1, num_threads=1), np.int32)
 
 
 def vector_steps(envs: Any, dtype: type[np.integer[Any]]) -> Run:

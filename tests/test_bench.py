@@ -5,6 +5,7 @@ import runpy
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -73,6 +74,18 @@ def test_ratios_to_envpool_are_told_too(bench: dict[str, Any]) -> None:
         "EnvPool: geometric mean 0.75x over 1 games, minimum 0.75x (pong)",
         "native beside EnvPool: geometric mean 4.00x over 1 games, minimum 4.00x (pong)",
     ]
+
+
+def test_envpool_is_left_out_where_it_lacks_a_game(
+    bench: dict[str, Any], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "envpool", SimpleNamespace(list_all_envs=lambda: ["Pong-v5"]))
+    sides = [SimpleNamespace(name=name) for name in ("native", "EnvPool", "ale-py")]
+    comparisons = [bench["Comparison"]("step", sides)]
+    assert bench["without_envpool"](comparisons, ["pong"]) == comparisons
+    (comparison,) = bench["without_envpool"](comparisons, ["pong", "tic_tac_toe_3d"])
+    assert [side.name for side in comparison.contestants] == ["native", "ale-py"]
+    assert capsys.readouterr().err == "EnvPool lacks tic_tac_toe_3d and is left out.\n"
 
 
 def test_an_unknown_game_is_an_error_before_anything_is_measured() -> None:
