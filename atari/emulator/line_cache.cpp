@@ -174,8 +174,12 @@ void LineCache::draw_line(Drawing& d) {
     if (repeats_line_above(d)) d.beam.repeat_row();
     else d.next = d.beam.draw_line(d.next, d.end, line_clock(d.line + 1));
     involved_[d.line] = static_cast<uint8_t>(d.beam.involved());
-    if (const int row = d.line - config_.first_line; row >= 0) shown_[d.picture][row] = looks_[d.line];
+    const int row = d.line - config_.first_line;
+    if (row >= 0) shown_[d.picture][row] = looks_[d.line];
     ++d.line;
+    // A write at the line's end may show in the next line. If that begins with a blank, part of its row is black by now.
+    const bool reaches_on = d.tia.hmove_blank && d.tia.drawn_to > line_clock(d.line);
+    if (reaches_on && row + 1 >= 0 && row + 1 < config_.height) shown_[d.picture][row + 1] = 0;
 }
 
 // Whether the line has no writes and begins as the line above, which had none either. What the end of a line does comes

@@ -203,11 +203,11 @@ def test_pictures_that_change(batch: int) -> None:
             (wild_programs.changing_picture, seed)
             for seed in (10428, 10455, 10624, 21467, 24821, 100632, 103428, 203054)
         ),
-        *((tia_program, seed) for seed in (10160, 10297, 12217, 100136, 100785, 100928)),
+        *((tia_program, seed) for seed in (10160, 10297, 12217, 100136, 100785, 100928, 703281)),
     ],
 )
 def test_programs_that_have_found_an_error(make: Any, seed: int) -> None:
-    """One in some ten thousand: late changes of the mirroring, strobes at a line's end, frames that are run again."""
+    """One in some ten thousand: late mirroring, strobes and blanks at a line's end, frames that are run again."""
     rng = random.Random(seed)
     more = {"rounds": 6, "travels": 0.3} if make is wild_programs.changing_picture else {}
     play(make(rng), "4K", f"{make.__name__} {seed}", rng, **more)
