@@ -111,7 +111,7 @@ struct ConsoleCopy {
     };
     Machine machine;
     std::vector<uint8_t> cart_ram;
-    std::vector<uint8_t> pictures[2];  // empty where a log replaces the whole picture
+    std::vector<uint8_t> pictures[2];  // only what is behind the picture where a log replaces all of that
     Log logs[kLogs];
     int log, last_log, owed[2], open_log;
     std::ptrdiff_t open_from;

@@ -154,8 +154,8 @@ void Console::copy_to(ConsoleCopy& copy) const {
         const int owed = owed_[buffer];
         copy.owed[buffer] = owed;
         if (owed >= 0) needed[owed] = true;
-        if (owed < 0 || logs_[owed].replaced < whole) copy.pictures[buffer].assign(pictures_[buffer], pictures_[buffer] + shown);
-        else copy.pictures[buffer].clear();
+        const bool replaced = owed >= 0 && logs_[owed].replaced >= whole;
+        copy.pictures[buffer].assign(pictures_[buffer] + (replaced ? whole : 0), pictures_[buffer] + shown);
     }
     if (open_log_ >= 0) needed[open_log_] = needed[log_] = true;
     for (int i = 0; i < kLogs; ++i) {
@@ -179,8 +179,7 @@ void Console::copy_from(const ConsoleCopy& copy) {
     cart_ram_ = copy.cart_ram;
     for (int buffer : {0, 1}) {
         owed_[buffer] = copy.owed[buffer];
-        const std::vector<uint8_t>& picture = copy.pictures[buffer];
-        if (!picture.empty()) std::copy(picture.begin(), picture.end(), pictures_.use(buffer, picture.size()));
+        pictures_.restore(buffer, copy.pictures[buffer], config_.picture_bytes());
     }
     for (int i = 0; i < kLogs; ++i) {
         const ConsoleCopy::Log& from = copy.logs[i];

@@ -33,6 +33,13 @@ class Pictures {
         return pixels.data();
     }
 
+    // Restores the last of so many bytes. A picture that was never drawn to and would stay blank takes no memory.
+    void restore(int picture, const std::vector<uint8_t>& last, std::size_t bytes) {
+        const bool blank = pixels_[static_cast<std::size_t>(picture)].empty() &&
+                           std::all_of(last.begin(), last.end(), [](uint8_t pixel) { return pixel == 0; });
+        if (!blank) std::copy(last.begin(), last.end(), use(picture, bytes) + (bytes - last.size()));
+    }
+
     void save(int picture, uint8_t* out) const {
         const auto& pixels = pixels_[static_cast<std::size_t>(picture)];
         const std::size_t size = std::min(pixels.size(), std::size_t{kFrameBytes});
