@@ -196,8 +196,9 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
             gymnasium.error.ResetNeeded: before the first reset, or after an error in an environment.
             TypeError, ValueError: the actions are not in the action space, or `out` does not fit; nothing is played.
         """
-        self.send(actions, out)
-        return self.recv()
+        engine = self._open()
+        self._send(engine, actions, out)
+        return self._receive(engine)
 
     def send(self, actions: Any, out: Any = None) -> None:
         """Begin a step; `recv` returns its results. Arguments and errors are those of `step`.
@@ -207,7 +208,9 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         Raises:
             gymnasium.error.AlreadyPendingCallError: the last step has not been received.
         """
-        engine = self._open()
+        self._send(self._open(), actions, out)
+
+    def _send(self, engine: _emulator.Vector, actions: Any, out: Any) -> None:
         if self._phase == "new":
             raise gymnasium.error.ResetNeeded("call reset() before the first step, and after an error in one")
         if self._phase == "sent":
@@ -373,10 +376,13 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         assert self._engine is not None
         if out is not None:
             return Results(self._engine, self._options, out)
-        free = (results for results in self._buffers if not results.held())
-        results = next(free, None) or Results(self._engine, self._options)
-        self._buffers = [*(one for one in self._buffers if one is not results), results][-2:]
-        return results
+        older, newer = self._buffers
+        if not older.held():
+            older, newer = newer, older
+        elif newer.held():
+            older, newer = newer, Results(self._engine, self._options)
+        self._buffers = [older, newer]
+        return newer
 
     def _reset_mask(self, options: dict[str, Any] | None) -> npt.NDArray[np.bool_]:
         mask = (options or {}).get("reset_mask")

@@ -15,7 +15,7 @@ from gymnasium.vector import AutoresetMode
 from atari import _emulator
 from atari.vector_options import VectorOptions
 
-_INFO = ("env_id", "lives", "frame_number", "episode_frame_number")
+_FINAL_INFO = ("lives", "frame_number", "episode_frame_number")
 
 
 class Results:
@@ -37,8 +37,8 @@ class Results:
         shapes = {name: (rows, *(part.shape or ())) for name, part in parts.items()}
         self._observation = _checked(out, shapes) if out is not None else _empty(shapes)
         self._final = _empty(shapes) if options.autoreset_mode == AutoresetMode.SAME_STEP else {}
-        self._numbers = np.zeros((8, rows), np.int32)
-        self._flags = np.zeros((3, rows), np.bool_)
+        self._numbers, self._flags = np.zeros((8, rows), np.int32), np.zeros((3, rows), np.bool_)
+        self._step_numbers, self._step_flags = self._numbers[:5], self._flags[:2]  # without those of ended episodes
         self._everyone = np.ones(rows, np.bool_)
         self._everyone.flags.writeable = False
         pixels, ram = options.part_names()
@@ -51,29 +51,36 @@ class Results:
             numbers=self._numbers,
             flags=self._flags,
         )
-        self._own_references = self._references()
+        self._arrays = [*self._observation.values(), *self._final.values()]
+        self._own_references = list(map(sys.getrefcount, self._arrays))
 
     def held(self) -> bool:
         """Does anybody hold observations that lie here?"""
-        return self._references() != self._own_references
-
-    def _references(self) -> list[int]:
-        return [sys.getrefcount(array) for parts in (self._observation, self._final) for array in parts.values()]
+        return list(map(sys.getrefcount, self._arrays)) != self._own_references
 
     def read(self, action_masks: npt.NDArray[np.bool_] | None) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         """Observations, which stay where they are, and copies of all else."""
-        reward, *numbers = self._numbers.copy()
-        terminated, truncated, ended = self._flags.copy()
-        info: dict[str, Any] = dict(zip(_INFO, numbers, strict=False))
-        for name in _INFO:
-            info["_" + name] = self._everyone
+        everyone = self._everyone
+        reward, env_id, lives, frame_number, episode_frame_number = self._step_numbers.copy()
+        terminated, truncated = self._step_flags.copy()
+        info: dict[str, Any] = {
+            "env_id": env_id,
+            "_env_id": everyone,
+            "lives": lives,
+            "_lives": everyone,
+            "frame_number": frame_number,
+            "_frame_number": everyone,
+            "episode_frame_number": episode_frame_number,
+            "_episode_frame_number": everyone,
+        }
         if action_masks is not None:
-            info["action_mask"], info["_action_mask"] = action_masks[info["env_id"]], self._everyone
+            info["action_mask"], info["_action_mask"] = action_masks[env_id], everyone
         if self._final and (terminated.any() or truncated.any()):
-            info["final_obs"], info["_final_obs"] = self._shown(self._final), ended
+            ended = self._flags[2].copy()
             final_info: dict[str, Any] = {}
-            for name, values in zip(_INFO[1:], numbers[4:], strict=True):
+            for name, values in zip(_FINAL_INFO, self._numbers[5:].copy(), strict=True):
                 final_info[name], final_info["_" + name] = values, ended
+            info["final_obs"], info["_final_obs"] = self._shown(self._final), ended
             info["final_info"], info["_final_info"] = final_info, ended
         return self._shown(self._observation), reward, terminated, truncated, info
 
