@@ -8,6 +8,7 @@
 
 #include <cstdint>
 
+#include "line_difference.hpp"
 #include "masks.hpp"
 #include "paint.hpp"
 #include "state.hpp"
@@ -19,9 +20,6 @@ struct ConsoleConfig;
 
 class Beam {
   public:
-    // Among objects that are involved in a line: a missile or the ball is placed, which may depend on when HMOVE was.
-    static constexpr unsigned kPlacing = 1u << 6;
-
     // `tia` is brought forward by the calls below.
     Beam(Tia& tia, const ConsoleConfig& config) : t_(tia), config_(config) {}
 

@@ -8,15 +8,46 @@
 
 namespace atari {
 
+namespace {
+
+// What writes that can be noted do to their registers.
+
+void set_graphics_of(TiaLine& t, unsigned player, const Write& write) {
+    t.grp[player] = write.value;
+    t.old_grp[player ^ 1] = static_cast<uint8_t>(write.beside);
+    if (player == 1) t.old_enabl = write.beside >> 8 != 0;
+}
+
+void set_register(TiaLine& t, const Write& write) {
+    const uint8_t reg = write.reg, value = write.value;
+    switch (reg) {
+        case REFP0: case REFP1: t.refp[reg - REFP0] = value & 8; break;
+        case PF0: case PF1: case PF2: t.playfield = with_playfield(t.playfield, reg, value); break;
+        case GRP0: case GRP1: set_graphics_of(t, reg - GRP0, write); break;
+        case ENAM0: case ENAM1: t.enam[reg - ENAM0] = value & 2; break;
+        case ENABL: t.enabl = value & 2; break;
+        default: break;
+    }
+}
+
+}  // namespace
+
 void Collider::begin(unsigned latches) {
-    const Tia& t = t_;
     watched_ = latches;
-    first_cycle_ = static_cast<uint32_t>(t.frame_start / 3);
-    from_ = t.drawn_to;
-    blanked_at_ = t.draw_start;
-    line_end_acts_ = collecting_ = true;
-    idle_ = false;
+    first_cycle_ = static_cast<uint32_t>(t_.frame_start / 3);
+    from_ = t_.drawn_to;
+    blanked_at_ = t_.draw_start;
+    collecting_ = true;
+    acted_ = 0;
     noted_ = 0;
+    look_around();
+}
+
+// Finds out what there is, about which nothing is known.
+void Collider::look_around() {
+    const Tia& t = t_;
+    line_end_acts_ = true;
+    idle_ = false;
     stale_ = 0x3f;
     near_known_ = 0;
     unknown_ = 0xffff;
@@ -38,28 +69,41 @@ void Collider::watch(unsigned latches) {
     reconsider();
 }
 
-void Collider::apply(const Write* first, const Write* last, const Write* collisions_from) {
-    if (collisions_from > first) {
-        const Write* const collected = std::min(collisions_from, last);
-        collecting_ = false;
-        reconsider();
-        apply_range(first, collected);
-        first = collected;
-        bring_up(kLooks);
-        collecting_ = true;
-        reconsider();
-    }
-    apply_range(first, last);
+void Collider::collect(bool on) {
+    if (on) bring_up(kLooks);
+    collecting_ = on;
+    reconsider();
 }
 
 void Collider::finish() {
     Tia& t = t_;
     bring_up(~0ull);
     if (idle_) skip_to_pending();
-    if (t.hmove_blank && blank_is_over()) t.hmove_blank = false;
+    if (t.hmove_blank && blank_is_over(t.drawn_to)) t.hmove_blank = false;
     t.to_line_end = line_end(t) - t.drawn_to;
     const int32_t drawn = t.drawn_to - t.draw_start;
     t.write_pos = drawn / 228 * kScreenWidth + std::max(0, drawn % 228 - 68);
+}
+
+TiaLine Collider::state_at(int32_t clock) {
+    advance(clock);
+    bring_up(set_of({STILL}));
+    TiaLine state = t_;
+    for (Registers rest = noted_; rest; rest &= rest - 1)
+        set_register(state, *latest_[std::countr_zero(rest)]);
+    state.ctrlpf &= 0x31;
+    // As `skip_to_pending` would leave it.
+    if (state.pending >= t_.draw_start) state.drawn_to = std::max(state.drawn_to, std::min(state.pending, t_.draw_stop));
+    if (state.hmove_blank && blank_is_over(state.drawn_to)) state.hmove_blank = false;
+    return state;
+}
+
+void Collider::go_on_from(const TiaLine& state, uint16_t collisions, int32_t blanked_at) {
+    static_cast<TiaLine&>(t_) = state;
+    t_.collisions = collisions;
+    blanked_at_ = blanked_at;
+    noted_ = 0;
+    look_around();
 }
 
 // --- what single registers do ---
@@ -68,13 +112,10 @@ void Collider::finish() {
 INLINE void Collider::set_graphics(unsigned player, const Write& write) {
     Tia& t = t_;
     const unsigned other = player ^ 1;
-    t.grp[player] = write.value;
-    t.old_grp[other] = static_cast<uint8_t>(write.beside);
+    set_graphics_of(t, player, write);
     if (!t.vdelp[player]) show(player);
     if (t.vdelp[other]) show(other);
-    if (player == 0) return;
-    t.old_enabl = write.beside >> 8 != 0;
-    if (t.vdelbl) enable(kBL, t.old_enabl);
+    if (player == 1 && t.vdelbl) enable(kBL, t.old_enabl);
 }
 
 INLINE void Collider::set_enam(unsigned missile, uint8_t value) {
@@ -119,14 +160,14 @@ INLINE void Collider::apply_one(const Write& write) {
             bring_up(set_of({STILL}));
             t.pos[kM0 + second] = strobe_missile(second, hpos(), static_cast<uint32_t>(clock - t.last_hmove));
             if (second == 0) t.m0_variant = kPlain;
-            moved(kM0 + second);
+            moved(bit_of(kM0 + second));
             break;
         }
         case RESBL:
             advance(clock);
             bring_up(set_of({STILL}));
             t.pos[kBL] = strobe_ball(hpos(), static_cast<uint32_t>(clock - t.last_hmove));
-            moved(kBL);
+            moved(bit_of(kBL));
             break;
         case GRP0: write_graphics(0, write, clock); break;
         case GRP1: write_graphics(1, write, clock); break;
@@ -179,7 +220,7 @@ INLINE void Collider::apply_one(const Write& write) {
         case SAME_TIME:  // of writes that one instruction makes at the same time, the slowest counts
             t.pending = std::max(t.pending, shown_at((&write)[-1], first_cycle_));
             break;
-        default: apply_noted(write); break;  // colours
+        default: break;
     }
 }
 
@@ -195,7 +236,7 @@ INLINE const Write* Collider::note(const Write* write, const Write* last) {
     return write;
 }
 
-void Collider::apply_range(const Write* write, const Write* last) {
+void Collider::apply(const Write* write, const Write* last) {
     while ((write = note(write, last)) != last) {
         if (!(kAlwaysActing >> write->reg & 1)) {
             if (!chosen_) {
@@ -204,6 +245,7 @@ void Collider::apply_range(const Write* write, const Write* last) {
             }
             noted_ &= ~(1ull << write->reg);  // it is older
         }
+        ++acted_;
         apply_one(*write++);
     }
 }
@@ -213,10 +255,6 @@ void Collider::apply_noted(const Write& write) {
     Tia& t = t_;
     const uint8_t value = write.value;
     switch (write.reg) {
-        case COLUP0: case COLUP1: case COLUPF: case COLUBK:
-            t.colour[write.reg - COLUP0] = colour_of(value, config_.pal, t);
-            break;
-        case PRIORITY: t.ctrlpf = value; break;
         case REFP0: case REFP1:
             t.refp[write.reg - REFP0] = value & 8;
             outdate(write.reg - REFP0);
@@ -224,7 +262,7 @@ void Collider::apply_noted(const Write& write) {
         case PF0: case PF1: case PF2:
             t.playfield = with_playfield(t.playfield, write.reg, value);
             if (t.playfield) enable(kPF, true);  // it stays so: it comes and goes with the lines
-            moved(kPF);
+            moved(bit_of(kPF));
             break;
         case GRP0: set_graphics(0, write); break;
         case GRP1: set_graphics(1, write); break;
@@ -253,8 +291,8 @@ void Collider::write_nusiz(unsigned player, uint8_t value, int32_t clock) {
         advance(clock + 8);
         t.skip_first[player] = false;
         if (player == 0) t.m0_variant = kPlain;
-        moved(kP0 + player);
-        moved(kM0 + player);
+        moved(bit_of(kP0 + player));
+        moved(bit_of(kM0 + player));
     }
     t.nusiz[player] = value;
 }
@@ -265,14 +303,13 @@ void Collider::write_ctrlpf(uint8_t value, int hpos, int32_t clock) {
     const bool mirrored = pending || ((t.ctrlpf ^ value) & 1);
     if (sized || mirrored) advance(clock);
     t.ctrlpf = value;
-    noted_ &= ~(1ull << PRIORITY);
-    if (sized) moved(kBL);
+    if (sized) moved(bit_of(kBL));
     if (!mirrored) return;
     bring_up(kLooks);
     if (hpos < 147) t.pf_mirror = value & 1;  // otherwise the line's end changes it
     line_end_acts_ |= t.pf_mirror != (value & 1);
     near_known_ = 0;
-    moved(kPF);
+    moved(bit_of(kPF));
     reconsider();
 }
 
@@ -292,7 +329,7 @@ inline void Collider::write_playfield(const Write& write, int32_t shown) {
     if (chosen_ && !(changed & acting_playfield_)) {
         t_.playfield ^= changed;
         outdate(kPF);
-        unknown_ |= kPairsWith[kPF];
+        unknown_ |= kPairsWith[bit_of(kPF)];
         return;
     }
     advance(shown);
@@ -307,7 +344,7 @@ void Collider::reset_player(unsigned player, int hpos, int32_t clock) {
     bring_up(set_of({STILL}));  // it would end what is hidden from now on
     t.pos[player] = position;
     t.skip_first[player] = strobe.hidden;
-    moved(kP0 + player);
+    moved(bit_of(kP0 + player));
     if (!strobe.hidden) return;
     line_end_acts_ = true;
     reconsider();
@@ -323,14 +360,16 @@ inline void Collider::move_objects(const Write& write, int32_t clock) {
     const uint32_t motions = write.beside | uint32_t{write.value} << 16;
     uint32_t nibbles = 0x11111;  // at most cycles an object without motion stays where it is
     if (distances[0] == 0) nibbles &= motions | motions >> 1 | motions >> 2 | motions >> 3;
+    unsigned objects = 0;
     for (; nibbles; nibbles &= nibbles - 1) {
         const int at = std::countr_zero(nibbles);
         const auto object = static_cast<unsigned>(at) / 4;
         const int distance = distances[motions >> at & 15];
         if (distance == 0) continue;
         t.pos[object] = moved_by(t.pos[object], distance);
-        moved(object);
+        objects |= bit_of(object);
     }
+    if (objects) moved(objects);
     end_tricks(clock);
 }
 
@@ -344,7 +383,7 @@ inline void Collider::end_tricks(int32_t clock) {
     t.skip_first[0] = t.skip_first[1] = false;
     if (t.m0_variant == kPlain) return;
     t.m0_variant = kPlain;
-    moved(kM0);
+    moved(bit_of(kM0));
 }
 
 void Collider::release_missile(unsigned missile, uint8_t value, int32_t clock) {
@@ -354,7 +393,7 @@ void Collider::release_missile(unsigned missile, uint8_t value, int32_t clock) {
     if (t.resmp[missile] && !(value & 2)) {
         t.pos[kM0 + missile] = released_missile(t.pos[missile], t.nusiz[missile] & 7);
         if (missile == 0) t.m0_variant = kPlain;
-        moved(kM0 + missile);
+        moved(bit_of(kM0 + missile));
     }
     t.resmp[missile] = value & 2;
     enable(kM0 + missile, t.enam[missile] && !t.resmp[missile]);
@@ -367,9 +406,9 @@ void Collider::blank(int32_t clock) {
 
 // Whether the blank of the last HMOVE has been drawn: eight pixels of the line in which the beam was then, or of the next
 // one if it was past them already.
-bool Collider::blank_is_over() const {
+bool Collider::blank_is_over(int32_t drawn_to) const {
     const int32_t line = (blanked_at_ - t_.draw_start) / 228 * 228, in_line = (blanked_at_ - t_.draw_start) % 228;
-    return t_.drawn_to - t_.draw_start >= line + 76 + (in_line >= 76 ? 228 : 0);
+    return drawn_to - t_.draw_start >= line + 76 + (in_line >= 76 ? 228 : 0);
 }
 
 // Brings collisions up to `pending`, or to the end of what shows.
@@ -413,7 +452,7 @@ void Collider::end_line() {
     line_end_acts_ = t.cosmic_ark;
     if (t.pf_mirror != (t.ctrlpf & 1)) {
         t.pf_mirror = t.ctrlpf & 1;
-        moved(kPF);
+        moved(bit_of(kPF));
         near_known_ = 0;
         reconsider();
     }
@@ -424,7 +463,7 @@ void Collider::end_line() {
     }
     if (t.cosmic_ark) {
         step_cosmic_ark(t);
-        moved(kM0);
+        moved(bit_of(kM0));
     }
 }
 

@@ -27,20 +27,35 @@ class Collider {
     // From now on collisions are made for these latches.
     void watch(unsigned latches);
 
-    // Applies the writes. Collisions of everything before `collisions_from` are left out: they will be cleared. What
-    // `tia` holds of the objects' looks and of colours is not up to date before `finish`.
-    void apply(const Write* first, const Write* last, const Write* collisions_from);
+    // From now on collisions are made, or left out: they will be cleared.
+    void collect(bool on);
+
+    // Applies the writes, but those of colours and priorities, which do not matter here. What `tia` holds of the objects'
+    // looks is not up to date before `finish`.
+    void apply(const Write* first, const Write* last);
 
     // Brings the collisions up to a clock, as an access at that clock does.
     void reach(int32_t clock) { advance(clock); }
 
+    // How many writes of this frame have acted, which is what takes time.
+    int acted() const { return acted_; }
+
     // The frame has ended: brings the rest of the state up to date.
     void finish();
+
+    // What the TIA is at a clock up to which all writes have been applied, without priorities.
+    TiaLine state_at(int32_t clock);
+
+    // The clock of the last HMOVE that blanks.
+    int32_t blanked_at() const { return blanked_at_; }
+
+    // Goes on from another state of this frame.
+    void go_on_from(const TiaLine& state, uint16_t collisions, int32_t blanked_at);
 
   private:
     using Registers = uint64_t;  // a set of them, a bit each
 
-    void apply_range(const Write* first, const Write* last);
+    void look_around();
     const Write* note(const Write* write, const Write* last);
     void apply_one(const Write& write);
     void apply_noted(const Write& write);
@@ -59,7 +74,7 @@ class Collider {
     void release_missile(unsigned missile, uint8_t value, int32_t clock);
     void end_tricks(int32_t clock);
     void blank(int32_t clock);
-    bool blank_is_over() const;
+    bool blank_is_over(int32_t drawn_to) const;
 
     // --- how far the beam is ---
     void advance(int32_t shown) {
@@ -81,7 +96,7 @@ class Collider {
         enable(player, t_.vdelp[player] ? t_.old_grp[player] : t_.grp[player]);
         outdate(player);
     }
-    void moved(unsigned object);
+    void moved(unsigned objects);
     void outdate(unsigned object) { stale_ |= 1u << object; }
     void find_open_pairs();
     void reconsider();
@@ -117,6 +132,7 @@ class Collider {
     bool chosen_ = false;          // `acting_` is; until then all registers act
     Registers acting_ = ~0ull;
     uint32_t acting_playfield_ = 0;  // bits of the playfield near to objects
+    int acted_ = 0;
     Registers noted_ = 0;
     const Write* latest_[64];      // of the registers noted
 

@@ -60,15 +60,15 @@ void Collider::toggle(unsigned object) {
     enabled_ ^= bit_of(object);
     find_open_pairs();
     // Where no other object is enabled either, that one will act when it appears; but the playfield does not.
-    const unsigned pairs = kPairsOf[enabled_ | bit_of(kPF)] & wanted_ & kPairsWith[object];
+    const unsigned pairs = kPairsOf[enabled_ | bit_of(kPF)] & wanted_ & kPairsWith[bit_of(object)];
     if (enabled_ >> object & 1 && pairs) reconsider();
 }
 
-// The place or the size of an object has changed.
-void Collider::moved(unsigned object) {
-    const unsigned pairs = kPairsWith[object];
-    outdate(object);
-    near_known_ &= ~bit_of(object);
+// The places or the sizes of objects have changed.
+void Collider::moved(unsigned objects) {
+    const unsigned pairs = kPairsWith[objects];
+    stale_ |= objects;
+    near_known_ &= ~objects;
     unknown_ |= pairs;
     if (open_pairs_ & pairs) reconsider();
 }
@@ -91,8 +91,8 @@ void Collider::find_possible() {
     possible_ = 0;
     known_ = true;
     if (!collecting_ || (t_.vblank & 2)) return;
-    if (wanted_ & kPairsWith[kPF]) bring_up(kPlayfieldRegisters);
-    if (open_pairs_ & unknown_ & ~kPairsWith[kPF]) bring_up(kLooks);
+    if (wanted_ & kPairsWith[bit_of(kPF)]) bring_up(kPlayfieldRegisters);
+    if (open_pairs_ & unknown_ & ~kPairsWith[bit_of(kPF)]) bring_up(kLooks);
     for (unsigned unknown = open_pairs_ & unknown_; unknown; unknown &= unknown - 1) {
         const Pair& pair = lowest_pair(unknown);
         if (may_touch(pair.a, pair.b)) touching_ |= pair.latch;
@@ -116,12 +116,12 @@ void Collider::choose_acting() {
     if (!collecting_ || (t.vblank & 2)) return;
     unsigned objects = 0;
     for (unsigned object = kP0; object <= kBL; ++object)
-        if (!(enabled_ >> object & 1) && (wanted_ & kPairsWith[object])) objects |= bit_of(object);
+        if (!(enabled_ >> object & 1) && (wanted_ & kPairsWith[bit_of(object)])) objects |= bit_of(object);
     for (unsigned pairs = possible_; pairs; pairs &= pairs - 1)
         objects |= bit_of(lowest_pair(pairs).a) | bit_of(lowest_pair(pairs).b);
     acting_ |= kLooksOf[t.vdelp[0] | t.vdelp[1] << 1 | t.vdelbl << 2][objects & 31];
     acting_playfield_ = 0;
-    unsigned pairs = kPairsOf[enabled_ | bit_of(kPF)] & wanted_ & kPairsWith[kPF];
+    unsigned pairs = kPairsOf[enabled_ | bit_of(kPF)] & wanted_ & kPairsWith[bit_of(kPF)];
     if (!(enabled_ & bit_of(kPF)) && pairs) acting_playfield_ = ~0u;
     else for (; pairs; pairs &= pairs - 1) acting_playfield_ |= playfield_near(lowest_pair(pairs).a);
     if (acting_playfield_ & 0xf) acting_ |= set_of({PF0});

@@ -16,6 +16,7 @@
 
 #include "cartridge.hpp"
 #include "collider.hpp"
+#include "collision_cache.hpp"
 #include "masks.hpp"
 #include "random.hpp"
 #include "line_cache.hpp"
@@ -361,6 +362,7 @@ class Console {
 
     Mask masks_[6];            // of the objects, made when needed
     unsigned stale_ = 0x3f;    // which of them are out of date
+    CollisionCache collision_cache_{m_.tia, collider_};
 };
 
 }  // namespace atari

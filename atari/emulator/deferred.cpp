@@ -27,6 +27,7 @@ bool Console::run_deferred() {
         map_segments();
         std::tie(open_log_, open_from_, watched_latches_, cleared_) = latches_before;
         log_ = last_log_;
+        collision_cache_.forget();
         return false;
     }
     end_log();
@@ -49,6 +50,7 @@ void Console::begin_log() {
     watched_latches_ = cleared_ ? read_latches_ : 0xffff;
     cleared_ = false;
     collider_.begin(watched_latches_);
+    collision_cache_.begin(log.writes, watched_latches_);
     if (open_log_ < 0 && watched_latches_ != 0xffff) {
         open_log_ = log_;
         open_from_ = log.writes;
@@ -87,6 +89,8 @@ void Console::end_log() {
     // A frame that is too long ends at a write, which may show a little later.
     apply_kept(log.size > 0 ? std::max(end_clock_, shown_at(log_end_[-1], first_cycle_)) : end_clock_);
     collider_.finish();
+    for (int i = 0; i < 4; ++i) t.colour[i] = colour_of(written_.reg[COLUP0 + i], config_.pal, t);
+    t.ctrlpf = written_.reg[CTRLPF];
     for (int object = kP0; object <= kBL; ++object) t.hm[object] = written_.reg[HMP0 + object] >> 4;
     log.reached = t.pending;
     log.replaced = t.write_pos;
@@ -102,9 +106,8 @@ void Console::end_log() {
 
 // Brings the state of the TIA up to an access at a clock.
 void Console::apply_kept(int32_t clock) {
-    collider_.apply(applied_, log_end_, collisions_from_);
+    collision_cache_.apply(applied_, log_end_, collisions_from_, clock);
     applied_ = log_end_;
-    collider_.reach(clock);
 }
 
 // The two latches of a read register.
@@ -116,6 +119,7 @@ void Console::read_latches(int reg) {
     settle_latches();
     watched_latches_ |= latches;
     collider_.watch(watched_latches_);
+    collision_cache_.forget();
     open_log_ = log_;
     open_from_ = log_end_;
 }
@@ -136,7 +140,11 @@ void Console::settle_latches() {
         Collider collider(tia, config_);
         collider.begin(~watched_latches_ & 0xffff);
         const Write* end = running ? log_end_ : log.writes + log.size;
-        collider.apply(log.writes, end, number == open_log_ ? open_from_ : log.writes);
+        const Write* const from = number == open_log_ ? open_from_ : log.writes;
+        collider.collect(false);
+        collider.apply(log.writes, from);
+        collider.collect(true);
+        collider.apply(from, end);
         collider.reach(running ? m_.tia.pending : log.reached);
         found |= tia.collisions;
     }
@@ -199,6 +207,7 @@ void Console::copy_from(const ConsoleCopy& copy) {
     read_latches_ = copy.read_latches;
     watched_latches_ = copy.watched_latches;
     cleared_ = copy.cleared;
+    collision_cache_.forget();
     if (line_cache_) line_cache_->forget();
     stale_ = 0x3f;
     map_segments();
@@ -208,6 +217,7 @@ void Console::copy_from(const ConsoleCopy& copy) {
 void Console::forget_logs() {
     open_log_ = last_log_ = -1;
     cleared_ = false;
+    collision_cache_.forget();
     if (line_cache_) line_cache_->forget();
 }
 

@@ -1,42 +1,11 @@
 #include "line_cache.hpp"
 
 #include <algorithm>
-#include <cstddef>
 #include <cstring>
 
 #include "console.hpp"
 
 namespace atari {
-namespace {
-
-// What must not differ stands in front of a TiaLine. Of this, clocks come first.
-constexpr size_t kStrict = offsetof(TiaLine, pos);
-constexpr size_t kClocks = offsetof(TiaLine, playfield);
-
-// Whether bytes agree, without a branch for each word: the compiler makes vectors of this.
-template <size_t size>
-bool agree(const void* a, const void* b) {
-    static_assert(size >= 8);
-    const auto differences = [&](size_t at) {
-        uint64_t x, y;
-        std::memcpy(&x, static_cast<const char*>(a) + at, sizeof x);
-        std::memcpy(&y, static_cast<const char*>(b) + at, sizeof y);
-        return x ^ y;
-    };
-    uint64_t any = differences(size - 8);
-    for (size_t at = 0; at + 8 < size; at += 8) any |= differences(at);
-    return any == 0;
-}
-
-// How many writes agree, of `count`.
-int agreeing(const Write* a, const Write* b, int count) {
-    int i = 0;
-    while (i <= count - 8 && agree<8 * sizeof(Write)>(a + i, b + i)) i += 8;
-    while (i < count && agree<sizeof(Write)>(a + i, b + i)) ++i;
-    return i;
-}
-
-}  // namespace
 
 void LineCache::forget() {
     known_ = 0;
@@ -122,7 +91,7 @@ bool LineCache::skip_lines(Drawing& d, int lines) {
 
     const int line = first_not_shown(d, d.line, alike);
     if (line == d.line) return line < alike;
-    if (differing) carry(d.difference, d.line, line);
+    if (differing) carry(d.difference, beginnings_ + d.line, beginnings_ + line);
     const int begins = first_[line];
     if (d.moved)
         for (int skipped = d.line; skipped < line; ++skipped) first_[skipped] = static_cast<uint16_t>(first_[skipped] + d.moved);
@@ -161,7 +130,7 @@ void LineCache::begin_line(Drawing& d) {
     if (d.live) {
         beginning = d.tia;
     } else {
-        if (d.difference.objects) carry(d.difference, d.line, d.line + 1);
+        if (d.difference.objects) carry(d.difference, beginnings_ + d.line, beginnings_ + d.line + 1);
         static_cast<TiaLine&>(d.tia) = beginning;
         d.beam.begin(d.pixels);
         d.live = true;
@@ -191,42 +160,6 @@ bool LineCache::repeats_line_above(const Drawing& d) const {
     if (d.next != d.end && static_cast<int32_t>(3 * d.next->cycle) < line_clock(d.line + 1)) return false;
     const auto* const now = reinterpret_cast<const char*>(&beginnings_[d.line]);
     return agree<sizeof(TiaLine) - kClocks>(now + kClocks, now - sizeof(TiaLine) + kClocks);
-}
-
-LineCache::Difference LineCache::difference(const TiaLine& now, const TiaLine& before) {
-    Difference d{};
-    if (agree<sizeof now - kStrict>(before.pos, now.pos)) return d;
-    for (unsigned object = kP0; object <= kBL; ++object) {
-        const int by = now.pos[object] - before.pos[object];
-        d.pos[object] = static_cast<uint8_t>(by < 0 ? by + kScreenWidth : by);
-        if (by != 0) d.objects |= 1u << object;
-    }
-    for (unsigned player : {0u, 1u}) {
-        d.refp[player] = before.refp[player].value ^ now.refp[player].value;
-        if (d.refp[player]) d.objects |= 1u << (kP0 + player);
-    }
-    d.vdelbl = before.vdelbl.value ^ now.vdelbl.value;
-    if (d.vdelbl) d.objects |= 1u << kBL;
-    d.last_hmove = now.last_hmove;
-    if (before.last_hmove != now.last_hmove) d.objects |= Beam::kPlacing;
-    return d;
-}
-
-// Makes the beginnings of lines those of this frame. Objects that take no part have been moved as before.
-void LineCache::carry(const Difference& by, int first, int last) {
-    const auto each = [&](auto change) {
-        for (int line = first; line < last; ++line) change(beginnings_[line]);
-    };
-    for (int object = kP0; object <= kBL; ++object)
-        if (const int distance = by.pos[object])
-            each([&](TiaLine& line) {
-                const int position = line.pos[object] + distance;
-                line.pos[object] = static_cast<uint8_t>(position >= kScreenWidth ? position - kScreenWidth : position);
-            });
-    for (int player : {0, 1})
-        if (by.refp[player]) each([&](TiaLine& line) { line.refp[player].value ^= by.refp[player]; });
-    if (by.vdelbl) each([&](TiaLine& line) { line.vdelbl.value ^= by.vdelbl; });
-    if (by.objects & Beam::kPlacing) each([&](TiaLine& line) { line.last_hmove = by.last_hmove; });
 }
 
 }  // namespace atari

@@ -11,6 +11,7 @@
 #include <cstdint>
 
 #include "beam.hpp"
+#include "line_difference.hpp"
 #include "pictures.hpp"
 #include "state.hpp"
 
@@ -39,13 +40,6 @@ class LineCache {
     // A frame ends with its first write to the TIA behind line 342.
     static constexpr int kMostLines = 344;
 
-    // By how much a frame differs from the one before in what may differ.
-    struct Difference {
-        unsigned objects;  // a bit each, and Beam::kPlacing
-        uint8_t pos[5], refp[2], vdelbl;
-        int32_t last_hmove;
-    };
-
     // A frame that is being drawn.
     struct Drawing {
         Tia tia;
@@ -72,8 +66,6 @@ class LineCache {
     void draw_line(Drawing& d);
     bool repeats_line_above(const Drawing& d) const;
     void draw_straight(const FrameLog& log, uint8_t* pixels);
-    static Difference difference(const TiaLine& now, const TiaLine& before);
-    void carry(const Difference& difference, int first, int last);
 
     const ConsoleConfig& config_;
 
@@ -86,7 +78,7 @@ class LineCache {
     int32_t frame_start_ = 0;
     const Write* log_ = nullptr;
     uint16_t first_[kMostLines + 1];  // write of each line
-    uint8_t involved_[kMostLines];    // objects that show or are placed, and Beam::kPlacing
+    uint8_t involved_[kMostLines];    // objects that show or are placed, and kPlacing
     TiaLine beginnings_[kMostLines + 1];
 
     // How a line looks, as a number that no other look of this line had; and how the rows of the pictures look, 0 where

@@ -31,13 +31,12 @@ inline constexpr auto kPairsOf = [] {
     return table;
 }();
 
-// The collision latches that an object has a part in.
+// The collision latches that any of a set of objects has a part in.
 inline constexpr auto kPairsWith = [] {
-    std::array<uint16_t, 6> table{};
-    for (const Pair& pair : kPairs) {
-        table[pair.a] |= pair.latch;
-        table[pair.b] |= pair.latch;
-    }
+    std::array<uint16_t, 64> table{};
+    for (unsigned objects = 0; objects < 64; ++objects)
+        for (const Pair& pair : kPairs)
+            if ((objects >> pair.a & 1) || (objects >> pair.b & 1)) table[objects] |= pair.latch;
     return table;
 }();
 

@@ -223,6 +223,15 @@ def test_pictures_of_which_little_changes(batch: int) -> None:
 
 
 @pytest.mark.parametrize("batch", range(4))
+def test_collisions_that_are_read_now_and_then(batch: int) -> None:
+    """Collisions of lines that are as in the frame before are not looked for again, if they were looked for then."""
+    rare = (1943, 7160, 7542, 7575) if batch == 0 else ()  # other latches are wanted than in the frame before
+    for seed in (*range(40 * batch, 40 * batch + 40), *rare):
+        rng = random.Random(seed)
+        play(wild_programs.glances(rng), "4K", f"glances {seed}", rng, rounds=8, pokes=0.1, resets=0, travels=0.03)
+
+
+@pytest.mark.parametrize("batch", range(4))
 def test_stars_in_motion(batch: int) -> None:
     for seed in range(15 * batch, 15 * batch + 15):
         rng = random.Random(seed)

@@ -273,6 +273,32 @@ def nearly_still(rng: random.Random) -> bytes:
     return code.image(again)
 
 
+def glances(rng: random.Random) -> bytes:
+    """A picture of which little changes, with strobes in most lines. Its collisions are read, and cleared, in some frames
+    only."""
+    code = Code()
+    code.emit(0x78, 0xD8, 0xA2, 0xFF, 0x9A)
+    again = len(code.bytes)
+    code.begin_frame()
+    code.emit(0xE6, COUNTER)
+    latches = rng.sample(COLLISIONS, 2)
+    lines = 0
+    while lines < 220:
+        for _ in range(rng.randrange(5)):
+            code.emit(
+                *[0xEA] * rng.randrange(4), 0xA5, rng.randrange(0x81, 0xC0), 0x85, rng.choice((*OBJECTS, *STROBES))
+            )
+        if rng.random() < 0.7:
+            sometimes(code, rng, lambda rng: bytes([0xA5, rng.choice(latches), 0x85, rng.randrange(0xC0, 0xF0)]))
+        if rng.random() < 0.3:
+            sometimes(code, rng, lambda rng: bytes([0x85, W.CXCLR]))
+        wait = rng.choice((1, 10, 30, 60))
+        strobes = [part for _ in range(rng.randrange(2, 7)) for part in (0x85, rng.choice(STROBES))]
+        code.emit(0xA2, wait, 0x85, W.WSYNC, *strobes, 0xCA, 0xD0, -5 - len(strobes) & 0xFF)
+        lines += wait
+    return code.image(again)
+
+
 def sometimes(code: Code, rng: random.Random, part: Ingredient) -> None:
     """In every frame, or if some bits of the number of the frame are set, or if none of them is."""
     made = part(rng)

@@ -1,0 +1,150 @@
+#include "collision_cache.hpp"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace atari {
+namespace {
+
+// The objects that take part in a block which begins so and in which these registers are written.
+unsigned involved_in(const TiaLine& begin, uint64_t written) {
+    unsigned objects = 0;
+    for (const uint8_t i : {0, 1}) {
+        const auto is_written = [&](std::initializer_list<uint8_t> registers) {
+            return (written >> i & set_of(registers)) != 0;
+        };
+        if (begin.grp[i] || begin.old_grp[i] || is_written({GRP0, REFP0, RESP0, RESMP0})) objects |= bit_of(kP0 + i);
+        if ((begin.enam[i] && !begin.resmp[i]) || is_written({ENAM0, RESM0, RESMP0})) objects |= bit_of(kM0 + i);
+    }
+    if (begin.enabl || begin.old_enabl || (written & set_of({ENABL, RESBL, VDELBL}))) objects |= bit_of(kBL);
+    if (written & set_of({RESM0, RESM1, RESBL, HMM0, HMOVE, STILL})) objects |= kPlacing;
+    return objects;
+}
+
+// Whether what must not differ does not. Colours may.
+bool begin_alike(const TiaLine& a, const TiaLine& b) {
+    constexpr std::size_t kColours = offsetof(TiaLine, colour), kBehind = kColours + sizeof a.colour;
+    const auto behind = [](const TiaLine& line) { return reinterpret_cast<const char*>(&line) + kBehind; };
+    return agree<kColours>(&a, &b) && agree<kStrict - kBehind>(behind(a), behind(b));
+}
+
+}  // namespace
+
+void CollisionCache::begin(const Write* log, unsigned latches) {
+    if (comparing_) credit_ -= kFrameCost;
+    if (credit_ > kMostCredit) {
+        credit_ = kMostCredit;
+        rest_ = kShortRest;
+    } else if (credit_ < 0) {
+        credit_ = kMostCredit;
+        resting_ = rest_;
+        rest_ = std::min(2 * rest_, kLongRest);
+    }
+    const bool follows = comparing_ && latches == latches_ && t_.frame_start == frame_start_;
+    known_ = follows ? std::max(next_ - 1, 0) : 0;
+    comparing_ = resting_ == 0;
+    if (!comparing_) {
+        --resting_;
+        known_ = 0;
+    }
+    next_ = 0;
+    latches_ = latches;
+    frame_start_ = t_.frame_start;
+    log_before_ = log_;
+    log_ = log;
+    agreed_ = -1;
+    written_ = 0;
+    acted_ = 0;
+}
+
+void CollisionCache::apply(const Write* first, const Write* last, const Write* collisions_from, int32_t clock) {
+    if (collisions_from > first) {
+        collider_.collect(false);
+        apply(first, collisions_from, false, static_cast<int32_t>(3 * collisions_from->cycle));
+        collider_.collect(true);
+        first = collisions_from;
+    }
+    apply(first, last, true, clock);
+    collider_.reach(clock);
+}
+
+void CollisionCache::apply(const Write* first, const Write* last, bool exact, int32_t clock) {
+    if (!comparing_) return collider_.apply(first, last);
+    const Write* next = first;
+    while (next_ <= kMostBlocks && clock_of(next_) <= clock) {
+        const Write* end = next;
+        while (end != last && static_cast<int32_t>(3 * end->cycle) < clock_of(next_)) ++end;
+        apply_part(next, end);
+        next = begin_block(end, last, exact, clock);
+    }
+    apply_part(next, last);
+}
+
+// Applies the writes of a block, or a part of them.
+void CollisionCache::apply_part(const Write* first, const Write* last) {
+    for (const Write* write = first; write != last; ++write) written_ |= 1ull << write->reg;
+    collider_.apply(first, last);
+}
+
+// Begins the next block with the write at `next`, or a later one, if blocks up to there are as before. Returns its first
+// write.
+const Write* CollisionCache::begin_block(const Write* next, const Write* last, bool exact, int32_t clock) {
+    const TiaLine now = collider_.state_at(clock_of(next_));
+    if (next_ > 0) {
+        Block& ended = blocks_[next_ - 1];
+        ended.involved = static_cast<uint8_t>(involved_in(beginnings_[next_ - 1], written_));
+        ended.acted = static_cast<uint16_t>(collider_.acted() - acted_);
+    }
+    written_ = 0;
+    acted_ = collider_.acted();
+    credit_ -= kBlockCost;
+    Block& block = blocks_[next_];
+    TiaLine& beginning = beginnings_[next_];
+    const bool comparable = next_ < known_ && (!exact || block.collisions == t_.collisions);
+    int until = comparable ? written_alike_until(next, last, clock) : next_;
+    if (until > next_ && begin_alike(now, beginning)) {
+        const Difference differs = difference(now, beginning);
+        if (differs.objects)
+            for (int i = next_; i < until; ++i)
+                if (differs.objects & blocks_[i].involved) until = i;
+        while (until > next_ && exact && !blocks_[until].exact) --until;
+        if (until > next_) {
+            carry(differs, beginnings_ + next_, beginnings_ + until + 1);
+            for (int i = next_; i < until; ++i) credit_ += blocks_[i].acted;
+            for (int i = next_; i <= until; ++i) {
+                blocks_[i].first = static_cast<uint16_t>(blocks_[i].first + moved_);
+                blocks_[i].exact &= exact;
+            }
+            next_ = until + 1;
+            collider_.go_on_from(beginnings_[until], blocks_[until].collisions, blocks_[until].blanked_at);
+            return log_ + blocks_[until].first;
+        }
+    }
+    block = {static_cast<uint16_t>(next - log_), t_.collisions, collider_.blanked_at(), exact, 0, 0};
+    beginning = now;
+    ++next_;
+    return next;
+}
+
+// The block in front of which all are written as in the frame before, from the next one on.
+int CollisionCache::written_alike_until(const Write* next, const Write* last, int32_t clock) {
+    const int place = blocks_[next_].first, moved = static_cast<int>(next - log_) - place;
+    if (moved != moved_ || place > agreed_) {
+        moved_ = moved;
+        agreed_ = place;
+    }
+    const Write* disagrees = log_ + agreed_ + moved;
+    const int comparable = std::min(static_cast<int>(last - disagrees), blocks_[known_].first - agreed_);
+    const int more = agreeing(disagrees, log_before_ + agreed_, comparable);
+    agreed_ += more;
+    disagrees += more;
+
+    int until = next_;
+    while (until < known_ && blocks_[until + 1].first <= agreed_ && clock_of(until + 1) <= clock) ++until;
+    if (disagrees != last)
+        while (until > next_ && blocks_[until].first == agreed_ && static_cast<int32_t>(3 * disagrees->cycle) < clock_of(until))
+            --until;
+    return until;
+}
+
+}  // namespace atari

@@ -1,0 +1,51 @@
+// Comparing frames line by line: by how much the beginning of a line, or of several, differs from what it was in the
+// frame before, where that makes no difference to the line itself.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+#include "state.hpp"
+#include "write_log.hpp"
+
+namespace atari {
+
+// What must not differ stands in front of a TiaLine. Of this, clocks come first.
+inline constexpr std::size_t kStrict = offsetof(TiaLine, pos);
+inline constexpr std::size_t kClocks = offsetof(TiaLine, playfield);
+
+// Among objects: a missile or the ball is placed, which may depend on when HMOVE was.
+inline constexpr unsigned kPlacing = 1u << 6;
+
+// Whether bytes agree, without a branch for each word: the compiler makes vectors of this.
+template <std::size_t size>
+bool agree(const void* a, const void* b) {
+    static_assert(size >= 8);
+    const auto differences = [&](std::size_t at) {
+        uint64_t x, y;
+        std::memcpy(&x, static_cast<const char*>(a) + at, sizeof x);
+        std::memcpy(&y, static_cast<const char*>(b) + at, sizeof y);
+        return x ^ y;
+    };
+    uint64_t any = differences(size - 8);
+    for (std::size_t at = 0; at + 8 < size; at += 8) any |= differences(at);
+    return any == 0;
+}
+
+// How many writes agree, of `count`.
+int agreeing(const Write* a, const Write* b, int count);
+
+// By how much a line's beginning differs in what may differ.
+struct Difference {
+    unsigned objects;  // a bit each, and kPlacing
+    uint8_t pos[5], refp[2], vdelbl;
+    int32_t last_hmove;
+};
+
+Difference difference(const TiaLine& now, const TiaLine& before);
+
+// Makes these beginnings of lines those of a frame that differs so. Objects that take no part have been moved as before.
+void carry(const Difference& by, TiaLine* first, TiaLine* last);
+
+}  // namespace atari
