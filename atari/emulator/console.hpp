@@ -136,7 +136,10 @@ class Console {
 
     // Whether the last frames look like PAL: more than 285 lines. For format detection.
     int scan_lines() const;
-    void set_config(const ConsoleConfig& config) { config_ = config; }
+    void set_config(const ConsoleConfig& config) {
+        config_ = config;
+        pictures_.fit(config.picture_bytes());
+    }
     const ConsoleConfig& config() const { return config_; }
 
     const Machine& machine() const { return m_; }

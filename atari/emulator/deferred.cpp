@@ -265,10 +265,8 @@ void Console::keep_hmove(uint32_t cycles) {
 void Console::keep_cxclr(uint32_t cycles) {
     collisions_from_ = log_end_;
     cleared_ = true;
-    if (watched_latches_ != 0xffff) {
-        open_log_ = log_;
-        open_from_ = log_end_;
-    }
+    open_log_ = watched_latches_ != 0xffff ? log_ : -1;  // where all are watched, none is unknown from here on
+    open_from_ = log_end_;
     *log_end_++ = {cycles, CXCLR, 0, 0};
 }
 

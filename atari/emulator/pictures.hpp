@@ -46,6 +46,12 @@ class Pictures {
         std::fill(std::copy_n(pixels.data(), size, out), out + kFrameBytes, uint8_t{0});
     }
 
+    // Pictures that have memory get so many bytes at least.
+    void fit(std::size_t bytes) {
+        for (auto& pixels : pixels_)
+            if (!pixels.empty() && pixels.size() < bytes) pixels.resize(bytes);
+    }
+
     void clear() {
         for (auto& pixels : pixels_) std::fill(pixels.begin(), pixels.end(), uint8_t{0});
     }
