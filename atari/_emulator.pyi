@@ -251,22 +251,25 @@ class Console:
     def go_back(self, moment: Moment) -> None:
         """Continue from `remember` of this console."""
 
-def paint_ways() -> int:
-    """How many ways of painting this processor has."""
+def ways() -> int:
+    """
+    In how many ways this processor can do what follows, by instructions that not every one has. Way 0 is the
+    portable one, the last the fastest, which None stands for. Results are the same.
+    """
 
 def paint(
     layers: Sequence[numpy.typing.NDArray[numpy.uint8]], colours: Sequence[int], first: int, last: int, way: int
 ) -> numpy.typing.NDArray[numpy.uint8]:
     """
     A row of 160 zeros in which pixels first .. last-1 have been painted: those of the three layers, (160,) each,
-    in the first three colours, the others in the fourth. Way 0 is the portable one.
+    in the first three colours, the others in the fourth.
     """
 
 def to_rgb(
     picture: numpy.typing.NDArray[numpy.uint8], format: str, plain: bool = False
 ) -> numpy.typing.NDArray[numpy.uint8]:
     """
-    A picture of palette indices, (rows, 160), in the colours of a TV format. `plain` as in `pool_gray`.
+    A picture of palette indices, (rows, 160), in the colours of a TV format. `plain` is way 0.
     """
 
 def same_state(first: Console, second: Console, complete: bool) -> bool:
@@ -279,11 +282,11 @@ def pool_gray(
     early: numpy.typing.NDArray[numpy.uint8],
     late: numpy.typing.NDArray[numpy.uint8],
     table: numpy.typing.NDArray[numpy.uint8],
-    plain: bool = False,
+    way: int | None = None,
 ) -> tuple[numpy.typing.NDArray[numpy.uint8], numpy.typing.NDArray[numpy.uint8]]:
     """
     The brighter of two pictures, (rows, 160) palette indices, by a table of 256 grays; and for each row
-    whether it repeats the one above. `plain`: without instructions that not every processor has.
+    whether it repeats the one above.
     """
 
 def resize_area(
@@ -291,10 +294,10 @@ def resize_area(
     height: int,
     width: int,
     repeats: numpy.typing.NDArray[numpy.uint8] | None = None,
-    plain: bool = False,
+    way: int | None = None,
 ) -> numpy.typing.NDArray[numpy.uint8]:
     """
-    A gray picture, (rows, 160), scaled down as by OpenCV's INTER_AREA. `repeats` and `plain` as in `pool_gray`.
+    A gray picture, (rows, 160), scaled down as by OpenCV's INTER_AREA. `repeats` as from `pool_gray`.
     Raises ValueError if the size is not served.
     """
 

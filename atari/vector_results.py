@@ -38,7 +38,7 @@ class Results:
         self._observation = _checked(out, shapes) if out is not None else _empty(shapes)
         self._final = _empty(shapes) if options.autoreset_mode == AutoresetMode.SAME_STEP else {}
         self._numbers, self._flags = np.zeros((8, rows), np.int32), np.zeros((3, rows), np.bool_)
-        self._step_numbers, self._step_flags = self._numbers[:5], self._flags[:2]  # without those of ended episodes
+        self._rows = *self._numbers[:5], *self._flags[:2]  # without those of ended episodes
         self._everyone = np.ones(rows, np.bool_)
         self._everyone.flags.writeable = False
         pixels, ram = options.part_names()
@@ -61,8 +61,9 @@ class Results:
     def read(self, action_masks: npt.NDArray[np.bool_] | None) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         """Observations, which stay where they are, and copies of all else."""
         everyone = self._everyone
-        reward, env_id, lives, frame_number, episode_frame_number = self._step_numbers.copy()
-        terminated, truncated = self._step_flags.copy()
+        reward, env_id, lives, frame_number, episode_frame_number, terminated, truncated = [
+            row.copy() for row in self._rows
+        ]
         info: dict[str, Any] = {
             "env_id": env_id,
             "_env_id": everyone,

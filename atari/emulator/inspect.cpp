@@ -258,20 +258,27 @@ bool same_state(Console& first, Console& second, bool complete) {
 using Bytes = nb::ndarray<const uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Picture = nb::ndarray<const uint8_t, nb::shape<-1, kScreenWidth>, nb::c_contig, nb::device::cpu>;
 
-std::pair<Array, Array> pooled(Picture early, Picture late, Bytes table, bool plain) {
+// A way by its number, the portable one first; null is the best.
+Way way_of(std::optional<int> number) {
+    if (!number) return best_way();
+    if (*number < 0 || *number > static_cast<int>(best_way())) throw nb::value_error("this processor has no such way");
+    return static_cast<Way>(*number);
+}
+
+std::pair<Array, Array> pooled(Picture early, Picture late, Bytes table, std::optional<int> way) {
     const size_t rows = early.shape(0);
     if (rows < 1 || rows > kFrameRows || late.shape(0) != rows || table.shape(0) != 256)
         throw nb::value_error("two pictures of the same 1..300 rows and a table of 256 are needed");
     std::vector<uint8_t> gray(early.size()), repeats(rows);
-    pool_gray(early.data(), late.data(), static_cast<int>(rows), table.data(), gray.data(), repeats.data(), plain);
+    pool_gray(early.data(), late.data(), static_cast<int>(rows), table.data(), gray.data(), repeats.data(), way_of(way));
     return {as_array(gray.data(), {rows, kScreenWidth}), as_array(repeats.data(), {rows})};
 }
 
-Array resized(Picture picture, int height, int width, std::optional<Bytes> repeats, bool plain) {
+Array resized(Picture picture, int height, int width, std::optional<Bytes> repeats, std::optional<int> way) {
     const size_t rows = picture.shape(0);
     if (rows < 1 || rows > kFrameRows) throw nb::value_error("a picture has 1..300 rows");
     if (repeats && repeats->shape(0) != rows) throw nb::value_error("`repeats` has an entry for each row");
-    const AreaResize resize(static_cast<int>(rows), height, width, plain);
+    const AreaResize resize(static_cast<int>(rows), height, width, way_of(way));
     const size_t extents[2] = {static_cast<size_t>(height), static_cast<size_t>(width)};
     std::vector<uint8_t> small(extents[0] * extents[1]);
     resize(picture.data(), repeats ? repeats->data() : nullptr, small.data());
@@ -356,30 +363,32 @@ void register_inspection(nb::module_& m) {
         .def("remember", &remember, "The whole state in memory, with what is still to be drawn.")
         .def("go_back", &go_back, "moment"_a, "Continue from `remember` of this console.");
 
-    m.def("paint_ways", [] { return painters().size(); }, "How many ways of painting this processor has.");
+    m.def("ways", [] { return painters().size(); },
+          "In how many ways this processor can do what follows, by instructions that not every one has. Way 0 is the\n"
+          "portable one, the last the fastest, which None stands for. Results are the same.");
     m.def("paint", &painted, "layers"_a, "colours"_a, "first"_a, "last"_a, "way"_a,
           nb::sig("def paint(layers: Sequence[numpy.typing.NDArray[numpy.uint8]], colours: Sequence[int], first: int, last: int, "
                   "way: int) -> numpy.typing.NDArray[numpy.uint8]"),
           "A row of 160 zeros in which pixels first .. last-1 have been painted: those of the three layers, (160,) each,\n"
-          "in the first three colours, the others in the fourth. Way 0 is the portable one.");
+          "in the first three colours, the others in the fourth.");
     m.def("to_rgb", &coloured, "picture"_a, "format"_a, "plain"_a = false,
           nb::sig("def to_rgb(picture: numpy.typing.NDArray[numpy.uint8], format: str, plain: bool = False) -> "
                   "numpy.typing.NDArray[numpy.uint8]"),
-          "A picture of palette indices, (rows, 160), in the colours of a TV format. `plain` as in `pool_gray`.");
+          "A picture of palette indices, (rows, 160), in the colours of a TV format. `plain` is way 0.");
     m.def("same_state", &same_state, "first"_a, "second"_a, "complete"_a,
           "Whether two consoles are in the same state to the byte. Unless this is `complete`, pictures and collision\n"
           "latches are left out; a console that runs frames fast then goes on leaving them for later.");
-    m.def("pool_gray", &pooled, "early"_a, "late"_a, "table"_a, "plain"_a = false,
+    m.def("pool_gray", &pooled, "early"_a, "late"_a, "table"_a, "way"_a = nb::none(),
           nb::sig("def pool_gray(early: numpy.typing.NDArray[numpy.uint8], late: numpy.typing.NDArray[numpy.uint8], "
-                  "table: numpy.typing.NDArray[numpy.uint8], plain: bool = False) -> "
+                  "table: numpy.typing.NDArray[numpy.uint8], way: int | None = None) -> "
                   "tuple[numpy.typing.NDArray[numpy.uint8], numpy.typing.NDArray[numpy.uint8]]"),
           "The brighter of two pictures, (rows, 160) palette indices, by a table of 256 grays; and for each row\n"
-          "whether it repeats the one above. `plain`: without instructions that not every processor has.");
-    m.def("resize_area", &resized, "picture"_a, "height"_a, "width"_a, "repeats"_a = nb::none(), "plain"_a = false,
+          "whether it repeats the one above.");
+    m.def("resize_area", &resized, "picture"_a, "height"_a, "width"_a, "repeats"_a = nb::none(), "way"_a = nb::none(),
           nb::sig("def resize_area(picture: numpy.typing.NDArray[numpy.uint8], height: int, width: int, "
-                  "repeats: numpy.typing.NDArray[numpy.uint8] | None = None, plain: bool = False) -> "
+                  "repeats: numpy.typing.NDArray[numpy.uint8] | None = None, way: int | None = None) -> "
                   "numpy.typing.NDArray[numpy.uint8]"),
-          "A gray picture, (rows, 160), scaled down as by OpenCV's INTER_AREA. `repeats` and `plain` as in `pool_gray`.\n"
+          "A gray picture, (rows, 160), scaled down as by OpenCV's INTER_AREA. `repeats` as from `pool_gray`.\n"
           "Raises ValueError if the size is not served.");
 }
 

@@ -6,14 +6,10 @@
 #include <cstring>
 #include <stdexcept>
 
-// AVX2 where the processor has it. `run` and `pool` are inlined into functions for AVX2, so that all their loops use it.
-#if defined(__x86_64__) && defined(__GNUC__)
-#include <immintrin.h>
-#define ATARI_AVX2 1
-#define WIDE __attribute__((target("avx2")))
+// `run` and `pool` are inlined into functions for wider instructions, so that all their loops use these.
+#if ATARI_WIDE
 #define INLINED __attribute__((always_inline)) inline
 #else
-#define ATARI_AVX2 0
 #define INLINED inline
 #endif
 
@@ -21,17 +17,11 @@ namespace atari {
 namespace {
 
 constexpr uint32_t kWholeRow = (1u << kScreenWidth / 8) - 1;
-constexpr int kReach = 16;            // pixels that a window sees
-constexpr int kMostResults = 8 * 21;  // places for results, eight a window: more than 21 windows are never needed
+constexpr int kMostResults = 8 * 21;  // places for results: more than 21 windows of eight are never needed, or 10 of 16
 
-bool goes_wide([[maybe_unused]] bool plain) {
-#if ATARI_AVX2
-    static const bool supported = __builtin_cpu_supports("avx2");
-    return supported && !plain;
-#else
-    return false;
-#endif
-}
+// Results that are made at once, in a window of so many pixels.
+constexpr int lanes_of(Way way) { return way == Way::kWider ? 16 : 8; }
+constexpr int reach_of(Way way) { return way == Way::kWider ? 64 : 16; }
 
 // Bit k for columns 8k .. 8k+7 in which either picture differs from the row above.
 uint32_t changes_plain(const uint8_t* early, const uint8_t* late) {
@@ -79,13 +69,13 @@ INLINED void pool(const uint8_t* early, const uint8_t* late, int rows, const uin
     }
 }
 
-// Eight results of a row. The sums are float32, each product rounded before it is added, in the order of the pixels: in
+// Neighbouring results of a row. The sums are float32, each product rounded before it is added, in the order of the pixels: in
 // ties, of which games have many, the last bit of the sum decides.
 void across_plain(const uint8_t* pixels, const AreaResize::Taps* taps, int depth, float* __restrict results) {
     float sums[8] = {};
     for (int n = 0; n < depth; ++n)
         for (int i = 0; i < 8; ++i) {
-            const float value = pixels[taps[n].pixel[i] % kReach];
+            const float value = pixels[taps[n].pixel[i] & 0xff];
             sums[i] += value * taps[n].weight[i];
         }
     std::memcpy(results, sums, sizeof sums);
@@ -104,7 +94,7 @@ INLINED void round(const float* __restrict sum, int count, uint8_t* __restrict b
     for (int i = 0; i < count; ++i) bytes[i] = static_cast<uint8_t>(std::bit_cast<uint32_t>(sum[i] + 12582912.0f));
 }
 
-#if ATARI_AVX2
+#if ATARI_WIDE
 WIDE inline __m256i load(const void* from) { return _mm256_loadu_si256(static_cast<const __m256i*>(from)); }
 
 WIDE inline uint32_t changes_wide(const uint8_t* early, const uint8_t* late) {
@@ -127,6 +117,53 @@ WIDE inline void across_wide(const uint8_t* pixels, const AreaResize::Taps* taps
     _mm256_storeu_ps(results, sums);
 }
 
+WIDER inline void across_wider(const uint8_t* pixels, const AreaResize::Taps* taps, int depth, float* results) {
+    const __m512i window = _mm512_loadu_si512(pixels);
+    __m512 sums = _mm512_setzero_ps();
+    for (int n = 0; n < depth; ++n) {
+        const __m512i chosen = _mm512_maskz_permutexvar_epi8(0x1111111111111111, _mm512_loadu_si512(taps[n].pixel), window);
+        sums = _mm512_add_ps(sums, _mm512_mul_ps(_mm512_cvtepi32_ps(chosen), _mm512_loadu_ps(taps[n].weight)));
+    }
+    _mm512_storeu_ps(results, sums);
+}
+
+// A row as two vectors of 64 pixels and half a one.
+struct WideRow {
+    __m512i part[3];
+};
+
+WIDER inline WideRow load_row(const uint8_t* from) {
+    const __m256i rest = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from + 128));
+    return {{_mm512_loadu_si512(from), _mm512_loadu_si512(from + 64), _mm512_castsi256_si512(rest)}};
+}
+
+WIDER inline void store_row(uint8_t* to, const WideRow& row) {
+    _mm512_storeu_si512(to, row.part[0]);
+    _mm512_storeu_si512(to + 64, row.part[1]);
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(to + 128), _mm512_castsi512_si256(row.part[2]));
+}
+
+WIDER inline bool same_row(const WideRow& a, const WideRow& b) {
+    const __mmask64 rest = _mm512_mask_cmpneq_epi8_mask(0xffffffff, a.part[2], b.part[2]);
+    return (_mm512_cmpneq_epi8_mask(a.part[0], b.part[0]) | _mm512_cmpneq_epi8_mask(a.part[1], b.part[1]) | rest) == 0;
+}
+
+WIDER void pool_wider(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
+                      uint8_t* repeats) {
+    const WideTable grays = wide_table(table);
+    WideRow early_above{}, late_above{}, pooled{};
+    for (int row = 0; row < rows; ++row, early += kScreenWidth, late += kScreenWidth, out += kScreenWidth) {
+        const WideRow early_row = load_row(early), late_row = load_row(late);
+        repeats[row] = row > 0 && same_row(early_row, early_above) && same_row(late_row, late_above);
+        if (!repeats[row])
+            for (int part = 0; part < 3; ++part)
+                pooled.part[part] = _mm512_max_epu8(look_up(grays, early_row.part[part]), look_up(grays, late_row.part[part]));
+        store_row(out, pooled);
+        early_above = early_row;
+        late_above = late_row;
+    }
+}
+
 WIDE void pool_wide(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
                     uint8_t* repeats) {
     pool<changes_wide>(early, late, rows, table, out, repeats);
@@ -136,15 +173,16 @@ WIDE void pool_wide(const uint8_t* early, const uint8_t* late, int rows, const u
 }  // namespace
 
 void pool_gray(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
-               uint8_t* repeats, [[maybe_unused]] bool plain) {
-#if ATARI_AVX2
-    if (goes_wide(plain)) return pool_wide(early, late, rows, table, out, repeats);
+               uint8_t* repeats, [[maybe_unused]] Way way) {
+#if ATARI_WIDE
+    if (way == Way::kWider) return pool_wider(early, late, rows, table, out, repeats);
+    if (way == Way::kWide) return pool_wide(early, late, rows, table, out, repeats);
 #endif
     pool<changes_plain>(early, late, rows, table, out, repeats);
 }
 
-AreaResize::AreaResize(int rows, int height, int width, bool plain)
-    : rows_(rows), height_(height), width_(width), wide_(goes_wide(plain)) {
+AreaResize::AreaResize(int rows, int height, int width, Way way)
+    : rows_(rows), height_(height), width_(width), way_(way) {
     if (height < 1 || height > rows || width < 11 || width > kScreenWidth)
         throw std::invalid_argument("a picture is only made smaller here, and no narrower than 11");
     if (rows % height == 0 && kScreenWidth % width == 0)
@@ -182,16 +220,17 @@ std::vector<AreaResize::Tap> AreaResize::taps(int source, int target) {
 }
 
 void AreaResize::make_windows(const std::vector<Tap>& across) {
+    const int lanes = lanes_of(way_), reach = reach_of(way_);
     for (auto tap = across.begin(); tap != across.end();) {
         const auto last = std::find_if(tap, across.end(), [](const Tap& t) { return t.last; });
-        if (windows_.empty() || windows_.back().count == 8 || last->source >= windows_.back().source + kReach)
-            windows_.push_back({std::min(tap->source, kScreenWidth - kReach), tap->result, 0});
+        if (windows_.empty() || windows_.back().count == lanes || last->source >= windows_.back().source + reach)
+            windows_.push_back({std::min(tap->source, kScreenWidth - reach), tap->result, 0});
         ++windows_.back().count;
         depth_ = std::max(depth_, static_cast<int>(last - tap) + 1);
         tap = last + 1;
     }
     Taps unused{};
-    std::fill_n(unused.pixel, 8, 0x80808080u);
+    std::fill_n(unused.pixel, 16, 0x80808080u);
     across_.assign(windows_.size() * static_cast<size_t>(depth_), unused);
     Taps* place = across_.data();
     for (const Window& window : windows_) {
@@ -209,7 +248,7 @@ void AreaResize::make_windows(const std::vector<Tap>& across) {
 }
 
 // Each row's results are made once, and then go into the sums of the one or two rows below that have a share in it.
-template <auto across>
+template <auto across, int lanes>
 INLINED void AreaResize::run(const uint8_t* picture, const uint8_t* repeats, uint8_t* out, int first, int last) const {
     float line[kMostResults], sum[kMostResults];
     uint8_t bytes[kMostResults];
@@ -222,33 +261,39 @@ INLINED void AreaResize::run(const uint8_t* picture, const uint8_t* repeats, uin
         while (row < tap.source) {
             if (++row > 0 && repeats && repeats[row]) continue;
             const uint8_t* const pixels = picture + kScreenWidth * row;
-            for (int k = 0; k < count; ++k) across(pixels + windows[k].source, taps + depth * k, depth, line + 8 * k);
+            for (int k = 0; k < count; ++k) across(pixels + windows[k].source, taps + depth * k, depth, line + lanes * k);
         }
-        if (tap.first) scale(line, tap.weight, 8 * count, sum);
-        else add(line, tap.weight, 8 * count, sum);
+        if (tap.first) scale(line, tap.weight, lanes * count, sum);
+        else add(line, tap.weight, lanes * count, sum);
         if (!tap.last) continue;
-        round(sum, 8 * count, bytes);
+        round(sum, lanes * count, bytes);
         uint8_t* const results = out + width_ * tap.result;
         const bool more = tap.result < last - 1;
-        // Eight at once; what is no window's result is overwritten by the next window or the next row.
+        // All lanes at once; what is no window's result is overwritten by the next window or the next row.
         for (int k = 0; k < count; ++k)
-            if (more) std::memcpy(results + windows[k].result, bytes + 8 * k, 8);
-            else std::copy_n(bytes + 8 * k, windows[k].count, results + windows[k].result);
+            if (more) std::memcpy(results + windows[k].result, bytes + lanes * k, lanes);
+            else std::copy_n(bytes + lanes * k, windows[k].count, results + windows[k].result);
     }
 }
 
-#if ATARI_AVX2
+#if ATARI_WIDE
 WIDE void AreaResize::run_wide(const uint8_t* picture, const uint8_t* repeats, uint8_t* out, int first,
                                int last) const {
-    run<across_wide>(picture, repeats, out, first, last);
+    run<across_wide, lanes_of(Way::kWide)>(picture, repeats, out, first, last);
+}
+
+WIDER void AreaResize::run_wider(const uint8_t* picture, const uint8_t* repeats, uint8_t* out, int first,
+                                 int last) const {
+    run<across_wider, lanes_of(Way::kWider)>(picture, repeats, out, first, last);
 }
 #endif
 
 void AreaResize::make_rows(const uint8_t* picture, const uint8_t* repeats, uint8_t* out, int first, int last) const {
-#if ATARI_AVX2
-    if (wide_) return run_wide(picture, repeats, out, first, last);
+#if ATARI_WIDE
+    if (way_ == Way::kWider) return run_wider(picture, repeats, out, first, last);
+    if (way_ == Way::kWide) return run_wide(picture, repeats, out, first, last);
 #endif
-    run<across_plain>(picture, repeats, out, first, last);
+    run<across_plain, lanes_of(Way::kPlain)>(picture, repeats, out, first, last);
 }
 
 }  // namespace atari

@@ -3,13 +3,14 @@
 // In pictures of games most rows repeat the row above, and the others differ from it in a few places only. `pool_gray`
 // looks colours up where something differs, and tells `AreaResize` which rows it need not look at.
 //
-// `plain`, for tests, does without instructions that not every processor has. Results are the same.
+// A `Way` other than the best is for tests: results are the same.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "simd.hpp"
 #include "state.hpp"
 
 namespace atari {
@@ -17,7 +18,7 @@ namespace atari {
 // The brighter of two pictures of palette indices, rows x 160, in the gray values of `table` (256). `repeats` (rows) is
 // set to 1 for each row that is the row above once more, else to 0; the first row is not.
 void pool_gray(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
-               uint8_t* repeats, bool plain = false);
+               uint8_t* repeats, Way way = best_way());
 
 // Scales a gray picture, rows x 160, down to height x width. A result is the mean of the area that it covers, equal to
 // OpenCV's INTER_AREA in every byte. Immutable; threads may share one.
@@ -27,7 +28,7 @@ void pool_gray(const uint8_t* early, const uint8_t* late, int rows, const uint8_
 class AreaResize {
   public:
     // Throws std::invalid_argument if the size is not served.
-    AreaResize(int rows, int height, int width, bool plain = false);
+    AreaResize(int rows, int height, int width, Way way = best_way());
 
     int rows() const { return rows_; }
     int height() const { return height_; }
@@ -47,11 +48,11 @@ class AreaResize {
     };
     Sources sources(int result) const { return sources_[static_cast<size_t>(result)]; }
 
-    // The n-th tap of each of eight neighbouring results. `pixel` is counted from where the results' window begins; its
+    // The n-th tap of each of eight or sixteen neighbouring results. `pixel` is counted from where the results' window begins; its
     // upper bytes are 0x80, with which a shuffle of bytes makes zeros. What is unused weighs nothing.
     struct Taps {
-        uint32_t pixel[8];
-        float weight[8];
+        uint32_t pixel[16];
+        float weight[16];
     };
 
   private:
@@ -60,19 +61,20 @@ class AreaResize {
         float weight;
         bool first, last;  // of the result's taps
     };
-    // Up to eight neighbouring results that depend on no more than sixteen pixels.
+    // Neighbouring results, at most as many as are made at once, that depend on pixels close together.
     struct Window {
         int source, result, count;
     };
 
     static std::vector<Tap> taps(int source, int target);
     void make_windows(const std::vector<Tap>& across);
-    template <auto across>
+    template <auto across, int lanes>
     void run(const uint8_t* picture, const uint8_t* repeats, uint8_t* out, int first, int last) const;
     void run_wide(const uint8_t* picture, const uint8_t* repeats, uint8_t* out, int first, int last) const;
+    void run_wider(const uint8_t* picture, const uint8_t* repeats, uint8_t* out, int first, int last) const;
 
     int rows_, height_, width_;
-    [[maybe_unused]] bool wide_;
+    Way way_;
     std::vector<Tap> down_;  // ordered by source, and so by result
     std::vector<Sources> sources_;
     std::vector<size_t> first_taps_;  // of each result, in down_

@@ -5,16 +5,8 @@
 #include <bit>
 #include <cstring>
 
+#include "simd.hpp"
 #include "state.hpp"
-
-#if defined(__x86_64__) && defined(__GNUC__)
-#include <immintrin.h>
-#define ATARI_WIDE 1
-#define WIDE __attribute__((target("avx2")))
-#define WIDER __attribute__((target("avx512f,avx512bw,avx512vl,avx512vbmi")))
-#else
-#define ATARI_WIDE 0
-#endif
 
 namespace atari {
 namespace {
@@ -62,10 +54,6 @@ WIDE void paint_wide(uint8_t* row, const Layers& layers, const uint8_t colours[4
     }
 }
 
-bool goes_wider() {
-    return __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512vbmi");
-}
-
 // Here the sets of pixels are the masks of the instructions.
 WIDER void paint_wider(uint8_t* row, const Layers& layers, const uint8_t colours[4], int first, int last) {
     const __m512i colour0 = _mm512_set1_epi8(static_cast<char>(colours[0]));
@@ -79,13 +67,6 @@ WIDER void paint_wider(uint8_t* row, const Layers& layers, const uint8_t colours
         line = _mm512_mask_mov_epi8(line, layers.player0.word[word], colour0);
         _mm512_mask_storeu_epi8(row + 64 * word, span.word[word], line);
     }
-}
-
-// One of 256 bytes for each of 64 indices.
-WIDER inline __m512i look_up(const __m512i table[4], __m512i indices) {
-    const __m512i low = _mm512_permutex2var_epi8(table[0], indices, table[1]);
-    const __m512i high = _mm512_permutex2var_epi8(table[2], indices, table[3]);
-    return _mm512_mask_mov_epi8(low, _mm512_movepi8_mask(indices), high);
 }
 
 // Where the three times 64 bytes of 64 pixels come from: from red or green (64 and more), or from blue.
@@ -107,9 +88,10 @@ WIDER void to_rgb_wider(const uint8_t* picture, int rows, const Palette& palette
     uint8_t channels[3][256];
     for (int i = 0; i < 256; ++i)
         for (int channel = 0; channel < 3; ++channel) channels[channel][i] = static_cast<uint8_t>(palette.rgb[i] >> (16 - 8 * channel));
-    __m512i tables[3][4], red_green[3], blue[3];
+    WideTable tables[3];
+    __m512i red_green[3], blue[3];
     for (int channel = 0; channel < 3; ++channel) {
-        for (int part = 0; part < 4; ++part) tables[channel][part] = _mm512_loadu_si512(channels[channel] + 64 * part);
+        tables[channel] = wide_table(channels[channel]);
         red_green[channel] = _mm512_loadu_si512(kInterleaved.red_green[channel]);
         blue[channel] = _mm512_loadu_si512(kInterleaved.blue[channel]);
     }
@@ -180,8 +162,8 @@ void paint_plain(uint8_t* row, const Layers& layers, const uint8_t colours[4], i
 std::vector<Painter> painters() {
     std::vector<Painter> found = {paint_plain};
 #if ATARI_WIDE
-    if (__builtin_cpu_supports("avx2")) found.push_back(paint_wide);
-    if (goes_wider()) found.push_back(paint_wider);
+    if (best_way() >= Way::kWide) found.push_back(paint_wide);
+    if (best_way() >= Way::kWider) found.push_back(paint_wider);
 #endif
     return found;
 }
@@ -205,8 +187,7 @@ void to_rgb_plain(const uint8_t* picture, int rows, const Palette& palette, uint
 
 void to_rgb(const uint8_t* picture, int rows, const Palette& palette, uint8_t* out) {
 #if ATARI_WIDE
-    static const bool wider = goes_wider();
-    if (wider) return to_rgb_wider(picture, rows, palette, out);
+    if (best_way() == Way::kWider) return to_rgb_wider(picture, rows, palette, out);
 #endif
     to_rgb_plain(picture, rows, palette, out);
 }

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from atari._emulator import pool_gray, resize_area
+from atari._emulator import pool_gray, resize_area, ways
 from atari.cores import ByteArray, NativeCore
 
 GAMES = {210: "ms_pacman", 214: "carnival", 220: "pooyan", 230: "journey_escape", 250: "mr_do"}
@@ -15,7 +15,7 @@ GAMES = {210: "ms_pacman", 214: "carnival", 220: "pooyan", 230: "journey_escape"
 SIZES = [(84, 84), (64, 64), (96, 96), (42, 42), (110, 84), (84, 110), (100, 120), (13, 11), (1, 84), (200, 160)]
 """(height, width)."""
 
-both_paths = pytest.mark.parametrize("plain", [False, True], ids=["best", "plain"])
+each_way = pytest.mark.parametrize("way", range(ways()))
 
 
 def opencv(picture: ByteArray, height: int, width: int) -> ByteArray:
@@ -54,31 +54,31 @@ def test_half_way_means_occur() -> None:
         assert np.count_nonzero(sums % 200 == 100) > 10
 
 
-@both_paths
+@each_way
 @pytest.mark.parametrize("rows", GAMES)
-def test_equals_opencv(rows: int, plain: bool) -> None:
+def test_equals_opencv(rows: int, way: int) -> None:
     for height, width in SIZES:
         for seed in range(4):
             for picture in (noise(rows, seed), few_grays(rows, seed)):
                 expected = opencv(picture, height, width)
-                assert np.array_equal(resize_area(picture, height, width, plain=plain), expected), (height, width, seed)
+                assert np.array_equal(resize_area(picture, height, width, way=way), expected), (height, width, seed)
 
 
-@both_paths
-def test_equals_opencv_at_every_size(plain: bool) -> None:
+@each_way
+def test_equals_opencv_at_every_size(way: int) -> None:
     """Every width once, every height once; 10 rows have sizes that divide one side only."""
     for rows, sizes in {210: [(84, width) for width in range(11, 161)], 250: [(h, 84) for h in range(1, 251)]}.items():
         for height, width in sizes:
             picture = few_grays(rows, width + height)
             expected = opencv(picture, height, width)
-            assert np.array_equal(resize_area(picture, height, width, plain=plain), expected), (height, width)
+            assert np.array_equal(resize_area(picture, height, width, way=way), expected), (height, width)
     for height, width in ((5, 84), (3, 80), (10, 84), (7, 160), (10, 159)):
-        assert np.array_equal(resize_area(noise(10), height, width, plain=plain), opencv(noise(10), height, width))
+        assert np.array_equal(resize_area(noise(10), height, width, way=way), opencv(noise(10), height, width))
 
 
-@both_paths
+@each_way
 @pytest.mark.parametrize("rows", GAMES)
-def test_games(rows: int, plain: bool) -> None:
+def test_games(rows: int, way: int) -> None:
     """Two frames of a game, pooled and scaled, row for row and with the rows that repeat left out."""
     table = np.random.default_rng(2).integers(0, 256, 256, dtype=np.uint8)
     repeated = 0
@@ -86,7 +86,7 @@ def test_games(rows: int, plain: bool) -> None:
         early, late = (core.screen() for core in cores)
         assert early.shape == (rows, 160)
         for first, second in ((early, late), (late, early), (late, late)):
-            gray, repeats = pool_gray(first, second, table, plain=plain)
+            gray, repeats = pool_gray(first, second, table, way=way)
             expected = np.maximum(table[first], table[second])
             assert np.array_equal(gray, expected)
             above = (first[1:] == first[:-1]).all(1) & (second[1:] == second[:-1]).all(1)
@@ -94,53 +94,53 @@ def test_games(rows: int, plain: bool) -> None:
             repeated += np.count_nonzero(above)
             for height, width in ((84, 84), (64, 64)):
                 small = opencv(expected, height, width)
-                assert np.array_equal(resize_area(gray, height, width, plain=plain), small)
-                assert np.array_equal(resize_area(gray, height, width, repeats, plain=plain), small)
+                assert np.array_equal(resize_area(gray, height, width, way=way), small)
+                assert np.array_equal(resize_area(gray, height, width, repeats, way=way), small)
     assert repeated > 100
 
 
-@both_paths
-def test_gray_of_games(plain: bool) -> None:
+@each_way
+def test_gray_of_games(way: int) -> None:
     """With ALE's grays as the table, pooling is the maximum of the cores' gray screens."""
     for game in ("breakout", "enduro"):
         for early, late in frames(game, 4):
             table = np.zeros(256, np.uint8)
             for core in (early, late):
                 table[core.screen()] = core.screen_grayscale()
-            gray, _ = pool_gray(early.screen(), late.screen(), table, plain=plain)
+            gray, _ = pool_gray(early.screen(), late.screen(), table, way=way)
             assert np.array_equal(gray, np.maximum(early.screen_grayscale(), late.screen_grayscale()))
 
 
-@both_paths
-def test_pooling_sees_every_pixel(plain: bool) -> None:
+@each_way
+def test_pooling_sees_every_pixel(way: int) -> None:
     """One pixel that differs, in either picture, at any column."""
     table = np.arange(256, dtype=np.uint8)
     for column in range(160):
         for which in (0, 1):
             pictures = np.full((2, 4, 160), 100, np.uint8)
             pictures[which, 2, column] = 200
-            gray, repeats = pool_gray(pictures[0], pictures[1], table, plain=plain)
+            gray, repeats = pool_gray(pictures[0], pictures[1], table, way=way)
             assert np.array_equal(gray, pictures.max(0))
             assert repeats.tolist() == [0, 1, 0, 0]
 
 
-@both_paths
+@each_way
 @pytest.mark.parametrize("seed", range(5))
-def test_pooling_of_noise(seed: int, plain: bool) -> None:
+def test_pooling_of_noise(seed: int, way: int) -> None:
     table = np.random.default_rng(seed).permutation(256).astype(np.uint8)
     early, late = noise(210, seed), few_grays(210, seed)
-    gray, repeats = pool_gray(early, late, table, plain=plain)
+    gray, repeats = pool_gray(early, late, table, way=way)
     assert np.array_equal(gray, np.maximum(table[early], table[late]))
     assert not repeats.any()
 
 
-@both_paths
-def test_a_row_told_to_repeat_is_not_looked_at(plain: bool) -> None:
+@each_way
+def test_a_row_told_to_repeat_is_not_looked_at(way: int) -> None:
     picture = noise(210)
     repeats = np.random.default_rng(3).integers(0, 2, 210).astype(np.uint8)
     repeats[0] = 0
     source = np.maximum.accumulate(np.where(repeats, 0, np.arange(210)))
-    assert np.array_equal(resize_area(picture, 84, 84, repeats, plain=plain), opencv(picture[source], 84, 84))
+    assert np.array_equal(resize_area(picture, 84, 84, repeats, way=way), opencv(picture[source], 84, 84))
 
 
 @pytest.mark.parametrize(

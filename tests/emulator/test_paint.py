@@ -24,7 +24,7 @@ def expected_row(layers: list[ByteArray], colours: list[int], first: int, last: 
     return row
 
 
-@pytest.mark.parametrize("way", range(_emulator.paint_ways()))
+@pytest.mark.parametrize("way", range(_emulator.ways()))
 def test_every_way_paints_the_same(way: int) -> None:
     """Whole lines, single pixels at both edges, and random spans."""
     spans = [(0, 160), (0, 1), (159, 160), (63, 65), (31, 33), (127, 129)]
