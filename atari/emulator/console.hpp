@@ -214,8 +214,9 @@ class Console {
     void begin_log();
     void end_log();
     void keep_write(uint8_t reg, uint8_t value);
-    [[gnu::noinline]] void keep_hmove(uint32_t cycles);  // or the interpreter has a register less
-    void keep_cxclr(uint32_t cycles);
+    // Not inlined, or the interpreter has a register less.
+    [[gnu::noinline]] void keep_hmove(uint32_t cycles);
+    [[gnu::noinline]] void keep_cxclr(uint32_t cycles);
     void apply_kept(int32_t clock);
     void read_latches(int reg);
     void settle_latches();

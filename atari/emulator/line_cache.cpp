@@ -29,7 +29,7 @@ void LineCache::draw(const FrameLog& log, Pictures& pictures, int picture) {
     const int lines = std::min({(log.reached - frame_start_) / 228, behind_picture, kMostLines});
     int drawn = 0;
     while (true) {
-        const bool alike = d.line < known_ && is_written_alike(d, lines) && begins_alike(d) && skip_lines(d);
+        const bool alike = begins_alike(d) && skip_lines(d, lines);
         if (d.line == lines) break;
         if (!alike) looks_[d.line] = frame_;
         draw_line(d);
@@ -57,6 +57,7 @@ void LineCache::draw_straight(const FrameLog& log, uint8_t* pixels) {
 }
 
 bool LineCache::begins_alike(Drawing& d) const {
+    if (d.line >= known_) return false;
     if (d.live) {
         const TiaLine &now = d.tia, &before = beginnings_[d.line];
         if (!agree<kStrict>(&now, &before)) return false;
@@ -65,11 +66,10 @@ bool LineCache::begins_alike(Drawing& d) const {
     return !(d.difference.objects & involved_[d.line]);
 }
 
-// Whether the line has the writes that it had before. Finds how far the log goes on so, and up to which line these are
-// all writes.
-bool LineCache::is_written_alike(Drawing& d, int lines) const {
+// Finds how far the log goes on as it did before, and up to which line these are all writes.
+void LineCache::find_agreement(Drawing& d, int lines) const {
     const int place = first_[d.line], moved = static_cast<int>(d.next - d.log) - place;
-    if (moved == d.moved && place <= d.agreed) return d.agreed_lines > d.line;  // that is known
+    if (moved == d.moved && place <= d.agreed) return;  // that is known
     const int comparable = std::min(static_cast<int>(d.end - d.next), first_[known_] - place);
     d.moved = moved;
     d.agreed = place + agreeing(d.next, log_ + place, comparable);
@@ -78,13 +78,13 @@ bool LineCache::is_written_alike(Drawing& d, int lines) const {
     if (const Write* next = d.log + d.agreed + moved; next != d.end)
         while (line > d.line && first_[line] == d.agreed && static_cast<int32_t>(3 * next->cycle) < line_clock(line)) --line;
     d.agreed_lines = line;
-    return line > d.line;
 }
 
 // Skips lines with the writes that they had before, as long as they are shown. Returns whether the line that is reached
 // has its writes, too, and only has to be drawn.
-bool LineCache::skip_lines(Drawing& d) {
-    const int same = d.agreed_lines;
+bool LineCache::skip_lines(Drawing& d, int lines) {
+    find_agreement(d, lines);
+    const int same = std::max(d.line, d.agreed_lines);
     const unsigned differing = d.difference.objects;
     int alike = differing ? d.line : same;  // and look so
     while (alike < same && !(differing & involved_[alike])) ++alike;

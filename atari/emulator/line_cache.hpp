@@ -59,8 +59,8 @@ class LineCache {
 
     int32_t line_clock(int line) const { return frame_start_ + 228 * line; }
     bool begins_alike(Drawing& d) const;
-    bool is_written_alike(Drawing& d, int lines) const;
-    bool skip_lines(Drawing& d);
+    void find_agreement(Drawing& d, int lines) const;
+    bool skip_lines(Drawing& d, int lines);
     int first_not_shown(const Drawing& d, int line, int end);
     void begin_line(Drawing& d);
     void draw_line(Drawing& d);
