@@ -4,6 +4,8 @@
 #include <cstring>
 #include <utility>
 
+#include "paint.hpp"
+
 namespace atari {
 namespace {
 
@@ -38,7 +40,8 @@ View::View(Environment& environment, const ViewSettings& settings, std::shared_p
         for (int plane = 0; plane < 3; ++plane) tables_[plane] = colours_.data() + 256 * plane;
     }
     const auto planes = static_cast<size_t>(planes_);
-    if (settings_.max_pool && settings_.end_frames == EndFrames::kGymnasium) pooled_.resize(planes * plane_size());
+    const bool pools_again = settings_.max_pool && settings_.end_frames == EndFrames::kGymnasium;
+    if (pools_again && !as_it_is()) pooled_.resize(planes * plane_size());
     if (planes && settings_.end_frames == EndFrames::kBaselines) late_.resize(plane_size());
     picture_size_ = planes * static_cast<size_t>(settings_.height) * static_cast<size_t>(settings_.width);
     ring_.resize(picture_size_ * static_cast<size_t>(settings_.stack));
@@ -102,6 +105,7 @@ void View::end(int left, bool ended) {
 }
 
 void View::show(Frame early, Frame late) {
+    if (as_it_is()) return show_in_colour(early, late);
     if (const AreaResize* resize = scaler_->by_rows(); resize && planes_ == 1) return show_changes(early, late, *resize);
     const auto height = static_cast<size_t>(environment_.height()), planes = static_cast<size_t>(planes_);
     uint8_t* const repeats = working_memory(planes * (height + plane_size()));
@@ -157,8 +161,26 @@ void View::pool_plane(Frame early, Frame late, int plane, int first, int count, 
     else pooling([](auto... arguments) { pool_gray(arguments...); });
 }
 
+void View::show_in_colour(Frame early, Frame late) {
+    uint8_t* const place = next_place();
+    to_rgb(late.pixels, environment_.height(), *environment_.game()->palette, place);
+    if (early.pixels != late.pixels) pool_colours(early, place);
+}
+
+// The brighter of a frame and of the colours that are there.
+void View::pool_colours(Frame frame, uint8_t* colours) const {
+    const size_t size = picture_size_;
+    uint8_t* const others = working_memory(size);
+    to_rgb(frame.pixels, environment_.height(), *environment_.game()->palette, others);
+    for (size_t i = 0; i < size; ++i) colours[i] = std::max(colours[i], others[i]);
+}
+
 // The skip's last frame but one, pooled with the last picture.
 void View::show_with_last() {
+    if (as_it_is()) {
+        repeat(false);
+        return pool_colours(early(), ring_.data() + picture_size_ * static_cast<size_t>(newest_));
+    }
     const auto height = static_cast<size_t>(environment_.height());
     uint8_t* const repeats = working_memory(height + plane_size());
     uint8_t* const plane = repeats + height;

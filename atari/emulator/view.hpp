@@ -55,6 +55,8 @@ class View {
     };
     void show(Frame early, Frame late);
     void show_changes(Frame early, Frame late, const AreaResize& resize);
+    void show_in_colour(Frame early, Frame late);
+    void pool_colours(Frame frame, uint8_t* colours) const;
     void show_with_last();
     void pool_plane(Frame early, Frame late, int plane, int first, int count, uint8_t* out, uint8_t* repeats) const;
     void push(const uint8_t* pooled, const uint8_t* repeats);
@@ -67,6 +69,10 @@ class View {
     Frame current() {
         const uint8_t* const pixels = environment_.console().picture();
         return {pixels, environment_.console().looks()};
+    }
+    // RGB of the picture's own size: made as it is, all colours at once.
+    bool as_it_is() const {
+        return planes_ == 3 && settings_.height == environment_.height() && settings_.width == kScreenWidth;
     }
     size_t plane_size() const { return static_cast<size_t>(environment_.height()) * kScreenWidth; }
 

@@ -33,5 +33,23 @@ def test_lives_that_end_episodes() -> None:
     assert compare("ms_pacman", 300, seed=2, life_loss_info=True, autoreset_mode=AutoresetMode.SAME_STEP) > 0
 
 
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+@pytest.mark.parametrize(("frameskip", "maxpool", "stack"), [(4, True, 1), (5, True, 2), (1, True, 1), (3, False, 4)])
+def test_colours_of_the_pictures_own_size(mode: AutoresetMode, frameskip: int, maxpool: bool, stack: int) -> None:
+    """They are made in another way. An episode ends in the midst of a skip, and goes on to the next."""
+    options = {"frameskip": frameskip, "maxpool": maxpool, "stack_num": stack, "autoreset_mode": mode}
+    for seed, game in enumerate(("breakout", "seaquest")):
+        compare(
+            game,
+            30,
+            seed=seed,
+            grayscale=False,
+            img_height=210,
+            img_width=160,
+            max_num_frames_per_episode=42,
+            **options,
+        )
+
+
 def test_more_noops_than_an_episode_has_frames() -> None:
     compare("alien", 10, seed=6, noop_max=1000, num_envs=1)
