@@ -116,12 +116,14 @@ void Console::read_latches(int reg) {
     const unsigned latches = 3u << (14 - 2 * reg);
     read_latches_ |= latches;
     if (!(latches & ~watched_latches_)) return;
+    const int open_log = open_log_;
     settle_latches();
     watched_latches_ |= latches;
     collider_.watch(watched_latches_);
     collision_cache_.forget();
-    open_log_ = log_;
-    open_from_ = log_end_;
+    // The others are found from where they were unknown, now or later: it is a CXCLR, or the beginning of a frame, and only
+    // there the collider can begin to collect.
+    if (watched_latches_ != 0xffff) open_log_ = open_log;
 }
 
 // Finds the latches that have not been kept up to date. What is found twice does no harm: between `open_from_` and now

@@ -201,7 +201,7 @@ def test_pictures_that_change(batch: int) -> None:
     [
         *(
             (wild_programs.changing_picture, seed)
-            for seed in (10428, 10455, 10624, 21467, 24821, 100632, 103428, 203054, 1003155)
+            for seed in (10428, 10455, 10624, 21467, 24821, 100632, 103428, 203054, 1003155, 1107834)
         ),
         *((tia_program, seed) for seed in (10160, 10297, 12217, 100136, 100785, 100928, 703281)),
     ],
