@@ -4,10 +4,14 @@
 #include <cstdint>
 
 #if defined(__x86_64__) && defined(__GNUC__)
+#ifndef __clang__
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"  // the header of GCC 12 warns of itself
 #include <immintrin.h>
 #pragma GCC diagnostic pop
+#else
+#include <immintrin.h>
+#endif
 #define ATARI_WIDE 1
 #define WIDE __attribute__((target("avx2")))
 #define WIDER __attribute__((target("avx512f,avx512bw,avx512vl,avx512vbmi")))
