@@ -64,7 +64,7 @@ class Results:
         reward, env_id, lives, frame_number, episode_frame_number, terminated, truncated = [
             row.copy() for row in self._rows
         ]
-        info: dict[str, Any] = {
+        info: dict[str, Any] = {  # written out, as this is done at every step
             "env_id": env_id,
             "_env_id": everyone,
             "lives": lives,

@@ -256,11 +256,11 @@ void Collider::apply_noted(const Write& write) {
     const uint8_t value = write.value;
     switch (write.reg) {
         case REFP0: case REFP1:
-            t.refp[write.reg - REFP0] = value & 8;
+            set_register(t, write);
             outdate(write.reg - REFP0);
             break;
         case PF0: case PF1: case PF2:
-            t.playfield = with_playfield(t.playfield, write.reg, value);
+            set_register(t, write);
             if (t.playfield) enable(kPF, true);  // it stays so: it comes and goes with the lines
             moved(bit_of(kPF));
             break;

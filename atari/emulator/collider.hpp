@@ -27,7 +27,8 @@ class Collider {
     // From now on collisions are made for these latches.
     void watch(unsigned latches);
 
-    // From now on collisions are made, or left out: they will be cleared.
+    // From now on collisions are made, or left out: they will be cleared. They can only be made again from a CXCLR on, or
+    // from the frame's beginning: before that the beam is not where the objects are.
     void collect(bool on);
 
     // Applies the writes, but those of colours and priorities, which do not matter here. What `tia` holds of the objects'

@@ -121,8 +121,8 @@ void Console::read_latches(int reg) {
     watched_latches_ |= latches;
     collider_.watch(watched_latches_);
     collision_cache_.forget();
-    // The others are found from where they were unknown, now or later: it is a CXCLR, or the beginning of a frame, and only
-    // there the collider can begin to collect.
+    // Others, if any, are found from where they were unknown, now or later: it is a CXCLR, or the beginning of a frame, and
+    // only there the collider can begin to collect.
     if (watched_latches_ != 0xffff) open_log_ = open_log;
 }
 
@@ -267,8 +267,10 @@ void Console::keep_hmove(uint32_t cycles) {
 void Console::keep_cxclr(uint32_t cycles) {
     collisions_from_ = log_end_;
     cleared_ = true;
-    open_log_ = watched_latches_ != 0xffff ? log_ : -1;  // where all are watched, none is unknown from here on
-    open_from_ = log_end_;
+    if (watched_latches_ != 0xffff) {
+        open_log_ = log_;
+        open_from_ = log_end_;
+    }
     *log_end_++ = {cycles, CXCLR, 0, 0};
 }
 

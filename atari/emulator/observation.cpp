@@ -21,7 +21,7 @@ constexpr int kMostResults = 8 * 21;  // places for results: more than 21 window
 
 // Results that are made at once, in a window of so many pixels.
 constexpr int lanes_of(Way way) { return way == Way::kWider ? 16 : 8; }
-constexpr int reach_of(Way way) { return way == Way::kWider ? 64 : 16; }
+constexpr unsigned reach_of(Way way) { return way == Way::kWider ? 64u : 16u; }
 
 // Bit k for columns 8k .. 8k+7 in which either picture differs from the row above.
 uint32_t changes_plain(const uint8_t* early, const uint8_t* late) {
@@ -69,13 +69,14 @@ INLINED void pool(const uint8_t* early, const uint8_t* late, int rows, const uin
     }
 }
 
-// Neighbouring results of a row. The sums are float32, each product rounded before it is added, in the order of the pixels: in
-// ties, of which games have many, the last bit of the sum decides.
+// Neighbouring results of a row. The sums are float32, each product rounded before it is added, in the order of the
+// pixels: in ties, of which games have many, the last bit of the sum decides.
 void across_plain(const uint8_t* pixels, const AreaResize::Taps* taps, int depth, float* __restrict results) {
-    float sums[8] = {};
+    constexpr int lanes = lanes_of(Way::kPlain);
+    float sums[lanes] = {};
     for (int n = 0; n < depth; ++n)
-        for (int i = 0; i < 8; ++i) {
-            const float value = pixels[taps[n].pixel[i] & 0xff];
+        for (int i = 0; i < lanes; ++i) {
+            const float value = pixels[taps[n].pixel[i] % reach_of(Way::kPlain)];  // of what is unused, the first
             sums[i] += value * taps[n].weight[i];
         }
     std::memcpy(results, sums, sizeof sums);
@@ -220,7 +221,7 @@ std::vector<AreaResize::Tap> AreaResize::taps(int source, int target) {
 }
 
 void AreaResize::make_windows(const std::vector<Tap>& across) {
-    const int lanes = lanes_of(way_), reach = reach_of(way_);
+    const int lanes = lanes_of(way_), reach = static_cast<int>(reach_of(way_));
     for (auto tap = across.begin(); tap != across.end();) {
         const auto last = std::find_if(tap, across.end(), [](const Tap& t) { return t.last; });
         if (windows_.empty() || windows_.back().count == lanes || last->source >= windows_.back().source + reach)

@@ -231,14 +231,6 @@ def test_collisions_that_are_read_now_and_then(batch: int) -> None:
         play(wild_programs.glances(rng), "4K", f"glances {seed}", rng, rounds=8, pokes=0.1, resets=0, travels=0.03)
 
 
-@pytest.mark.parametrize("batch", range(2))
-def test_collisions_that_are_all_read(batch: int) -> None:
-    """Then none is unknown, and no log is needed to find any."""
-    for seed in range(40 * batch, 40 * batch + 40):
-        rng = random.Random(seed)
-        play(wild_programs.glances(rng, True), "4K", f"glances {seed}", rng, rounds=8, pokes=0.1, resets=0)
-
-
 @pytest.mark.parametrize("batch", range(4))
 def test_stars_in_motion(batch: int) -> None:
     for seed in range(15 * batch, 15 * batch + 15):

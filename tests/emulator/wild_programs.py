@@ -273,9 +273,9 @@ def nearly_still(rng: random.Random) -> bytes:
     return code.image(again)
 
 
-def glances(rng: random.Random, at_all: bool = False) -> bytes:
+def glances(rng: random.Random) -> bytes:
     """A picture of which little changes, with strobes in most lines. Its collisions are read, and cleared, in some frames
-    only; or in some frames all of them are read, and they are cleared in each."""
+    only."""
     code = Code()
     code.emit(0x78, 0xD8, 0xA2, 0xFF, 0x9A)
     again = len(code.bytes)
@@ -296,9 +296,6 @@ def glances(rng: random.Random, at_all: bool = False) -> bytes:
         strobes = [part for _ in range(rng.randrange(2, 7)) for part in (0x85, rng.choice(STROBES))]
         code.emit(0xA2, wait, 0x85, W.WSYNC, *strobes, 0xCA, 0xD0, -5 - len(strobes) & 0xFF)
         lines += wait
-    if at_all:
-        sometimes(code, rng, lambda _: bytes(part for k in COLLISIONS for part in (0xA5, k, 0x85, 0xF0 + k)))
-        code.emit(0x85, W.CXCLR)
     return code.image(again)
 
 
