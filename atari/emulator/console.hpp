@@ -64,8 +64,9 @@ inline constexpr uint32_t kCyclesBelowLimit = 2 * kInstructionLimit;
 // no more writes than this need to be kept, two of its three with a note that they come at the same time.
 inline constexpr int kLogSize = 344 * 76 * 5 / 7 + 16;
 
-// The writes of a frame, with the TIA as it was at its beginning: all that is needed to draw it.
-struct FrameLog {
+// The writes of a frame, with the TIA as it was at its beginning: all that is needed to draw it. Only what is written to
+// takes memory, in pages, of which a log shares none with another.
+struct alignas(4096) FrameLog {
     Tia start;
     int32_t reached;  // the clock of the frame's end
     int size;
@@ -118,6 +119,9 @@ struct ConsoleCopy {
     std::ptrdiff_t open_from;
     unsigned read_latches, watched_latches;
     bool cleared, plain;
+    bool replaced[2];  // by picture: a log replaces all of it
+
+    bool replaces_pictures() const { return replaced[0] && replaced[1]; }
 };
 
 class Console {
@@ -148,11 +152,13 @@ class Console {
     // Accesses of RAM by the layer above leave their value on the data bus, which a program that runs in TIA space sees.
     uint8_t read_ram(uint8_t address) { return m_.bus = m_.riot.ram[address & 0x7f]; }
     void poke_ram(uint8_t address, uint8_t value) { m_.bus = m_.riot.ram[address & 0x7f] = value; }
+    void set_ram(const uint8_t* bytes) { std::copy_n(bytes, 128, m_.riot.ram); }
     const uint8_t* cartridge_ram() const { return cart_ram_.data(); }
     size_t cartridge_ram_size() const { return cart_ram_.size(); }
     // Pictures of frames that were run fast are drawn when they are asked for.
     const uint8_t* picture() { return drawn(m_.tia.current); }
     const uint8_t* previous_picture() { return drawn(m_.tia.current ^ 1); }
+    Pictures& pictures() { return pictures_; }
     // How their rows look (LineCache::looks), when they have been drawn; null if that is not known.
     const uint32_t* looks() const { return line_cache_ ? line_cache_->looks(m_.tia.current) : nullptr; }
     const uint32_t* previous_looks() const { return line_cache_ ? line_cache_->looks(m_.tia.current ^ 1) : nullptr; }
@@ -172,7 +178,10 @@ class Console {
 
     // The same in memory and much faster, for this console or one of the same cartridge and configuration.
     void copy_to(ConsoleCopy& copy) const;
-    void copy_from(const ConsoleCopy& copy);
+    void copy_from(const ConsoleCopy& copy, bool swapped = false);
+    // The same for a console that has come to where the copied one was in another way: in the same random words, with its
+    // own sound, and perhaps with its pictures `swapped`.
+    void follow(const ConsoleCopy& copy, bool swapped);
 
     // Bus accesses, single instructions, the beginning of a frame and drawing up to its latest access, for tests.
     uint8_t read(uint16_t address) {

@@ -1,7 +1,7 @@
 // The two pictures of a console: the frame that is being drawn or was drawn last, and the one before.
 //
 // They take memory when they are drawn to: where nobody looks at pictures, as in environments that observe RAM, they
-// need none.
+// need none. Both can be held as they are now; then what is drawn over is copied first, which is rare.
 #pragma once
 
 #include <algorithm>
@@ -28,16 +28,33 @@ class Pictures {
 
     // For drawing to the first so many bytes.
     uint8_t* use(int picture, std::size_t bytes = kMost) {
+        if (holding_) keep(picture);
         auto& pixels = pixels_[static_cast<std::size_t>(picture)];
         if (pixels.size() < bytes) pixels.resize(bytes);
         return pixels.data();
     }
 
-    // Restores the last of so many bytes. A picture that was never drawn to and would stay blank takes no memory.
+    // Holds both pictures as they are now, until they are let go.
+    void hold() { holding_ = true; }
+    const uint8_t* held(int picture) const {
+        const auto& copy = held_[static_cast<std::size_t>(picture)];
+        return copy.empty() ? (*this)[picture] : copy.data();
+    }
+    void let_go() {
+        if (!holding_) return;
+        holding_ = false;
+        held_ = {};
+    }
+
+    // Restores the last of so many bytes, behind which there is nothing. A picture that was never drawn to and would stay
+    // blank takes no memory.
     void restore(int picture, const std::vector<uint8_t>& last, std::size_t bytes) {
-        const bool blank = pixels_[static_cast<std::size_t>(picture)].empty() &&
-                           std::all_of(last.begin(), last.end(), [](uint8_t pixel) { return pixel == 0; });
-        if (!blank) std::copy(last.begin(), last.end(), use(picture, bytes) + (bytes - last.size()));
+        auto& pixels = pixels_[static_cast<std::size_t>(picture)];
+        const bool blank = pixels.empty() && std::all_of(last.begin(), last.end(), [](uint8_t pixel) { return pixel == 0; });
+        if (blank) return;
+        use(picture, bytes);
+        pixels.resize(bytes);
+        std::copy(last.begin(), last.end(), pixels.end() - static_cast<std::ptrdiff_t>(last.size()));
     }
 
     void save(int picture, uint8_t* out) const {
@@ -53,11 +70,24 @@ class Pictures {
     }
 
     void clear() {
-        for (auto& pixels : pixels_) std::fill(pixels.begin(), pixels.end(), uint8_t{0});
+        for (int picture : {0, 1}) {
+            if (holding_) keep(picture);
+            auto& pixels = pixels_[static_cast<std::size_t>(picture)];
+            std::fill(pixels.begin(), pixels.end(), uint8_t{0});
+        }
     }
 
   private:
-    std::array<std::vector<uint8_t>, 2> pixels_;
+    void keep(int picture) {
+        auto& copy = held_[static_cast<std::size_t>(picture)];
+        if (!copy.empty()) return;
+        const auto& pixels = pixels_[static_cast<std::size_t>(picture)];
+        if (pixels.empty()) copy.resize(kMost);
+        else copy = pixels;
+    }
+
+    std::array<std::vector<uint8_t>, 2> pixels_, held_;  // `held_` only what has been drawn over
+    bool holding_ = false;
 };
 
 }  // namespace atari

@@ -23,8 +23,8 @@ void Player::copy_to(Copy& copy) const {
 }
 
 void Player::copy_from(const Copy& copy) {
+    load_own(view_.load(copy.rest.data()));  // first, so that pictures need not be held
     environment_->copy_from(copy.environment);
-    load_own(view_.load(copy.rest.data()));
 }
 
 // The order of things, and that FIRE counts as one of the no-ops and is not pressed again when the game ends in them,

@@ -31,7 +31,8 @@ uint8_t* working_memory(size_t size) {
 
 View::View(Environment& environment, const ViewSettings& settings, std::shared_ptr<const Scaler> scaler)
     : environment_(environment), settings_(settings), scaler_(std::move(scaler)),
-      planes_(settings.pixels == Pixels::kNone ? 0 : settings.pixels == Pixels::kRgb ? 3 : 1) {
+      planes_(settings.pixels == Pixels::kNone ? 0 : settings.pixels == Pixels::kRgb ? 3 : 1),
+      pools_again_(settings.max_pool && settings.end_frames == EndFrames::kGymnasium && !as_it_is()) {
     const Palette& palette = *environment.game()->palette;
     tables_[0] = settings_.pixels == Pixels::kGrayOfRgb ? settings_.pairs->data() : palette.gray;
     if (settings_.pixels == Pixels::kRgb) {
@@ -40,8 +41,6 @@ View::View(Environment& environment, const ViewSettings& settings, std::shared_p
         for (int plane = 0; plane < 3; ++plane) tables_[plane] = colours_.data() + 256 * plane;
     }
     const auto planes = static_cast<size_t>(planes_);
-    const bool pools_again = settings_.max_pool && settings_.end_frames == EndFrames::kGymnasium;
-    if (pools_again && !as_it_is()) pooled_.resize(planes * plane_size());
     if (planes && settings_.end_frames == EndFrames::kBaselines) late_.resize(plane_size());
     picture_size_ = planes * static_cast<size_t>(settings_.height) * static_cast<size_t>(settings_.width);
     ring_.resize(picture_size_ * static_cast<size_t>(settings_.stack));
@@ -50,6 +49,7 @@ View::View(Environment& environment, const ViewSettings& settings, std::shared_p
 void View::begin(bool fill) {
     if (!planes_) return;
     early_noted_ = false;
+    forget_last();
     std::fill(late_.begin(), late_.end(), uint8_t{0});
     show(current(), current());
     if (fill) repeat(true);
@@ -83,6 +83,7 @@ void View::end(int left, bool ended) {
     if (!planes_) return;
     const bool pools = std::exchange(early_noted_, false);
     if (left == 0 && !(ended && settings_.end_frames == EndFrames::kGymnasium)) {
+        forget_last();
         // In the order in which they were played: nearer pictures have more lines in common, which are not drawn again.
         const Frame first = pools ? early() : current(), last = current();
         if (!late_.empty()) std::copy_n(last.pixels, late_.size(), late_.begin());
@@ -106,14 +107,52 @@ void View::end(int left, bool ended) {
 
 void View::show(Frame early, Frame late) {
     if (as_it_is()) return show_in_colour(early, late);
-    if (const AreaResize* resize = scaler_->by_rows(); resize && planes_ == 1) return show_changes(early, late, *resize);
-    const auto height = static_cast<size_t>(environment_.height()), planes = static_cast<size_t>(planes_);
-    uint8_t* const repeats = working_memory(planes * (height + plane_size()));
-    uint8_t* const pooled = pooled_.empty() ? repeats + planes * height : pooled_.data();
-    for (size_t plane = 0; plane < planes; ++plane)
-        pool_plane(early, late, static_cast<int>(plane), 0, environment_.height(), pooled + plane * plane_size(),
-                   repeats + plane * height);
-    push(pooled, repeats);
+    if (const AreaResize* resize = scaler_->by_rows(); resize && planes_ == 1) {
+        show_changes(early, late, *resize);
+    } else {
+        const size_t rows = static_cast<size_t>(planes_ * environment_.height());
+        uint8_t* const repeats = working_memory(rows * (1 + kScreenWidth));
+        pool_all(early, late, repeats + rows, repeats);
+        push(repeats + rows, repeats);
+    }
+    if (pools_again_) remember(early, late);
+}
+
+// All planes of a picture, of which `repeats` tells which rows are the row above.
+void View::pool_all(Frame early, Frame late, uint8_t* out, uint8_t* repeats) const {
+    const int height = environment_.height();
+    for (int plane = 0; plane < planes_; ++plane, out += plane_size(), repeats += height)
+        pool_plane(early, late, plane, 0, height, out, repeats);
+}
+
+// What the last picture was made of, in place of what the one before was.
+void View::remember(Frame early, Frame late) {
+    last_[0] = early.picture;
+    last_[1] = late.picture;
+    if (early.picture >= 0) return environment_.console().pictures().hold();
+    pooled_.resize(pooled_size());
+    std::vector<uint8_t> repeats(pooled_size() / kScreenWidth);
+    pool_all(early, late, pooled_.data(), repeats.data());
+}
+
+// Before the pictures that the next one is made of are drawn.
+void View::forget_last() {
+    environment_.console().pictures().let_go();
+    last_[0] = last_[1] = -1;
+    pooled_ = {};
+}
+
+// The last picture before it was made small.
+void View::pool_last(uint8_t* out) const {
+    if (!pooled_.empty()) {
+        std::copy(pooled_.begin(), pooled_.end(), out);
+    } else if (last_[0] < 0) {  // there is none
+        std::fill_n(out, pooled_size(), uint8_t{0});
+    } else {
+        const Pictures& pictures = environment_.console().pictures();
+        std::vector<uint8_t> repeats(pooled_size() / kScreenWidth);
+        pool_all({pictures.held(last_[0]), nullptr}, {pictures.held(last_[1]), nullptr}, out, repeats.data());
+    }
 }
 
 // Rows that are made of what they were made of in the last small picture are copied from there.
@@ -122,7 +161,7 @@ void View::show_changes(Frame early, Frame late, const AreaResize& resize) {
     const int height = environment_.height(), results = settings_.height;
     uint8_t* const changed = working_memory(2 * static_cast<size_t>(height) + plane_size());
     uint8_t* const repeats = changed + height;
-    uint8_t* const pooled = pooled_.empty() ? repeats + height : pooled_.data();
+    uint8_t* const pooled = repeats + height;
     looks_.resize(static_cast<size_t>(height));
     for (int row = 0; row < height; ++row) {
         RowLooks& known = looks_[static_cast<size_t>(row)];
@@ -181,15 +220,16 @@ void View::show_with_last() {
         repeat(false);
         return pool_colours(early(), ring_.data() + picture_size_ * static_cast<size_t>(newest_));
     }
-    const auto height = static_cast<size_t>(environment_.height());
-    uint8_t* const repeats = working_memory(height + plane_size());
-    uint8_t* const plane = repeats + height;
-    for (int k = 0; k < planes_; ++k) {
-        pool_plane(early(), early(), k, 0, environment_.height(), plane, repeats);
-        uint8_t* const pooled = pooled_.data() + plane_size() * static_cast<size_t>(k);
-        for (size_t i = 0; i < plane_size(); ++i) pooled[i] = std::max(pooled[i], plane[i]);
-    }
-    push(pooled_.data(), nullptr);
+    const Frame frame = early();
+    std::vector<uint8_t> pooled(pooled_size());
+    pool_last(pooled.data());
+    uint8_t* const repeats = working_memory(pooled.size() + pooled.size() / kScreenWidth);
+    uint8_t* const others = repeats + pooled.size() / kScreenWidth;
+    pool_all(frame, frame, others, repeats);
+    for (size_t i = 0; i < pooled.size(); ++i) pooled[i] = std::max(pooled[i], others[i]);
+    push(pooled.data(), nullptr);
+    forget_last();
+    pooled_ = std::move(pooled);
     looks_.clear();
 }
 
@@ -216,16 +256,21 @@ void View::write(uint8_t* out) const {
     std::memcpy(out + (ring_.size() - oldest), ring_.data(), oldest);
 }
 
-size_t View::state_size() const { return pooled_.size() + late_.size() + ring_.size() + sizeof newest_; }
+size_t View::state_size() const { return pooled_size() + late_.size() + ring_.size() + sizeof newest_; }
 
 uint8_t* View::save(uint8_t* out) const {
-    for (const std::vector<uint8_t>* part : {&pooled_, &late_, &ring_}) out = std::copy(part->begin(), part->end(), out);
+    if (pools_again_) pool_last(out);
+    out += pooled_size();
+    for (const std::vector<uint8_t>* part : {&late_, &ring_}) out = std::copy(part->begin(), part->end(), out);
     std::memcpy(out, &newest_, sizeof newest_);
     return out + sizeof newest_;
 }
 
 const uint8_t* View::load(const uint8_t* in) {
-    for (std::vector<uint8_t>* part : {&pooled_, &late_, &ring_}) {
+    forget_last();
+    pooled_.assign(in, in + pooled_size());
+    in += pooled_size();
+    for (std::vector<uint8_t>* part : {&late_, &ring_}) {
         std::copy_n(in, part->size(), part->begin());
         in += part->size();
     }

@@ -44,10 +44,11 @@ class View {
     const uint8_t* load(const uint8_t* in);
 
   private:
-    // A frame's palette indices, and how its rows look (LineCache::looks) or null.
+    // A frame's palette indices, how its rows look (LineCache::looks) or null, and which picture of the console it is or -1.
     struct Frame {
         const uint8_t* pixels;
         const uint32_t* looks;
+        int picture = -1;
     };
     struct RowLooks {
         uint32_t early, late;
@@ -58,17 +59,24 @@ class View {
     void show_in_colour(Frame early, Frame late);
     void pool_colours(Frame frame, uint8_t* colours) const;
     void show_with_last();
+    void remember(Frame early, Frame late);
+    void forget_last();
+    void pool_last(uint8_t* out) const;
+    void pool_all(Frame early, Frame late, uint8_t* out, uint8_t* repeats) const;
+    size_t pooled_size() const { return pools_again_ ? static_cast<size_t>(planes_) * plane_size() : 0; }
     void pool_plane(Frame early, Frame late, int plane, int first, int count, uint8_t* out, uint8_t* repeats) const;
     void push(const uint8_t* pooled, const uint8_t* repeats);
     uint8_t* next_place();
     Frame early() {
         if (early_copied_) return {early_.data(), nullptr};
-        const uint8_t* const pixels = environment_.console().previous_picture();
-        return {pixels, environment_.console().previous_looks()};
+        Console& console = environment_.console();
+        const uint8_t* const pixels = console.previous_picture();
+        return {pixels, console.previous_looks(), console.machine().tia.current ^ 1};
     }
     Frame current() {
-        const uint8_t* const pixels = environment_.console().picture();
-        return {pixels, environment_.console().looks()};
+        Console& console = environment_.console();
+        const uint8_t* const pixels = console.picture();
+        return {pixels, console.looks(), console.machine().tia.current};
     }
     // RGB of the picture's own size: made as it is, all colours at once.
     bool as_it_is() const {
@@ -82,7 +90,11 @@ class View {
     const int planes_;
     const uint8_t* tables_[3];           // of 256 values, by plane
     std::vector<uint8_t> colours_;       // what they point to for kRgb
-    std::vector<uint8_t> pooled_;        // planes: the last picture before it was made small; if it can be needed again
+    // An episode may end with the last picture pooled once more. What that was made of is held by the console, in
+    // pictures with these numbers; where it cannot, it is kept as planes before they were made small.
+    const bool pools_again_;
+    int last_[2] = {-1, -1};
+    std::vector<uint8_t> pooled_;
     std::vector<uint8_t> late_;          // for kBaselines: the last whole skip's last frame
     std::vector<uint8_t> early_;         // a frame that the console will not keep
     bool early_noted_ = false, early_copied_ = false;
