@@ -21,7 +21,7 @@ from atari.game import Game
 from atari.roms import find
 from atari.roms import image as rom_image
 
-STATE_VERSION = 1
+STATE_VERSION = 2
 """Of the layout of the emulator's state: `Machine` and `EnvironmentState` in the C++ headers, as they lie in memory."""
 
 _F8_SWAPPED = {"bc24440b59092559a1ec26055fd1270e", "75ee371ccfc4f43e7d9b8f24e1266b55"}

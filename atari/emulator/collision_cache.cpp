@@ -7,7 +7,7 @@ namespace atari {
 namespace {
 
 // The objects that take part in a block which begins so and in which these registers are written.
-unsigned involved_in(const TiaLine& begin, uint64_t written) {
+unsigned involved_in(const TiaCommon& begin, uint64_t written) {
     unsigned objects = 0;
     for (const uint8_t i : {0, 1}) {
         const auto is_written = [&](std::initializer_list<uint8_t> registers) {
@@ -22,10 +22,10 @@ unsigned involved_in(const TiaLine& begin, uint64_t written) {
 }
 
 // Whether what must not differ does not. Colours may.
-bool begin_alike(const TiaLine& a, const TiaLine& b) {
-    constexpr std::size_t kColours = offsetof(TiaLine, colour), kBehind = kColours + sizeof a.colour;
-    const auto behind = [](const TiaLine& line) { return reinterpret_cast<const char*>(&line) + kBehind; };
-    return agree<kColours>(&a, &b) && agree<kStrict - kBehind>(behind(a), behind(b));
+bool begin_alike(const TiaCommon& a, const TiaCommon& b) {
+    constexpr std::size_t kColours = offsetof(TiaCommon, colour), kBehind = kColours + sizeof a.colour;
+    const auto behind = [](const TiaCommon& line) { return reinterpret_cast<const char*>(&line) + kBehind; };
+    return agree<kColours>(&a, &b) && agree<sizeof a - kBehind>(behind(a), behind(b));
 }
 
 }  // namespace
@@ -99,29 +99,29 @@ const Write* CollisionCache::begin_block(const Write* next, const Write* last, b
     acted_ = collider_.acted();
     credit_ -= kBlockCost;
     Block& block = blocks_[next_];
-    TiaLine& beginning = beginnings_[next_];
     const bool comparable = next_ < known_ && (!exact || block.collisions == t_.collisions);
     int until = comparable ? written_alike_until(next, last, clock) : next_;
-    if (until > next_ && begin_alike(now, beginning)) {
-        const Difference differs = difference(now, beginning);
+    if (until > next_ && begin_alike(now, beginnings_[next_])) {
+        const Difference differs = difference(now, places_[next_]);
         if (differs.objects)
             for (int i = next_; i < until; ++i)
                 if (differs.objects & blocks_[i].involved) until = i;
         while (until > next_ && exact && !blocks_[until].exact) --until;
         if (until > next_) {
-            carry(differs, beginnings_ + next_, beginnings_ + until + 1);
+            carry(differs, places_ + next_, places_ + until + 1);
             for (int i = next_; i < until; ++i) credit_ += blocks_[i].acted;
             for (int i = next_; i <= until; ++i) {
                 blocks_[i].first = static_cast<uint16_t>(blocks_[i].first + moved_);
                 blocks_[i].exact &= exact;
             }
             next_ = until + 1;
-            collider_.go_on_from(beginnings_[until], blocks_[until].collisions, blocks_[until].blanked_at);
+            collider_.go_on_from({beginnings_[until], places_[until]}, blocks_[until].collisions, blocks_[until].blanked_at);
             return log_ + blocks_[until].first;
         }
     }
     block = {static_cast<uint16_t>(next - log_), t_.collisions, collider_.blanked_at(), exact, 0, 0};
-    beginning = now;
+    beginnings_[next_] = now;
+    places_[next_] = now;
     ++next_;
     return next;
 }

@@ -68,7 +68,8 @@ class CollisionCache {
     int acted_ = 0;                // writes, in front of it
     int agreed_ = -1, moved_ = 0;  // writes up to `agreed_` of the frame before are those of this one, `moved_` further on
     Block blocks_[kMostBlocks + 1];
-    TiaLine beginnings_[kMostBlocks + 1];
+    TiaCommon beginnings_[kMostBlocks + 1];
+    TiaPlaces places_[kMostBlocks + 1];
 };
 
 }  // namespace atari

@@ -6,6 +6,16 @@
 #include "console.hpp"
 
 namespace atari {
+namespace {
+
+// Whether one of the objects is involved in one of eight lines.
+bool takes_part(unsigned objects, const uint8_t* involved) {
+    uint64_t lines;
+    std::memcpy(&lines, involved, sizeof lines);
+    return (lines & 0x0101010101010101 * (objects & 0xff)) != 0;
+}
+
+}  // namespace
 
 void LineCache::forget() {
     known_ = 0;
@@ -26,7 +36,9 @@ void LineCache::draw(const FrameLog& log, Pictures& pictures, int picture) {
     d.beam.begin(pixels);
 
     const int behind_picture = config_.first_line + config_.height;
-    const int lines = std::min({(log.reached - frame_start_) / 228, behind_picture, kMostLines});
+    const int most_lines = std::min(behind_picture, kMostLines), lines = std::min((log.reached - frame_start_) / 228, most_lines);
+    beginnings_.resize(static_cast<std::size_t>(most_lines) + 1);
+    places_.resize(beginnings_.size());
     int drawn = 0;
     while (true) {
         const bool alike = begins_alike(d) && skip_lines(d, lines);
@@ -59,9 +71,9 @@ void LineCache::draw_straight(const FrameLog& log, uint8_t* pixels) {
 bool LineCache::begins_alike(Drawing& d) const {
     if (d.line >= known_) return false;
     if (d.live) {
-        const TiaLine &now = d.tia, &before = beginnings_[d.line];
-        if (!agree<kStrict>(&now, &before)) return false;
-        d.difference = difference(now, before);
+        const TiaCommon& now = d.tia;
+        if (!agree<sizeof now>(&now, &beginnings_[d.line])) return false;
+        d.difference = difference(d.tia, places_[d.line]);
     }
     return !(d.difference.objects & involved_[d.line]);
 }
@@ -74,7 +86,9 @@ void LineCache::find_agreement(Drawing& d, int lines) const {
     d.moved = moved;
     d.agreed = place + agreeing(d.next, log_ + place, comparable);
     int line = d.line;
-    for (const int until = std::min(lines, known_); line < until && first_[line + 1] <= d.agreed;) ++line;
+    const int until = std::min(lines, known_);
+    while (line + 8 <= until && first_[line + 8] <= d.agreed) line += 8;
+    while (line < until && first_[line + 1] <= d.agreed) ++line;
     if (const Write* next = d.log + d.agreed + moved; next != d.end)
         while (line > d.line && first_[line] == d.agreed && static_cast<int32_t>(3 * next->cycle) < line_clock(line)) --line;
     d.agreed_lines = line;
@@ -87,11 +101,12 @@ bool LineCache::skip_lines(Drawing& d, int lines) {
     const int same = std::max(d.line, d.agreed_lines);
     const unsigned differing = d.difference.objects;
     int alike = differing ? d.line : same;  // and look so
+    while (alike + 8 <= same && !takes_part(differing, involved_ + alike)) alike += 8;
     while (alike < same && !(differing & involved_[alike])) ++alike;
 
     const int line = first_not_shown(d, d.line, alike);
     if (line == d.line) return line < alike;
-    if (differing) carry(d.difference, beginnings_ + d.line, beginnings_ + line);
+    if (differing) carry(d.difference, &places_[d.line], &places_[line]);
     const int begins = first_[line];
     if (d.moved)
         for (int skipped = d.line; skipped < line; ++skipped) first_[skipped] = static_cast<uint16_t>(first_[skipped] + d.moved);
@@ -126,12 +141,15 @@ int LineCache::first_not_shown(const Drawing& d, int line, int end) {
 }
 
 void LineCache::begin_line(Drawing& d) {
-    TiaLine& beginning = beginnings_[d.line];
+    TiaCommon& beginning = beginnings_[d.line];
+    TiaPlaces& places = places_[d.line];
     if (d.live) {
         beginning = d.tia;
+        places = d.tia;
     } else {
-        if (d.difference.objects) carry(d.difference, beginnings_ + d.line, beginnings_ + d.line + 1);
-        static_cast<TiaLine&>(d.tia) = beginning;
+        if (d.difference.objects) carry(d.difference, &places, &places + 1);
+        static_cast<TiaCommon&>(d.tia) = beginning;
+        static_cast<TiaPlaces&>(d.tia) = places;
         d.beam.begin(d.pixels);
         d.live = true;
     }
@@ -158,8 +176,11 @@ bool LineCache::repeats_line_above(const Drawing& d) const {
     if (d.line <= config_.first_line + 1 || first_[d.line] != first_[d.line - 1]) return false;
     if (beginnings_[d.line].drawn_to != beginnings_[d.line - 1].drawn_to + 228) return false;
     if (d.next != d.end && static_cast<int32_t>(3 * d.next->cycle) < line_clock(d.line + 1)) return false;
-    const auto* const now = reinterpret_cast<const char*>(&beginnings_[d.line]);
-    return agree<sizeof(TiaLine) - kClocks>(now + kClocks, now - sizeof(TiaLine) + kClocks);
+    constexpr std::size_t kClocks = offsetof(TiaCommon, playfield);
+    const auto behind_clocks = [](const TiaCommon& line) { return reinterpret_cast<const char*>(&line) + kClocks; };
+    const TiaCommon* const now = &beginnings_[d.line];
+    return agree<sizeof *now - kClocks>(behind_clocks(now[0]), behind_clocks(now[-1])) &&
+           agree<sizeof(TiaPlaces)>(&places_[d.line], &places_[d.line - 1]);
 }
 
 }  // namespace atari

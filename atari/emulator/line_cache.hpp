@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "beam.hpp"
 #include "line_difference.hpp"
@@ -79,7 +80,8 @@ class LineCache {
     const Write* log_ = nullptr;
     uint16_t first_[kMostLines + 1];  // write of each line
     uint8_t involved_[kMostLines];    // objects that show or are placed, and kPlacing
-    TiaLine beginnings_[kMostLines + 1];
+    std::vector<TiaCommon> beginnings_;  // of as many as are drawn, and of the one behind
+    std::vector<TiaPlaces> places_;
 
     // How a line looks, as a number that no other look of this line had; and how the rows of the pictures look, 0 where
     // that is not known.

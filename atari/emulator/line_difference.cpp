@@ -9,9 +9,9 @@ int agreeing(const Write* a, const Write* b, int count) {
     return i;
 }
 
-Difference difference(const TiaLine& now, const TiaLine& before) {
+Difference difference(const TiaPlaces& now, const TiaPlaces& before) {
     Difference d{};
-    if (agree<sizeof now - kStrict>(before.pos, now.pos)) return d;
+    if (agree<sizeof now>(&now, &before)) return d;
     for (unsigned object = kP0; object <= kBL; ++object) {
         const int by = now.pos[object] - before.pos[object];
         d.pos[object] = static_cast<uint8_t>(by < 0 ? by + kScreenWidth : by);
@@ -28,20 +28,20 @@ Difference difference(const TiaLine& now, const TiaLine& before) {
     return d;
 }
 
-void carry(const Difference& by, TiaLine* first, TiaLine* last) {
+void carry(const Difference& by, TiaPlaces* first, TiaPlaces* last) {
     const auto each = [&](auto change) {
-        for (TiaLine* line = first; line < last; ++line) change(*line);
+        for (TiaPlaces* line = first; line < last; ++line) change(*line);
     };
     for (int object = kP0; object <= kBL; ++object)
         if (const int distance = by.pos[object])
-            each([&](TiaLine& line) {
+            each([&](TiaPlaces& line) {
                 const int position = line.pos[object] + distance;
                 line.pos[object] = static_cast<uint8_t>(position >= kScreenWidth ? position - kScreenWidth : position);
             });
     for (int player : {0, 1})
-        if (by.refp[player]) each([&](TiaLine& line) { line.refp[player].value ^= by.refp[player]; });
-    if (by.vdelbl) each([&](TiaLine& line) { line.vdelbl.value ^= by.vdelbl; });
-    if (by.objects & kPlacing) each([&](TiaLine& line) { line.last_hmove = by.last_hmove; });
+        if (by.refp[player]) each([&](TiaPlaces& line) { line.refp[player].value ^= by.refp[player]; });
+    if (by.vdelbl) each([&](TiaPlaces& line) { line.vdelbl.value ^= by.vdelbl; });
+    if (by.objects & kPlacing) each([&](TiaPlaces& line) { line.last_hmove = by.last_hmove; });
 }
 
 }  // namespace atari

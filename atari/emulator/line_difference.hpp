@@ -11,10 +11,6 @@
 
 namespace atari {
 
-// What must not differ stands in front of a TiaLine. Of this, clocks come first.
-inline constexpr std::size_t kStrict = offsetof(TiaLine, pos);
-inline constexpr std::size_t kClocks = offsetof(TiaLine, playfield);
-
 // Among objects: a missile or the ball is placed, which may depend on when HMOVE was.
 inline constexpr unsigned kPlacing = 1u << 6;
 
@@ -43,9 +39,9 @@ struct Difference {
     int32_t last_hmove;
 };
 
-Difference difference(const TiaLine& now, const TiaLine& before);
+Difference difference(const TiaPlaces& now, const TiaPlaces& before);
 
 // Makes these beginnings of lines those of a frame that differs so. Objects that take no part have been moved as before.
-void carry(const Difference& by, TiaLine* first, TiaLine* last);
+void carry(const Difference& by, TiaPlaces* first, TiaPlaces* last);
 
 }  // namespace atari

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 #include <type_traits>
 
 namespace atari {
@@ -48,7 +49,7 @@ struct Riot {
 enum MissileVariant : uint8_t { kPlain, kWide, kOff };  // what the Cosmic Ark effect makes of missile 0
 
 // What a line looks like depends on this at its beginning, and on what is written in it. Clocks are three a CPU cycle.
-struct TiaLine {
+struct TiaCommon {
     int32_t drawn_to;     // the picture is complete up to this clock
     int32_t pending;      // and may be drawn with the present state up to this one
     uint32_t playfield;   // 20 bits: PF0 high nibble, PF1, PF2
@@ -62,11 +63,17 @@ struct TiaLine {
     MissileVariant m0_variant;
     Flag hmove_blank, cosmic_ark;
     uint8_t ark_counter;
-    // The rest makes a difference only where its object shows or is placed; see line_cache.hpp.
+    uint8_t unused;      // always 0, as states are compared byte by byte
+};
+
+// And on this, where its object shows or is placed; see line_cache.hpp.
+struct TiaPlaces {
     uint8_t pos[5];  // P0, P1, M0, M1, BL
     Flag refp[2], vdelbl;
     int32_t last_hmove;
 };
+
+struct TiaLine : TiaCommon, TiaPlaces {};
 
 struct Tia : TiaLine {
     // frame_start is where line 0 of the current frame begins, 0 or a little before.
@@ -86,7 +93,15 @@ struct Tia : TiaLine {
 
 struct Sound {
     uint8_t audc[2], audf[2], audv[2];
-    uint8_t counter[2], p4[2], p5[2];
+    uint8_t counter[2], p4[2], p5[2];  // the generator
+
+    void keep_generator_of(const Sound& other) {
+        for (int i : {0, 1}) {
+            counter[i] = other.counter[i];
+            p4[i] = other.p4[i];
+            p5[i] = other.p5[i];
+        }
+    }
 
     // Writes a register: 0 is AUDC0, 5 is AUDV1.
     void write(unsigned reg, uint8_t value) {
