@@ -58,13 +58,15 @@ void Console::reset() {
 void Console::rebase_cycles() {
     const uint32_t cycles = m_.cycles, clocks = 3 * m_.cycles;
     const auto move = [](int32_t& stamp, uint32_t by) { stamp = static_cast<int32_t>(static_cast<uint32_t>(stamp) - by); };
+    // A stamp that nobody will look at is 0, so that states are equal which go on alike.
     move(m_.riot.set_at, cycles);
-    move(m_.riot.irq_at, cycles);
+    if (m_.riot.read_after_expiry) move(m_.riot.irq_at, cycles);
+    else m_.riot.irq_at = 0;
     Tia& t = m_.tia;
     for (int32_t* stamp : {&t.frame_start, &t.draw_start, &t.draw_stop, &t.drawn_to, &t.pending, &t.vsync_done, &t.last_hmove})
         move(*stamp, clocks);
-    move(t.dump_off_cycle, cycles);
-    move(m_.cart.stamp, cycles);
+    if (config_.paddles[0] || config_.paddles[1]) move(t.dump_off_cycle, cycles);
+    if (cartridge_->type() == CartridgeType::kDPC) move(m_.cart.stamp, cycles);
     m_.cycles = 0;
 }
 

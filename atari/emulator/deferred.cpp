@@ -165,6 +165,7 @@ void Console::copy_to(ConsoleCopy& copy) const {
         copy.owed[buffer] = owed;
         if (owed >= 0) needed[owed] = true;
         const bool replaced = owed >= 0 && logs_[owed].replaced >= whole;
+        copy.replaced[buffer] = replaced;
         copy.pictures[buffer].assign(pictures_[buffer] + (replaced ? whole : 0), pictures_[buffer] + shown);
     }
     if (open_log_ >= 0) needed[open_log_] = needed[log_] = true;
@@ -184,12 +185,14 @@ void Console::copy_to(ConsoleCopy& copy) const {
     copy.plain = plain();
 }
 
-void Console::copy_from(const ConsoleCopy& copy) {
+void Console::copy_from(const ConsoleCopy& copy, bool swapped) {
     m_ = copy.machine;
+    m_.tia.current ^= static_cast<uint8_t>(swapped);
     cart_ram_ = copy.cart_ram;
     for (int buffer : {0, 1}) {
-        owed_[buffer] = copy.owed[buffer];
-        pictures_.restore(buffer, copy.pictures[buffer], config_.picture_bytes());
+        const int from = buffer ^ static_cast<int>(swapped);
+        owed_[buffer] = copy.owed[from];
+        pictures_.restore(buffer, copy.pictures[from], config_.picture_bytes());
     }
     for (int i = 0; i < kLogs; ++i) {
         const ConsoleCopy::Log& from = copy.logs[i];
@@ -213,6 +216,16 @@ void Console::copy_from(const ConsoleCopy& copy) {
     if (line_cache_) line_cache_->forget();
     stale_ = 0x3f;
     map_segments();
+}
+
+void Console::follow(const ConsoleCopy& copy, bool swapped) {
+    const uint64_t words = m_.random_words;
+    const Sound sound = m_.sound;
+    const unsigned latches = read_latches_;
+    copy_from(copy, swapped);
+    m_.random_words = words;
+    m_.sound.keep_generator_of(sound);
+    read_latches_ |= latches;
 }
 
 // From here on frames are drawn as they are run, or the state is another.

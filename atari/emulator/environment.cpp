@@ -48,7 +48,7 @@ void Game::check() const {
 Environment::Environment(std::shared_ptr<const Game> game, const Settings& settings, uint32_t seed_value,
                          const Environment* twin)
     : game_(std::move(game)), settings_(settings), console_(game_->cartridge, game_->console, settings.plain),
-      mode_(game_->default_mode), loaded_(twin ? twin->loaded_ : nullptr) {
+      mode_(game_->default_mode), loaded_(twin ? twin->loaded_ : nullptr), beginning_(twin ? twin->beginning_ : nullptr) {
     seed(seed_value);
 }
 
@@ -67,6 +67,8 @@ void Environment::seed(uint32_t value) {
             const auto loaded = std::make_shared<EnvironmentCopy>();
             copy_to(*loaded);
             loaded_ = loaded;
+            watch_beginning();
+            copy_from(*loaded_);
         }
     } else {
         copy_from(*loaded_);
@@ -97,10 +99,8 @@ void Environment::boot() {
 void Environment::reset() {
     select_budget_ = kSelectFrames;
     state_.episode_frame = 0;
-    state_.paddle[0] = state_.paddle[1] = (game_->paddle_min + game_->paddle_max) / 2;
-    console_.reset();
-    emulate(0, 1.0f, 60);
-    soft_reset();
+    restart();
+    begin_game();
     state_.variables[game_->reward] = state_.variables[game_->terminal] = 0;
     for (size_t i = 0; i < game_->initial.size(); ++i)
         if (!game_->kept[i]) state_.variables[i] = game_->initial[i];
@@ -108,6 +108,81 @@ void Environment::reset() {
     run(game_->select_mode);
     soft_reset();
     for (int action : game_->starting_actions) emulate(action, 1.0f, 1);
+}
+
+void Environment::restart() {
+    state_.paddle[0] = state_.paddle[1] = (game_->paddle_min + game_->paddle_max) / 2;
+    console_.reset();
+}
+
+// Where the machine has become what it was in the beginning that was watched, it will end as that did.
+// (tests: test_native.py, a game that begins as watched; test_fast_equals_plain.py, whose plain cores watch none)
+void Environment::begin_game() {
+    int frame = 0;
+    for (; beginning_ && frame < Beginning::kMeetings; ++frame) {
+        emulate(0, 1.0f, 1);
+        if (join(*beginning_, frame)) return;
+    }
+    emulate(0, 1.0f, 60 - frame);
+    soft_reset();
+}
+
+namespace {
+
+// What makes a difference to the frames of a beginning: not how many random words were drawn before, what the sound
+// generator holds, or which of the pictures is which.
+Machine essence(Machine machine) {
+    machine.random_words = 0;
+    machine.sound.keep_generator_of(Sound{});
+    machine.tia.current = 0;
+    return machine;
+}
+
+}  // namespace
+
+std::vector<uint8_t> Environment::both_pictures() {
+    const size_t size = console_.config().picture_bytes();
+    std::vector<uint8_t> pictures(console_.picture(), console_.picture() + size);
+    pictures.insert(pictures.end(), console_.previous_picture(), console_.previous_picture() + size);
+    return pictures;
+}
+
+// Runs a beginning, if another one could end as it did: not where random words are drawn.
+void Environment::watch_beginning() {
+    if (settings_.plain || console_.cartridge_ram_size() > 0) return;
+    const auto watched = std::make_shared<Beginning>();
+    restart();
+    uint64_t words = 0;
+    for (int frame = 0; frame < Beginning::kFrames; ++frame) {
+        emulate(frame < 60 ? 0 : kReset, 1.0f, 1);
+        std::copy_n(console_.ram(), 128, watched->ram[frame]);
+        if (frame == 0) words = console_.machine().random_words;
+        if (frame < Beginning::kMeetings) {
+            console_.settle();
+            watched->meetings[frame] = {console_.machine(), both_pictures()};
+        }
+    }
+    if (console_.machine().random_words != words) return;
+    console_.copy_to(watched->end);
+    if (watched->end.replaces_pictures())
+        for (Beginning::Meeting& meeting : watched->meetings) meeting.pictures = {};
+    beginning_ = watched;
+}
+
+// The rest of a beginning, if the machine is as it was then behind a frame. The rules are run on what RAM was.
+bool Environment::join(const Beginning& beginning, int frame) {
+    const Beginning::Meeting& then = beginning.meetings[frame];
+    console_.settle();
+    const Machine a = essence(console_.machine()), b = essence(then.machine);
+    if (std::memcmp(&a, &b, sizeof a) != 0) return false;
+    if (!then.pictures.empty() && then.pictures != both_pictures()) return false;
+    const bool swapped = console_.machine().tia.current != then.machine.tia.current;
+    while (++frame < Beginning::kFrames) {
+        console_.set_ram(beginning.ram[frame]);
+        evaluate_step();
+    }
+    console_.follow(beginning.end, swapped);
+    return true;
 }
 
 int Environment::act(int action, float strength) {

@@ -62,6 +62,21 @@ struct EnvironmentCopy {
     ConsoleCopy console;
 };
 
+// How a game begins: what becomes of the frames between a console's reset and the selection of a mode. In most games that
+// hardly depends on what was before, as they clear their RAM first.
+struct Beginning {
+    static constexpr int kFrames = 60 + 4, kMeetings = 4;  // RESET is held in the last four
+
+    // What was there behind each of the first frames. Pictures only if something of them may be left at the end.
+    struct Meeting {
+        Machine machine;
+        std::vector<uint8_t> pictures;
+    };
+    Meeting meetings[kMeetings];
+    uint8_t ram[kFrames][128];  // behind every frame
+    ConsoleCopy end;
+};
+
 class Environment {
   public:
     // A `twin` of the same game and settings has done the loading already.
@@ -106,6 +121,11 @@ class Environment {
 
   private:
     void boot();
+    void restart();
+    void begin_game();
+    void watch_beginning();
+    bool join(const Beginning& beginning, int frame);
+    std::vector<uint8_t> both_pictures();
     void emulate(int action, float strength, int frames);
     void press(int action, float strength);
     void move_paddle(int player, int action, float strength);
@@ -124,6 +144,7 @@ class Environment {
     EnvironmentState state_{};
     int mode_, difficulty_ = 0;
     std::shared_ptr<const EnvironmentCopy> loaded_;  // the state after a load, where it does not depend on the seed
+    std::shared_ptr<const Beginning> beginning_;     // may be null
     int select_budget_ = 0;           // frames the selection of a mode may still take
     std::vector<uint8_t> averaged_;
 };

@@ -135,7 +135,7 @@ void Console::switch_dump(uint8_t old, uint8_t value) {
         t.dump_on = true;
     } else if ((old & 0x80) && !(value & 0x80)) {
         t.dump_on = false;
-        t.dump_off_cycle = static_cast<int32_t>(m_.cycles);
+        if (config_.paddles[0] || config_.paddles[1]) t.dump_off_cycle = static_cast<int32_t>(m_.cycles);
     } else {
         return;
     }

@@ -14,6 +14,7 @@ from core_tools import play, some_actions, visible
 import atari
 from atari.cores import NativeCore, PlainCore
 from atari.roms import find
+from atari.rules import parse_rules
 
 
 class TestNativeCore(CoreContract):
@@ -62,6 +63,49 @@ def test_seeding_without_loading_again_is_as_a_new_core() -> None:
         play(core, some_actions(core, 40))
         core.seed(7)
         assert visible(core) == visible(NativeCore(game, seed=7)), game
+
+
+def test_seeding_leaves_nothing_of_a_state_that_no_game_has_left() -> None:
+    """There are pixels behind the picture in a state, which only a state made up by hand can set."""
+    core = NativeCore("pong", seed=1)
+    core.load(core.save()[:-1] + b"\x02")
+    assert core.save()[-1] == 2
+    core.seed(1)
+    assert core.save() == NativeCore("pong", seed=1).save()
+
+
+@pytest.mark.parametrize("game", [game.id for game in atari.games.playable()])
+def test_a_game_begins_as_on_the_plain_core(game: str) -> None:
+    """`reset` leaves out frames that came to the same when the game was loaded; the plain core plays all of them."""
+    rng = np.random.default_rng(0)
+    cores = [core(game, sound=True) for core in (NativeCore, PlainCore)]
+    facts = cores[0].game
+    for round_ in range(6):
+        mode, difficulty = int(rng.choice(facts.modes)), int(rng.choice(facts.difficulties))
+        frames, place, value = rng.integers((40, 128, 256))
+        for core in cores:
+            core.reset()
+            for action in some_actions(core, int(frames)):
+                core.act(action)
+            core.set_ram(int(place), int(value))
+            if round_ % 2:
+                core.set_mode(mode)
+                core.set_difficulty(difficulty)
+            core.reset()
+        assert cores[0].save() == cores[1].save(), round_
+
+
+def test_rules_see_every_frame_of_a_beginning() -> None:
+    """Also the frames that `reset` leaves out: these rules add up a byte that changes, and keep the sum."""
+    step = "total = total + ram[0x90]\nreward = total\nterminal = 0\nlives = 1"
+    rules = parse_rules({"lives_initial": 1, "state": {"total": 0}, "step": step, "kept_over_reset": ["total"]})
+    mine = replace(atari.games["breakout"], rules=rules)
+    rewards = []
+    for core in (NativeCore(mine), PlainCore(mine)):
+        for _ in range(3):
+            core.reset()
+        rewards.append(core.act(0))
+    assert rewards[0] == rewards[1] > 0
 
 
 def test_a_mode_outlives_seeding() -> None:
