@@ -217,6 +217,7 @@ class BoundVector {
   private:
     // Whoever waits for this lock has given up the interpreter's.
     std::unique_lock<std::mutex> acquire() {
+        if (std::unique_lock lock(mutex_, std::try_to_lock); lock) return lock;
         const nb::gil_scoped_release release;
         return std::unique_lock(mutex_);
     }
