@@ -260,14 +260,16 @@ def _not_found(env_id: str) -> gymnasium.error.NameNotFound:
 
 def _suggestion(env_id: str) -> str:
     """The cure for the mistakes people make with IDs: wrong prefix, version, case, or spelling."""
-    candidates = [known for known in known_ids() if skeleton(known) == skeleton(env_id)]
+    wanted, skeletons = skeleton(env_id), {known: skeleton(known) for known in known_ids()}
+    if wanted not in skeletons.values():
+        near = difflib.get_close_matches(wanted, set(skeletons.values()), n=1, cutoff=0.7)
+        if not near:
+            return "see `atari list --ids` for all of them"
+        wanted = near[0]
+    candidates = [known for known, bones in skeletons.items() if bones == wanted]
     version, namespace = env_id.rpartition("-v")[2], env_id.lower().startswith("ale/")
     closest = [c for c in candidates if c.endswith(f"-v{version}") or (namespace and c.startswith("ALE/"))]
-    if candidates:
-        return f"did you mean {' or '.join(map(repr, closest or candidates))}?"
-    by_lower = {known.lower(): known for known in known_ids()}
-    near = difflib.get_close_matches(env_id.lower(), by_lower, n=1, cutoff=0.6)
-    return f"did you mean {by_lower[near[0]]!r}?" if near else "see `atari list --ids` for all of them"
+    return f"did you mean {' or '.join(map(repr, closest or candidates))}?"
 
 
 def skeleton(env_id: str) -> str:

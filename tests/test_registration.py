@@ -168,6 +168,8 @@ def test_make_suggests_the_nearest_game() -> None:
         ("Ms_Pacman-v4", "did you mean 'MsPacman-v4'?"),
         ("ALE/Breakout", "did you mean 'ALE/Breakout-v5'?"),
         ("ALE/Brekout-v5", "did you mean 'ALE/Breakout-v5'?"),
+        ("Brekout-v5", "did you mean 'ALE/Breakout-v5'?"),
+        ("Brekout-v4", "did you mean 'Breakout-v4'?"),
         ("atari:Breakout-v5", "did you mean 'ALE/Breakout-v5'?"),
         ("atari:ALE/Breakout-v4", "did you mean 'Breakout-v4'?"),
         ("Copi-v0", "did you mean 'Copy-v0'?"),
