@@ -38,7 +38,8 @@ class Results:
         self._observation = _checked(out, shapes) if out is not None else _empty(shapes)
         self._final = _empty(shapes) if options.autoreset_mode == AutoresetMode.SAME_STEP else {}
         self._numbers, self._flags = np.zeros((8, rows), np.int32), np.zeros((3, rows), np.bool_)
-        self._rows = *self._numbers[:5], *self._flags[:2]  # without those of ended episodes
+        # Methods that copy a row, without those of ended episodes.
+        self._copies = tuple(row.copy for row in (*self._numbers[:5], *self._flags[:2]))
         self._everyone = np.ones(rows, np.bool_)
         self._everyone.flags.writeable = False
         pixels, ram = options.part_names()
@@ -61,17 +62,16 @@ class Results:
     def read(self, action_masks: npt.NDArray[np.bool_] | None) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         """Observations, which stay where they are, and copies of all else."""
         everyone = self._everyone
-        reward, env_id, lives, frame_number, episode_frame_number, terminated, truncated = [
-            row.copy() for row in self._rows
-        ]
+        of_reward, of_env_id, of_lives, of_frame, of_episode_frame, of_terminated, of_truncated = self._copies
+        env_id, terminated, truncated = of_env_id(), of_terminated(), of_truncated()
         info: dict[str, Any] = {  # written out, as this is done at every step
             "env_id": env_id,
             "_env_id": everyone,
-            "lives": lives,
+            "lives": of_lives(),
             "_lives": everyone,
-            "frame_number": frame_number,
+            "frame_number": of_frame(),
             "_frame_number": everyone,
-            "episode_frame_number": episode_frame_number,
+            "episode_frame_number": of_episode_frame(),
             "_episode_frame_number": everyone,
         }
         if action_masks is not None:
@@ -83,7 +83,7 @@ class Results:
                 final_info[name], final_info["_" + name] = values, ended
             info["final_obs"], info["_final_obs"] = self._shown(self._final), ended
             info["final_info"], info["_final_info"] = final_info, ended
-        return self._shown(self._observation), reward, terminated, truncated, info
+        return self._shown(self._observation), of_reward(), terminated, truncated, info
 
     def _shown(self, parts: dict[str, npt.NDArray[np.uint8]]) -> Any:
         return dict(parts) if self._named else parts[""]
