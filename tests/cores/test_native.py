@@ -95,6 +95,29 @@ def test_a_game_begins_as_on_the_plain_core(game: str) -> None:
         assert cores[0].save() == cores[1].save(), round_
 
 
+def test_a_picture_may_be_left_of_what_was_before_a_reset(tmp_path: Path) -> None:
+    """This program shows a byte of RAM as the background of its first frame, clears it, and draws next to nothing more."""
+    frame = "A580 8509 A2FA 8502 CA D0FB A900 8580 8509"  # LDA $80, STA COLUBK, 250 lines, 0 to both
+    short = "A902 8500 8502 8502 8502 A900 8500 4C11F0"  # VSYNC for three lines, for ever
+    code = bytes.fromhex(frame + short)
+    (tmp_path / "left.bin").write_bytes(code.ljust(0xFFC, b"\0") + b"\x00\xf0\x00\xf0")
+    rules = parse_rules({"lives_initial": 1, "state": {}, "step": "reward = 0\nterminal = 0\nlives = 1"})
+    mine = replace(atari.games["breakout"], rom=atari.game.Rom(), rules=rules)
+    cores = [core(mine, rom=tmp_path / "left.bin") for core in (NativeCore, PlainCore)]
+    for value in (0x1E, 0x46):
+        for core in cores:
+            core.reset()
+            core.set_ram(0, value)
+            core.reset()
+        assert cores[0].save() == cores[1].save()
+        colours = set()
+        for _ in range(2):  # pictures
+            for core in cores:
+                core.act(0)
+            colours |= set(np.unique(cores[0].screen()))
+        assert value in colours
+
+
 def test_rules_see_every_frame_of_a_beginning() -> None:
     """Also the frames that `reset` leaves out: these rules add up a byte that changes, and keep the sum."""
     step = "total = total + ram[0x90]\nreward = total\nterminal = 0\nlives = 1"
