@@ -34,7 +34,7 @@ class Pictures {
         return pixels.data();
     }
 
-    // Holds both pictures as they are now, until they are let go.
+    // Holds both pictures as they are now, until they are let go or cleared.
     void hold() { holding_ = true; }
     const uint8_t* held(int picture) const {
         const auto& copy = held_[static_cast<std::size_t>(picture)];
@@ -70,11 +70,8 @@ class Pictures {
     }
 
     void clear() {
-        for (int picture : {0, 1}) {
-            if (holding_) keep(picture);
-            auto& pixels = pixels_[static_cast<std::size_t>(picture)];
-            std::fill(pixels.begin(), pixels.end(), uint8_t{0});
-        }
+        let_go();
+        for (auto& pixels : pixels_) std::fill(pixels.begin(), pixels.end(), uint8_t{0});
     }
 
   private:
