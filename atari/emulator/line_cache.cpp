@@ -36,7 +36,8 @@ void LineCache::draw(const FrameLog& log, Pictures& pictures, int picture) {
     d.beam.begin(pixels);
 
     const int behind_picture = config_.first_line + config_.height;
-    const int most_lines = std::min(behind_picture, kMostLines), lines = std::min((log.reached - frame_start_) / 228, most_lines);
+    const int most_lines = std::min(behind_picture, kMostLines);
+    const int lines = std::min((log.reached - frame_start_) / 228, most_lines);
     beginnings_.resize(static_cast<std::size_t>(most_lines) + 1);
     places_.resize(beginnings_.size());
     int drawn = 0;

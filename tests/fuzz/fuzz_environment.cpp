@@ -17,6 +17,7 @@
 
 #include "environment.hpp"
 #include "input.hpp"
+#include "observation.hpp"
 
 namespace atari {
 namespace {
@@ -292,6 +293,19 @@ void play_console(Reader& in) {
     }
 }
 
+// Pooled and scaled in every way that this processor has: the same in each, and nothing behind the last pixel is read.
+void scale(const Bytes& indices, int rows, const uint8_t* table) {
+    Bytes expected;
+    for (Way way : {Way::kPlain, Way::kWide, Way::kWider}) {
+        if (way > best_way()) break;
+        Bytes pooled(indices.size()), repeats(static_cast<size_t>(rows)), small(84 * 84);
+        pool_gray(indices.data(), indices.data(), rows, table, pooled.data(), repeats.data(), way);
+        AreaResize(rows, 84, 84, way)(pooled.data(), nullptr, small.data());  // no row is left out
+        if (way == Way::kPlain) expected = small;
+        expect(small == expected, "pictures are scaled alike in every way");
+    }
+}
+
 // All pictures, into memory of exactly their sizes; colours and greys are those of the indices.
 Bytes look(Environment& environment) {
     const size_t pixels = static_cast<size_t>(environment.height()) * kScreenWidth;
@@ -304,6 +318,7 @@ Bytes look(Environment& environment) {
         const uint32_t colour = uint32_t{rgb[3 * i]} << 16 | uint32_t{rgb[3 * i + 1]} << 8 | rgb[3 * i + 2];
         if (palette.rgb[indices[i]] != colour || palette.gray[indices[i]] != gray[i]) expect(false, "pictures agree");
     }
+    scale(indices, environment.height(), palette.gray);
     return indices;
 }
 
