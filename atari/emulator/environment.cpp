@@ -116,7 +116,7 @@ void Environment::restart() {
 }
 
 // Where the machine has become what it was in the beginning that was watched, it will end as that did.
-// (tests: test_native.py, a game that begins as watched; test_fast_equals_plain.py, whose plain cores watch none)
+// (tests/cores/test_native.py compares with the plain core, which watches none, after resets of every game)
 void Environment::begin_game() {
     int frame = 0;
     for (; beginning_ && frame < Beginning::kMeetings; ++frame) {

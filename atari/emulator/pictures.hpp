@@ -52,7 +52,7 @@ class Pictures {
         auto& pixels = pixels_[static_cast<std::size_t>(picture)];
         const bool blank = pixels.empty() && std::all_of(last.begin(), last.end(), [](uint8_t pixel) { return pixel == 0; });
         if (blank) return;
-        use(picture, bytes);
+        if (holding_) keep(picture);
         pixels.resize(bytes);
         std::copy(last.begin(), last.end(), pixels.end() - static_cast<std::ptrdiff_t>(last.size()));
     }
