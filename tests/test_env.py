@@ -174,7 +174,7 @@ def test_without_a_seed_no_two_environments_are_alike() -> None:
     first, second = AtariEnv("seaquest"), AtariEnv("seaquest")
     first.reset()
     second.reset()
-    assert play(first, 80) != play(second, 80)
+    assert play(first, 300) != play(second, 300)  # in 80 steps one pair in some thousands is alike
 
 
 @pytest.mark.parametrize("seed", [-1, 1.5, "1"])
