@@ -57,7 +57,9 @@ void LineCache::draw(const FrameLog& log, Pictures& pictures, int picture) {
     }
     known_ = lines;
     log_ = log.writes;
-    if (comparable && 4 * drawn > 3 * lines) straight_ = kStraight;
+    const bool repeats = !comparable || 4 * drawn <= 3 * lines;
+    if (!repeats && !repeated_) straight_ = kStraight;
+    repeated_ = repeats;
 }
 
 void LineCache::draw_straight(const FrameLog& log, uint8_t* pixels) {

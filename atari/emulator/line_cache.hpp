@@ -70,9 +70,10 @@ class LineCache {
 
     const ConsoleConfig& config_;
 
-    // Where few lines repeat, looking for them costs more than it saves: so many frames are drawn without.
+    // Where few lines repeat in two frames running, looking for them costs more than it saves: so many are drawn without.
     static constexpr int kStraight = 15;
     int straight_ = 0;
+    bool repeated_ = true;
 
     // The lines of the frame drawn last; while one is drawn, of that one up to where drawing is.
     int known_ = 0;
