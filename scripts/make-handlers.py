@@ -13,7 +13,7 @@ from itertools import pairwise
 from pathlib import Path
 
 EMULATOR = Path(__file__).parent.parent / "atari" / "emulator"
-PAIRS = 700
+PAIRS = 1300
 CLANG_PAIRS = 400
 """So many, and so many of them for Clang, which takes minutes for more (docs/performance.md)."""
 
