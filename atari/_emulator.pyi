@@ -285,8 +285,8 @@ def pool_gray(
     way: int | None = None,
 ) -> tuple[numpy.typing.NDArray[numpy.uint8], numpy.typing.NDArray[numpy.uint8]]:
     """
-    The brighter of two pictures, (rows, 160) palette indices, by a table of 256 grays; and for each row
-    whether it repeats the one above.
+    The brighter of two pictures, (rows, 160) palette indices, by a table of 256 grays, or what a table of 65,536
+    has for early * 256 + late; and for each row whether it repeats the one above.
     """
 
 def resize_area(

@@ -267,10 +267,12 @@ Way way_of(std::optional<int> number) {
 
 std::pair<Array, Array> pooled(Picture early, Picture late, Bytes table, std::optional<int> way) {
     const size_t rows = early.shape(0);
-    if (rows < 1 || rows > kFrameRows || late.shape(0) != rows || table.shape(0) != 256)
-        throw nb::value_error("two pictures of the same 1..300 rows and a table of 256 are needed");
+    const bool pairs = table.shape(0) == 65536;
+    if (rows < 1 || rows > kFrameRows || late.shape(0) != rows || (table.shape(0) != 256 && !pairs))
+        throw nb::value_error("two pictures of the same 1..300 rows and a table of 256 or 65536 are needed");
     std::vector<uint8_t> gray(early.size()), repeats(rows);
-    pool_gray(early.data(), late.data(), static_cast<int>(rows), table.data(), gray.data(), repeats.data(), way_of(way));
+    const auto pool = pairs ? pool_pairs : pool_gray;
+    pool(early.data(), late.data(), static_cast<int>(rows), table.data(), gray.data(), repeats.data(), way_of(way));
     return {as_array(gray.data(), {rows, kScreenWidth}), as_array(repeats.data(), {rows})};
 }
 
@@ -382,8 +384,8 @@ void register_inspection(nb::module_& m) {
           nb::sig("def pool_gray(early: numpy.typing.NDArray[numpy.uint8], late: numpy.typing.NDArray[numpy.uint8], "
                   "table: numpy.typing.NDArray[numpy.uint8], way: int | None = None) -> "
                   "tuple[numpy.typing.NDArray[numpy.uint8], numpy.typing.NDArray[numpy.uint8]]"),
-          "The brighter of two pictures, (rows, 160) palette indices, by a table of 256 grays; and for each row\n"
-          "whether it repeats the one above.");
+          "The brighter of two pictures, (rows, 160) palette indices, by a table of 256 grays, or what a table of 65,536\n"
+          "has for early * 256 + late; and for each row whether it repeats the one above.");
     m.def("resize_area", &resized, "picture"_a, "height"_a, "width"_a, "repeats"_a = nb::none(), "way"_a = nb::none(),
           nb::sig("def resize_area(picture: numpy.typing.NDArray[numpy.uint8], height: int, width: int, "
                   "repeats: numpy.typing.NDArray[numpy.uint8] | None = None, way: int | None = None) -> "

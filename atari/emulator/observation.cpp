@@ -49,7 +49,17 @@ void pool_eight(const uint8_t* early, const uint8_t* late, const uint8_t* table,
         std::memset(out, table[early[0]], 8);
 }
 
-template <auto changes>
+void pair_eight(const uint8_t* early, const uint8_t* late, const uint8_t* table, uint8_t* out) {
+    uint64_t early_word, late_word;
+    std::memcpy(&early_word, early, 8);
+    std::memcpy(&late_word, late, 8);
+    if (early_word != std::rotl(early_word, 8) || late_word != std::rotl(late_word, 8))
+        for (int i = 0; i < 8; ++i) out[i] = table[early[i] << 8 | late[i]];
+    else
+        std::memset(out, table[early[0] << 8 | late[0]], 8);
+}
+
+template <auto changes, auto eight>
 INLINED void pool(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
                   uint8_t* repeats) {
     for (int row = 0; row < rows; ++row) {
@@ -61,7 +71,7 @@ INLINED void pool(const uint8_t* early, const uint8_t* late, int rows, const uin
         repeats[row] = left == 0;
         for (; left != 0; left &= left - 1) {
             const int column = 8 * std::countr_zero(left);
-            pool_eight(early + column, late + column, table, out + column);
+            eight(early + column, late + column, table, out + column);
         }
         early += kScreenWidth;
         late += kScreenWidth;
@@ -167,7 +177,12 @@ WIDER void pool_wider(const uint8_t* early, const uint8_t* late, int rows, const
 
 WIDE void pool_wide(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
                     uint8_t* repeats) {
-    pool<changes_wide>(early, late, rows, table, out, repeats);
+    pool<changes_wide, pool_eight>(early, late, rows, table, out, repeats);
+}
+
+WIDE void pair_wide(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
+                    uint8_t* repeats) {
+    pool<changes_wide, pair_eight>(early, late, rows, table, out, repeats);
 }
 #endif
 
@@ -179,7 +194,15 @@ void pool_gray(const uint8_t* early, const uint8_t* late, int rows, const uint8_
     if (way == Way::kWider) return pool_wider(early, late, rows, table, out, repeats);
     if (way == Way::kWide) return pool_wide(early, late, rows, table, out, repeats);
 #endif
-    pool<changes_plain>(early, late, rows, table, out, repeats);
+    pool<changes_plain, pool_eight>(early, late, rows, table, out, repeats);
+}
+
+void pool_pairs(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
+                uint8_t* repeats, [[maybe_unused]] Way way) {
+#if ATARI_WIDE
+    if (way != Way::kPlain) return pair_wide(early, late, rows, table, out, repeats);
+#endif
+    pool<changes_plain, pair_eight>(early, late, rows, table, out, repeats);
 }
 
 AreaResize::AreaResize(int rows, int height, int width, Way way)

@@ -20,6 +20,10 @@ namespace atari {
 void pool_gray(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
                uint8_t* repeats, Way way = best_way());
 
+// The same where not the brighter gray counts: `table` has 65,536 values, of early * 256 + late.
+void pool_pairs(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
+                uint8_t* repeats, Way way = best_way());
+
 // Scales a gray picture, rows x 160, down to height x width. A result is the mean of the area that it covers, equal to
 // OpenCV's INTER_AREA in every byte. Immutable; threads may share one.
 //

@@ -9,17 +9,6 @@
 namespace atari {
 namespace {
 
-void pool_pairs(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
-                uint8_t* repeats) {
-    for (int row = 0; row < rows; ++row, early += kScreenWidth, late += kScreenWidth, out += kScreenWidth) {
-        const auto same = [](const uint8_t* line) { return std::memcmp(line, line - kScreenWidth, kScreenWidth) == 0; };
-        repeats[row] = row > 0 && same(early) && same(late);
-        if (repeats[row]) std::memcpy(out, out - kScreenWidth, kScreenWidth);
-        else
-            for (int x = 0; x < kScreenWidth; ++x) out[x] = table[early[x] << 8 | late[x]];
-    }
-}
-
 // A thread's own, for what is done with at once. So environments have no such memory each.
 uint8_t* working_memory(size_t size) {
     thread_local std::vector<uint8_t> memory;
@@ -196,7 +185,7 @@ void View::pool_plane(Frame early, Frame late, int plane, int first, int count, 
     const auto pooling = [&](auto function) {
         function(early.pixels + offset, late.pixels + offset, count, tables_[plane], out + offset, repeats + first);
     };
-    if (settings_.pixels == Pixels::kGrayOfRgb) pooling(pool_pairs);
+    if (settings_.pixels == Pixels::kGrayOfRgb) pooling([](auto... arguments) { pool_pairs(arguments...); });
     else pooling([](auto... arguments) { pool_gray(arguments...); });
 }
 

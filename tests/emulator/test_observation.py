@@ -119,9 +119,10 @@ def test_pooling_sees_every_pixel(way: int) -> None:
         for which in (0, 1):
             pictures = np.full((2, 4, 160), 100, np.uint8)
             pictures[which, 2, column] = 200
-            gray, repeats = pool_gray(pictures[0], pictures[1], table, way=way)
-            assert np.array_equal(gray, pictures.max(0))
-            assert repeats.tolist() == [0, 1, 0, 0]
+            for pools in (table, np.maximum.outer(table, table).ravel()):
+                gray, repeats = pool_gray(pictures[0], pictures[1], pools, way=way)
+                assert np.array_equal(gray, pictures.max(0))
+                assert repeats.tolist() == [0, 1, 0, 0]
 
 
 @each_way
@@ -132,6 +133,21 @@ def test_pooling_of_noise(seed: int, way: int) -> None:
     gray, repeats = pool_gray(early, late, table, way=way)
     assert np.array_equal(gray, np.maximum(table[early], table[late]))
     assert not repeats.any()
+
+
+@each_way
+@pytest.mark.parametrize("seed", range(5))
+def test_pairs_of_noise(seed: int, way: int) -> None:
+    """A table in which the order of the two matters, and rows of which some repeat and some are of one colour."""
+    rng = np.random.default_rng(seed)
+    table = rng.integers(0, 256, 65536).astype(np.uint8)
+    early, late = noise(210, seed)[np.arange(210) // 3], few_grays(210, seed)[np.arange(210) // 2]
+    early[50:100] = rng.integers(0, 256, (50, 1))
+    late[70:120] = rng.integers(0, 256, (50, 1))
+    gray, repeats = pool_gray(early, late, table, way=way)
+    assert np.array_equal(gray, table[early.astype(int) * 256 + late])
+    assert np.array_equal(repeats[1:], (early[1:] == early[:-1]).all(1) & (late[1:] == late[:-1]).all(1))
+    assert repeats.any() and not repeats.all()
 
 
 @each_way
@@ -165,7 +181,7 @@ def test_shapes_are_checked() -> None:
     picture, table = noise(210), np.zeros(256, np.uint8)
     with pytest.raises(ValueError, match="same"):
         pool_gray(picture, picture[:209], table)
-    with pytest.raises(ValueError, match="table of 256"):
+    with pytest.raises(ValueError, match="table of 256 or 65536"):
         pool_gray(picture, picture, table[:255])
     with pytest.raises(ValueError, match="each row"):
         resize_area(picture, 84, 84, np.zeros(209, np.uint8))
