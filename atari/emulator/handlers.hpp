@@ -103,10 +103,14 @@ struct FastCpu {
 
     // A read that is neither RAM nor plain image. `bus` is the byte last on the data bus.
     [[gnu::noinline]] static uint32_t read_port(Console& c, uint32_t cycles, uint32_t address, uint32_t bus) {
-        if ((address & 0x1088) == 8 && c.deferred_ && !c.watches_tia_) return input(c, cycles, address, bus);
+        if (is_input(c, address)) return input(c, cycles, address, bus);
         c.m_.cycles = cycles;
         c.m_.bus = static_cast<uint8_t>(bus);
         return c.read(static_cast<uint16_t>(address));
+    }
+
+    static bool is_input(const Console& c, uint32_t address) {
+        return (address & 0x1088) == 8 && c.deferred_ && !c.watches_tia_;
     }
 
     // INPT0 .. INPT5, and two addresses at which nothing answers. Where writes are kept for later, a read changes nothing:
@@ -392,8 +396,10 @@ struct FastCpu {
 
     // The same where the TIA is read, or RAM and the TIA. No cartridge is switched by such addresses.
     [[gnu::noinline]] static uint32_t pull_port(Console& c, uint32_t cycles, uint32_t sp, uint32_t bus) {
+        const uint32_t next = (sp + 1) & 0xff;
+        if (is_input(c, sp) && is_input(c, next)) return input(c, cycles, next, input(c, cycles, sp, bus));
         const uint32_t passed = read_port(c, cycles, 0x100 | sp, bus);
-        return read_port(c, cycles, 0x100 | ((sp + 1) & 0xff), passed);
+        return read_port(c, cycles, 0x100 | next, passed);
     }
 
     INLINE static uint32_t status(const R& r, const Console& c) {
