@@ -1,5 +1,5 @@
 // Counts which handlers of the fast interpreter run one behind the other, over all ROMs of a folder, for
-// scripts/make-handlers.py. Every ROM counts the same, but those that are named ten times as much: games that are slow.
+// scripts/make-handlers.py. Every ROM counts once, and ten times more for each time it is named: games that are slow.
 // Prints "count first second ...", counts a million instructions; what the plain interpreter runs and what follows a
 // short loop is left out.
 //
@@ -87,7 +87,7 @@ int main(int number, char** arguments) {
     std::sort(roms.begin(), roms.end());
     double all = 0;
     for (const auto& rom : roms) {
-        const double weight = std::find(slow.begin(), slow.end(), rom.stem().string()) != slow.end() ? 10 : 1;
+        const double weight = 1 + 10 * static_cast<double>(std::count(slow.begin(), slow.end(), rom.stem().string()));
         count(rom, weight, counts);
         all += weight;
     }
