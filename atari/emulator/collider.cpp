@@ -205,7 +205,6 @@ INLINE void Collider::apply_one(const Write& write) {
             reconsider();
             break;
         case RESMP0: case RESMP1: release_missile(reg - RESMP0, value, clock); break;
-        case HMOVE: move_objects(write, clock); break;
         case STILL:
             advance(clock);
             apply_noted(write);
@@ -246,7 +245,9 @@ void Collider::apply(const Write* write, const Write* last) {
             noted_ &= ~(1ull << write->reg);  // it is older
         }
         ++acted_;
-        apply_one(*write++);
+        const Write& now = *write++;
+        if (now.reg == HMOVE) move_objects(now, static_cast<int32_t>(3 * now.cycle));  // most are this, so not by the jump
+        else apply_one(now);
     }
 }
 
