@@ -1,5 +1,7 @@
 // Counts which handlers of the fast interpreter run one behind the other, over all ROMs of a folder, for
 // scripts/make-handlers.py. Every ROM counts once, and ten times more for each time it is named: games that are slow.
+// The present pairs were chosen with solaris, twice, beam_rider, carnival, centipede, darkchambers, frostbite, galaxian,
+// gopher, pitfall2, private_eye and seaquest.
 // Prints "count first second ...", counts a million instructions; what the plain interpreter runs and what follows a
 // short loop is left out.
 //
