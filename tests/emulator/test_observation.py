@@ -147,7 +147,8 @@ def test_pairs_of_noise(seed: int, way: int) -> None:
     gray, repeats = pool_gray(early, late, table, way=way)
     assert np.array_equal(gray, table[early.astype(int) * 256 + late])
     assert np.array_equal(repeats[1:], (early[1:] == early[:-1]).all(1) & (late[1:] == late[:-1]).all(1))
-    assert repeats.any() and not repeats.all()
+    assert repeats.any()
+    assert not repeats.all()
 
 
 @each_way
