@@ -246,7 +246,7 @@ void Collider::apply(const Write* write, const Write* last) {
         }
         ++acted_;
         const Write& now = *write++;
-        if (now.reg == HMOVE) move_objects(now, static_cast<int32_t>(3 * now.cycle));  // most are this, so not by the jump
+        if (now.reg == HMOVE) move_objects(now, static_cast<int32_t>(3 * now.cycle));  // the most frequent: not by the jump
         else apply_one(now);
     }
 }

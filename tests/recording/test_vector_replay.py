@@ -89,7 +89,7 @@ def test_without_a_seed_all_get_random_ones(tmp_path: Path) -> None:
         rams = play(envs, 40, 0, seed=None)
         envs.reset()
         envs.close()
-        seeds.update(check(tmp_path / name, rams).seeds)
+        seeds.add(check(tmp_path / name, rams).seeds)
     assert len(seeds) == 2  # not the RAM, which after 40 steps is the same for one pair in thirty
 
 
