@@ -7,6 +7,7 @@
 
 #include "decoder.hpp"
 #include "state.hpp"
+#include "translation.hpp"
 
 namespace atari {
 
@@ -34,12 +35,14 @@ class Cartridge {
     // Where the window shows plain image in every bank: no RAM, no registers, no addresses that switch banks.
     Window plain_window() const;
     const Record* code() const { return code_.data(); }  // a record for each byte of the image
+    const Translation& translation() const { return translation_; }
     const uint8_t* const* pages() const { return pages_.data(); }  // each 64 bytes of the image
 
   private:
     std::vector<uint8_t> image_;
     CartridgeType type_;
     std::vector<Record> code_;
+    Translation translation_;
     std::vector<const uint8_t*> pages_;
 };
 

@@ -213,6 +213,7 @@ class Console {
 
   private:
     friend struct FastCpu;  // fast_cpu.cpp
+    friend struct Places;   // places.hpp
 
     uint8_t read_chip(uint16_t address);
 

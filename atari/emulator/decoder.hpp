@@ -106,6 +106,7 @@ enum Handler : uint16_t {
     kStep,     // one instruction by the plain interpreter
     kLoop,     // a loop whose rounds, but for the last, can be skipped (loops.hpp)
     kRamCode,  // an instruction in RAM, which may have changed since it was decoded
+    kTranslated,  // only reached through `code`: machine code begins here (translation.hpp)
 #define SINGLE(operation, operand) operation##_##operand,
 #define PAIR(o1, k1, o2, k2) o1##_##k1##_##o2##_##k2,
 #include "handlers.def"

@@ -21,7 +21,7 @@ namespace atari {
 Exit FastCpu::run(Console* console, [[maybe_unused]] const void* const** labels) {
 #if COMPUTED_GOTO
     static const void* const kLabels[] = {
-        &&handle_kStep, &&handle_kLoop, &&handle_kRamCode,
+        &&handle_kStep, &&handle_kLoop, &&handle_kRamCode, &&handle_kTranslated,
 #define SINGLE(operation, operand) &&handle_##operation##_##operand,
 #define PAIR(o1, k1, o2, k2) &&handle_##o1##_##k1##_##o2##_##k2,
 #include "handlers.def"
@@ -77,6 +77,14 @@ dispatch:
         RUN_HANDLER(decode_ram(c, r.at));
     }
 
+    HANDLER(kTranslated) {
+        Registers there = r;  // a copy, so that the others stay in registers of the processor
+        exit = static_cast<Exit>(c.cartridge_->translation().run(there, c, static_cast<std::size_t>(r.at - c.first_record_)));
+        r = there;
+        if (exit != kNext) goto other;
+        NEXT;
+    }
+
     HANDLER(kStep) {
         exit = kPlainly;
         goto other;
@@ -127,11 +135,20 @@ const void* code_of(uint16_t handler) { return FastCpu::label(handler); }
 
 namespace {
 
-// The handler of a record's first instruction alone. Where the TIA draws as it goes, reading an input makes it draw.
+// The handler of a record's first instruction alone.
+constexpr auto kSingleOf = [] {
+    std::array<uint16_t, kHandlers> table{kStep, kLoop, kRamCode, kTranslated};
+#define SINGLE(operation, operand) table[operation##_##operand] = operation##_##operand;
+#define PAIR(o1, k1, o2, k2) table[o1##_##k1##_##o2##_##k2] = table[o1##_##k1];
+#include "handlers.def"
+    return table;
+}();
+
+// The same where the TIA draws as it goes, so that reading an input makes it draw.
 constexpr auto kFirstOf = [] {
-    std::array<uint16_t, kHandlers> table{kStep, kLoop, kRamCode};
+    std::array<uint16_t, kHandlers> table = kSingleOf;
 #define SINGLE(operation, operand) \
-    table[operation##_##operand] = Operand::operand == Operand::Input ? kStep : operation##_##operand;
+    if (Operand::operand == Operand::Input) table[operation##_##operand] = kStep;
 #define PAIR(o1, k1, o2, k2) table[o1##_##k1##_##o2##_##k2] = table[o1##_##k1];
 #include "handlers.def"
     return table;
@@ -139,14 +156,15 @@ constexpr auto kFirstOf = [] {
 
 }  // namespace
 
-void FastCpu::run_counted(Console& c, int left) {
-    using Step = Exit (*)(Registers&, Console&);
-    static constexpr Step kSteps[] = {
-        nullptr, nullptr, nullptr,
+// By handlers of single instructions.
+constexpr FastCpu::Step FastCpu::kSteps[] = {
+    nullptr, nullptr, nullptr, nullptr,
 #define SINGLE(operation, operand) run_single<operation, Operand::operand>,
 #define PAIR(...)
 #include "handlers.def"
-    };
+};
+
+void FastCpu::run_counted(Console& c, int left) {
     Registers r;
     take(r, c);
     uint32_t pc = c.m_.cpu.pc;
@@ -173,6 +191,13 @@ void FastCpu::run_counted(Console& c, int left) {
     }
     give(r, c);
     c.m_.cpu.pc = static_cast<uint16_t>(pc);
+}
+
+FastCpu::Step FastCpu::step_of(uint16_t handler) { return kSteps[kSingleOf[handler]]; }
+
+Exit FastCpu::skip_loop(Registers& r, Console& c) noexcept {
+    skip_rounds(r, c);
+    return kNext;
 }
 
 uint16_t FastCpu::decode_ram(Console& c, const Record* at) {

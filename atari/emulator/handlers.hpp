@@ -46,8 +46,15 @@ struct FastCpu {
 
     static const void* label(uint16_t handler);
 
+    // What machine code calls (translator.hpp): a handler, or that of the first of a pair; and what skips the rounds of
+    // the loop that begins at `r.at`.
+    using Step = Exit (*)(Registers&, Console&) noexcept;
+    static Step step_of(uint16_t handler);
+    static Exit skip_loop(Registers& r, Console& c) noexcept;
+
   private:
     using R = Registers;
+    static const Step kSteps[];
 
     // --- where the program counter is, and how it moves ---
 
@@ -520,7 +527,7 @@ struct FastCpu {
     }
 
     template <int op, Operand operand>
-    static Exit run_single(Registers& r, Console& c) {
+    static Exit run_single(Registers& r, Console& c) noexcept {
         return run_one<op, operand>(r, c);
     }
 

@@ -1,0 +1,131 @@
+// The making of a translation: which instructions there are, and machine code for each.
+//
+// In machine code A, X, Y, the flags and the cycles are in registers, as are the end of the log and the cycle from which
+// on a write ends the frame. Cycles are added where somebody may ask for them: at jumps, and wherever a jump may lead.
+// Between such places an instruction knows when it is translated how many are missing (`pending_`).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "assembler.hpp"
+#include "handlers.hpp"
+
+namespace atari {
+
+// The registers of the machine code. Of the rest, r8 to r11 are for any use.
+inline constexpr Reg kA = rax, kX = rcx, kY = rdx, kNz = rsi, kCarry = rdi;
+inline constexpr Reg kConsole = rbx, kRam = rbp, kRegisters = r12, kCycles = r13, kOverlong = r14, kLog = r15;
+
+// What an instruction is, by its handler: of a pair or a loop, what the first is.
+struct Kind {
+    Operation operation;
+    Operand operand;
+};
+inline constexpr auto kKinds = [] {
+    std::array<Kind, kHandlers> table{};
+#define SINGLE(o, k) table[o##_##k] = {o, Operand::k};
+#define PAIR(o1, k1, o2, k2) table[o1##_##k1##_##o2##_##k2] = {o1, Operand::k1};
+#include "handlers.def"
+    return table;
+}();
+inline Kind kind_of(const Record& record) {
+    return kKinds[record.handler == kLoop ? static_cast<uint16_t>(record.jump) : record.handler];
+}
+
+class Translator {
+  public:
+    explicit Translator(const std::vector<Record>& records);
+
+    // The machine code, with a table in front of it: for each record where its instruction begins, from the beginning of
+    // the table, or 0. `enter` is where to enter it, with such a place as third argument.
+    std::vector<uint8_t> translate(std::size_t& enter);
+
+  private:
+    // translator.cpp: which instructions there are, their order, and what they share
+    void find_instructions();
+    void reach(std::size_t first);
+    std::size_t next_of(std::size_t place) const;
+    std::size_t target_of(std::size_t place) const;
+    void emit_run(std::size_t place);
+    void emit_asides();
+    void emit_entries();
+    void emit_common();
+    void emit_call(Label& label, FastCpu::Step function);
+    void emit_routine(uint16_t handler);
+    void emit_push_status(Label& slow);
+    void emit_read_input(Operand operand, Label& slow);
+    void emit_pull_input(Label& slow);
+    void emit_input(int32_t cost);
+    void emit_far(Label& label, uint16_t handler);
+    void find_begin(Label& slow);
+    void push_return_address();
+    void find_record();
+    void save_registers();
+    void load_registers();
+    std::vector<uint8_t> finish(std::size_t& enter);
+
+    void add_pending(int32_t more = 0);
+    void call_handler(std::size_t place);
+    void go_to(std::size_t target, bool backward);
+    int32_t table_size() const { return static_cast<int32_t>((sizeof(int32_t) * (size_ + 1) + 15) / 16 * 16); }
+
+    // translator_instructions.cpp: one instruction
+    struct Source {  // of a byte
+        std::optional<uint8_t> constant;
+        std::optional<Mem> memory;
+        Reg reg;  // otherwise
+    };
+    void emit();
+    bool emit_branch();
+    bool emit_jump();
+    bool emit_read();
+    Source paged(Reg index);
+    void indexed_ram();
+    void add_page_crossing(Reg low, Reg index);
+    void read_into(Reg to, const Source& source);
+    void combine(Alu what, Reg to, const Source& source);
+    void operate(const Source& source);
+    bool emit_store();
+    void store_in_ram(Reg value);
+    bool emit_tia_store(Reg value);
+    void write_graphics(Reg value);
+    void write_hmove();
+    void keep(Reg value);
+    void wait_for_line();
+    bool emit_modify();
+    bool emit_implied();
+
+    // What an instruction does aside of the likely way: its handler is called, and then it goes on behind itself, or, where
+    // that is a jump, wherever it says.
+    struct Aside {
+        Label from;
+        enum { kHandler, kJumpByHandler, kBranch, kLimit } what;
+        std::size_t place;
+        int32_t before, after;  // cycles missing before it and behind it
+        Label back;
+    };
+
+    const std::vector<Record>& records_;
+    const std::size_t size_;
+    std::vector<bool> is_instruction_, is_target_;
+    std::vector<Label> handlers_;       // calls of them
+    std::vector<Label> entries_;        // where each is entered with no cycles missing
+    std::vector<int32_t> begins_;       // where it is when they are, so many:
+    std::vector<uint16_t> missing_;
+    std::vector<Aside> asides_;
+    Assembler a_;
+    Label start_, skip_, dispatch_, return_, call_far_, jump_far_, jump_indirect_, leave_, left_, limit_, exit_;
+
+    // The instruction that is being translated.
+    std::size_t place_ = 0;
+    Operation operation_ = NOP;
+    Operand operand_ = Operand::Imp;
+    uint16_t given_ = 0;
+    int32_t pending_ = 0;
+    Label slow_;
+};
+
+}  // namespace atari

@@ -1,0 +1,594 @@
+// Machine code for each instruction: what its handler (handlers.hpp) does in the likely case. All others it leaves to
+// the handler, before it has changed anything.
+#include "places.hpp"
+#include "translator.hpp"
+
+namespace atari {
+namespace {
+
+// Multiplied by this and shifted by so many bits, a number of cycles in a frame is divided by the 76 of a line.
+constexpr uint32_t kInverse76 = 55189, kInverseShift = 22;
+constexpr bool divides_by_76() {
+    for (uint32_t n = 0; n < 30000; ++n)
+        if ((n * kInverse76) >> kInverseShift != n / 76) return false;
+    return true;
+}
+static_assert(divides_by_76());
+
+Mem console(int32_t place) { return {kConsole, place}; }
+Mem written(uint32_t reg) { return {kConsole, Places::written() + static_cast<int32_t>(reg)}; }
+Mem ram(int32_t at) { return {kRam, at}; }
+
+Reg index_of(Operand operand) { return operand == Operand::RamX || operand == Operand::RomX || operand == Operand::AnyX ? kX : kY; }
+Reg stored_by(Operation operation) { return operation == STX ? kX : operation == STY ? kY : kA; }
+
+}  // namespace
+
+void Translator::emit() {
+    if (records_[place_].handler == kLoop) {
+        add_pending();
+        a_.move(r8, static_cast<uint32_t>(place_));
+        a_.call(skip_);
+    }
+    slow_ = {};
+    const int32_t before = pending_;
+    const bool jumps = operation_ == JMP || operation_ == JSR || operation_ == RTS;
+    const bool done = operand_ == Operand::Rel ? emit_branch()
+                      : jumps                  ? emit_jump()
+                      : is_read(operation_)    ? emit_read()
+                      : is_store(operation_)   ? emit_store()
+                      : is_modify(operation_)  ? emit_modify()
+                                               : emit_implied();
+    if (!done) {
+        add_pending();
+        call_handler(place_);
+        if (jumps) a_.jump(dispatch_);
+    }
+    if (slow_.last_jump < 0) return;
+    const auto what = jumps ? Aside::kJumpByHandler : Aside::kHandler;
+    asides_.push_back({slow_, what, place_, before, pending_, {static_cast<int32_t>(a_.size())}});
+}
+
+// --- jumps ---
+
+bool Translator::emit_branch() {
+    const std::size_t target = target_of(place_);
+    const bool backward = target <= place_;
+    If taken = If::zero;
+    switch (operation_) {
+        case BNE: case BEQ:
+            a_.test8(kNz, kNz);
+            taken = operation_ == BEQ ? If::zero : If::not_zero;
+            break;
+        case BPL: case BMI:
+            a_.test(kNz, uint32_t{0x180});
+            taken = operation_ == BPL ? If::zero : If::not_zero;
+            break;
+        case BCC: case BCS:
+            a_.test(kCarry, kCarry);
+            taken = operation_ == BCC ? If::zero : If::not_zero;
+            break;
+        default:
+            a_.alu8(Alu::cmp, console(Places::overflow()), uint8_t{0});
+            taken = operation_ == BVC ? If::not_sign : If::sign;
+    }
+    const int32_t before = pending_, cost = records_[place_].taken;
+    if (backward) {
+        Label otherwise;
+        a_.jump(opposite(taken), otherwise);
+        pending_ = before + cost;
+        go_to(target, true);
+        a_.bind(otherwise);
+    } else {
+        asides_.push_back({{}, Aside::kBranch, target, before + cost, 0, {}});
+        a_.jump(taken, asides_.back().from);
+    }
+    pending_ = before + 2;
+    return true;
+}
+
+bool Translator::emit_jump() {
+    if (operation_ == RTS) {
+        add_pending();
+        a_.move(r8, static_cast<uint32_t>(place_));
+        a_.jump(return_);
+        return true;
+    }
+    if (operand_ != Operand::Near) {
+        add_pending();
+        a_.move(r8, static_cast<uint32_t>(place_));
+        a_.jump(operation_ == JSR ? call_far_ : operand_ == Operand::Ind ? jump_indirect_ : jump_far_);
+        return true;
+    }
+    const std::size_t target = target_of(place_);
+    if (operation_ == JSR) {
+        a_.load8(r8, console(Places::sp()));
+        a_.alu(Alu::cmp, r8, 0x81);
+        a_.jump(If::below, slow_);
+    }
+    a_.load(r9, console(Places::origin()));  // in the same 4 KiB
+    a_.move(r10, r9);
+    a_.alu(Alu::xor_, r10, int32_t{given_});
+    a_.test(r10, uint32_t{0xf000});
+    a_.jump(If::not_zero, slow_);
+    if (operation_ == JSR) {
+        a_.load64(r10, console(Places::first_record()));
+        a_.alu64(Alu::sub, r10, console(Places::base_record()));
+        a_.shift(Shift::right, r10, 4);
+        a_.address(r9, Mem{r9, static_cast<int32_t>(place_ + 2), r10});
+        a_.store16(Mem{kRam, -0x81, r8}, r9);
+        a_.alu8(Alu::sub, console(Places::sp()), uint8_t{2});
+    }
+    pending_ += operation_ == JSR ? 6 : 3;
+    go_to(target, target <= place_);
+    return true;
+}
+
+// --- reads ---
+
+// Where an index crosses a page, a cycle more. `low` is 0 to 255.
+void Translator::add_page_crossing(Reg low, Reg index) {
+    a_.alu(Alu::add, low, index);
+    a_.shift(Shift::right, low, 8);
+    a_.alu(Alu::add, kCycles, low);
+}
+
+// A byte at the address in r9, if it can be read without effect; r8 holds the base of the address.
+Translator::Source Translator::paged(Reg index) {
+    a_.move(r10, r9);
+    a_.shift(Shift::right, r10, 6);
+    a_.extend8(r10, r10);
+    a_.load64(r11, Mem{kConsole, Places::pages(), r10, 8});
+    a_.test64(r11, r11);
+    a_.jump(If::zero, slow_);
+    a_.alu(Alu::and_, r9, 63);
+    a_.extend8(r8, r8);
+    add_page_crossing(r8, index);
+    return {{}, Mem{r11, 0, r9}, r8};
+}
+
+bool Translator::emit_read() {
+    if (operation_ == ADC || operation_ == SBC) {
+        a_.alu8(Alu::cmp, console(Places::decimal()), uint8_t{0});
+        a_.jump(If::not_zero, slow_);
+    }
+    const auto cost = static_cast<int32_t>(read_cost(operand_));
+    Source source{{}, {}, r8};
+    switch (operand_) {
+        case Operand::Imm: case Operand::Fixed:
+            source.constant = static_cast<uint8_t>(given_);
+            break;
+        case Operand::Ram: case Operand::RamA:
+            source.memory = ram(given_);
+            break;
+        case Operand::RamX: case Operand::RamY:
+            indexed_ram();
+            source.memory = Mem{kRam, 0, r8};
+            break;
+        case Operand::Input:
+            a_.address(r8, Mem{kCycles, pending_ + cost});
+            a_.alu64(Alu::cmp, r8, console(Places::inputs() + 8 * (given_ & 7)));
+            a_.alu(Alu::sbb, r8, r8);
+            a_.alu(Alu::and_, r8, -0x80);
+            a_.alu(Alu::add, r8, 0x80);
+            a_.alu(Alu::or_, r8, given_ & 0x3f);
+            break;
+        case Operand::RomX: case Operand::RomY: {
+            const Reg index = index_of(operand_);
+            a_.load64(r9, console(Places::bank()));
+            if (given_ & 0xff) {
+                a_.move(r8, uint32_t{given_} & 0xff);
+                add_page_crossing(r8, index);
+            }
+            a_.alu64(Alu::add, r9, index);
+            source.memory = Mem{r9, given_};
+            break;
+        }
+        case Operand::Timer: {
+            // Its value, until it has run out.
+            a_.address(r8, Mem{kCycles, pending_ + cost - 1});
+            a_.alu(Alu::sub, r8, console(Places::timer_set_at()));
+            a_.move(r9, kX);
+            a_.load8(rcx, console(Places::timer_shift()));
+            a_.shift_by_cl(Shift::right, r8);
+            a_.move(kX, r9);
+            a_.load8(r9, console(Places::timer()));
+            a_.alu(Alu::sub, r9, r8);
+            a_.jump(If::not_above, slow_);
+            a_.address(r8, Mem{r9, -1});
+            break;
+        }
+        case Operand::AnyX: case Operand::AnyY:
+            a_.move(r8, uint32_t{given_});
+            a_.address(r9, Mem{index_of(operand_), given_});
+            source = paged(index_of(operand_));
+            break;
+        case Operand::IndY:
+            a_.load16(r8, ram(given_));
+            a_.address(r9, Mem{r8, 0, kY});
+            source = paged(kY);
+            break;
+        default:
+            return false;
+    }
+    pending_ += cost;
+    operate(source);
+    return true;
+}
+
+// A place in RAM by an index, in r8.
+void Translator::indexed_ram() {
+    a_.address(r8, Mem{index_of(operand_), given_ - 0x80});
+    a_.test8(r8, r8);
+    a_.jump(If::sign, slow_);
+    a_.extend8(r8, r8);
+}
+
+void Translator::combine(Alu what, Reg to, const Source& source) {
+    if (source.constant) a_.alu8(what, to, *source.constant);
+    else if (source.memory) a_.alu8(what, to, *source.memory);
+    else a_.alu8(what, to, source.reg);
+}
+
+void Translator::read_into(Reg to, const Source& source) {
+    if (source.constant) a_.move(to, uint32_t{*source.constant});
+    else if (source.memory) a_.load8(to, *source.memory);
+    else a_.move(to, source.reg);
+}
+
+void Translator::operate(const Source& source) {
+    switch (operation_) {
+        case LDA: case LDX: case LDY: {
+            const Reg to = operation_ == LDA ? kA : operation_ == LDX ? kX : kY;
+            read_into(to, source);
+            a_.move(kNz, to);
+            break;
+        }
+        case AND: case ORA: case EOR:
+            combine(operation_ == AND ? Alu::and_ : operation_ == ORA ? Alu::or_ : Alu::xor_, kA, source);
+            a_.move(kNz, kA);
+            break;
+        case CMP: case CPX: case CPY:
+            a_.move(kNz, operation_ == CMP ? kA : operation_ == CPX ? kX : kY);
+            combine(Alu::sub, kNz, source);
+            a_.set(If::not_below, kCarry);
+            break;
+        case BIT:
+            read_into(r8, source);
+            a_.address(r9, Mem{r8, 0, r8});
+            a_.store8(console(Places::overflow()), r9);
+            a_.alu(Alu::and_, r9, 0x100);
+            a_.move(kNz, kA);
+            a_.alu(Alu::and_, kNz, r8);
+            a_.alu(Alu::or_, kNz, r9);
+            break;
+        default:  // ADC and SBC. This processor's carry is a borrow in subtractions.
+            if (operation_ == ADC) a_.test_bit(kCarry, uint8_t{0});
+            else a_.alu(Alu::cmp, kCarry, 1);
+            combine(operation_ == ADC ? Alu::adc : Alu::sbb, kA, source);
+            a_.set(operation_ == ADC ? If::below : If::not_below, kCarry);
+            a_.set(If::overflow, r8);
+            a_.shift(Shift::left, r8, 7);
+            a_.store8(console(Places::overflow()), r8);
+            a_.move(kNz, kA);
+    }
+}
+
+// --- stores ---
+
+bool Translator::emit_store() {
+    const Reg value = stored_by(operation_);
+    switch (operand_) {
+        case Operand::Ram: case Operand::RamA:
+            a_.store8(ram(given_), value);
+            break;
+        case Operand::RamX: case Operand::RamY:
+            indexed_ram();
+            a_.store8(Mem{kRam, 0, r8}, value);
+            break;
+        case Operand::AnyX: case Operand::AnyY:
+            a_.address(r8, Mem{index_of(operand_), given_});
+            store_in_ram(value);
+            break;
+        case Operand::IndY:
+            a_.load16(r8, ram(given_));
+            a_.alu(Alu::add, r8, kY);
+            store_in_ram(value);
+            break;
+        default:
+            if (operand_ < Operand::Tia) return false;
+            return emit_tia_store(value);
+    }
+    pending_ += static_cast<int32_t>(store_cost(operand_));
+    return true;
+}
+
+// To the address in r8.
+void Translator::store_in_ram(Reg value) {
+    a_.move(r9, r8);
+    a_.alu(Alu::and_, r9, 0x1280);
+    a_.alu(Alu::cmp, r9, 0x80);
+    a_.jump(If::not_zero, slow_);
+    a_.alu(Alu::and_, r8, 0x7f);
+    a_.store8(Mem{kRam, 0, r8}, value);
+}
+
+// To the TIA: what `FastCpu::write_tia` does, with the cycle of the write in r8.
+bool Translator::emit_tia_store(Reg value) {
+    const auto cost = static_cast<int32_t>(store_cost(operand_));
+    const uint32_t reg = given_;
+    if (operand_ == Operand::Cxclr) return false;
+    a_.address(r8, Mem{kCycles, pending_ + cost});
+    a_.alu(Alu::cmp, r8, kOverlong);
+    a_.jump(If::not_below, slow_);
+    switch (operand_) {
+        case Operand::Tia: case Operand::TiaA: {
+            a_.alu8(Alu::cmp, written(reg), value);
+            const std::size_t same = a_.jump_short(If::zero);
+            a_.store8(written(reg), value);
+            keep(value);
+            a_.bind_short(same);
+            break;
+        }
+        case Operand::Nusiz: {
+            const Mem strobed = written(reg + (RESP0 - NUSIZ0));
+            a_.alu8(Alu::cmp, written(reg), value);
+            const std::size_t changed = a_.jump_short(If::not_zero);
+            a_.alu8(Alu::cmp, strobed, uint8_t{0});
+            const std::size_t acts = a_.jump_short(If::not_zero);
+            a_.alu8(Alu::cmp, console(Places::ark()), uint8_t{0});
+            const std::size_t same = a_.jump_short(If::zero);
+            a_.bind_short(changed);
+            a_.bind_short(acts);
+            a_.store8(written(reg), value);
+            a_.store8(strobed, uint8_t{0});
+            keep(value);
+            a_.bind_short(same);
+            break;
+        }
+        case Operand::Ctrlpf: {
+            a_.load8(r9, written(reg));
+            a_.load8(r10, console(Places::mirror_changed()));
+            a_.alu(Alu::xor_, r9, value);
+            a_.alu(Alu::or_, r9, r10);  // bit 0 is the mirroring
+            const std::size_t same = a_.jump_short(If::zero);
+            a_.store8(written(reg), value);
+            a_.move(r10, r9);
+            a_.alu(Alu::and_, r10, 1);
+            a_.store8(console(Places::mirror_changed()), r10);
+            keep(value);
+            a_.test(r9, uint32_t{0x31});
+            const std::size_t shows = a_.jump_short(If::not_zero);
+            a_.store8(Mem{kLog, -4}, uint8_t{PRIORITY});
+            a_.bind_short(shows);
+            a_.bind_short(same);
+            break;
+        }
+        case Operand::Hmove:
+            write_hmove();
+            break;
+        case Operand::Strobe:
+            a_.store8(written(reg), uint8_t{1});
+            keep(value);
+            break;
+        case Operand::Motion:
+            a_.load8(r9, written(reg));
+            a_.shift(Shift::right, r9, 4);
+            a_.alu(Alu::cmp, r9, 7);
+            a_.jump(If::zero, slow_);
+            a_.store8(written(reg), value);
+            break;
+        case Operand::Grp0: case Operand::Grp0A: case Operand::Grp1: case Operand::Grp1A:
+            write_graphics(value);
+            break;
+        case Operand::Sound: {
+            static constexpr uint8_t kMasks[3] = {15, 31, 15};
+            a_.move(r9, value);
+            a_.alu(Alu::and_, r9, int32_t{kMasks[(reg - AUDC0) / 2]});
+            a_.store8(console(Places::sound() + static_cast<int32_t>(reg - AUDC0)), r9);
+            break;
+        }
+        case Operand::Hmclr:
+            a_.store(written(HMP0), uint32_t{0});
+            a_.store8(written(HMBL), uint8_t{0});
+            break;
+        default:
+            wait_for_line();
+            return true;
+    }
+    pending_ += cost;
+    return true;
+}
+
+// WSYNC, at the cycle in r8.
+void Translator::wait_for_line() {
+    a_.load(r9, console(Places::first_cycle()));
+    a_.alu(Alu::sub, r8, r9);
+    a_.alu(Alu::add, r8, 75);
+    a_.multiply(r8, r8, kInverse76);
+    a_.shift(Shift::right, r8, kInverseShift);
+    a_.multiply(r8, r8, 76);
+    a_.address(kCycles, Mem{r8, 0, r9});
+    pending_ = 0;
+}
+
+// GRP0 and GRP1 also renew the delayed copy of the other, and GRP1 that of ENABL.
+void Translator::write_graphics(Reg value) {
+    const bool first = given_ == GRP0;
+    const Mem mine = written(given_), other = written(first ? GRP1 : GRP0);
+    const Mem old = console(first ? Places::old_grp1() : Places::old_grp0());
+    a_.load8(r9, other);
+    a_.alu8(Alu::cmp, mine, value);
+    const std::size_t changed = a_.jump_short(If::not_zero);
+    a_.alu8(Alu::cmp, old, r9);
+    std::size_t ball_changed = 0;
+    if (!first) {
+        ball_changed = a_.jump_short(If::not_zero);
+        a_.load8(r10, written(ENABL));
+        a_.alu8(Alu::cmp, console(Places::old_enabl()), r10);
+    }
+    const std::size_t same = a_.jump_short(If::zero);
+    a_.bind_short(changed);
+    if (ball_changed) a_.bind_short(ball_changed);
+    a_.store8(mine, value);
+    a_.store8(old, r9);
+    if (!first) {
+        a_.load8(r10, written(ENABL));
+        a_.store8(console(Places::old_enabl()), r10);
+        a_.alu(Alu::and_, r10, 2);
+        a_.shift(Shift::left, r10, 7);
+        a_.alu(Alu::or_, r9, r10);
+    }
+    keep(value);
+    a_.store16(Mem{kLog, -2}, r9);
+    a_.bind_short(same);
+}
+
+// HMOVE brings the motions along. Where it moves nothing and is in time, it only shows that nothing moves.
+void Translator::write_hmove() {
+    a_.load(r9, written(HMP0));
+    a_.load8(r10, written(HMBL));
+    a_.move(r11, r9);
+    a_.alu(Alu::or_, r11, r10);
+    a_.test(r11, 0xf0f0f0f0u);
+    const std::size_t moves = a_.jump_short(If::not_zero);
+    a_.address(r11, Mem{r8, 1});
+    a_.alu(Alu::sub, r11, console(Places::first_cycle()));
+    a_.move(r10, r11);
+    a_.multiply(r11, r11, kInverse76);
+    a_.shift(Shift::right, r11, kInverseShift);
+    a_.multiply(r11, r11, 76);
+    a_.alu(Alu::sub, r10, r11);
+    a_.alu(Alu::cmp, r10, 4);
+    a_.move(r10, uint32_t{0});
+    const std::size_t late = a_.jump_short(If::above);
+    a_.store(Mem{kLog}, r8);
+    a_.store(Mem{kLog, 4}, uint32_t{STILL});
+    Label done;
+    a_.jump(done);
+    a_.bind_short(moves);
+    a_.bind_short(late);
+    a_.shift(Shift::right, r9, 4);
+    a_.alu(Alu::and_, r9, 0x0f0f0f0f);
+    a_.move(r11, r9);
+    a_.shift(Shift::right, r11, 4);
+    a_.alu(Alu::or_, r9, r11);
+    a_.alu(Alu::and_, r9, 0x00ff00ff);
+    a_.move(r11, r9);
+    a_.shift(Shift::right, r11, 8);
+    a_.alu(Alu::or_, r9, r11);
+    a_.store(Mem{kLog}, r8);
+    a_.store8(Mem{kLog, 4}, uint8_t{HMOVE});
+    a_.shift(Shift::right, r10, 4);
+    a_.store8(Mem{kLog, 5}, r10);
+    a_.store16(Mem{kLog, 6}, r9);
+    a_.bind(done);
+    a_.address64(kLog, Mem{kLog, 8});
+}
+
+// In the log, at the cycle in r8.
+void Translator::keep(Reg value) {
+    a_.store(Mem{kLog}, r8);
+    a_.store(Mem{kLog, 4}, uint32_t{given_});
+    a_.store8(Mem{kLog, 5}, value);
+    a_.address64(kLog, Mem{kLog, 8});
+}
+
+// --- the rest ---
+
+bool Translator::emit_modify() {
+    Reg value = r9;
+    Mem memory = ram(given_);
+    switch (operand_) {
+        case Operand::Acc: value = kA; break;
+        case Operand::Ram: break;
+        case Operand::RamX:
+            indexed_ram();
+            memory = Mem{kRam, 0, r8};
+            break;
+        default: return false;
+    }
+    if (operand_ != Operand::Acc) a_.load8(value, memory);
+    switch (operation_) {
+        case INC: a_.increment8(value); break;
+        case DEC: a_.decrement8(value); break;
+        case ASL: case LSR:
+            a_.move(kCarry, value);
+            if (operation_ == ASL) a_.shift(Shift::right, kCarry, 7);
+            else a_.alu(Alu::and_, kCarry, 1);
+            a_.shift(operation_ == ASL ? Shift::left : Shift::right, value, 1);
+            if (operation_ == ASL) a_.extend8(value, value);
+            break;
+        case ROL:
+            a_.address(r10, Mem{kCarry, 0, value, 2});
+            a_.move(kCarry, value);
+            a_.shift(Shift::right, kCarry, 7);
+            a_.extend8(value, r10);
+            break;
+        default:  // ROR
+            a_.move(r10, kCarry);
+            a_.shift(Shift::left, r10, 7);
+            a_.move(kCarry, value);
+            a_.alu(Alu::and_, kCarry, 1);
+            a_.shift(Shift::right, value, 1);
+            a_.alu(Alu::or_, value, r10);
+    }
+    a_.move(kNz, value);
+    if (operand_ != Operand::Acc) a_.store8(memory, value);
+    pending_ += static_cast<int32_t>(modify_cost(operand_));
+    return true;
+}
+
+bool Translator::emit_implied() {
+    const auto transfer = [&](Reg to, Reg from) {
+        a_.move(to, from);
+        a_.move(kNz, to);
+    };
+    const auto step = [&](Reg reg, bool up) {
+        up ? a_.increment8(reg) : a_.decrement8(reg);
+        a_.move(kNz, reg);
+    };
+    switch (operation_) {
+        case TAX: transfer(kX, kA); break;
+        case TAY: transfer(kY, kA); break;
+        case TXA: transfer(kA, kX); break;
+        case TYA: transfer(kA, kY); break;
+        case INX: step(kX, true); break;
+        case INY: step(kY, true); break;
+        case DEX: step(kX, false); break;
+        case DEY: step(kY, false); break;
+        case CLC: a_.move(kCarry, uint32_t{0}); break;
+        case SEC: a_.move(kCarry, uint32_t{1}); break;
+        case CLV: a_.store8(console(Places::overflow()), uint8_t{0}); break;
+        case TXS: a_.store8(console(Places::sp()), kX); break;
+        case TSX:
+            a_.load8(kX, console(Places::sp()));
+            a_.move(kNz, kX);
+            break;
+        case PHA:
+            a_.load8(r8, console(Places::sp()));
+            a_.test8(r8, r8);
+            a_.jump(If::not_sign, slow_);
+            a_.store8(Mem{kRam, -0x80, r8}, kA);
+            a_.decrement8(r8);
+            a_.store8(console(Places::sp()), r8);
+            pending_ += 3;
+            return true;
+        case PLA:
+            a_.load8(r8, console(Places::sp()));
+            a_.address(r9, Mem{r8, -0x80});
+            a_.alu(Alu::cmp, r9, 0x7f);
+            a_.jump(If::not_below, slow_);
+            a_.load8(kA, Mem{kRam, 1 - 0x80, r8});
+            a_.increment8(r8);
+            a_.store8(console(Places::sp()), r8);
+            a_.move(kNz, kA);
+            pending_ += 4;
+            return true;
+        default: return false;
+    }
+    pending_ += 2;
+    return true;
+}
+
+}  // namespace atari
