@@ -134,7 +134,8 @@ class Console:
 
     Made as at power-on, after one reset; no frame has begun. `cartridge` names the type of bank
     switching, "" recognises it; the other arguments are those of a game's screen and controllers.
-    `plain`: by the plain interpreter and TIA; if not, `run_frame` runs frames fast.
+    `plain`: by the plain interpreter and TIA; if not, `run_frame` runs frames fast, and `translated`,
+    where that is possible, by machine code made of the program.
     Raises ValueError if the image is of no supported type.
     """
 
@@ -151,6 +152,7 @@ class Console:
         swap_ports: bool = False,
         swap_paddles: bool = False,
         plain: bool = True,
+        translated: bool = True,
     ) -> None: ...
     def reset(self) -> None:
         """The reset of all chips, as a game is reset. RAM survives."""
@@ -202,6 +204,10 @@ class Console:
     @property
     def cartridge_ram(self) -> bytes:
         """The cartridge's own RAM, empty if it has none."""
+
+    @property
+    def translated(self) -> bool:
+        """Whether there is machine code of the program."""
 
     @property
     def cartridge_type(self) -> str: ...

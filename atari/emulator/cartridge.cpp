@@ -137,7 +137,8 @@ CartridgeType by_name(const std::string& name) {
 
 }  // namespace
 
-Cartridge::Cartridge(std::vector<uint8_t> image, const std::string& type) : image_(std::move(image)) {
+Cartridge::Cartridge(std::vector<uint8_t> image, const std::string& type, bool translated)
+    : image_(std::move(image)) {
     if (image_.size() > (1u << 19)) throw std::invalid_argument("an image has at most 524288 bytes");
     type_ = type.empty() ? recognise(image_) : by_name(type);
     if (image_.size() < row(type_).image_size)
@@ -147,7 +148,7 @@ Cartridge::Cartridge(std::vector<uint8_t> image, const std::string& type) : imag
     if (type_ == CartridgeType::k3F || type_ == CartridgeType::k3E)
         image_.resize(image_.size() / 2048 * 2048);
     code_ = decode_image(*this);
-    translation_.make(code_);
+    if (translated) translation_.make(code_);
     for (size_t place = 0; place < code_.size(); ++place)
         if (translation_.has(place)) code_[place].code = code_of(kTranslated);
     for (size_t at = 0; at + 64 <= size(); at += 64) pages_.push_back(image_.data() + at);

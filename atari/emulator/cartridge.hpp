@@ -23,8 +23,9 @@ struct Window {
 class Cartridge {
   public:
     // `type` is a name such as "F8", or empty to recognise it by size and signature.
+    // Its code is translated where that is possible, unless it is not to be.
     // Throws std::invalid_argument if the image is of no supported type, or too short for the type asked for.
-    Cartridge(std::vector<uint8_t> image, const std::string& type);
+    Cartridge(std::vector<uint8_t> image, const std::string& type, bool translated = true);
 
     CartridgeType type() const { return type_; }
     std::string type_name() const;

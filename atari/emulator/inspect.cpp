@@ -31,11 +31,11 @@ using Array = nb::ndarray<nb::numpy, uint8_t, nb::c_contig, nb::device::cpu>;
 using Flags = std::pair<bool, bool>;
 
 void make(Console* self, nb::bytes image, const std::string& cartridge, int first_line, int height, bool pal,
-          bool hmove_blanks, Flags paddles, bool swap_ports, bool swap_paddles, bool plain) {
+          bool hmove_blanks, Flags paddles, bool swap_ports, bool swap_paddles, bool plain, bool translated) {
     if (first_line < 0 || height < 1 || first_line + height > kFrameRows)
         throw nb::value_error("the picture must lie within 300 lines");
     const auto* bytes = static_cast<const uint8_t*>(image.data());
-    auto plugged = std::make_shared<const Cartridge>(std::vector<uint8_t>(bytes, bytes + image.size()), cartridge);
+    auto plugged = std::make_shared<const Cartridge>(std::vector<uint8_t>(bytes, bytes + image.size()), cartridge, translated);
     const ConsoleConfig config{first_line, height, pal, hmove_blanks, {paddles.first, paddles.second}, swap_ports, swap_paddles};
     new (self) Console(std::move(plugged), config, plain);
     self->construct();
@@ -318,11 +318,12 @@ void register_inspection(nb::module_& m) {
                         "A bare console, driven by hand: for tests and for looking inside.\n\n"
                         "Made as at power-on, after one reset; no frame has begun. `cartridge` names the type of bank\n"
                         "switching, \"\" recognises it; the other arguments are those of a game's screen and controllers.\n"
-                        "`plain`: by the plain interpreter and TIA; if not, `run_frame` runs frames fast.\n"
+                        "`plain`: by the plain interpreter and TIA; if not, `run_frame` runs frames fast, and `translated`,\n"
+                        "where that is possible, by machine code made of the program.\n"
                         "Raises ValueError if the image is of no supported type.")
         .def("__init__", &make, "image"_a, "cartridge"_a = "", nb::kw_only(), "first_line"_a = 34, "height"_a = 210,
              "pal"_a = false, "hmove_blanks"_a = true, "paddles"_a = Flags{false, false}, "swap_ports"_a = false,
-             "swap_paddles"_a = false, "plain"_a = true)
+             "swap_paddles"_a = false, "plain"_a = true, "translated"_a = true)
         .def("reset", &Console::reset, "The reset of all chips, as a game is reset. RAM survives.")
         .def("read", &Console::read, "address"_a, "A read on the bus, at the present cycle; an int within 0..255.")
         .def("write", &Console::write, "address"_a, "value"_a, "A write on the bus, at the present cycle.")
@@ -341,6 +342,8 @@ void register_inspection(nb::module_& m) {
         .def_prop_rw("ram", [](const Console& x) { return as_bytes(x.ram(), 128); }, &set_ram, "The 128 bytes of RAM.")
         .def_prop_ro("cartridge_ram", [](const Console& x) { return as_bytes(x.cartridge_ram(), x.cartridge_ram_size()); },
                      "The cartridge's own RAM, empty if it has none.")
+        .def_prop_ro("translated", [](const Console& x) { return x.cartridge().translation().any(); },
+                     "Whether there is machine code of the program.")
         .def_prop_ro("cartridge_type", [](const Console& x) { return x.cartridge().type_name(); })
         .def_prop_rw("positions", [](const Console& x) { return as_list(x.machine().tia.pos); }, &set_positions,
                      nb::for_getter(nb::sig("def positions(self, /) -> list[int]")),

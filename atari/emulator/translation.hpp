@@ -19,13 +19,22 @@ namespace atari {
 class Console;
 struct Registers;
 
+// Machine code is that of x86-64, called as on Unix; and its entries are reached through the records (fast_cpu.cpp).
+#if defined(__x86_64__) && defined(__LP64__) && defined(__GNUC__) && !defined(_WIN32) && !defined(ATARI_NO_COMPUTED_GOTO)
+inline constexpr bool kTranslates = true;
+#else
+inline constexpr bool kTranslates = false;
+#endif
+
 class Translation {
   public:
     // Of a cartridge's records. Where machine code cannot be run `has` stays false for all of them.
     void make(const std::vector<Record>& records);
 
+    bool any() const { return code_.begin() != nullptr; }
+
     // Whether the instruction that begins at this byte of the image has been translated.
-    bool has(std::size_t place) const { return code_.begin() && begins(place) != kNowhere; }
+    bool has(std::size_t place) const { return any() && begins(place) != kNowhere; }
 
     // Runs from there on, until it gets to an instruction that has not been translated or the handlers would leave their
     // loop: an `Exit`, with the registers as the handlers leave them.

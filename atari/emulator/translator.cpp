@@ -470,6 +470,8 @@ std::vector<uint8_t> Translator::finish(std::size_t& enter) {
     return code;
 }
 
-void Translation::make(const std::vector<Record>& records) { code_.fill(Translator(records).translate(enter_)); }
+void Translation::make(const std::vector<Record>& records) {
+    if constexpr (kTranslates) code_.fill(Translator(records).translate(enter_));
+}
 
 }  // namespace atari

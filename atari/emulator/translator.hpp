@@ -79,6 +79,7 @@ class Translator {
         Reg reg;  // otherwise
     };
     void emit();
+    void skip_rounds();
     bool emit_branch();
     bool emit_jump();
     bool emit_read();

@@ -25,11 +25,7 @@ Reg stored_by(Operation operation) { return operation == STX ? kX : operation ==
 }  // namespace
 
 void Translator::emit() {
-    if (records_[place_].handler == kLoop) {
-        add_pending();
-        a_.move(r8, static_cast<uint32_t>(place_));
-        a_.call(skip_);
-    }
+    if (records_[place_].handler == kLoop) skip_rounds();
     slow_ = {};
     const int32_t before = pending_;
     const bool jumps = operation_ == JMP || operation_ == JSR || operation_ == RTS;
@@ -47,6 +43,36 @@ void Translator::emit() {
     if (slow_.last_jump < 0) return;
     const auto what = jumps ? Aside::kJumpByHandler : Aside::kHandler;
     asides_.push_back({slow_, what, place_, before, pending_, {static_cast<int32_t>(a_.size())}});
+}
+
+// At a loop that only waits, counts or divides: all rounds but the last, as `FastCpu::skip_rounds` does, which is called
+// but for those that count.
+void Translator::skip_rounds() {
+    add_pending();
+    const Record& record = records_[place_];
+    if (record.loop != Loop::kCountX && record.loop != Loop::kCountY) {
+        a_.move(r8, static_cast<uint32_t>(place_));
+        a_.call(skip_);
+        return;
+    }
+    const Reg counter = record.loop == Loop::kCountX ? kX : kY;
+    const bool until_zero = kind_of(records_[place_ + 1]).operation == BNE;  // otherwise until it is past that
+    std::size_t many = 0;
+    a_.move(r8, counter);
+    if (until_zero) {
+        a_.decrement8(r8);
+    } else {
+        a_.alu(Alu::cmp, counter, 0x80);
+        many = a_.jump_short(If::above);
+    }
+    a_.multiply(r8, r8, record.taken);
+    a_.alu(Alu::add, r8, kCycles);
+    a_.alu(Alu::cmp, r8, Mem{kConsole, Places::cycle_limit()});
+    const std::size_t near_limit = a_.jump_short(If::not_below);
+    a_.move(kCycles, r8);
+    a_.move(counter, uint32_t{until_zero});
+    a_.bind_short(near_limit);
+    if (many) a_.bind_short(many);
 }
 
 // --- jumps ---

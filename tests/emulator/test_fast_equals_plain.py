@@ -1,14 +1,16 @@
-"""The fast interpreter and the deferred TIA against the plain ones, which are the oracle: after every frame all of both
-machines is compared, to the byte.
+"""The fast interpreter, the machine code and the deferred TIA against the plain ones, which are the oracle: after every
+frame all of both machines is compared, to the byte.
 
 Pictures and collision latches are worked out only when somebody asks for them, so they are asked for, and compared, at
 random frames, and the pictures also of many frames in a row. Between frames the machines are reset, their RAM is
 overwritten, they go back to where they were, and each may go on from the state that the other has saved.
 """
 
+import os
+import platform
 import random
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -24,8 +26,11 @@ from atari.roms import find
 class Pair:
     """A fast and a plain console with the same cartridge, to which the same is done."""
 
+    translated: ClassVar[bool]
+    """Whether the fast one runs machine code, where that is possible."""
+
     def __init__(self, image: bytes, cartridge: str, what: str, rng: random.Random, **options: Any) -> None:
-        self.fast = Console(image, cartridge, plain=False, **options)
+        self.fast = Console(image, cartridge, plain=False, translated=self.translated, **options)
         self.plain = Console(image, cartridge, plain=True, **options)
         self.what, self.rng, self.frames = what, rng, 0
         self.watching = False
@@ -87,6 +92,13 @@ class Pair:
             pytest.fail(f"{self.what}, frame {self.frames}: {differing} (fast, plain)")
 
 
+@pytest.fixture(autouse=True, params=[True, False], ids=["translated", "handlers"])
+def translated(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> bool:
+    """Everything once with machine code and once with handlers alone."""
+    monkeypatch.setattr(Pair, "translated", request.param, raising=False)
+    return bool(request.param)
+
+
 def seen(console: Console) -> dict[str, Any]:
     """Everything of a console by name, the picture asked for."""
     picture = console.picture()
@@ -146,6 +158,12 @@ def test_games(game: str) -> None:
     for _ in range(45):
         press(pair, player=True)
         pair.play(6, pokes=0.005, resets=0.001)
+
+
+def test_what_runs(translated: bool) -> None:
+    """Machine code, where this processor has some and it is wanted."""
+    console = Console(wild_programs.noise(random.Random(0), "4K"), "4K", plain=False, translated=translated)
+    assert console.translated == (translated and platform.machine() in ("x86_64", "AMD64") and os.name == "posix")
 
 
 def options(rng: random.Random) -> dict[str, Any]:
