@@ -340,7 +340,7 @@ class Console {
 
     // Code in RAM: records, and the bytes they were made from.
     struct RamCode {
-        std::array<uint8_t, 3> bytes;
+        std::array<uint8_t, 4> bytes;  // three, and 0
         uint16_t handler = kHandlers;
     };
     Record ram_code_[128 + 3];

@@ -203,13 +203,15 @@ Exit FastCpu::skip_loop(Registers& r, Console& c) noexcept {
 uint16_t FastCpu::decode_ram(Console& c, const Record* at) {
     const auto place = static_cast<std::size_t>(at - c.ram_code_);
     if (place >= 128) return kStep;
-    const uint8_t* bytes = c.m_.riot.ram + place;
-    const int available = static_cast<int>(128 - place);
+    const std::size_t available = 128 - place;
+    std::array<uint8_t, 4> bytes{};
+    if (available >= 4) std::memcpy(bytes.data(), c.m_.riot.ram + place, 4);  // all at once: this is looked at most
+    else std::memcpy(bytes.data(), c.m_.riot.ram + place, available);
+    bytes[3] = 0;
     Console::RamCode& known = c.ram_known_[place];
-    const std::array<uint8_t, 3> now = {bytes[0], available > 1 ? bytes[1] : uint8_t{0}, available > 2 ? bytes[2] : uint8_t{0}};
-    if (known.handler != kHandlers && known.bytes == now) return known.handler;
-    Record record = decode(bytes, available, *c.cartridge_, nullptr);
-    known = {now, record.handler};
+    if (known.bytes == bytes && known.handler != kHandlers) return known.handler;
+    Record record = decode(bytes.data(), static_cast<int>(available), *c.cartridge_, nullptr);
+    known = {bytes, record.handler};
     // What runs out of RAM goes on in the TIA, where a program sees the byte last on the bus.
     if (static_cast<int>(place) + length_of(kOpcodes[bytes[0]].form) > 127) known.handler = kStep;
     if (record.handler == JSR_Far) known.handler = kStep;  // what it pushes may be its own address

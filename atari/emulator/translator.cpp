@@ -253,13 +253,13 @@ void Translator::emit_routine(uint16_t handler) {
     const auto [operation, operand] = kKinds[handler];
     if (operation == PHP) emit_push_status(slow);
     if (operation == PLA) emit_pull_input(slow);
-    if (operation == LDA && operand != Operand::IndY) emit_read_input(operand, slow);
+    if (operation == LDA) emit_read_input(operand, slow);
     emit_call(slow, FastCpu::step_of(handler));
 }
 
 // PHP, into RAM or a register of the TIA.
 void Translator::emit_push_status(Label& slow) {
-    static constexpr uint64_t kTia = [] {
+    static constexpr uint64_t kTia = [] {  // registers that can be written again without effect
         uint64_t set = 0;
         for (uint8_t reg = 0; reg < 64; ++reg) set |= uint64_t{kStoredIn[reg] == Operand::Tia} << reg;
         return set;
@@ -309,6 +309,14 @@ void Translator::emit_push_status(Label& slow) {
     a_.ret();
 }
 
+// The operand of the instruction whose place is in r8, into r9.
+void Translator::load_operand() {
+    a_.move64(r9, r8);
+    a_.shift64(Shift::left, r9, 4);
+    a_.alu64(Alu::add, r9, Mem{kConsole, Places::first_record()});
+    a_.load16(r9, Mem{r9, offsetof(Record, operand)});
+}
+
 // Into A the input of the TIA at the address in r9: bit 7, and what is on the bus, in r10.
 void Translator::emit_input(int32_t cost) {
     a_.alu(Alu::add, kCycles, cost);
@@ -326,10 +334,7 @@ void Translator::emit_input(int32_t cost) {
 // LDA by an index that leads to an input.
 void Translator::emit_read_input(Operand operand, Label& slow) {
     if (operand != Operand::RamX && operand != Operand::AnyX && operand != Operand::AnyY) return;
-    a_.move64(r9, r8);
-    a_.shift64(Shift::left, r9, 4);
-    a_.alu64(Alu::add, r9, Mem{kConsole, Places::first_record()});
-    a_.load16(r9, Mem{r9, offsetof(Record, operand)});
+    load_operand();
     a_.move(r10, r9);
     a_.alu(Alu::add, r9, operand == Operand::AnyY ? kY : kX);
     a_.move(r11, r9);
@@ -386,9 +391,7 @@ void Translator::emit_far(Label& label, uint16_t handler) {
         a_.alu(Alu::add, r9, 1);
         a_.alu(Alu::and_, r9, 0xffff);
     } else {
-        a_.shift64(Shift::left, r8, 4);
-        a_.alu64(Alu::add, r8, Mem{kConsole, Places::first_record()});
-        a_.load16(r9, Mem{r8, offsetof(Record, operand)});
+        load_operand();
     }
     if (handler == JSR_Far) {
         a_.alu8(Alu::cmp, Mem{kConsole, Places::sp()}, uint8_t{0x81});

@@ -63,6 +63,7 @@ class Translator {
     void find_begin(Label& slow);
     void push_return_address();
     void find_record();
+    void load_operand();
     void save_registers();
     void load_registers();
     std::vector<uint8_t> finish(std::size_t& enter);
@@ -84,6 +85,7 @@ class Translator {
     bool emit_jump();
     bool emit_read();
     Source paged(Reg index);
+    bool read_fetcher();
     void indexed_ram();
     void add_page_crossing(Reg low, Reg index);
     void read_into(Reg to, const Source& source);

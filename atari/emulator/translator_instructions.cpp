@@ -224,6 +224,9 @@ bool Translator::emit_read() {
             a_.address(r8, Mem{r9, -1});
             break;
         }
+        case Operand::Dpc:
+            if (!read_fetcher()) return false;
+            break;
         case Operand::AnyX: case Operand::AnyY:
             a_.move(r8, uint32_t{given_});
             a_.address(r9, Mem{index_of(operand_), given_});
@@ -239,6 +242,41 @@ bool Translator::emit_read() {
     }
     pending_ += cost;
     operate(source);
+    return true;
+}
+
+// A data fetcher of the DPC chip, into r8, as `Console::read_fetcher` does. False for those that make music or do nothing.
+bool Translator::read_fetcher() {
+    const int32_t i = given_ & 7, function = given_ >> 3 & 7;
+    if (i >= 5 || (function == 0 && i == 4) || (function >= 3 && function != 7)) return false;
+    const Mem random = console(Places::dpc_random()), counter = console(Places::dpc_counters() + 2 * i);
+    const Mem flag = console(Places::dpc_flags() + i);
+    a_.load8(r8, random);
+    a_.move64(r9, reinterpret_cast<uintptr_t>(kDpcRandom.data()));
+    a_.load8(r8, Mem{r9, 0, r8});
+    a_.store8(random, r8);
+
+    a_.load16(r9, counter);
+    a_.move(r10, uint32_t{0xff});
+    a_.alu8(Alu::cmp, r9, console(Places::dpc_tops() + i));
+    const std::size_t top = a_.jump_short(If::zero);
+    a_.move(r10, uint32_t{0});
+    a_.alu8(Alu::cmp, r9, console(Places::dpc_bottoms() + i));
+    const std::size_t neither = a_.jump_short(If::not_zero);
+    a_.bind_short(top);
+    a_.store8(flag, r10);
+    a_.bind_short(neither);
+    a_.address(r10, Mem{r9, -1});
+    a_.alu(Alu::and_, r10, 0x7ff);
+    a_.store16(counter, r10);
+
+    if (function == 7) a_.load8(r8, flag);
+    if (function == 1 || function == 2) {
+        a_.load64(r10, console(Places::image()));
+        a_.alu64(Alu::sub, r10, r9);
+        a_.load8(r8, Mem{r10, 8192 + 2047});
+    }
+    if (function == 2) a_.alu8(Alu::and_, r8, flag);
     return true;
 }
 
@@ -583,6 +621,14 @@ bool Translator::emit_implied() {
         case INY: step(kY, true); break;
         case DEX: step(kX, false); break;
         case DEY: step(kY, false); break;
+        case CLD: case SED: {
+            const bool on = operation_ == SED;
+            a_.store8(console(Places::decimal()), uint8_t{on});
+            if (on) a_.alu8(Alu::or_, console(Places::modes()), uint8_t{8});
+            else a_.alu8(Alu::and_, console(Places::modes()), uint8_t{0xf7});
+            break;
+        }
+        case NOP: break;
         case CLC: a_.move(kCarry, uint32_t{0}); break;
         case SEC: a_.move(kCarry, uint32_t{1}); break;
         case CLV: a_.store8(console(Places::overflow()), uint8_t{0}); break;
