@@ -14,8 +14,9 @@ from pathlib import Path
 
 EMULATOR = Path(__file__).parent.parent / "atari" / "emulator"
 PAIRS = 1300
-CLANG_PAIRS = 400
-"""So many, and so many of them for Clang, which takes minutes for more (docs/performance.md)."""
+FEWER_PAIRS = 400
+"""So many, and so many of them for Clang, which takes minutes for more, and on x86-64, where machine code leaves them
+little to do (docs/performance.md)."""
 
 READS = "ADC AND BIT CMP CPX CPY EOR LDA LDX LDY ORA SBC".split()
 STORES = "STA STX STY".split()
@@ -109,7 +110,7 @@ def pairs(counts: Path, known: set[str]) -> list[Pair]:
     fused = {pair for _, names in runs for pair in pairwise(names) if known.issuperset(pair)}
     fused = {pair for pair in fused if pair[0].split("_")[0] not in LAST}
     most = most_used(runs, fused, PAIRS)
-    fewer = most_used(runs, most, CLANG_PAIRS)
+    fewer = most_used(runs, most, FEWER_PAIRS)
     return sorted(fewer) + sorted(most - fewer)
 
 
@@ -154,9 +155,9 @@ def main() -> None:
         "",
         *(f"SINGLE({operation}, {mode})" for operation, mode in known),
         "",
-        *rows_of(fused[:CLANG_PAIRS]),
-        "#ifndef __clang__",
-        *rows_of(fused[CLANG_PAIRS:]),
+        *rows_of(fused[:FEWER_PAIRS]),
+        "#if !defined(__clang__) && !defined(__x86_64__)",
+        *rows_of(fused[FEWER_PAIRS:]),
         "#endif",
         "",
         "#undef SINGLE",

@@ -148,7 +148,7 @@ Cartridge::Cartridge(std::vector<uint8_t> image, const std::string& type, bool t
     if (type_ == CartridgeType::k3F || type_ == CartridgeType::k3E)
         image_.resize(image_.size() / 2048 * 2048);
     code_ = decode_image(*this);
-    if (translated) translation_.make(code_);
+    if (translated) translation_.make(image_.data(), code_);
     for (size_t place = 0; place < code_.size(); ++place)
         if (translation_.has(place)) code_[place].code = code_of(kTranslated);
     for (size_t at = 0; at + 64 <= size(); at += 64) pages_.push_back(image_.data() + at);

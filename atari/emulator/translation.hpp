@@ -28,8 +28,8 @@ inline constexpr bool kTranslates = false;
 
 class Translation {
   public:
-    // Of a cartridge's records. Where machine code cannot be run `has` stays false for all of them.
-    void make(const std::vector<Record>& records);
+    // Of a cartridge's image and records. Where machine code cannot be run `has` stays false for all of them.
+    void make(const uint8_t* image, const std::vector<Record>& records);
 
     bool any() const { return code_.begin() != nullptr; }
 

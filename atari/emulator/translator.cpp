@@ -8,10 +8,9 @@
 
 namespace atari {
 
-Translator::Translator(const std::vector<Record>& records)
-    : records_(records), size_(records.size() - 1), is_instruction_(size_ + 1), is_target_(size_ + 1),
-      handlers_(kHandlers), entries_(size_ + 1),
-      begins_(size_ + 1, -1), missing_(size_ + 1) {}
+Translator::Translator(const uint8_t* image, const std::vector<Record>& records)
+    : image_(image), records_(records), size_(records.size() - 1), is_instruction_(size_ + 1), is_target_(size_ + 1),
+      handlers_(kHandlers), entries_(size_ + 1), begins_(size_ + 1, -1), missing_(size_ + 1) {}
 
 std::vector<uint8_t> Translator::translate(std::size_t& enter) {
     find_instructions();
@@ -33,29 +32,37 @@ std::size_t Translator::target_of(std::size_t place) const {
     return static_cast<std::size_t>(static_cast<std::ptrdiff_t>(place) + records_[place].jump);
 }
 
-// Those that are reached from the beginnings of the banks, and then whatever else can be decoded: code that is reached
-// through tables, and data, which is never run.
+// Those that are reached from where a bank begins, and then whatever else can be decoded between them: code that is
+// reached through tables, and data, which is never run. What is run and has not been found is left to handlers.
 void Translator::find_instructions() {
-    for (std::size_t place = 0; place < size_; ++place) reach(place);
+    std::vector<bool> covered(size_ + 3);
+    const std::size_t bank_size = std::min<std::size_t>(size_, 4096);
+    for (std::size_t bank = 0; bank + bank_size <= size_; bank += bank_size) {
+        const uint8_t* const vector = image_ + bank + bank_size - 4;
+        reach(bank + (vector[0] | std::size_t{vector[1]} << 8) % bank_size, covered);
+    }
+    for (std::size_t place = 0; place < size_; ++place)
+        if (!covered[place]) reach(place, covered);
 }
 
-// A run of instructions from here on, unless it has been found.
-void Translator::reach(std::size_t first) {
+// The instructions from here on, and where they branch, as far as they have not been found.
+void Translator::reach(std::size_t first, std::vector<bool>& covered) {
     std::vector<std::size_t> pending{first};
     while (!pending.empty()) {
         std::size_t place = pending.back();
         pending.pop_back();
-        while (place < size_ && !is_instruction_[place] && records_[place].handler != kStep) {
+        while (!is_instruction_[place] && records_[place].handler != kStep) {
             is_instruction_[place] = true;
             const auto [operation, operand] = kind_of(records_[place]);
-            const bool jumps = operand == Operand::Rel || operand == Operand::Near;
-            if (jumps) {
+            if (operand == Operand::Rel || operand == Operand::Near) {
                 is_target_[target_of(place)] = true;
                 pending.push_back(target_of(place));
             }
-            if (operation == JMP || operation == RTS) break;
-            place = next_of(place);
-            if (operation == JSR) is_target_[place] = true;
+            const std::size_t next = next_of(place);
+            std::fill(covered.begin() + static_cast<std::ptrdiff_t>(place), covered.begin() + static_cast<std::ptrdiff_t>(next), true);
+            if (ends_run(operation)) break;
+            if (operation == JSR) is_target_[next] = true;
+            place = next;
         }
     }
 }
@@ -74,7 +81,7 @@ void Translator::emit_run(std::size_t place) {
         operand_ = kind.operand;
         given_ = records_[place].operand;
         emit();
-        if (operation_ == JMP || operation_ == RTS) return;
+        if (ends_run(operation_)) return;
         place = next_of(place);
         if (is_instruction_[place] && begins_[place] < 0) continue;
         go_to(place, false);
@@ -473,8 +480,8 @@ std::vector<uint8_t> Translator::finish(std::size_t& enter) {
     return code;
 }
 
-void Translation::make(const std::vector<Record>& records) {
-    if constexpr (kTranslates) code_.fill(Translator(records).translate(enter_));
+void Translation::make(const uint8_t* image, const std::vector<Record>& records) {
+    if constexpr (kTranslates) code_.fill(Translator(image, records).translate(enter_));
 }
 
 }  // namespace atari

@@ -37,7 +37,7 @@ inline Kind kind_of(const Record& record) {
 
 class Translator {
   public:
-    explicit Translator(const std::vector<Record>& records);
+    Translator(const uint8_t* image, const std::vector<Record>& records);
 
     // The machine code, with a table in front of it: for each record where its instruction begins, from the beginning of
     // the table, or 0. `enter` is where to enter it, with such a place as third argument.
@@ -46,7 +46,8 @@ class Translator {
   private:
     // translator.cpp: which instructions there are, their order, and what they share
     void find_instructions();
-    void reach(std::size_t first);
+    void reach(std::size_t first, std::vector<bool>& covered);
+    static bool ends_run(Operation operation) { return operation == JMP || operation == RTS; }
     std::size_t next_of(std::size_t place) const;
     std::size_t target_of(std::size_t place) const;
     void emit_run(std::size_t place);
@@ -111,6 +112,7 @@ class Translator {
         Label back;
     };
 
+    const uint8_t* const image_;
     const std::vector<Record>& records_;
     const std::size_t size_;
     std::vector<bool> is_instruction_, is_target_;
