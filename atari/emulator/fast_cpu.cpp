@@ -105,13 +105,11 @@ plain_at_pc:
     c.run_instruction();
     take(r, c);
     pc = c.m_.cpu.pc;
-    if (r.cycles >= c.cycle_limit_) {
-        exit = kLimit;
-        goto stop;
-    }
+    if (r.cycles >= c.cycle_limit_) goto stop;
     goto look;
 
 stop:
+    if (r.cycles >= c.cycle_limit_) exit = kLimit;
     give(r, c);
     c.m_.cpu.pc = static_cast<uint16_t>(pc);
     return exit;

@@ -41,7 +41,8 @@ class Translation {
     int run(Registers& registers, Console& console, std::size_t place) const {
         using Begin = int (*)(Registers&, Console&, const uint8_t*);
         const uint8_t* const code = code_.begin();
-        return reinterpret_cast<Begin>(reinterpret_cast<uintptr_t>(code + enter_))(registers, console, code + begins(place));
+        const auto begin = reinterpret_cast<Begin>(reinterpret_cast<uintptr_t>(code + enter_));
+        return begin(registers, console, code + begins(place));
     }
 
   private:

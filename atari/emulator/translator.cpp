@@ -59,7 +59,7 @@ void Translator::reach(std::size_t first, std::vector<bool>& covered) {
                 pending.push_back(target_of(place));
             }
             const std::size_t next = next_of(place);
-            std::fill(covered.begin() + static_cast<std::ptrdiff_t>(place), covered.begin() + static_cast<std::ptrdiff_t>(next), true);
+            for (std::size_t byte = place; byte < next; ++byte) covered[byte] = true;
             if (ends_run(operation)) break;
             if (operation == JSR) is_target_[next] = true;
             place = next;
@@ -98,7 +98,7 @@ void Translator::go_to(std::size_t target, bool backward) {
         return;
     }
     if (backward) {
-        a_.alu(Alu::cmp, kCycles, Mem{kConsole, Places::cycle_limit()});
+        a_.alu(Alu::cmp, kCycles, in_console(Places::cycle_limit()));
         asides_.push_back({{}, Aside::kLimit, target, 0, 0, {}});
         a_.jump(If::not_below, asides_.back().from);
     }
@@ -128,6 +128,7 @@ void Translator::emit_entries() {
 }
 
 void Translator::emit_asides() {
+    pending_ = 0;
     for (Aside& aside : asides_) {
         a_.bind(aside.from);
         if (aside.before) a_.alu(Alu::add, kCycles, aside.before);
@@ -142,12 +143,7 @@ void Translator::emit_asides() {
                 a_.jump(dispatch_);
                 break;
             case Aside::kBranch:
-                if (is_instruction_[aside.place]) {
-                    a_.jump(entries_[aside.place]);
-                } else {
-                    a_.move(r8, static_cast<uint32_t>(aside.place));
-                    a_.jump(leave_);
-                }
+                go_to(aside.place, false);
                 break;
             case Aside::kLimit:
                 a_.move(r8, static_cast<uint32_t>(aside.place));
@@ -158,23 +154,23 @@ void Translator::emit_asides() {
 }
 
 void Translator::save_registers() {
-    a_.store(Mem{kRegisters, Places::cycles()}, kCycles);
-    a_.store(Mem{kRegisters, Places::a()}, kA);
-    a_.store(Mem{kRegisters, Places::x()}, kX);
-    a_.store(Mem{kRegisters, Places::y()}, kY);
-    a_.store(Mem{kRegisters, Places::nz()}, kNz);
-    a_.store(Mem{kRegisters, Places::carry()}, kCarry);
-    a_.store64(Mem{kConsole, Places::log_end()}, kLog);
+    a_.store(in_registers(Places::cycles()), kCycles);
+    a_.store(in_registers(Places::a()), kA);
+    a_.store(in_registers(Places::x()), kX);
+    a_.store(in_registers(Places::y()), kY);
+    a_.store(in_registers(Places::nz()), kNz);
+    a_.store(in_registers(Places::carry()), kCarry);
+    a_.store64(in_console(Places::log_end()), kLog);
 }
 
 void Translator::load_registers() {
-    a_.load(kCycles, Mem{kRegisters, Places::cycles()});
-    a_.load(kA, Mem{kRegisters, Places::a()});
-    a_.load(kX, Mem{kRegisters, Places::x()});
-    a_.load(kY, Mem{kRegisters, Places::y()});
-    a_.load(kNz, Mem{kRegisters, Places::nz()});
-    a_.load(kCarry, Mem{kRegisters, Places::carry()});
-    a_.load64(kLog, Mem{kConsole, Places::log_end()});
+    a_.load(kCycles, in_registers(Places::cycles()));
+    a_.load(kA, in_registers(Places::a()));
+    a_.load(kX, in_registers(Places::x()));
+    a_.load(kY, in_registers(Places::y()));
+    a_.load(kNz, in_registers(Places::nz()));
+    a_.load(kCarry, in_registers(Places::carry()));
+    a_.load64(kLog, in_console(Places::log_end()));
 }
 
 // A call of a function that takes the registers and the console and returns an `Exit`, for the record in r8. Unless that
@@ -201,8 +197,8 @@ void Translator::emit_call(Label& label, FastCpu::Step function) {
 // The record in r8, by its number until then.
 void Translator::find_record() {
     a_.shift64(Shift::left, r8, 4);
-    a_.alu64(Alu::add, r8, Mem{kConsole, Places::first_record()});
-    a_.store64(Mem{kRegisters, Places::at()}, r8);
+    a_.alu64(Alu::add, r8, in_console(Places::first_record()));
+    a_.store64(in_registers(Places::at()), r8);
 }
 
 void Translator::emit_common() {
@@ -213,8 +209,8 @@ void Translator::emit_common() {
     a_.move64(kRegisters, rdi);
     a_.move64(kConsole, rsi);
     a_.move64(r8, rdx);
-    a_.address64(kRam, Mem{kConsole, Places::ram()});
-    a_.load(kOverlong, Mem{kConsole, Places::overlong()});
+    a_.address64(kRam, in_console(Places::ram()));
+    a_.load(kOverlong, in_console(Places::overlong()));
     load_registers();
     a_.jump(r8);
 
@@ -225,8 +221,8 @@ void Translator::emit_common() {
     emit_far(jump_indirect_, JMP_Ind);
 
     a_.bind(dispatch_);  // to the record at which the handler of a jump has left off
-    a_.load64(r8, Mem{kRegisters, Places::at()});
-    a_.alu64(Alu::sub, r8, Mem{kConsole, Places::first_record()});
+    a_.load64(r8, in_registers(Places::at()));
+    a_.alu64(Alu::sub, r8, in_console(Places::first_record()));
     a_.alu64(Alu::cmp, r8, static_cast<int32_t>(sizeof(Record) * size_));
     a_.jump(If::not_below, left_);
     a_.shift64(Shift::right, r8, 2);
@@ -275,21 +271,21 @@ void Translator::emit_push_status(Label& slow) {
     a_.shift(Shift::right, r10, 1);
     a_.alu(Alu::or_, r10, kNz);
     a_.alu(Alu::and_, r10, 0x80);
-    a_.load8(r11, Mem{kConsole, Places::overflow()});
+    a_.load8(r11, in_console(Places::overflow()));
     a_.shift(Shift::right, r11, 1);
     a_.alu(Alu::and_, r11, 0x40);
     a_.alu(Alu::or_, r10, r11);
-    a_.alu8(Alu::or_, r10, Mem{kConsole, Places::modes()});
+    a_.alu8(Alu::or_, r10, in_console(Places::modes()));
     a_.alu(Alu::or_, r10, kCarry);
     a_.test8(kNz, kNz);
     a_.set(If::zero, r11);
     a_.alu(Alu::and_, r11, 1);
     a_.address(r10, Mem{r10, 0, r11, 2});
 
-    a_.load8(r9, Mem{kConsole, Places::sp()});
+    a_.load8(r9, in_console(Places::sp()));
     a_.test8(r9, r9);
     const std::size_t in_ram = a_.jump_short(If::sign);
-    a_.alu8(Alu::cmp, Mem{kConsole, Places::watches_tia()}, uint8_t{0});
+    a_.alu8(Alu::cmp, in_console(Places::watches_tia()), uint8_t{0});
     a_.jump(If::not_zero, slow);
     a_.move64(r11, kTia);
     a_.test_bit64(r11, r9);
@@ -306,12 +302,12 @@ void Translator::emit_push_status(Label& slow) {
     a_.store8(Mem{kLog, 5}, r10);
     a_.address64(kLog, Mem{kLog, 8});
     a_.bind_short(same);
-    a_.alu8(Alu::sub, Mem{kConsole, Places::sp()}, uint8_t{1});
+    a_.alu8(Alu::sub, in_console(Places::sp()), uint8_t{1});
     a_.alu(Alu::add, kCycles, 3);
     a_.ret();
     a_.bind_short(in_ram);
     a_.store8(Mem{kRam, -0x80, r9}, r10);
-    a_.alu8(Alu::sub, Mem{kConsole, Places::sp()}, uint8_t{1});
+    a_.alu8(Alu::sub, in_console(Places::sp()), uint8_t{1});
     a_.alu(Alu::add, kCycles, 3);
     a_.ret();
 }
@@ -320,7 +316,7 @@ void Translator::emit_push_status(Label& slow) {
 void Translator::load_operand() {
     a_.move64(r9, r8);
     a_.shift64(Shift::left, r9, 4);
-    a_.alu64(Alu::add, r9, Mem{kConsole, Places::first_record()});
+    a_.alu64(Alu::add, r9, in_console(Places::first_record()));
     a_.load16(r9, Mem{r9, offsetof(Record, operand)});
 }
 
@@ -348,7 +344,7 @@ void Translator::emit_read_input(Operand operand, Label& slow) {
     a_.alu(Alu::and_, r11, operand == Operand::RamX ? 0x88 : 0x1088);
     a_.alu(Alu::cmp, r11, 8);
     a_.jump(If::not_zero, slow);
-    a_.alu8(Alu::cmp, Mem{kConsole, Places::watches_tia()}, uint8_t{0});
+    a_.alu8(Alu::cmp, in_console(Places::watches_tia()), uint8_t{0});
     a_.jump(If::not_zero, slow);
     if (operand != Operand::RamX) {
         a_.move(r11, r10);
@@ -362,7 +358,7 @@ void Translator::emit_read_input(Operand operand, Label& slow) {
 
 // PLA from an input, with another below it that is read first.
 void Translator::emit_pull_input(Label& slow) {
-    a_.load8(r9, Mem{kConsole, Places::sp()});
+    a_.load8(r9, in_console(Places::sp()));
     a_.move(r10, r9);
     a_.alu(Alu::and_, r10, 0x88);
     a_.alu(Alu::cmp, r10, 8);
@@ -372,20 +368,17 @@ void Translator::emit_pull_input(Label& slow) {
     a_.alu(Alu::and_, r10, 0x88);
     a_.alu(Alu::cmp, r10, 8);
     a_.jump(If::not_zero, slow);
-    a_.alu8(Alu::cmp, Mem{kConsole, Places::watches_tia()}, uint8_t{0});
+    a_.alu8(Alu::cmp, in_console(Places::watches_tia()), uint8_t{0});
     a_.jump(If::not_zero, slow);
-    a_.store8(Mem{kConsole, Places::sp()}, r9);
+    a_.store8(in_console(Places::sp()), r9);
     a_.move(r10, uint32_t{0x68});
     emit_input(4);
 }
 
-// A jump to an address that is only known now, of the instruction whose place is in r8: RTS, JMP or JSR.
-void Translator::emit_far(Label& label, uint16_t handler) {
-    Label slow;
-    a_.bind(label);
-    a_.store(Mem{kRegisters, Places::at()}, r8);  // in case that its handler has to do it
+// Where RTS, JMP or JSR go, into r9. The place of the instruction is in r8.
+void Translator::find_target(uint16_t handler, Label& slow) {
     if (handler == RTS_Imp) {
-        a_.load8(r8, Mem{kConsole, Places::sp()});
+        a_.load8(r8, in_console(Places::sp()));
         a_.address(r9, Mem{r8, -0x80});
         a_.alu(Alu::cmp, r9, 0x7e);
         a_.jump(If::not_below, slow);
@@ -401,7 +394,7 @@ void Translator::emit_far(Label& label, uint16_t handler) {
         load_operand();
     }
     if (handler == JSR_Far) {
-        a_.alu8(Alu::cmp, Mem{kConsole, Places::sp()}, uint8_t{0x81});
+        a_.alu8(Alu::cmp, in_console(Places::sp()), uint8_t{0x81});
         a_.jump(If::below, slow);
     }
     if (handler == JMP_Ind) {
@@ -414,21 +407,29 @@ void Translator::emit_far(Label& label, uint16_t handler) {
         a_.jump(If::zero, slow);
         a_.load16(r9, Mem{kRam, 0, r9});
     }
+}
+
+// A jump to an address that is only known when it is run, of the instruction whose place is in r8: RTS, JMP or JSR.
+void Translator::emit_far(Label& label, uint16_t handler) {
+    Label slow;
+    a_.bind(label);
+    a_.store(in_registers(Places::at()), r8);  // in case that its handler has to do it
+    find_target(handler, slow);
     find_begin(slow);
-    if (handler == RTS_Imp) a_.alu8(Alu::add, Mem{kConsole, Places::sp()}, uint8_t{2});
+    if (handler == RTS_Imp) a_.alu8(Alu::add, in_console(Places::sp()), uint8_t{2});
     if (handler == JSR_Far) push_return_address();
     a_.alu(Alu::and_, r9, 0xfc00);
-    a_.store(Mem{kConsole, Places::origin()}, r9);
+    a_.store(in_console(Places::origin()), r9);
     a_.shift64(Shift::left, r10, 4);
-    a_.alu64(Alu::add, r10, Mem{kConsole, Places::first_record()});
-    a_.store64(Mem{kConsole, Places::base_record()}, r10);
+    a_.alu64(Alu::add, r10, in_console(Places::first_record()));
+    a_.store64(in_console(Places::base_record()), r10);
     a_.alu(Alu::add, kCycles, handler == JMP_Far ? 3 : handler == JMP_Ind ? 5 : 6);
     a_.move(r8, uint32_t{0});
-    a_.alu(Alu::cmp, kCycles, Mem{kConsole, Places::cycle_limit()});
+    a_.alu(Alu::cmp, kCycles, in_console(Places::cycle_limit()));
     a_.jump(If::not_below, limit_);
     a_.jump(r11);
     a_.bind(slow);
-    a_.load(r8, Mem{kRegisters, Places::at()});
+    a_.load(r8, in_registers(Places::at()));
     a_.call(handlers_[handler]);
     a_.jump(dispatch_);
 }
@@ -439,7 +440,7 @@ void Translator::find_begin(Label& slow) {
     a_.move(r10, r9);
     a_.shift(Shift::right, r10, 10);
     a_.alu(Alu::and_, r10, 15);
-    a_.load(r11, Mem{kConsole, Places::code_segments()});
+    a_.load(r11, in_console(Places::code_segments()));
     a_.test_bit(r11, r10);
     a_.jump(If::not_below, slow);
     a_.load(r10, Mem{kConsole, Places::segments(), r10, 4});
@@ -455,17 +456,17 @@ void Translator::find_begin(Label& slow) {
 
 // That of the JSR whose place is in memory.
 void Translator::push_return_address() {
-    a_.load64(r8, Mem{kConsole, Places::first_record()});
-    a_.alu64(Alu::sub, r8, Mem{kConsole, Places::base_record()});
+    a_.load64(r8, in_console(Places::first_record()));
+    a_.alu64(Alu::sub, r8, in_console(Places::base_record()));
     a_.shift(Shift::right, r8, 4);
-    a_.alu(Alu::add, r8, Mem{kRegisters, Places::at()});
-    a_.alu(Alu::add, r8, Mem{kConsole, Places::origin()});
+    a_.alu(Alu::add, r8, in_registers(Places::at()));
+    a_.alu(Alu::add, r8, in_console(Places::origin()));
     a_.alu(Alu::add, r8, 2);
     a_.push(r9);
-    a_.load8(r9, Mem{kConsole, Places::sp()});
+    a_.load8(r9, in_console(Places::sp()));
     a_.store16(Mem{kRam, -0x81, r9}, r8);
     a_.pop(r9);
-    a_.alu8(Alu::sub, Mem{kConsole, Places::sp()}, uint8_t{2});
+    a_.alu8(Alu::sub, in_console(Places::sp()), uint8_t{2});
 }
 
 std::vector<uint8_t> Translator::finish(std::size_t& enter) {

@@ -19,6 +19,10 @@ namespace atari {
 inline constexpr Reg kA = rax, kX = rcx, kY = rdx, kNz = rsi, kCarry = rdi;
 inline constexpr Reg kConsole = rbx, kRam = rbp, kRegisters = r12, kCycles = r13, kOverlong = r14, kLog = r15;
 
+inline Mem in_console(int32_t place) { return {kConsole, place}; }
+inline Mem in_registers(int32_t place) { return {kRegisters, place}; }
+inline Mem in_ram(int32_t place) { return {kRam, place}; }
+
 // What an instruction is, by its handler: of a pair or a loop, what the first is.
 struct Kind {
     Operation operation;
@@ -33,6 +37,11 @@ inline constexpr auto kKinds = [] {
 }();
 inline Kind kind_of(const Record& record) {
     return kKinds[record.handler == kLoop ? static_cast<uint16_t>(record.jump) : record.handler];
+}
+
+// The register that an indexed operand is indexed by.
+inline Reg index_of(Operand operand) {
+    return operand == Operand::RamX || operand == Operand::RomX || operand == Operand::AnyX ? kX : kY;
 }
 
 class Translator {
@@ -61,6 +70,7 @@ class Translator {
     void emit_pull_input(Label& slow);
     void emit_input(int32_t cost);
     void emit_far(Label& label, uint16_t handler);
+    void find_target(uint16_t handler, Label& slow);
     void find_begin(Label& slow);
     void push_return_address();
     void find_record();
@@ -74,7 +84,7 @@ class Translator {
     void go_to(std::size_t target, bool backward);
     int32_t table_size() const { return static_cast<int32_t>((sizeof(int32_t) * (size_ + 1) + 15) / 16 * 16); }
 
-    // translator_instructions.cpp: one instruction
+    // translator_instructions.cpp: one instruction. False if its handler has to be called.
     struct Source {  // of a byte
         std::optional<uint8_t> constant;
         std::optional<Mem> memory;
@@ -92,6 +102,10 @@ class Translator {
     void read_into(Reg to, const Source& source);
     void combine(Alu what, Reg to, const Source& source);
     void operate(const Source& source);
+    bool emit_modify();
+    bool emit_implied();
+
+    // translator_stores.cpp
     bool emit_store();
     void store_in_ram(Reg value);
     bool emit_tia_store(Reg value);
@@ -99,8 +113,6 @@ class Translator {
     void write_hmove();
     void keep(Reg value);
     void wait_for_line();
-    bool emit_modify();
-    bool emit_implied();
 
     // What an instruction does aside of the likely way: its handler is called, and then it goes on behind itself, or, where
     // that is a jump, wherever it says.

@@ -1,29 +1,9 @@
-// Machine code for each instruction: what its handler (handlers.hpp) does in the likely case. All others it leaves to
-// the handler, before it has changed anything.
+// Machine code for each instruction, but for stores: what its handler (handlers.hpp) does in the likely case. All others it
+// leaves to the handler, before it has changed anything.
 #include "places.hpp"
 #include "translator.hpp"
 
 namespace atari {
-namespace {
-
-// Multiplied by this and shifted by so many bits, a number of cycles in a frame is divided by the 76 of a line.
-constexpr uint32_t kInverse76 = 55189, kInverseShift = 22;
-constexpr bool divides_by_76() {
-    for (uint32_t n = 0; n < 30000; ++n)
-        if ((n * kInverse76) >> kInverseShift != n / 76) return false;
-    return true;
-}
-static_assert(divides_by_76());
-
-Mem console(int32_t place) { return {kConsole, place}; }
-Mem written(uint32_t reg) { return {kConsole, Places::written() + static_cast<int32_t>(reg)}; }
-Mem ram(int32_t at) { return {kRam, at}; }
-
-Reg index_of(Operand operand) { return operand == Operand::RamX || operand == Operand::RomX || operand == Operand::AnyX ? kX : kY; }
-Reg stored_by(Operation operation) { return operation == STX ? kX : operation == STY ? kY : kA; }
-
-}  // namespace
-
 void Translator::emit() {
     if (records_[place_].handler == kLoop) skip_rounds();
     slow_ = {};
@@ -67,7 +47,7 @@ void Translator::skip_rounds() {
     }
     a_.multiply(r8, r8, record.taken);
     a_.alu(Alu::add, r8, kCycles);
-    a_.alu(Alu::cmp, r8, Mem{kConsole, Places::cycle_limit()});
+    a_.alu(Alu::cmp, r8, in_console(Places::cycle_limit()));
     const std::size_t near_limit = a_.jump_short(If::not_below);
     a_.move(kCycles, r8);
     a_.move(counter, uint32_t{until_zero});
@@ -95,7 +75,7 @@ bool Translator::emit_branch() {
             taken = operation_ == BCC ? If::zero : If::not_zero;
             break;
         default:
-            a_.alu8(Alu::cmp, console(Places::overflow()), uint8_t{0});
+            a_.alu8(Alu::cmp, in_console(Places::overflow()), uint8_t{0});
             taken = operation_ == BVC ? If::not_sign : If::sign;
     }
     const int32_t before = pending_, cost = records_[place_].taken;
@@ -128,22 +108,22 @@ bool Translator::emit_jump() {
     }
     const std::size_t target = target_of(place_);
     if (operation_ == JSR) {
-        a_.load8(r8, console(Places::sp()));
+        a_.load8(r8, in_console(Places::sp()));
         a_.alu(Alu::cmp, r8, 0x81);
         a_.jump(If::below, slow_);
     }
-    a_.load(r9, console(Places::origin()));  // in the same 4 KiB
+    a_.load(r9, in_console(Places::origin()));  // in the same 4 KiB
     a_.move(r10, r9);
     a_.alu(Alu::xor_, r10, int32_t{given_});
     a_.test(r10, uint32_t{0xf000});
     a_.jump(If::not_zero, slow_);
     if (operation_ == JSR) {
-        a_.load64(r10, console(Places::first_record()));
-        a_.alu64(Alu::sub, r10, console(Places::base_record()));
+        a_.load64(r10, in_console(Places::first_record()));
+        a_.alu64(Alu::sub, r10, in_console(Places::base_record()));
         a_.shift(Shift::right, r10, 4);
         a_.address(r9, Mem{r9, static_cast<int32_t>(place_ + 2), r10});
         a_.store16(Mem{kRam, -0x81, r8}, r9);
-        a_.alu8(Alu::sub, console(Places::sp()), uint8_t{2});
+        a_.alu8(Alu::sub, in_console(Places::sp()), uint8_t{2});
     }
     pending_ += operation_ == JSR ? 6 : 3;
     go_to(target, target <= place_);
@@ -175,7 +155,7 @@ Translator::Source Translator::paged(Reg index) {
 
 bool Translator::emit_read() {
     if (operation_ == ADC || operation_ == SBC) {
-        a_.alu8(Alu::cmp, console(Places::decimal()), uint8_t{0});
+        a_.alu8(Alu::cmp, in_console(Places::decimal()), uint8_t{0});
         a_.jump(If::not_zero, slow_);
     }
     const auto cost = static_cast<int32_t>(read_cost(operand_));
@@ -185,7 +165,7 @@ bool Translator::emit_read() {
             source.constant = static_cast<uint8_t>(given_);
             break;
         case Operand::Ram: case Operand::RamA:
-            source.memory = ram(given_);
+            source.memory = in_ram(given_);
             break;
         case Operand::RamX: case Operand::RamY:
             indexed_ram();
@@ -193,7 +173,7 @@ bool Translator::emit_read() {
             break;
         case Operand::Input:
             a_.address(r8, Mem{kCycles, pending_ + cost});
-            a_.alu64(Alu::cmp, r8, console(Places::inputs() + 8 * (given_ & 7)));
+            a_.alu64(Alu::cmp, r8, in_console(Places::inputs() + 8 * (given_ & 7)));
             a_.alu(Alu::sbb, r8, r8);
             a_.alu(Alu::and_, r8, -0x80);
             a_.alu(Alu::add, r8, 0x80);
@@ -201,7 +181,7 @@ bool Translator::emit_read() {
             break;
         case Operand::RomX: case Operand::RomY: {
             const Reg index = index_of(operand_);
-            a_.load64(r9, console(Places::bank()));
+            a_.load64(r9, in_console(Places::bank()));
             if (given_ & 0xff) {
                 a_.move(r8, uint32_t{given_} & 0xff);
                 add_page_crossing(r8, index);
@@ -213,12 +193,12 @@ bool Translator::emit_read() {
         case Operand::Timer: {
             // Its value, until it has run out.
             a_.address(r8, Mem{kCycles, pending_ + cost - 1});
-            a_.alu(Alu::sub, r8, console(Places::timer_set_at()));
+            a_.alu(Alu::sub, r8, in_console(Places::timer_set_at()));
             a_.move(r9, kX);
-            a_.load8(rcx, console(Places::timer_shift()));
+            a_.load8(rcx, in_console(Places::timer_shift()));
             a_.shift_by_cl(Shift::right, r8);
             a_.move(kX, r9);
-            a_.load8(r9, console(Places::timer()));
+            a_.load8(r9, in_console(Places::timer()));
             a_.alu(Alu::sub, r9, r8);
             a_.jump(If::not_above, slow_);
             a_.address(r8, Mem{r9, -1});
@@ -233,7 +213,7 @@ bool Translator::emit_read() {
             source = paged(index_of(operand_));
             break;
         case Operand::IndY:
-            a_.load16(r8, ram(given_));
+            a_.load16(r8, in_ram(given_));
             a_.address(r9, Mem{r8, 0, kY});
             source = paged(kY);
             break;
@@ -249,8 +229,8 @@ bool Translator::emit_read() {
 bool Translator::read_fetcher() {
     const int32_t i = given_ & 7, function = given_ >> 3 & 7;
     if (i >= 5 || (function == 0 && i == 4) || (function >= 3 && function != 7)) return false;
-    const Mem random = console(Places::dpc_random()), counter = console(Places::dpc_counters() + 2 * i);
-    const Mem flag = console(Places::dpc_flags() + i);
+    const Mem random = in_console(Places::dpc_random()), counter = in_console(Places::dpc_counters() + 2 * i);
+    const Mem flag = in_console(Places::dpc_flags() + i);
     a_.load8(r8, random);
     a_.move64(r9, reinterpret_cast<uintptr_t>(kDpcRandom.data()));
     a_.load8(r8, Mem{r9, 0, r8});
@@ -258,10 +238,10 @@ bool Translator::read_fetcher() {
 
     a_.load16(r9, counter);
     a_.move(r10, uint32_t{0xff});
-    a_.alu8(Alu::cmp, r9, console(Places::dpc_tops() + i));
+    a_.alu8(Alu::cmp, r9, in_console(Places::dpc_tops() + i));
     const std::size_t top = a_.jump_short(If::zero);
     a_.move(r10, uint32_t{0});
-    a_.alu8(Alu::cmp, r9, console(Places::dpc_bottoms() + i));
+    a_.alu8(Alu::cmp, r9, in_console(Places::dpc_bottoms() + i));
     const std::size_t neither = a_.jump_short(If::not_zero);
     a_.bind_short(top);
     a_.store8(flag, r10);
@@ -272,7 +252,7 @@ bool Translator::read_fetcher() {
 
     if (function == 7) a_.load8(r8, flag);
     if (function == 1 || function == 2) {
-        a_.load64(r10, console(Places::image()));
+        a_.load64(r10, in_console(Places::image()));
         a_.alu64(Alu::sub, r10, r9);
         a_.load8(r8, Mem{r10, 8192 + 2047});
     }
@@ -320,7 +300,7 @@ void Translator::operate(const Source& source) {
         case BIT:
             read_into(r8, source);
             a_.address(r9, Mem{r8, 0, r8});
-            a_.store8(console(Places::overflow()), r9);
+            a_.store8(in_console(Places::overflow()), r9);
             a_.alu(Alu::and_, r9, 0x100);
             a_.move(kNz, kA);
             a_.alu(Alu::and_, kNz, r8);
@@ -333,236 +313,16 @@ void Translator::operate(const Source& source) {
             a_.set(operation_ == ADC ? If::below : If::not_below, kCarry);
             a_.set(If::overflow, r8);
             a_.shift(Shift::left, r8, 7);
-            a_.store8(console(Places::overflow()), r8);
+            a_.store8(in_console(Places::overflow()), r8);
             a_.move(kNz, kA);
     }
-}
-
-// --- stores ---
-
-bool Translator::emit_store() {
-    const Reg value = stored_by(operation_);
-    switch (operand_) {
-        case Operand::Ram: case Operand::RamA:
-            a_.store8(ram(given_), value);
-            break;
-        case Operand::RamX: case Operand::RamY:
-            indexed_ram();
-            a_.store8(Mem{kRam, 0, r8}, value);
-            break;
-        case Operand::AnyX: case Operand::AnyY:
-            a_.address(r8, Mem{index_of(operand_), given_});
-            store_in_ram(value);
-            break;
-        case Operand::IndY:
-            a_.load16(r8, ram(given_));
-            a_.alu(Alu::add, r8, kY);
-            store_in_ram(value);
-            break;
-        default:
-            if (operand_ < Operand::Tia) return false;
-            return emit_tia_store(value);
-    }
-    pending_ += static_cast<int32_t>(store_cost(operand_));
-    return true;
-}
-
-// To the address in r8.
-void Translator::store_in_ram(Reg value) {
-    a_.move(r9, r8);
-    a_.alu(Alu::and_, r9, 0x1280);
-    a_.alu(Alu::cmp, r9, 0x80);
-    a_.jump(If::not_zero, slow_);
-    a_.alu(Alu::and_, r8, 0x7f);
-    a_.store8(Mem{kRam, 0, r8}, value);
-}
-
-// To the TIA: what `FastCpu::write_tia` does, with the cycle of the write in r8.
-bool Translator::emit_tia_store(Reg value) {
-    const auto cost = static_cast<int32_t>(store_cost(operand_));
-    const uint32_t reg = given_;
-    if (operand_ == Operand::Cxclr) return false;
-    a_.address(r8, Mem{kCycles, pending_ + cost});
-    a_.alu(Alu::cmp, r8, kOverlong);
-    a_.jump(If::not_below, slow_);
-    switch (operand_) {
-        case Operand::Tia: case Operand::TiaA: {
-            a_.alu8(Alu::cmp, written(reg), value);
-            const std::size_t same = a_.jump_short(If::zero);
-            a_.store8(written(reg), value);
-            keep(value);
-            a_.bind_short(same);
-            break;
-        }
-        case Operand::Nusiz: {
-            const Mem strobed = written(reg + (RESP0 - NUSIZ0));
-            a_.alu8(Alu::cmp, written(reg), value);
-            const std::size_t changed = a_.jump_short(If::not_zero);
-            a_.alu8(Alu::cmp, strobed, uint8_t{0});
-            const std::size_t acts = a_.jump_short(If::not_zero);
-            a_.alu8(Alu::cmp, console(Places::ark()), uint8_t{0});
-            const std::size_t same = a_.jump_short(If::zero);
-            a_.bind_short(changed);
-            a_.bind_short(acts);
-            a_.store8(written(reg), value);
-            a_.store8(strobed, uint8_t{0});
-            keep(value);
-            a_.bind_short(same);
-            break;
-        }
-        case Operand::Ctrlpf: {
-            a_.load8(r9, written(reg));
-            a_.load8(r10, console(Places::mirror_changed()));
-            a_.alu(Alu::xor_, r9, value);
-            a_.alu(Alu::or_, r9, r10);  // bit 0 is the mirroring
-            const std::size_t same = a_.jump_short(If::zero);
-            a_.store8(written(reg), value);
-            a_.move(r10, r9);
-            a_.alu(Alu::and_, r10, 1);
-            a_.store8(console(Places::mirror_changed()), r10);
-            keep(value);
-            a_.test(r9, uint32_t{0x31});
-            const std::size_t shows = a_.jump_short(If::not_zero);
-            a_.store8(Mem{kLog, -4}, uint8_t{PRIORITY});
-            a_.bind_short(shows);
-            a_.bind_short(same);
-            break;
-        }
-        case Operand::Hmove:
-            write_hmove();
-            break;
-        case Operand::Strobe:
-            a_.store8(written(reg), uint8_t{1});
-            keep(value);
-            break;
-        case Operand::Motion:
-            a_.load8(r9, written(reg));
-            a_.shift(Shift::right, r9, 4);
-            a_.alu(Alu::cmp, r9, 7);
-            a_.jump(If::zero, slow_);
-            a_.store8(written(reg), value);
-            break;
-        case Operand::Grp0: case Operand::Grp0A: case Operand::Grp1: case Operand::Grp1A:
-            write_graphics(value);
-            break;
-        case Operand::Sound: {
-            static constexpr uint8_t kMasks[3] = {15, 31, 15};
-            a_.move(r9, value);
-            a_.alu(Alu::and_, r9, int32_t{kMasks[(reg - AUDC0) / 2]});
-            a_.store8(console(Places::sound() + static_cast<int32_t>(reg - AUDC0)), r9);
-            break;
-        }
-        case Operand::Hmclr:
-            a_.store(written(HMP0), uint32_t{0});
-            a_.store8(written(HMBL), uint8_t{0});
-            break;
-        default:
-            wait_for_line();
-            return true;
-    }
-    pending_ += cost;
-    return true;
-}
-
-// WSYNC, at the cycle in r8.
-void Translator::wait_for_line() {
-    a_.load(r9, console(Places::first_cycle()));
-    a_.alu(Alu::sub, r8, r9);
-    a_.alu(Alu::add, r8, 75);
-    a_.multiply(r8, r8, kInverse76);
-    a_.shift(Shift::right, r8, kInverseShift);
-    a_.multiply(r8, r8, 76);
-    a_.address(kCycles, Mem{r8, 0, r9});
-    pending_ = 0;
-}
-
-// GRP0 and GRP1 also renew the delayed copy of the other, and GRP1 that of ENABL.
-void Translator::write_graphics(Reg value) {
-    const bool first = given_ == GRP0;
-    const Mem mine = written(given_), other = written(first ? GRP1 : GRP0);
-    const Mem old = console(first ? Places::old_grp1() : Places::old_grp0());
-    a_.load8(r9, other);
-    a_.alu8(Alu::cmp, mine, value);
-    const std::size_t changed = a_.jump_short(If::not_zero);
-    a_.alu8(Alu::cmp, old, r9);
-    std::size_t ball_changed = 0;
-    if (!first) {
-        ball_changed = a_.jump_short(If::not_zero);
-        a_.load8(r10, written(ENABL));
-        a_.alu8(Alu::cmp, console(Places::old_enabl()), r10);
-    }
-    const std::size_t same = a_.jump_short(If::zero);
-    a_.bind_short(changed);
-    if (ball_changed) a_.bind_short(ball_changed);
-    a_.store8(mine, value);
-    a_.store8(old, r9);
-    if (!first) {
-        a_.load8(r10, written(ENABL));
-        a_.store8(console(Places::old_enabl()), r10);
-        a_.alu(Alu::and_, r10, 2);
-        a_.shift(Shift::left, r10, 7);
-        a_.alu(Alu::or_, r9, r10);
-    }
-    keep(value);
-    a_.store16(Mem{kLog, -2}, r9);
-    a_.bind_short(same);
-}
-
-// HMOVE brings the motions along. Where it moves nothing and is in time, it only shows that nothing moves.
-void Translator::write_hmove() {
-    a_.load(r9, written(HMP0));
-    a_.load8(r10, written(HMBL));
-    a_.move(r11, r9);
-    a_.alu(Alu::or_, r11, r10);
-    a_.test(r11, 0xf0f0f0f0u);
-    const std::size_t moves = a_.jump_short(If::not_zero);
-    a_.address(r11, Mem{r8, 1});
-    a_.alu(Alu::sub, r11, console(Places::first_cycle()));
-    a_.move(r10, r11);
-    a_.multiply(r11, r11, kInverse76);
-    a_.shift(Shift::right, r11, kInverseShift);
-    a_.multiply(r11, r11, 76);
-    a_.alu(Alu::sub, r10, r11);
-    a_.alu(Alu::cmp, r10, 4);
-    a_.move(r10, uint32_t{0});
-    const std::size_t late = a_.jump_short(If::above);
-    a_.store(Mem{kLog}, r8);
-    a_.store(Mem{kLog, 4}, uint32_t{STILL});
-    Label done;
-    a_.jump(done);
-    a_.bind_short(moves);
-    a_.bind_short(late);
-    a_.shift(Shift::right, r9, 4);
-    a_.alu(Alu::and_, r9, 0x0f0f0f0f);
-    a_.move(r11, r9);
-    a_.shift(Shift::right, r11, 4);
-    a_.alu(Alu::or_, r9, r11);
-    a_.alu(Alu::and_, r9, 0x00ff00ff);
-    a_.move(r11, r9);
-    a_.shift(Shift::right, r11, 8);
-    a_.alu(Alu::or_, r9, r11);
-    a_.store(Mem{kLog}, r8);
-    a_.store8(Mem{kLog, 4}, uint8_t{HMOVE});
-    a_.shift(Shift::right, r10, 4);
-    a_.store8(Mem{kLog, 5}, r10);
-    a_.store16(Mem{kLog, 6}, r9);
-    a_.bind(done);
-    a_.address64(kLog, Mem{kLog, 8});
-}
-
-// In the log, at the cycle in r8.
-void Translator::keep(Reg value) {
-    a_.store(Mem{kLog}, r8);
-    a_.store(Mem{kLog, 4}, uint32_t{given_});
-    a_.store8(Mem{kLog, 5}, value);
-    a_.address64(kLog, Mem{kLog, 8});
 }
 
 // --- the rest ---
 
 bool Translator::emit_modify() {
     Reg value = r9;
-    Mem memory = ram(given_);
+    Mem memory = in_ram(given_);
     switch (operand_) {
         case Operand::Acc: value = kA; break;
         case Operand::Ram: break;
@@ -623,37 +383,37 @@ bool Translator::emit_implied() {
         case DEY: step(kY, false); break;
         case CLD: case SED: {
             const bool on = operation_ == SED;
-            a_.store8(console(Places::decimal()), uint8_t{on});
-            if (on) a_.alu8(Alu::or_, console(Places::modes()), uint8_t{8});
-            else a_.alu8(Alu::and_, console(Places::modes()), uint8_t{0xf7});
+            a_.store8(in_console(Places::decimal()), uint8_t{on});
+            if (on) a_.alu8(Alu::or_, in_console(Places::modes()), uint8_t{8});
+            else a_.alu8(Alu::and_, in_console(Places::modes()), uint8_t{0xf7});
             break;
         }
         case NOP: break;
         case CLC: a_.move(kCarry, uint32_t{0}); break;
         case SEC: a_.move(kCarry, uint32_t{1}); break;
-        case CLV: a_.store8(console(Places::overflow()), uint8_t{0}); break;
-        case TXS: a_.store8(console(Places::sp()), kX); break;
+        case CLV: a_.store8(in_console(Places::overflow()), uint8_t{0}); break;
+        case TXS: a_.store8(in_console(Places::sp()), kX); break;
         case TSX:
-            a_.load8(kX, console(Places::sp()));
+            a_.load8(kX, in_console(Places::sp()));
             a_.move(kNz, kX);
             break;
         case PHA:
-            a_.load8(r8, console(Places::sp()));
+            a_.load8(r8, in_console(Places::sp()));
             a_.test8(r8, r8);
             a_.jump(If::not_sign, slow_);
             a_.store8(Mem{kRam, -0x80, r8}, kA);
             a_.decrement8(r8);
-            a_.store8(console(Places::sp()), r8);
+            a_.store8(in_console(Places::sp()), r8);
             pending_ += 3;
             return true;
         case PLA:
-            a_.load8(r8, console(Places::sp()));
+            a_.load8(r8, in_console(Places::sp()));
             a_.address(r9, Mem{r8, -0x80});
             a_.alu(Alu::cmp, r9, 0x7f);
             a_.jump(If::not_below, slow_);
             a_.load8(kA, Mem{kRam, 1 - 0x80, r8});
             a_.increment8(r8);
-            a_.store8(console(Places::sp()), r8);
+            a_.store8(in_console(Places::sp()), r8);
             a_.move(kNz, kA);
             pending_ += 4;
             return true;

@@ -270,6 +270,16 @@ def test_waiting_and_counting(batch: int) -> None:
         play(wild_programs.waiting(rng), "4K", f"waiting {seed}", rng)
 
 
+@pytest.mark.parametrize("behind", [0, 900, 960, 970, 1000, 1500])
+def test_the_limit_within_a_straight_line(behind: int) -> None:
+    """A frame has 25,000 instructions: of two cycles each, with no jump near them, and then a write that ends it."""
+    round_ = [0xEA] * 2000 + [0xCA, 0xF0, 0x03, 0x4C, 0x02, 0xF0]  # DEX; BEQ past the jump to the beginning; JMP
+    program = [0xA2, 12, *round_, *([0xEA] * behind), 0x85, 0x09, 0x4C, 0x00, 0xF0]  # LDX #12; ...; STA COLUBK; JMP
+    image = bytes(program).ljust(0xFFC, b"\xea") + bytes([0x00, 0xF0, 0x00, 0xF0])
+    pair = Pair(image, "4K", f"{behind} instructions behind", random.Random(0))
+    pair.play(20, pokes=0, resets=0, travels=0)
+
+
 @pytest.mark.parametrize("batch", range(4))
 @pytest.mark.parametrize("make", [tia_program, cpu_program])
 def test_programs_that_are_compared_with_ale_py(make: Any, batch: int) -> None:

@@ -1,0 +1,242 @@
+// Machine code for stores: to RAM, and to registers of the TIA as `FastCpu::write_tia` does it.
+#include "places.hpp"
+#include "translator.hpp"
+
+namespace atari {
+namespace {
+
+// Multiplied by this and shifted by so many bits, a number of cycles in a frame is divided by the 76 of a line.
+constexpr uint32_t kInverse76 = 55189, kInverseShift = 22;
+constexpr bool divides_by_76() {
+    for (uint32_t n = 0; n < 30000; ++n)
+        if ((n * kInverse76) >> kInverseShift != n / 76) return false;
+    return true;
+}
+static_assert(divides_by_76());
+
+// What was last written to a register of the TIA.
+Mem written(uint32_t reg) { return in_console(Places::written() + static_cast<int32_t>(reg)); }
+
+Reg stored_by(Operation operation) { return operation == STX ? kX : operation == STY ? kY : kA; }
+
+}  // namespace
+
+bool Translator::emit_store() {
+    const Reg value = stored_by(operation_);
+    switch (operand_) {
+        case Operand::Ram: case Operand::RamA:
+            a_.store8(in_ram(given_), value);
+            break;
+        case Operand::RamX: case Operand::RamY:
+            indexed_ram();
+            a_.store8(Mem{kRam, 0, r8}, value);
+            break;
+        case Operand::AnyX: case Operand::AnyY:
+            a_.address(r8, Mem{index_of(operand_), given_});
+            store_in_ram(value);
+            break;
+        case Operand::IndY:
+            a_.load16(r8, in_ram(given_));
+            a_.alu(Alu::add, r8, kY);
+            store_in_ram(value);
+            break;
+        default:
+            if (operand_ < Operand::Tia) return false;
+            return emit_tia_store(value);
+    }
+    pending_ += static_cast<int32_t>(store_cost(operand_));
+    return true;
+}
+
+// To the address in r8.
+void Translator::store_in_ram(Reg value) {
+    a_.move(r9, r8);
+    a_.alu(Alu::and_, r9, 0x1280);
+    a_.alu(Alu::cmp, r9, 0x80);
+    a_.jump(If::not_zero, slow_);
+    a_.alu(Alu::and_, r8, 0x7f);
+    a_.store8(Mem{kRam, 0, r8}, value);
+}
+
+// To the TIA: what `FastCpu::write_tia` does, with the cycle of the write in r8.
+bool Translator::emit_tia_store(Reg value) {
+    const auto cost = static_cast<int32_t>(store_cost(operand_));
+    const uint32_t reg = given_;
+    if (operand_ == Operand::Cxclr) return false;
+    a_.address(r8, Mem{kCycles, pending_ + cost});
+    a_.alu(Alu::cmp, r8, kOverlong);
+    a_.jump(If::not_below, slow_);
+    switch (operand_) {
+        case Operand::Tia: case Operand::TiaA: {
+            a_.alu8(Alu::cmp, written(reg), value);
+            const std::size_t same = a_.jump_short(If::zero);
+            a_.store8(written(reg), value);
+            keep(value);
+            a_.bind_short(same);
+            break;
+        }
+        case Operand::Nusiz: {
+            const Mem strobed = written(reg + (RESP0 - NUSIZ0));
+            a_.alu8(Alu::cmp, written(reg), value);
+            const std::size_t changed = a_.jump_short(If::not_zero);
+            a_.alu8(Alu::cmp, strobed, uint8_t{0});
+            const std::size_t acts = a_.jump_short(If::not_zero);
+            a_.alu8(Alu::cmp, in_console(Places::ark()), uint8_t{0});
+            const std::size_t same = a_.jump_short(If::zero);
+            a_.bind_short(changed);
+            a_.bind_short(acts);
+            a_.store8(written(reg), value);
+            a_.store8(strobed, uint8_t{0});
+            keep(value);
+            a_.bind_short(same);
+            break;
+        }
+        case Operand::Ctrlpf: {
+            a_.load8(r9, written(reg));
+            a_.load8(r10, in_console(Places::mirror_changed()));
+            a_.alu(Alu::xor_, r9, value);
+            a_.alu(Alu::or_, r9, r10);  // bit 0 is the mirroring
+            const std::size_t same = a_.jump_short(If::zero);
+            a_.store8(written(reg), value);
+            a_.move(r10, r9);
+            a_.alu(Alu::and_, r10, 1);
+            a_.store8(in_console(Places::mirror_changed()), r10);
+            keep(value);
+            a_.test(r9, uint32_t{0x31});
+            const std::size_t shows = a_.jump_short(If::not_zero);
+            a_.store8(Mem{kLog, -4}, uint8_t{PRIORITY});
+            a_.bind_short(shows);
+            a_.bind_short(same);
+            break;
+        }
+        case Operand::Hmove:
+            write_hmove();
+            break;
+        case Operand::Strobe:
+            a_.store8(written(reg), uint8_t{1});
+            keep(value);
+            break;
+        case Operand::Motion:
+            a_.load8(r9, written(reg));
+            a_.shift(Shift::right, r9, 4);
+            a_.alu(Alu::cmp, r9, 7);
+            a_.jump(If::zero, slow_);
+            a_.store8(written(reg), value);
+            break;
+        case Operand::Grp0: case Operand::Grp0A: case Operand::Grp1: case Operand::Grp1A:
+            write_graphics(value);
+            break;
+        case Operand::Sound: {
+            static constexpr uint8_t kMasks[3] = {15, 31, 15};
+            a_.move(r9, value);
+            a_.alu(Alu::and_, r9, int32_t{kMasks[(reg - AUDC0) / 2]});
+            a_.store8(in_console(Places::sound() + static_cast<int32_t>(reg - AUDC0)), r9);
+            break;
+        }
+        case Operand::Hmclr:
+            a_.store(written(HMP0), uint32_t{0});
+            a_.store8(written(HMBL), uint8_t{0});
+            break;
+        default:
+            wait_for_line();
+            return true;
+    }
+    pending_ += cost;
+    return true;
+}
+
+// WSYNC, at the cycle in r8.
+void Translator::wait_for_line() {
+    a_.load(r9, in_console(Places::first_cycle()));
+    a_.alu(Alu::sub, r8, r9);
+    a_.alu(Alu::add, r8, 75);
+    a_.multiply(r8, r8, kInverse76);
+    a_.shift(Shift::right, r8, kInverseShift);
+    a_.multiply(r8, r8, 76);
+    a_.address(kCycles, Mem{r8, 0, r9});
+    pending_ = 0;
+}
+
+// GRP0 and GRP1 also renew the delayed copy of the other, and GRP1 that of ENABL.
+void Translator::write_graphics(Reg value) {
+    const bool first = given_ == GRP0;
+    const Mem mine = written(given_), other = written(first ? GRP1 : GRP0);
+    const Mem old = in_console(first ? Places::old_grp1() : Places::old_grp0());
+    a_.load8(r9, other);
+    a_.alu8(Alu::cmp, mine, value);
+    const std::size_t changed = a_.jump_short(If::not_zero);
+    a_.alu8(Alu::cmp, old, r9);
+    std::size_t ball_changed = 0;
+    if (!first) {
+        ball_changed = a_.jump_short(If::not_zero);
+        a_.load8(r10, written(ENABL));
+        a_.alu8(Alu::cmp, in_console(Places::old_enabl()), r10);
+    }
+    const std::size_t same = a_.jump_short(If::zero);
+    a_.bind_short(changed);
+    if (ball_changed) a_.bind_short(ball_changed);
+    a_.store8(mine, value);
+    a_.store8(old, r9);
+    if (!first) {
+        a_.load8(r10, written(ENABL));
+        a_.store8(in_console(Places::old_enabl()), r10);
+        a_.alu(Alu::and_, r10, 2);
+        a_.shift(Shift::left, r10, 7);
+        a_.alu(Alu::or_, r9, r10);
+    }
+    keep(value);
+    a_.store16(Mem{kLog, -2}, r9);
+    a_.bind_short(same);
+}
+
+// HMOVE brings the motions along. Where it moves nothing and is in time, it only shows that nothing moves.
+void Translator::write_hmove() {
+    a_.load(r9, written(HMP0));
+    a_.load8(r10, written(HMBL));
+    a_.move(r11, r9);
+    a_.alu(Alu::or_, r11, r10);
+    a_.test(r11, 0xf0f0f0f0u);
+    const std::size_t moves = a_.jump_short(If::not_zero);
+    a_.address(r11, Mem{r8, 1});
+    a_.alu(Alu::sub, r11, in_console(Places::first_cycle()));
+    a_.move(r10, r11);
+    a_.multiply(r11, r11, kInverse76);
+    a_.shift(Shift::right, r11, kInverseShift);
+    a_.multiply(r11, r11, 76);
+    a_.alu(Alu::sub, r10, r11);
+    a_.alu(Alu::cmp, r10, 4);
+    a_.move(r10, uint32_t{0});
+    const std::size_t late = a_.jump_short(If::above);
+    a_.store(Mem{kLog}, r8);
+    a_.store(Mem{kLog, 4}, uint32_t{STILL});
+    Label done;
+    a_.jump(done);
+    a_.bind_short(moves);
+    a_.bind_short(late);
+    a_.shift(Shift::right, r9, 4);
+    a_.alu(Alu::and_, r9, 0x0f0f0f0f);
+    a_.move(r11, r9);
+    a_.shift(Shift::right, r11, 4);
+    a_.alu(Alu::or_, r9, r11);
+    a_.alu(Alu::and_, r9, 0x00ff00ff);
+    a_.move(r11, r9);
+    a_.shift(Shift::right, r11, 8);
+    a_.alu(Alu::or_, r9, r11);
+    a_.store(Mem{kLog}, r8);
+    a_.store8(Mem{kLog, 4}, uint8_t{HMOVE});
+    a_.shift(Shift::right, r10, 4);
+    a_.store8(Mem{kLog, 5}, r10);
+    a_.store16(Mem{kLog, 6}, r9);
+    a_.bind(done);
+    a_.address64(kLog, Mem{kLog, 8});
+}
+
+// In the log, at the cycle in r8.
+void Translator::keep(Reg value) {
+    a_.store(Mem{kLog}, r8);
+    a_.store(Mem{kLog, 4}, uint32_t{given_});
+    a_.store8(Mem{kLog, 5}, value);
+    a_.address64(kLog, Mem{kLog, 8});
+}
+
+}  // namespace atari
