@@ -301,12 +301,12 @@ Array painted(std::array<Bytes, 3> layers, std::array<uint8_t, 4> colours, int f
     return as_array(row, {kScreenWidth});
 }
 
-Array coloured(Picture picture, const std::string& format, bool plain) {
+Array coloured(Picture picture, const std::string& format, std::optional<int> way) {
     const size_t rows = picture.shape(0);
     if (rows < 1 || rows > kFrameRows || picture.shape(1) != kScreenWidth) throw nb::value_error("a picture is (1..300, 160)");
     const Palette& palette = format == "PAL" ? PAL : format == "SECAM" ? SECAM : NTSC;
     std::vector<uint8_t> rgb(3 * picture.size());
-    (plain ? to_rgb_plain : to_rgb)(picture.data(), static_cast<int>(rows), palette, rgb.data());
+    to_rgb(picture.data(), static_cast<int>(rows), palette, rgb.data(), way_of(way));
     return as_array(rgb.data(), {rows, kScreenWidth, 3});
 }
 
@@ -376,10 +376,10 @@ void register_inspection(nb::module_& m) {
                   "way: int) -> numpy.typing.NDArray[numpy.uint8]"),
           "A row of 160 zeros in which pixels first .. last-1 have been painted: those of the three layers, (160,) each,\n"
           "in the first three colours, the others in the fourth.");
-    m.def("to_rgb", &coloured, "picture"_a, "format"_a, "plain"_a = false,
-          nb::sig("def to_rgb(picture: numpy.typing.NDArray[numpy.uint8], format: str, plain: bool = False) -> "
+    m.def("to_rgb", &coloured, "picture"_a, "format"_a, "way"_a = nb::none(),
+          nb::sig("def to_rgb(picture: numpy.typing.NDArray[numpy.uint8], format: str, way: int | None = None) -> "
                   "numpy.typing.NDArray[numpy.uint8]"),
-          "A picture of palette indices, (rows, 160), in the colours of a TV format. `plain` is way 0.");
+          "A picture of palette indices, (rows, 160), in the colours of a TV format.");
     m.def("same_state", &same_state, "first"_a, "second"_a, "complete"_a,
           "Whether two consoles are in the same state to the byte. Unless this is `complete`, pictures and collision\n"
           "latches are left out; a console that runs frames fast then goes on leaving them for later.");

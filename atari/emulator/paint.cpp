@@ -5,7 +5,7 @@
 #include <bit>
 #include <cstring>
 
-#include "simd.hpp"
+#include "inline.hpp"
 #include "state.hpp"
 
 namespace atari {
@@ -114,7 +114,24 @@ WIDER void to_rgb_wider(const uint8_t* picture, int rows, const Palette& palette
         _mm512_mask_storeu_epi8(out + 3 * whole + 64 * part, inside, bytes);
     });
 }
+
+WIDE inline __m256i load(const uint8_t* from) { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from)); }
+
+// `changes` and a copy, 32 bytes at a time.
+WIDE inline uint32_t changes_wide(const uint8_t* row) {
+    uint32_t same = 0;
+    for (int k = 0; k < kScreenWidth / 8; k += 4, row += 32) {
+        const __m256i equal = _mm256_cmpeq_epi64(load(row), load(row - kScreenWidth));
+        same |= static_cast<uint32_t>(_mm256_movemask_pd(_mm256_castsi256_pd(equal))) << k;
+    }
+    return same ^ ((1u << kScreenWidth / 8) - 1);
+}
+WIDE inline void copy_wide(const uint8_t* from, uint8_t* to, std::size_t bytes) {
+    for (std::size_t i = 0; i < bytes; i += 32) _mm256_storeu_si256(reinterpret_cast<__m256i*>(to + i), load(from + i));
+}
 #endif
+
+inline void copy(const uint8_t* from, uint8_t* to, std::size_t bytes) { std::memcpy(to, from, bytes); }
 
 // Bit k for columns 8k .. 8k+7 of a row that differ from the row above.
 inline uint32_t changes(const uint8_t* row) {
@@ -129,14 +146,14 @@ inline uint32_t changes(const uint8_t* row) {
 
 // Calls `convert(from, to)` for every eight pixels that differ from those above them; others are copied. Most rows of a
 // game's picture repeat the row above, and most of the others do so nearly everywhere.
-template <int bytes, typename Convert>
-void convert_changes(const uint8_t* picture, int rows, uint8_t* out, Convert&& convert) {
+template <int bytes, auto changes, auto copy, typename Convert>
+INLINE void convert_changes(const uint8_t* picture, int rows, uint8_t* out, Convert&& convert) {
     constexpr int kOut = bytes * kScreenWidth;
     for (int row = 0; row < rows; ++row, picture += kScreenWidth, out += kOut) {
         uint32_t left = (1u << kScreenWidth / 8) - 1;
         if (row > 0) {
             left = changes(picture);
-            std::memcpy(out, out - kOut, kOut);
+            copy(out - kOut, out, kOut);
         }
         for (; left != 0; left &= left - 1) {
             const int column = 8 * std::countr_zero(left);
@@ -170,30 +187,45 @@ std::vector<Painter> painters() {
 
 Painter best_painter() { return painters().back(); }
 
-void to_rgb_plain(const uint8_t* picture, int rows, const Palette& palette, uint8_t* out) {
+namespace {
+
+template <auto changes, auto copy>
+INLINE void to_rgb_by_changes(const uint8_t* picture, int rows, const Palette& palette, uint8_t* out) {
     uint64_t colours[256];  // red in the lowest byte
     for (int i = 0; i < 256; ++i) {
         const uint32_t rgb = palette.rgb[i];
         colours[i] = rgb >> 16 | (rgb & 0xff00) | (rgb & 0xff) << 16;
     }
-    convert_changes<3>(picture, rows, out, [&](const uint8_t* from, uint8_t* to) {
+    convert_changes<3, changes, copy>(picture, rows, out, [&](const uint8_t* from, uint8_t* to) {
         uint64_t c[8];
         for (int i = 0; i < 8; ++i) c[i] = colours[from[i]];
-        const uint64_t words[3] = {c[0] | c[1] << 24 | c[2] << 48, c[2] >> 16 | c[3] << 8 | c[4] << 32 | c[5] << 56,
-                                   c[5] >> 8 | c[6] << 16 | c[7] << 40};
-        std::memcpy(to, words, sizeof words);
+        // Word by word: gathered in memory first, they would be waited for.
+        const auto put = [&](int word, uint64_t value) { std::memcpy(to + 8 * word, &value, 8); };
+        put(0, c[0] | c[1] << 24 | c[2] << 48);
+        put(1, c[2] >> 16 | c[3] << 8 | c[4] << 32 | c[5] << 56);
+        put(2, c[5] >> 8 | c[6] << 16 | c[7] << 40);
     });
 }
 
-void to_rgb(const uint8_t* picture, int rows, const Palette& palette, uint8_t* out) {
 #if ATARI_WIDE
-    if (best_way() == Way::kWider) return to_rgb_wider(picture, rows, palette, out);
+WIDE void to_rgb_wide(const uint8_t* picture, int rows, const Palette& palette, uint8_t* out) {
+    to_rgb_by_changes<changes_wide, copy_wide>(picture, rows, palette, out);
+}
 #endif
-    to_rgb_plain(picture, rows, palette, out);
+
+}  // namespace
+
+void to_rgb(const uint8_t* picture, int rows, const Palette& palette, uint8_t* out, Way way) {
+#if ATARI_WIDE
+    if (way == Way::kWider) return to_rgb_wider(picture, rows, palette, out);
+    if (way == Way::kWide) return to_rgb_wide(picture, rows, palette, out);
+#endif
+    static_cast<void>(way);
+    to_rgb_by_changes<changes, copy>(picture, rows, palette, out);
 }
 
 void to_gray(const uint8_t* picture, int rows, const Palette& palette, uint8_t* out) {
-    convert_changes<1>(picture, rows, out, [&](const uint8_t* from, uint8_t* to) {
+    convert_changes<1, changes, copy>(picture, rows, out, [&](const uint8_t* from, uint8_t* to) {
         for (int i = 0; i < 8; ++i) to[i] = palette.gray[from[i]];
     });
 }

@@ -6,6 +6,7 @@
 
 #include "masks.hpp"
 #include "palettes.hpp"
+#include "simd.hpp"
 
 namespace atari {
 
@@ -25,8 +26,7 @@ Painter best_painter();
 std::vector<Painter> painters();
 
 // A picture of palette indices, rows x 160, as red, green and blue bytes, or as luminance.
-void to_rgb(const uint8_t* picture, int rows, const Palette& palette, uint8_t* out);
-void to_rgb_plain(const uint8_t* picture, int rows, const Palette& palette, uint8_t* out);
+void to_rgb(const uint8_t* picture, int rows, const Palette& palette, uint8_t* out, Way way = best_way());
 void to_gray(const uint8_t* picture, int rows, const Palette& palette, uint8_t* out);
 
 }  // namespace atari
