@@ -274,7 +274,9 @@ def paint(
 def to_rgb(
     picture: numpy.typing.NDArray[numpy.uint8], format: str, way: int | None = None
 ) -> numpy.typing.NDArray[numpy.uint8]:
-    """A picture of palette indices, (rows, 160), in the colours of a TV format."""
+    """
+    A picture of palette indices, (rows, 160), in the colours of a TV format.
+    """
 
 def same_state(first: Console, second: Console, complete: bool) -> bool:
     """
