@@ -19,13 +19,6 @@ namespace atari {
 class Console;
 struct Registers;
 
-// Machine code is that of x86-64, called as on Unix; and its entries are reached through the records (fast_cpu.cpp).
-#if defined(__x86_64__) && defined(__LP64__) && defined(__GNUC__) && !defined(_WIN32) && !defined(ATARI_NO_COMPUTED_GOTO)
-inline constexpr bool kTranslates = true;
-#else
-inline constexpr bool kTranslates = false;
-#endif
-
 class Translation {
   public:
     // Of a cartridge's image and records. Where machine code cannot be run `has` stays false for all of them.

@@ -7,6 +7,16 @@
 #include "translation.hpp"
 
 namespace atari {
+namespace {
+
+// Machine code is that of x86-64, called as on Unix; and its entries are reached through the records (fast_cpu.cpp).
+#if defined(__x86_64__) && defined(__LP64__) && defined(__GNUC__) && !defined(_WIN32) && !defined(ATARI_NO_COMPUTED_GOTO)
+constexpr bool kTranslates = true;
+#else
+constexpr bool kTranslates = false;
+#endif
+
+}  // namespace
 
 Translator::Translator(const uint8_t* image, const std::vector<Record>& records)
     : image_(image), records_(records), size_(records.size() - 1), is_instruction_(size_ + 1), is_target_(size_ + 1),
