@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstring>
 #include <initializer_list>
+#include <stdexcept>
 #include <vector>
 
 namespace atari {
@@ -38,7 +39,6 @@ class Assembler {
   public:
     const std::vector<uint8_t>& bytes() const { return bytes_; }
     std::size_t size() const { return bytes_.size(); }
-    void reserve(std::size_t bytes) { bytes_.reserve(bytes); }
 
     // 32 bits, unless the name says otherwise; what is written to a register fills its upper half with zeros.
     void move(Reg to, Reg from) { code({0x8b}, to, from); }
@@ -188,7 +188,10 @@ class Assembler {
         put(0);
         return size();
     }
-    void bind_short(std::size_t jump) { bytes_[jump - 1] = static_cast<uint8_t>(size() - jump); }
+    void bind_short(std::size_t jump) {
+        if (size() - jump > 127) throw std::logic_error("a short jump leads too far");
+        bytes_[jump - 1] = static_cast<uint8_t>(size() - jump);
+    }
 
   private:
     static uint8_t opcode(Alu what, int form) { return static_cast<uint8_t>(static_cast<int>(what) << 3 | form); }

@@ -35,7 +35,8 @@ void make(Console* self, nb::bytes image, const std::string& cartridge, int firs
     if (first_line < 0 || height < 1 || first_line + height > kFrameRows)
         throw nb::value_error("the picture must lie within 300 lines");
     const auto* bytes = static_cast<const uint8_t*>(image.data());
-    auto plugged = std::make_shared<const Cartridge>(std::vector<uint8_t>(bytes, bytes + image.size()), cartridge, translated);
+    const std::vector<uint8_t> copy(bytes, bytes + image.size());
+    auto plugged = std::make_shared<const Cartridge>(copy, cartridge, translated && !plain);
     const ConsoleConfig config{first_line, height, pal, hmove_blanks, {paddles.first, paddles.second}, swap_ports, swap_paddles};
     new (self) Console(std::move(plugged), config, plain);
     self->construct();

@@ -115,8 +115,8 @@ void Translator::go_to(std::size_t target, bool backward) {
     a_.jump(entries_[target]);
 }
 
-void Translator::add_pending(int32_t more) {
-    if (pending_ + more) a_.alu(Alu::add, kCycles, pending_ + more);
+void Translator::add_pending() {
+    if (pending_) a_.alu(Alu::add, kCycles, pending_);
     pending_ = 0;
 }
 

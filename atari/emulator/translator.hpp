@@ -79,7 +79,7 @@ class Translator {
     void load_registers();
     std::vector<uint8_t> finish(std::size_t& enter);
 
-    void add_pending(int32_t more = 0);
+    void add_pending();
     void call_handler(std::size_t place);
     void go_to(std::size_t target, bool backward);
     int32_t table_size() const { return static_cast<int32_t>((sizeof(int32_t) * (size_ + 1) + 15) / 16 * 16); }
@@ -113,6 +113,7 @@ class Translator {
     void write_hmove();
     void keep(Reg value);
     void wait_for_line();
+    void whole_lines(Reg cycles);
 
     // What an instruction does aside of the likely way: its handler is called, and then it goes on behind itself, or, where
     // that is a jump, wherever it says.

@@ -4,6 +4,7 @@
 #include "translator.hpp"
 
 namespace atari {
+
 void Translator::emit() {
     if (records_[place_].handler == kLoop) skip_rounds();
     slow_ = {};
@@ -94,16 +95,11 @@ bool Translator::emit_branch() {
 }
 
 bool Translator::emit_jump() {
-    if (operation_ == RTS) {
-        add_pending();
-        a_.move(r8, static_cast<uint32_t>(place_));
-        a_.jump(return_);
-        return true;
-    }
     if (operand_ != Operand::Near) {
+        Label& jump = operand_ == Operand::Ind ? jump_indirect_ : jump_far_;
         add_pending();
         a_.move(r8, static_cast<uint32_t>(place_));
-        a_.jump(operation_ == JSR ? call_far_ : operand_ == Operand::Ind ? jump_indirect_ : jump_far_);
+        a_.jump(operation_ == RTS ? return_ : operation_ == JSR ? call_far_ : jump);
         return true;
     }
     const std::size_t target = target_of(place_);

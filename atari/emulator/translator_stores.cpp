@@ -150,11 +150,16 @@ void Translator::wait_for_line() {
     a_.load(r9, in_console(Places::first_cycle()));
     a_.alu(Alu::sub, r8, r9);
     a_.alu(Alu::add, r8, 75);
-    a_.multiply(r8, r8, kInverse76);
-    a_.shift(Shift::right, r8, kInverseShift);
-    a_.multiply(r8, r8, 76);
+    whole_lines(r8);
     a_.address(kCycles, Mem{r8, 0, r9});
     pending_ = 0;
+}
+
+// Of a number of cycles, those of its whole lines.
+void Translator::whole_lines(Reg cycles) {
+    a_.multiply(cycles, cycles, kInverse76);
+    a_.shift(Shift::right, cycles, kInverseShift);
+    a_.multiply(cycles, cycles, 76);
 }
 
 // GRP0 and GRP1 also renew the delayed copy of the other, and GRP1 that of ENABL.
@@ -200,9 +205,7 @@ void Translator::write_hmove() {
     a_.address(r11, Mem{r8, 1});
     a_.alu(Alu::sub, r11, in_console(Places::first_cycle()));
     a_.move(r10, r11);
-    a_.multiply(r11, r11, kInverse76);
-    a_.shift(Shift::right, r11, kInverseShift);
-    a_.multiply(r11, r11, 76);
+    whole_lines(r11);
     a_.alu(Alu::sub, r10, r11);
     a_.alu(Alu::cmp, r10, 4);
     a_.move(r10, uint32_t{0});
