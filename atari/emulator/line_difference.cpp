@@ -1,5 +1,7 @@
 #include "line_difference.hpp"
 
+#include <bit>
+
 namespace atari {
 
 int agreeing(const Write* a, const Write* b, int count) {
@@ -9,39 +11,51 @@ int agreeing(const Write* a, const Write* b, int count) {
     return i;
 }
 
+namespace {
+
+// The first eight bytes of TiaPlaces are handled as one word: five positions, and flags.
+static_assert(std::endian::native == std::endian::little && offsetof(TiaPlaces, last_hmove) == 8);
+constexpr uint64_t kPositions = 0xffffffffff, kOnes = 0x0101010101010101, kHigh = 0x80 * kOnes;
+
+uint64_t word_of(const TiaPlaces& places) {
+    uint64_t word;
+    std::memcpy(&word, &places, sizeof word);
+    return word;
+}
+
+// Positions less others, round the line: what is less than 0 goes on at its right end.
+constexpr uint64_t back(uint64_t positions, uint64_t by) {
+    const uint64_t less = ((positions | kHigh) - (by & ~kHigh)) ^ ((positions ^ ~by) & kHigh);
+    const uint64_t borrows = ((~positions & by) | (~(positions ^ by) & less)) & kHigh;
+    return less - (borrows >> 7) * (256 - kScreenWidth);
+}
+
+// Bit i for byte i, unless that is 0.
+constexpr unsigned bytes_set(uint64_t word) {
+    const uint64_t set = (word | ((word & ~kHigh) + ~kHigh)) & kHigh;
+    return static_cast<unsigned>((set >> 7) * 0x0102040810204080 >> 56);
+}
+static_assert(bytes_set(0x80000000000100ff) == 0b10000101 && bytes_set(0x0001007f00) == 0b01010);
+
+}  // namespace
+
 Difference difference(const TiaPlaces& now, const TiaPlaces& before) {
-    Difference d{};
-    if (agree<sizeof now>(&now, &before)) return d;
-    for (unsigned object = kP0; object <= kBL; ++object) {
-        const int by = now.pos[object] - before.pos[object];
-        d.pos[object] = static_cast<uint8_t>(by < 0 ? by + kScreenWidth : by);
-        if (by != 0) d.objects |= 1u << object;
-    }
-    for (unsigned player : {0u, 1u}) {
-        d.refp[player] = before.refp[player].value ^ now.refp[player].value;
-        if (d.refp[player]) d.objects |= 1u << (kP0 + player);
-    }
-    d.vdelbl = before.vdelbl.value ^ now.vdelbl.value;
-    if (d.vdelbl) d.objects |= 1u << kBL;
-    d.last_hmove = now.last_hmove;
+    if (agree<sizeof now>(&now, &before)) return {};
+    const uint64_t new_word = word_of(now), old_word = word_of(before);
+    Difference d{0, back(old_word & kPositions, new_word & kPositions), (old_word ^ new_word) & ~kPositions, now.last_hmove};
+    const unsigned positions = bytes_set(d.positions), flags = bytes_set(d.flags) >> 5;
+    d.objects = positions | (flags & 3) << kP0 | flags >> 2 << kBL;
     if (before.last_hmove != now.last_hmove) d.objects |= kPlacing;
     return d;
 }
 
 void carry(const Difference& by, TiaPlaces* first, TiaPlaces* last) {
-    const auto each = [&](auto change) {
-        for (TiaPlaces* line = first; line < last; ++line) change(*line);
-    };
-    for (int object = kP0; object <= kBL; ++object)
-        if (const int distance = by.pos[object])
-            each([&](TiaPlaces& line) {
-                const int position = line.pos[object] + distance;
-                line.pos[object] = static_cast<uint8_t>(position >= kScreenWidth ? position - kScreenWidth : position);
-            });
-    for (int player : {0, 1})
-        if (by.refp[player]) each([&](TiaPlaces& line) { line.refp[player].value ^= by.refp[player]; });
-    if (by.vdelbl) each([&](TiaPlaces& line) { line.vdelbl.value ^= by.vdelbl; });
-    if (by.objects & kPlacing) each([&](TiaPlaces& line) { line.last_hmove = by.last_hmove; });
+    for (TiaPlaces* line = first; line < last; ++line) {
+        const uint64_t word = word_of(*line);
+        const uint64_t carried = back(word & kPositions, by.positions) | ((word ^ by.flags) & ~kPositions);
+        std::memcpy(line, &carried, sizeof carried);
+        if (by.objects & kPlacing) line->last_hmove = by.last_hmove;
+    }
 }
 
 }  // namespace atari

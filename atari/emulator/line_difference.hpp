@@ -34,8 +34,9 @@ int agreeing(const Write* a, const Write* b, int count);
 
 // By how much a line's beginning differs in what may differ.
 struct Difference {
-    unsigned objects;  // a bit each, and kPlacing
-    uint8_t pos[5], refp[2], vdelbl;
+    unsigned objects;    // a bit each, and kPlacing
+    uint64_t positions;  // by bytes as in TiaPlaces: what goes off each, and comes back where it would be less than 0
+    uint64_t flags;      // what changes in the bytes behind them
     int32_t last_hmove;
 };
 

@@ -25,16 +25,14 @@ constexpr auto kByteMasks = [] {
 constexpr uint64_t repeated(uint8_t byte) { return byte * 0x0101010101010101ull; }
 
 #if ATARI_WIDE
-// 32 bits as 32 bytes of 0x00 or 0xff.
-WIDE inline __m256i bytes_of(uint32_t bits) {
+// The 32 pixels of a block, as bytes of 0x00 or 0xff. Read as 32 bits, they go from memory to all places at once.
+WIDE inline __m256i bytes_of(const Mask& mask, int block) {
     const __m256i which = _mm256_setr_epi64x(0, 0x0101010101010101, 0x0202020202020202, 0x0303030303030303);
     const __m256i bit = _mm256_set1_epi64x(static_cast<int64_t>(0x8040201008040201));
-    const __m256i spread = _mm256_shuffle_epi8(_mm256_set1_epi32(static_cast<int>(bits)), which);
+    int bits;
+    std::memcpy(&bits, reinterpret_cast<const char*>(mask.word) + 4 * block, sizeof bits);
+    const __m256i spread = _mm256_shuffle_epi8(_mm256_set1_epi32(bits), which);
     return _mm256_cmpeq_epi8(_mm256_and_si256(spread, bit), bit);
-}
-
-WIDE inline uint32_t block_of(const Mask& mask, int block) {
-    return static_cast<uint32_t>(mask.word[block / 2] >> (block % 2 * 32));
 }
 
 WIDE void paint_wide(uint8_t* row, const Layers& layers, const uint8_t colours[4], int first, int last) {
@@ -46,10 +44,10 @@ WIDE void paint_wide(uint8_t* row, const Layers& layers, const uint8_t colours[4
     const Mask span = whole ? Mask{} : Mask::range(first, last);
     for (int block = first / 32; block <= (last - 1) / 32; ++block) {
         auto* pixels = reinterpret_cast<__m256i*>(row + 32 * block);
-        __m256i line = _mm256_blendv_epi8(background, colour_pf, bytes_of(block_of(layers.playfield, block)));
-        line = _mm256_blendv_epi8(line, colour1, bytes_of(block_of(layers.player1, block)));
-        line = _mm256_blendv_epi8(line, colour0, bytes_of(block_of(layers.player0, block)));
-        if (!whole) line = _mm256_blendv_epi8(_mm256_loadu_si256(pixels), line, bytes_of(block_of(span, block)));
+        __m256i line = _mm256_blendv_epi8(background, colour_pf, bytes_of(layers.playfield, block));
+        line = _mm256_blendv_epi8(line, colour1, bytes_of(layers.player1, block));
+        line = _mm256_blendv_epi8(line, colour0, bytes_of(layers.player0, block));
+        if (!whole) line = _mm256_blendv_epi8(_mm256_loadu_si256(pixels), line, bytes_of(span, block));
         _mm256_storeu_si256(pixels, line);
     }
 }
