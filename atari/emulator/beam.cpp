@@ -89,7 +89,7 @@ INLINE void Beam::apply_one(Tia& t, const Write& write, int32_t& pending) {
             break;
         }
         case CTRLPF: case PRIORITY: {
-            const bool at_once = hpos() < 147;  // otherwise the line's end changes the mirroring
+            const bool at_once = cycle % 76 < kMirrorsAtOnce;
             if (t.ctrlpf == value && (!at_once || t.pf_mirror == (value & 1))) break;
             advance(pending);
             t.ctrlpf = value;

@@ -145,7 +145,7 @@ INLINE void Collider::apply_one(const Write& write) {
             t.vblank = value;
             break;
         case NUSIZ0: case NUSIZ1: write_nusiz(reg - NUSIZ0, value, clock); break;
-        case CTRLPF: write_ctrlpf(value, hpos(), clock); break;
+        case CTRLPF: write_ctrlpf(value, (write.cycle - first_cycle_) % 76, clock); break;
         case REFP0: case REFP1:
             if (t.refp[reg - REFP0] != ((value & 8) != 0)) advance(clock + 1);
             apply_noted(write);
@@ -277,12 +277,11 @@ void Collider::apply_noted(const Write& write) {
     }
 }
 
-// Applies what has been noted.
-void Collider::bring_up(Registers registers) {
-    const Registers due = noted_ & registers;
+void Collider::apply_all_noted(Registers due) {
     noted_ &= ~due;
+    const unsigned before = enabled_;
     for (Registers rest = due; rest; rest &= rest - 1) apply_noted(*latest_[std::countr_zero(rest)]);
-    if (due & kLooks) reconsider();  // an object may have disappeared whose registers do not act
+    if (enabled_ != before) reconsider();  // an object may have disappeared whose registers do not act
 }
 
 void Collider::write_nusiz(unsigned player, uint8_t value, int32_t clock) {
@@ -298,7 +297,7 @@ void Collider::write_nusiz(unsigned player, uint8_t value, int32_t clock) {
     t.nusiz[player] = value;
 }
 
-void Collider::write_ctrlpf(uint8_t value, int hpos, int32_t clock) {
+void Collider::write_ctrlpf(uint8_t value, uint32_t cycle_in_line, int32_t clock) {
     Tia& t = t_;
     const bool sized = (t.ctrlpf ^ value) & 0x30, pending = t.pf_mirror != (t.ctrlpf & 1);
     const bool mirrored = pending || ((t.ctrlpf ^ value) & 1);
@@ -307,7 +306,7 @@ void Collider::write_ctrlpf(uint8_t value, int hpos, int32_t clock) {
     if (sized) moved(bit_of(kBL));
     if (!mirrored) return;
     bring_up(kLooks);
-    if (hpos < 147) t.pf_mirror = value & 1;  // otherwise the line's end changes it
+    if (cycle_in_line < kMirrorsAtOnce) t.pf_mirror = value & 1;
     line_end_acts_ |= t.pf_mirror != (value & 1);
     near_known_ = 0;
     moved(bit_of(kPF));

@@ -63,11 +63,14 @@ class Collider {
     void set_graphics(unsigned player, const Write& write);
     void set_enam(unsigned missile, uint8_t value);
     void set_enabl(uint8_t value);
-    void bring_up(Registers registers);
+    void bring_up(Registers registers) {
+        if (noted_ & registers) apply_all_noted(noted_ & registers);
+    }
+    void apply_all_noted(Registers due);
 
     // --- single registers; `clock` is that of the write, `hpos` of its place in the line ---
     void write_nusiz(unsigned player, uint8_t value, int32_t clock);
-    void write_ctrlpf(uint8_t value, int hpos, int32_t clock);
+    void write_ctrlpf(uint8_t value, uint32_t cycle_in_line, int32_t clock);
     void write_graphics(unsigned player, const Write& write, int32_t clock);
     void write_playfield(const Write& write, int32_t shown);
     void reset_player(unsigned player, int hpos, int32_t clock);

@@ -73,17 +73,12 @@ void CollisionCache::apply(const Write* first, const Write* last, bool exact, in
     const Write* next = first;
     while (next_ <= kMostBlocks && clock_of(next_) <= clock) {
         const Write* end = next;
-        while (end != last && static_cast<int32_t>(3 * end->cycle) < clock_of(next_)) ++end;
-        apply_part(next, end);
+        for (; end != last && static_cast<int32_t>(3 * end->cycle) < clock_of(next_); ++end) written_ |= 1ull << end->reg;
+        collider_.apply(next, end);
         next = begin_block(end, last, exact, clock);
     }
-    apply_part(next, last);
-}
-
-// Applies the writes of a block, or a part of them.
-void CollisionCache::apply_part(const Write* first, const Write* last) {
-    for (const Write* write = first; write != last; ++write) written_ |= 1ull << write->reg;
-    collider_.apply(first, last);
+    for (const Write* write = next; write != last; ++write) written_ |= 1ull << write->reg;
+    collider_.apply(next, last);
 }
 
 // Begins the next block with the write at `next`, or a later one, if blocks up to there are as before. Returns its first

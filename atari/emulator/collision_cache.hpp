@@ -46,7 +46,6 @@ class CollisionCache {
 
     int32_t clock_of(int block) const { return frame_start_ + 228 * kLines * block; }
     void apply(const Write* first, const Write* last, bool exact, int32_t clock);
-    void apply_part(const Write* first, const Write* last);
     const Write* begin_block(const Write* next, const Write* last, bool exact, int32_t clock);
     int written_alike_until(const Write* next, const Write* last, int32_t clock);
 

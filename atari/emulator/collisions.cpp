@@ -24,6 +24,17 @@ constexpr auto kLooksOf = [] {
     return table;
 }();
 
+// The objects that have a part in a set of latches, which is looked up by its low and its high byte.
+constexpr auto kObjectsIn = [] {
+    std::array<std::array<uint8_t, 256>, 2> table{};
+    for (unsigned latches = 0; latches < 256; ++latches)
+        for (const Pair& pair : kPairs)
+            for (unsigned high : {0u, 1u})
+                if (latches << 8 * high & pair.latch) table[high][latches] |= static_cast<uint8_t>(bit_of(pair.a) | bit_of(pair.b));
+    return table;
+}();
+inline unsigned objects_in(unsigned latches) { return kObjectsIn[0][latches & 0xff] | kObjectsIn[1][latches >> 8]; }
+
 // The bits of the playfield near to a run of pixels: by the mirroring, the bits that the width less one has, and the
 // first pixel. The widths are those of `width_of`.
 constexpr auto kPlayfieldNear = [] {
@@ -114,11 +125,7 @@ void Collider::choose_acting() {
     acting_ = kAlwaysActing;
     if (t.skip_first[0] || t.skip_first[1] || t.m0_variant != kPlain) acting_ |= set_of({STILL});
     if (!collecting_ || (t.vblank & 2)) return;
-    unsigned objects = 0;
-    for (unsigned object = kP0; object <= kBL; ++object)
-        if (!(enabled_ >> object & 1) && (wanted_ & kPairsWith[bit_of(object)])) objects |= bit_of(object);
-    for (unsigned pairs = possible_; pairs; pairs &= pairs - 1)
-        objects |= bit_of(lowest_pair(pairs).a) | bit_of(lowest_pair(pairs).b);
+    const unsigned objects = (objects_in(wanted_) & ~enabled_) | objects_in(possible_);
     acting_ |= kLooksOf[t.vdelp[0] | t.vdelp[1] << 1 | t.vdelbl << 2][objects & 31];
     acting_playfield_ = 0;
     unsigned pairs = kPairsOf[enabled_ | bit_of(kPF)] & wanted_ & kPairsWith[bit_of(kPF)];

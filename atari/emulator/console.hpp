@@ -81,7 +81,7 @@ inline constexpr int kLogs = 4;
 struct Written {
     uint8_t reg[64];      // RESP0 and RESP1: strobed since the last NUSIZ, which ends what a strobe hides
     uint8_t old_grp0, old_grp1, old_enabl;  // values of GRP0, GRP1 and ENABL that the delayed copies have
-    bool mirror_changed;  // CTRLPF's bit 0, in this frame or without effect so far
+    bool mirror_waits;    // CTRLPF's bit 0 was changed so late in a line that its end mirrors the playfield
     bool ark;             // Cosmic Ark's trick may have been played
 
     // No object has a motion for HMOVE.
@@ -90,6 +90,11 @@ struct Written {
         std::memcpy(&players_and_missiles, reg + HMP0, 4);
         return !(players_and_missiles & 0xf0f0f0f0) && !(reg[HMBL] & 0xf0);
     }
+    // CTRLPF is written; its value changes so.
+    void mirror(uint8_t changes, uint32_t cycle_in_frame) {
+        if ((changes & 1) || mirror_waits) mirror_waits = cycle_in_frame % 76 >= kMirrorsAtOnce;
+    }
+
     // As a write to HMOVE brings them along.
     uint16_t motions() const {
         uint32_t players_and_missiles;

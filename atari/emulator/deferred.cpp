@@ -78,7 +78,7 @@ void Console::begin_log() {
     w.old_grp1 = t.old_grp[1];
     w.old_enabl = t.old_enabl ? 2 : 0;
     w.reg[CTRLPF] = t.ctrlpf;
-    w.mirror_changed = t.pf_mirror != (t.ctrlpf & 1);
+    w.mirror_waits = t.pf_mirror != (t.ctrlpf & 1);
     w.ark = t.cosmic_ark || t.m0_variant != kPlain;
 }
 
@@ -260,7 +260,7 @@ void Console::keep_write(uint8_t reg, uint8_t value) {
         }
         case HMCLR: std::fill_n(w.reg + HMP0, 5, uint8_t{0}); return;
         case RESP0: case RESP1: value = 1; break;
-        case CTRLPF: w.mirror_changed |= ((w.reg[CTRLPF] ^ value) & 1) != 0; break;
+        case CTRLPF: w.mirror(w.reg[CTRLPF] ^ value, m_.cycles - first_cycle_); break;
         default:
             if (reg > CXCLR || reg == RSYNC) return;
     }

@@ -316,9 +316,10 @@ struct FastCpu {
             else c.keep_hmove(cycles);
         } else if constexpr (operand == Operand::Ctrlpf) {
             // Written again it can act once more, if the mirroring was changed late in a line.
-            if (w.reg[reg] != byte || w.mirror_changed) {
-                const bool priority = !((w.reg[reg] ^ byte) & 0x31) && !w.mirror_changed;
-                w.mirror_changed |= ((w.reg[reg] ^ byte) & 1) != 0;
+            if (w.reg[reg] != byte || w.mirror_waits) {
+                const uint8_t changes = w.reg[reg] ^ byte;
+                const bool priority = !(changes & 0x31) && !w.mirror_waits;
+                w.mirror(changes, cycles - c.first_cycle_);
                 w.reg[reg] = byte;
                 keep(cycles, c, priority ? uint32_t{PRIORITY} : reg, value);
             }

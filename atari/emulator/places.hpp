@@ -52,7 +52,7 @@ struct Places {
     PLACE(old_grp0, Console, written_.old_grp0)
     PLACE(old_grp1, Console, written_.old_grp1)
     PLACE(old_enabl, Console, written_.old_enabl)
-    PLACE(mirror_changed, Console, written_.mirror_changed)
+    PLACE(mirror_waits, Console, written_.mirror_waits)
     PLACE(ark, Console, written_.ark)
     PLACE(modes, Console, modes_)
     PLACE(watches_tia, Console, watches_tia_)

@@ -114,6 +114,7 @@ class Translator {
     void keep(Reg value);
     void wait_for_line();
     void whole_lines(Reg cycles);
+    void cycle_in_line(Reg to, int32_t later);
 
     // What an instruction does aside of the likely way: its handler is called, and then it goes on behind itself, or, where
     // that is a jump, wherever it says.

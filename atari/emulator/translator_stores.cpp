@@ -93,14 +93,18 @@ bool Translator::emit_tia_store(Reg value) {
         }
         case Operand::Ctrlpf: {
             a_.load8(r9, written(reg));
-            a_.load8(r10, in_console(Places::mirror_changed()));
+            a_.load8(r10, in_console(Places::mirror_waits()));
             a_.alu(Alu::xor_, r9, value);
             a_.alu(Alu::or_, r9, r10);  // bit 0 is the mirroring
             const std::size_t same = a_.jump_short(If::zero);
             a_.store8(written(reg), value);
-            a_.move(r10, r9);
-            a_.alu(Alu::and_, r10, 1);
-            a_.store8(in_console(Places::mirror_changed()), r10);
+            a_.test(r9, uint32_t{1});
+            const std::size_t kept = a_.jump_short(If::zero);
+            cycle_in_line(r10, 0);
+            a_.alu(Alu::cmp, r10, int32_t{kMirrorsAtOnce});
+            a_.set(If::not_below, r10);
+            a_.store8(in_console(Places::mirror_waits()), r10);
+            a_.bind_short(kept);
             keep(value);
             a_.test(r9, uint32_t{0x31});
             const std::size_t shows = a_.jump_short(If::not_zero);
@@ -162,6 +166,15 @@ void Translator::whole_lines(Reg cycles) {
     a_.multiply(cycles, cycles, 76);
 }
 
+// The place in its line of a cycle so much later than that in r8. Uses r11.
+void Translator::cycle_in_line(Reg to, int32_t later) {
+    a_.address(to, Mem{r8, later});
+    a_.alu(Alu::sub, to, in_console(Places::first_cycle()));
+    a_.move(r11, to);
+    whole_lines(r11);
+    a_.alu(Alu::sub, to, r11);
+}
+
 // GRP0 and GRP1 also renew the delayed copy of the other, and GRP1 that of ENABL.
 void Translator::write_graphics(Reg value) {
     const bool first = given_ == GRP0;
@@ -202,11 +215,7 @@ void Translator::write_hmove() {
     a_.alu(Alu::or_, r11, r10);
     a_.test(r11, 0xf0f0f0f0u);
     const std::size_t moves = a_.jump_short(If::not_zero);
-    a_.address(r11, Mem{r8, 1});
-    a_.alu(Alu::sub, r11, in_console(Places::first_cycle()));
-    a_.move(r10, r11);
-    whole_lines(r11);
-    a_.alu(Alu::sub, r10, r11);
+    cycle_in_line(r10, 1);
     a_.alu(Alu::cmp, r10, 4);
     a_.move(r10, uint32_t{0});
     const std::size_t late = a_.jump_short(If::above);

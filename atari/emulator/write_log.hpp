@@ -33,6 +33,9 @@ inline constexpr uint64_t kLooks = kPlayfieldRegisters | set_of({GRP0, GRP1, REF
 // Later writes build on what others do, so these act in any case.
 inline constexpr uint64_t kAlwaysActing = ~(kLooks | set_of({COLUP0, COLUP1, COLUPF, COLUBK, STILL, PRIORITY}));
 
+// Before this cycle of a line a write to CTRLPF mirrors the playfield at once; later on the line's end does.
+inline constexpr uint32_t kMirrorsAtOnce = 49;
+
 // The clock at which a write shows.
 inline int32_t shown_at(const Write& write, uint32_t first_cycle) {
     return static_cast<int32_t>(3 * write.cycle + kDelays[write.reg][(write.cycle - first_cycle) & 3]);
