@@ -161,10 +161,16 @@ void LineCache::begin_line(Drawing& d) {
 
 void LineCache::draw_line(Drawing& d) {
     begin_line(d);
+    const int row = d.line - config_.first_line;
+    const uint32_t shown = row >= 0 && looks_[d.line] == frame_ ? shown_[d.picture][row] : 0;
+    const uint8_t* const pixels = d.pixels + kScreenWidth * std::max(row, 0);
+    uint8_t before[kScreenWidth];
+    if (shown) std::memcpy(before, pixels, sizeof before);
     if (repeats_line_above(d)) d.beam.repeat_row();
     else d.next = d.beam.draw_line(d.next, d.end, line_clock(d.line + 1));
     involved_[d.line] = static_cast<uint8_t>(d.beam.involved());
-    const int row = d.line - config_.first_line;
+    // Most lines that are written otherwise look as before: what is made of their rows need not be made again.
+    if (shown && agree<sizeof before>(before, pixels)) looks_[d.line] = shown;
     if (row >= 0) shown_[d.picture][row] = looks_[d.line];
     ++d.line;
     // A write at the line's end may show in the next line. If that begins with a blank, part of its row is black by now.
