@@ -289,21 +289,21 @@ def pool_gray(
     late: numpy.typing.NDArray[numpy.uint8],
     table: numpy.typing.NDArray[numpy.uint8],
     way: int | None = None,
-) -> tuple[numpy.typing.NDArray[numpy.uint8], numpy.typing.NDArray[numpy.uint8]]:
+) -> tuple[numpy.typing.NDArray[numpy.uint8], list[int]]:
     """
     The brighter of two pictures, (rows, 160) palette indices, by a table of 256 grays, or what a table of 65,536
-    has for early * 256 + late; and for each row whether it repeats the one above.
+    has for early * 256 + late; and for each row bit k if columns 8k .. 8k+7 differ from the row above.
     """
 
 def resize_area(
     picture: numpy.typing.NDArray[numpy.uint8],
     height: int,
     width: int,
-    repeats: numpy.typing.NDArray[numpy.uint8] | None = None,
+    changes: Sequence[int] | None = None,
     way: int | None = None,
 ) -> numpy.typing.NDArray[numpy.uint8]:
     """
-    A gray picture, (rows, 160), scaled down as by OpenCV's INTER_AREA. `repeats` as from `pool_gray`.
+    A gray picture, (rows, 160), scaled down as by OpenCV's INTER_AREA. `changes` as from `pool_gray`.
     Raises ValueError if the size is not served.
     """
 

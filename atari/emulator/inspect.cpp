@@ -7,6 +7,7 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <array>
@@ -266,25 +267,28 @@ Way way_of(std::optional<int> number) {
     return static_cast<Way>(*number);
 }
 
-std::pair<Array, Array> pooled(Picture early, Picture late, Bytes table, std::optional<int> way) {
+std::pair<Array, std::vector<uint32_t>> pooled(Picture early, Picture late, Bytes table, std::optional<int> way) {
     const size_t rows = early.shape(0);
     const bool pairs = table.shape(0) == 65536;
     if (rows < 1 || rows > kFrameRows || late.shape(0) != rows || (table.shape(0) != 256 && !pairs))
         throw nb::value_error("two pictures of the same 1..300 rows and a table of 256 or 65536 are needed");
-    std::vector<uint8_t> gray(early.size()), repeats(rows);
+    std::vector<uint8_t> gray(early.size());
+    std::vector<uint32_t> changes(rows);
     const auto pool = pairs ? pool_pairs : pool_gray;
-    pool(early.data(), late.data(), static_cast<int>(rows), table.data(), gray.data(), repeats.data(), way_of(way));
-    return {as_array(gray.data(), {rows, kScreenWidth}), as_array(repeats.data(), {rows})};
+    pool(early.data(), late.data(), static_cast<int>(rows), table.data(), gray.data(), changes.data(), way_of(way));
+    return {as_array(gray.data(), {rows, kScreenWidth}), std::move(changes)};
 }
 
-Array resized(Picture picture, int height, int width, std::optional<Bytes> repeats, std::optional<int> way) {
+Array resized(Picture picture, int height, int width, const std::optional<std::vector<uint32_t>>& changes, std::optional<int> way) {
     const size_t rows = picture.shape(0);
     if (rows < 1 || rows > kFrameRows) throw nb::value_error("a picture has 1..300 rows");
-    if (repeats && repeats->shape(0) != rows) throw nb::value_error("`repeats` has an entry for each row");
+    if (changes && changes->size() != rows) throw nb::value_error("`changes` has an entry for each row");
+    for (size_t row = 0; changes && row < rows; ++row)
+        if ((*changes)[row] >> kScreenWidth / 8) throw nb::value_error("`changes` has 20 bits for each row");
     const AreaResize resize(static_cast<int>(rows), height, width, way_of(way));
     const size_t extents[2] = {static_cast<size_t>(height), static_cast<size_t>(width)};
     std::vector<uint8_t> small(extents[0] * extents[1]);
-    resize(picture.data(), repeats ? repeats->data() : nullptr, small.data());
+    resize(picture.data(), changes ? changes->data() : nullptr, small.data());
     return as_array(small.data(), {extents[0], extents[1]});
 }
 
@@ -387,14 +391,14 @@ void register_inspection(nb::module_& m) {
     m.def("pool_gray", &pooled, "early"_a, "late"_a, "table"_a, "way"_a = nb::none(),
           nb::sig("def pool_gray(early: numpy.typing.NDArray[numpy.uint8], late: numpy.typing.NDArray[numpy.uint8], "
                   "table: numpy.typing.NDArray[numpy.uint8], way: int | None = None) -> "
-                  "tuple[numpy.typing.NDArray[numpy.uint8], numpy.typing.NDArray[numpy.uint8]]"),
+                  "tuple[numpy.typing.NDArray[numpy.uint8], list[int]]"),
           "The brighter of two pictures, (rows, 160) palette indices, by a table of 256 grays, or what a table of 65,536\n"
-          "has for early * 256 + late; and for each row whether it repeats the one above.");
-    m.def("resize_area", &resized, "picture"_a, "height"_a, "width"_a, "repeats"_a = nb::none(), "way"_a = nb::none(),
+          "has for early * 256 + late; and for each row bit k if columns 8k .. 8k+7 differ from the row above.");
+    m.def("resize_area", &resized, "picture"_a, "height"_a, "width"_a, "changes"_a = nb::none(), "way"_a = nb::none(),
           nb::sig("def resize_area(picture: numpy.typing.NDArray[numpy.uint8], height: int, width: int, "
-                  "repeats: numpy.typing.NDArray[numpy.uint8] | None = None, way: int | None = None) -> "
+                  "changes: collections.abc.Sequence[int] | None = None, way: int | None = None) -> "
                   "numpy.typing.NDArray[numpy.uint8]"),
-          "A gray picture, (rows, 160), scaled down as by OpenCV's INTER_AREA. `repeats` as from `pool_gray`.\n"
+          "A gray picture, (rows, 160), scaled down as by OpenCV's INTER_AREA. `changes` as from `pool_gray`.\n"
           "Raises ValueError if the size is not served.");
 }
 

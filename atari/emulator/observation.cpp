@@ -59,16 +59,16 @@ void pair_eight(const uint8_t* early, const uint8_t* late, const uint8_t* table,
         std::memset(out, table[early[0] << 8 | late[0]], 8);
 }
 
-template <auto changes, auto eight>
+template <auto changes_of, auto eight>
 INLINED void pool(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
-                  uint8_t* repeats) {
+                  uint32_t* changes) {
     for (int row = 0; row < rows; ++row) {
         uint32_t left = kWholeRow;
         if (row > 0) {
-            left = changes(early, late);
+            left = changes_of(early, late);
             std::memcpy(out, out - kScreenWidth, kScreenWidth);
         }
-        repeats[row] = left == 0;
+        changes[row] = left;
         for (; left != 0; left &= left - 1) {
             const int column = 8 * std::countr_zero(left);
             eight(early + column, late + column, table, out + column);
@@ -154,19 +154,21 @@ WIDER inline void store_row(uint8_t* to, const WideRow& row) {
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(to + 128), _mm512_castsi512_si256(row.part[2]));
 }
 
-WIDER inline bool same_row(const WideRow& a, const WideRow& b) {
-    const __mmask64 rest = _mm512_mask_cmpneq_epi8_mask(0xffffffff, a.part[2], b.part[2]);
-    return (_mm512_cmpneq_epi8_mask(a.part[0], b.part[0]) | _mm512_cmpneq_epi8_mask(a.part[1], b.part[1]) | rest) == 0;
+WIDER inline uint32_t changes_wider(const WideRow& a, const WideRow& b) {
+    uint32_t changes = 0;
+    for (int part = 0; part < 3; ++part)
+        changes |= uint32_t{_mm512_cmpneq_epi64_mask(a.part[part], b.part[part])} << (8 * part);
+    return changes & kWholeRow;  // the last part is half a one
 }
 
 WIDER void pool_wider(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
-                      uint8_t* repeats) {
+                      uint32_t* changes) {
     const WideTable grays = wide_table(table);
     WideRow early_above{}, late_above{}, pooled{};
     for (int row = 0; row < rows; ++row, early += kScreenWidth, late += kScreenWidth, out += kScreenWidth) {
         const WideRow early_row = load_row(early), late_row = load_row(late);
-        repeats[row] = row > 0 && same_row(early_row, early_above) && same_row(late_row, late_above);
-        if (!repeats[row])
+        changes[row] = row > 0 ? changes_wider(early_row, early_above) | changes_wider(late_row, late_above) : kWholeRow;
+        if (changes[row])
             for (int part = 0; part < 3; ++part)
                 pooled.part[part] = _mm512_max_epu8(look_up(grays, early_row.part[part]), look_up(grays, late_row.part[part]));
         store_row(out, pooled);
@@ -176,33 +178,33 @@ WIDER void pool_wider(const uint8_t* early, const uint8_t* late, int rows, const
 }
 
 WIDE void pool_wide(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
-                    uint8_t* repeats) {
-    pool<changes_wide, pool_eight>(early, late, rows, table, out, repeats);
+                    uint32_t* changes) {
+    pool<changes_wide, pool_eight>(early, late, rows, table, out, changes);
 }
 
 WIDE void pair_wide(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
-                    uint8_t* repeats) {
-    pool<changes_wide, pair_eight>(early, late, rows, table, out, repeats);
+                    uint32_t* changes) {
+    pool<changes_wide, pair_eight>(early, late, rows, table, out, changes);
 }
 #endif
 
 }  // namespace
 
 void pool_gray(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
-               uint8_t* repeats, [[maybe_unused]] Way way) {
+               uint32_t* changes, [[maybe_unused]] Way way) {
 #if ATARI_WIDE
-    if (way == Way::kWider) return pool_wider(early, late, rows, table, out, repeats);
-    if (way == Way::kWide) return pool_wide(early, late, rows, table, out, repeats);
+    if (way == Way::kWider) return pool_wider(early, late, rows, table, out, changes);
+    if (way == Way::kWide) return pool_wide(early, late, rows, table, out, changes);
 #endif
-    pool<changes_plain, pool_eight>(early, late, rows, table, out, repeats);
+    pool<changes_plain, pool_eight>(early, late, rows, table, out, changes);
 }
 
 void pool_pairs(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
-                uint8_t* repeats, [[maybe_unused]] Way way) {
+                uint32_t* changes, [[maybe_unused]] Way way) {
 #if ATARI_WIDE
-    if (way != Way::kPlain) return pair_wide(early, late, rows, table, out, repeats);
+    if (way != Way::kPlain) return pair_wide(early, late, rows, table, out, changes);
 #endif
-    pool<changes_plain, pair_eight>(early, late, rows, table, out, repeats);
+    pool<changes_plain, pair_eight>(early, late, rows, table, out, changes);
 }
 
 AreaResize::AreaResize(int rows, int height, int width, Way way)
@@ -255,6 +257,10 @@ void AreaResize::make_windows(const std::vector<Tap>& across) {
     }
     Taps unused{};
     std::fill_n(unused.pixel, 16, 0x80808080u);
+    for (size_t k = 0; k < windows_.size(); ++k) {
+        const int last = std::min(windows_[k].source + reach, kScreenWidth) - 1;
+        for (int column = windows_[k].source / 8; column <= last / 8; ++column) windows_with_[column] |= 1u << k;
+    }
     across_.assign(windows_.size() * static_cast<size_t>(depth_), unused);
     Taps* place = across_.data();
     for (const Window& window : windows_) {
@@ -271,21 +277,31 @@ void AreaResize::make_windows(const std::vector<Tap>& across) {
     }
 }
 
-// Each row's results are made once, and then go into the sums of the one or two rows below that have a share in it.
+// The windows that reach into columns which have changed.
+INLINED uint32_t AreaResize::changed_windows(uint32_t changes) const {
+    uint32_t windows = 0;
+    for (; changes != 0; changes &= changes - 1) windows |= windows_with_[std::countr_zero(changes)];
+    return windows;
+}
+
+// Each row's results are made once, where they change, and then go into the sums of the one or two rows below that have a share in it.
 template <auto across, int lanes>
-INLINED void AreaResize::run(const uint8_t* picture, const uint8_t* repeats, uint8_t* out, int first, int last) const {
+INLINED void AreaResize::run(const uint8_t* picture, const uint32_t* changes, uint8_t* out, int first, int last) const {
     float line[kMostResults], sum[kMostResults];
     uint8_t bytes[kMostResults];
     const Window* const windows = windows_.data();
     const Taps* const taps = across_.data();
     const int count = static_cast<int>(windows_.size()), depth = depth_;
+    const uint32_t all = (1u << count) - 1;
     int row = sources(first).first - 1;  // that `line` is of
     for (size_t i = first_taps_[static_cast<size_t>(first)]; i < down_.size() && down_[i].result < last; ++i) {
         const Tap& tap = down_[i];
         while (row < tap.source) {
-            if (++row > 0 && repeats && repeats[row]) continue;
-            const uint8_t* const pixels = picture + kScreenWidth * row;
-            for (int k = 0; k < count; ++k) across(pixels + windows[k].source, taps + depth * k, depth, line + lanes * k);
+            const uint8_t* const pixels = picture + kScreenWidth * ++row;
+            for (uint32_t left = changes ? changed_windows(changes[row]) : all; left != 0; left &= left - 1) {
+                const int k = std::countr_zero(left);
+                across(pixels + windows[k].source, taps + depth * k, depth, line + lanes * k);
+            }
         }
         if (tap.first) scale(line, tap.weight, lanes * count, sum);
         else add(line, tap.weight, lanes * count, sum);
@@ -301,23 +317,23 @@ INLINED void AreaResize::run(const uint8_t* picture, const uint8_t* repeats, uin
 }
 
 #if ATARI_WIDE
-WIDE void AreaResize::run_wide(const uint8_t* picture, const uint8_t* repeats, uint8_t* out, int first,
+WIDE void AreaResize::run_wide(const uint8_t* picture, const uint32_t* changes, uint8_t* out, int first,
                                int last) const {
-    run<across_wide, lanes_of(Way::kWide)>(picture, repeats, out, first, last);
+    run<across_wide, lanes_of(Way::kWide)>(picture, changes, out, first, last);
 }
 
-WIDER void AreaResize::run_wider(const uint8_t* picture, const uint8_t* repeats, uint8_t* out, int first,
+WIDER void AreaResize::run_wider(const uint8_t* picture, const uint32_t* changes, uint8_t* out, int first,
                                  int last) const {
-    run<across_wider, lanes_of(Way::kWider)>(picture, repeats, out, first, last);
+    run<across_wider, lanes_of(Way::kWider)>(picture, changes, out, first, last);
 }
 #endif
 
-void AreaResize::make_rows(const uint8_t* picture, const uint8_t* repeats, uint8_t* out, int first, int last) const {
+void AreaResize::make_rows(const uint8_t* picture, const uint32_t* changes, uint8_t* out, int first, int last) const {
 #if ATARI_WIDE
-    if (way_ == Way::kWider) return run_wider(picture, repeats, out, first, last);
-    if (way_ == Way::kWide) return run_wide(picture, repeats, out, first, last);
+    if (way_ == Way::kWider) return run_wider(picture, changes, out, first, last);
+    if (way_ == Way::kWide) return run_wide(picture, changes, out, first, last);
 #endif
-    run<across_plain, lanes_of(Way::kPlain)>(picture, repeats, out, first, last);
+    run<across_plain, lanes_of(Way::kPlain)>(picture, changes, out, first, last);
 }
 
 }  // namespace atari

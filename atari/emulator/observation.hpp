@@ -1,7 +1,7 @@
 // What a deep Q-network sees (Mnih et al. 2015): the maximum of two frames in gray, made small.
 //
 // In pictures of games most rows repeat the row above, and the others differ from it in a few places only. `pool_gray`
-// looks colours up where something differs, and tells `AreaResize` which rows it need not look at.
+// looks colours up where something differs, and tells `AreaResize` which parts of rows it need not look at.
 //
 // A `Way` other than the best is for tests: results are the same.
 #pragma once
@@ -15,14 +15,14 @@
 
 namespace atari {
 
-// The brighter of two pictures of palette indices, rows x 160, in the gray values of `table` (256). `repeats` (rows) is
-// set to 1 for each row that is the row above once more, else to 0; the first row is not.
+// The brighter of two pictures of palette indices, rows x 160, in the gray values of `table` (256). Bit k of `changes`
+// (rows) says whether either picture differs from the row above in columns 8k .. 8k+7; for the first row all are set.
 void pool_gray(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
-               uint8_t* repeats, Way way = best_way());
+               uint32_t* changes, Way way = best_way());
 
 // The same where not the brighter gray counts: `table` has 65,536 values, of early * 256 + late.
 void pool_pairs(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
-                uint8_t* repeats, Way way = best_way());
+                uint32_t* changes, Way way = best_way());
 
 // Scales a gray picture, rows x 160, down to height x width. A result is the mean of the area that it covers, equal to
 // OpenCV's INTER_AREA in every byte. Immutable; threads may share one.
@@ -38,14 +38,14 @@ class AreaResize {
     int height() const { return height_; }
     int width() const { return width_; }
 
-    // `repeats` as pool_gray tells it; null takes every row for a new one.
-    void operator()(const uint8_t* picture, const uint8_t* repeats, uint8_t* out) const {
-        make_rows(picture, repeats, out, 0, height_);
+    // `changes` as pool_gray tells them; null takes every row for a new one.
+    void operator()(const uint8_t* picture, const uint32_t* changes, uint8_t* out) const {
+        make_rows(picture, changes, out, 0, height_);
     }
 
     // Rows first .. last-1 of the result. They depend on the picture's rows from `sources(first).first` to
-    // `sources(last - 1).last`; if there is `repeats`, it is 0 for the first of these.
-    void make_rows(const uint8_t* picture, const uint8_t* repeats, uint8_t* out, int first, int last) const;
+    // `sources(last - 1).last`; if there are `changes`, all are set for the first of these.
+    void make_rows(const uint8_t* picture, const uint32_t* changes, uint8_t* out, int first, int last) const;
 
     struct Sources {
         int first, last;
@@ -72,17 +72,19 @@ class AreaResize {
 
     static std::vector<Tap> taps(int source, int target);
     void make_windows(const std::vector<Tap>& across);
+    uint32_t changed_windows(uint32_t changes) const;
     template <auto across, int lanes>
-    void run(const uint8_t* picture, const uint8_t* repeats, uint8_t* out, int first, int last) const;
-    void run_wide(const uint8_t* picture, const uint8_t* repeats, uint8_t* out, int first, int last) const;
-    void run_wider(const uint8_t* picture, const uint8_t* repeats, uint8_t* out, int first, int last) const;
+    void run(const uint8_t* picture, const uint32_t* changes, uint8_t* out, int first, int last) const;
+    void run_wide(const uint8_t* picture, const uint32_t* changes, uint8_t* out, int first, int last) const;
+    void run_wider(const uint8_t* picture, const uint32_t* changes, uint8_t* out, int first, int last) const;
 
     int rows_, height_, width_;
     Way way_;
     std::vector<Tap> down_;  // ordered by source, and so by result
     std::vector<Sources> sources_;
     std::vector<size_t> first_taps_;  // of each result, in down_
-    std::vector<Window> windows_;
+    std::vector<Window> windows_;     // 21 at most
+    uint32_t windows_with_[kScreenWidth / 8] = {};  // those that reach into columns 8k .. 8k+7, a bit each
     std::vector<Taps> across_;  // depth_ for each window
     int depth_ = 0;             // the most taps that a result has in its row
 };

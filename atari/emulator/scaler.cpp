@@ -18,8 +18,8 @@ Scaler::Scaler(int rows, int height, int width) : rows_(rows), height_(height), 
     resize_.emplace(rows, height, width);
 }
 
-void Scaler::operator()(const uint8_t* picture, const uint8_t* repeats, uint8_t* out) const {
-    if (resize_) (*resize_)(picture, repeats, out);
+void Scaler::operator()(const uint8_t* picture, const uint32_t* changes, uint8_t* out) const {
+    if (resize_) (*resize_)(picture, changes, out);
     else if (height_ == rows_ && width_ == kScreenWidth) std::memcpy(out, picture, static_cast<size_t>(rows_) * kScreenWidth);
     else sum_blocks(picture, out);
 }

@@ -16,8 +16,8 @@ class Scaler {
     // 11 without dividing it.
     Scaler(int rows, int height, int width);
 
-    // `repeats` as `pool_gray` tells it; null takes every row for a new one.
-    void operator()(const uint8_t* picture, const uint8_t* repeats, uint8_t* out) const;
+    // `changes` as `pool_gray` tells them; null takes every row for a new one.
+    void operator()(const uint8_t* picture, const uint32_t* changes, uint8_t* out) const;
 
     // What can make single rows of the result, or null.
     const AreaResize* by_rows() const { return resize_ ? &*resize_ : nullptr; }

@@ -10,8 +10,9 @@ namespace atari {
 namespace {
 
 // A thread's own, for what is done with at once. So environments have no such memory each.
-uint8_t* working_memory(size_t size) {
-    thread_local std::vector<uint8_t> memory;
+template <typename Value>
+Value* working_memory(size_t size) {
+    thread_local std::vector<Value> memory;
     if (memory.size() < size) memory.resize(size);
     return memory.data();
 }
@@ -100,18 +101,19 @@ void View::show(Frame early, Frame late) {
         show_changes(early, late, *resize);
     } else {
         const size_t rows = static_cast<size_t>(planes_ * environment_.height());
-        uint8_t* const repeats = working_memory(rows * (1 + kScreenWidth));
-        pool_all(early, late, repeats + rows, repeats);
-        push(repeats + rows, repeats);
+        auto* const pooled = working_memory<uint8_t>(rows * kScreenWidth);
+        auto* const changes = working_memory<uint32_t>(rows);
+        pool_all(early, late, pooled, changes);
+        push(pooled, changes);
     }
     if (pools_again_) remember(early, late);
 }
 
-// All planes of a picture, of which `repeats` tells which rows are the row above.
-void View::pool_all(Frame early, Frame late, uint8_t* out, uint8_t* repeats) const {
+// All planes of a picture, with what changes from row to row.
+void View::pool_all(Frame early, Frame late, uint8_t* out, uint32_t* changes) const {
     const int height = environment_.height();
-    for (int plane = 0; plane < planes_; ++plane, out += plane_size(), repeats += height)
-        pool_plane(early, late, plane, 0, height, out, repeats);
+    for (int plane = 0; plane < planes_; ++plane, out += plane_size(), changes += height)
+        pool_plane(early, late, plane, 0, height, out, changes);
 }
 
 // What the last picture was made of, in place of what the one before was.
@@ -120,8 +122,7 @@ void View::remember(Frame early, Frame late) {
     last_[1] = late.picture;
     if (early.picture >= 0) return environment_.console().pictures().hold();
     pooled_.resize(pooled_size());
-    std::vector<uint8_t> repeats(pooled_size() / kScreenWidth);
-    pool_all(early, late, pooled_.data(), repeats.data());
+    pool_all(early, late, pooled_.data(), working_memory<uint32_t>(pooled_size() / kScreenWidth));
 }
 
 // Before the pictures that the next one is made of are drawn.
@@ -139,8 +140,8 @@ void View::pool_last(uint8_t* out) const {
         std::fill_n(out, pooled_size(), uint8_t{0});
     } else {
         const Pictures& pictures = environment_.console().pictures();
-        std::vector<uint8_t> repeats(pooled_size() / kScreenWidth);
-        pool_all({pictures.held(last_[0]), nullptr}, {pictures.held(last_[1]), nullptr}, out, repeats.data());
+        auto* const changes = working_memory<uint32_t>(pooled_size() / kScreenWidth);
+        pool_all({pictures.held(last_[0]), nullptr}, {pictures.held(last_[1]), nullptr}, out, changes);
     }
 }
 
@@ -148,9 +149,9 @@ void View::pool_last(uint8_t* out) const {
 // (tests/vector/test_equals_ale_py.py and test_presets.py compare every byte)
 void View::show_changes(Frame early, Frame late, const AreaResize& resize) {
     const int height = environment_.height(), results = settings_.height;
-    uint8_t* const changed = working_memory(2 * static_cast<size_t>(height) + plane_size());
-    uint8_t* const repeats = changed + height;
-    uint8_t* const pooled = repeats + height;
+    auto* const changed = working_memory<uint8_t>(static_cast<size_t>(height) + plane_size());
+    uint8_t* const pooled = changed + height;
+    auto* const changes = working_memory<uint32_t>(static_cast<size_t>(height));
     looks_.resize(static_cast<size_t>(height));
     for (int row = 0; row < height; ++row) {
         RowLooks& known = looks_[static_cast<size_t>(row)];
@@ -170,8 +171,8 @@ void View::show_changes(Frame early, Frame late, const AreaResize& resize) {
         for (end = first + 1; end < results && is_new(end) == make;) ++end;
         if (make) {
             const int from = resize.sources(first).first, count = resize.sources(end - 1).last + 1 - from;
-            pool_plane(early, late, 0, from, count, pooled, repeats);
-            resize.make_rows(pooled, repeats, place, first, end);
+            pool_plane(early, late, 0, from, count, pooled, changes);
+            resize.make_rows(pooled, changes, place, first, end);
         } else if (place != before) {
             const size_t offset = width * static_cast<size_t>(first), size = width * static_cast<size_t>(end - first);
             std::memcpy(place + offset, before + offset, size);
@@ -179,11 +180,11 @@ void View::show_changes(Frame early, Frame late, const AreaResize& resize) {
     }
 }
 
-// Rows first .. first+count-1 of a plane, in their places of `out` and `repeats`.
-void View::pool_plane(Frame early, Frame late, int plane, int first, int count, uint8_t* out, uint8_t* repeats) const {
+// Rows first .. first+count-1 of a plane, in their places of `out` and `changes`.
+void View::pool_plane(Frame early, Frame late, int plane, int first, int count, uint8_t* out, uint32_t* changes) const {
     const auto offset = kScreenWidth * first;
     const auto pooling = [&](auto function) {
-        function(early.pixels + offset, late.pixels + offset, count, tables_[plane], out + offset, repeats + first);
+        function(early.pixels + offset, late.pixels + offset, count, tables_[plane], out + offset, changes + first);
     };
     if (settings_.pixels == Pixels::kGrayOfRgb) pooling([](auto... arguments) { pool_pairs(arguments...); });
     else pooling([](auto... arguments) { pool_gray(arguments...); });
@@ -198,7 +199,7 @@ void View::show_in_colour(Frame early, Frame late) {
 // The brighter of a frame and of the colours that are there.
 void View::pool_colours(Frame frame, uint8_t* colours) const {
     const size_t size = picture_size_;
-    uint8_t* const others = working_memory(size);
+    auto* const others = working_memory<uint8_t>(size);
     to_rgb(frame.pixels, environment_.height(), *environment_.game()->palette, others);
     for (size_t i = 0; i < size; ++i) colours[i] = std::max(colours[i], others[i]);
 }
@@ -212,9 +213,8 @@ void View::show_with_last() {
     const Frame frame = early();
     std::vector<uint8_t> pooled(pooled_size());
     pool_last(pooled.data());
-    uint8_t* const repeats = working_memory(pooled.size() + pooled.size() / kScreenWidth);
-    uint8_t* const others = repeats + pooled.size() / kScreenWidth;
-    pool_all(frame, frame, others, repeats);
+    auto* const others = working_memory<uint8_t>(pooled.size());
+    pool_all(frame, frame, others, working_memory<uint32_t>(pooled.size() / kScreenWidth));
     for (size_t i = 0; i < pooled.size(); ++i) pooled[i] = std::max(pooled[i], others[i]);
     push(pooled.data(), nullptr);
     forget_last();
@@ -227,14 +227,14 @@ uint8_t* View::next_place() {
     return ring_.data() + picture_size_ * static_cast<size_t>(newest_);
 }
 
-// `repeats` tells of each row of each plane whether it is the one above again; null if that is not known.
-void View::push(const uint8_t* pooled, const uint8_t* repeats) {
+// `changes` are those of each row of each plane; null if they are not known.
+void View::push(const uint8_t* pooled, const uint32_t* changes) {
     uint8_t* const place = next_place();
-    if (planes_ == 1) return (*scaler_)(pooled, repeats, place);
+    if (planes_ == 1) return (*scaler_)(pooled, changes, place);
     const size_t count = picture_size_ / 3;
     std::vector<uint8_t> small(count);
     for (int k = 0; k < 3; ++k, pooled += plane_size()) {
-        (*scaler_)(pooled, repeats ? repeats + environment_.height() * k : nullptr, small.data());
+        (*scaler_)(pooled, changes ? changes + environment_.height() * k : nullptr, small.data());
         for (size_t i = 0; i < count; ++i) place[3 * i + static_cast<size_t>(k)] = small[i];
     }
 }

@@ -62,10 +62,10 @@ class View {
     void remember(Frame early, Frame late);
     void forget_last();
     void pool_last(uint8_t* out) const;
-    void pool_all(Frame early, Frame late, uint8_t* out, uint8_t* repeats) const;
+    void pool_all(Frame early, Frame late, uint8_t* out, uint32_t* changes) const;
     size_t pooled_size() const { return pools_again_ ? static_cast<size_t>(planes_) * plane_size() : 0; }
-    void pool_plane(Frame early, Frame late, int plane, int first, int count, uint8_t* out, uint8_t* repeats) const;
-    void push(const uint8_t* pooled, const uint8_t* repeats);
+    void pool_plane(Frame early, Frame late, int plane, int first, int count, uint8_t* out, uint32_t* changes) const;
+    void push(const uint8_t* pooled, const uint32_t* changes);
     uint8_t* next_place();
     Frame early() {
         if (early_copied_) return {early_.data(), nullptr};

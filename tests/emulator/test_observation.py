@@ -15,6 +15,9 @@ GAMES = {210: "ms_pacman", 214: "carnival", 220: "pooyan", 230: "journey_escape"
 SIZES = [(84, 84), (64, 64), (96, 96), (42, 42), (110, 84), (84, 110), (100, 120), (13, 11), (1, 84), (200, 160)]
 """(height, width)."""
 
+WHOLE_ROW = (1 << 20) - 1
+"""What has changed, a bit for eight columns: all of them."""
+
 each_way = pytest.mark.parametrize("way", range(ways()))
 
 
@@ -31,6 +34,12 @@ def few_grays(rows: int, seed: int = 0) -> ByteArray:
     random = np.random.default_rng(seed)
     grays = random.integers(0, 256, random.integers(2, 7), dtype=np.uint8)
     return random.choice(grays, (rows, 160))
+
+
+def changes_of(early: ByteArray, late: ByteArray) -> list[int]:
+    differ = (early[1:] != early[:-1]) | (late[1:] != late[:-1])
+    changes: list[int] = (differ.reshape(-1, 20, 8).any(2) @ (1 << np.arange(20))).tolist()
+    return [WHOLE_ROW, *changes]
 
 
 def frames(game: str, count: int) -> Iterator[tuple[NativeCore, NativeCore]]:
@@ -79,23 +88,22 @@ def test_equals_opencv_at_every_size(way: int) -> None:
 @each_way
 @pytest.mark.parametrize("rows", GAMES)
 def test_games(rows: int, way: int) -> None:
-    """Two frames of a game, pooled and scaled, row for row and with the rows that repeat left out."""
+    """Two frames of a game, pooled and scaled, row for row and with what repeats the row above left out."""
     table = np.random.default_rng(2).integers(0, 256, 256, dtype=np.uint8)
     repeated = 0
     for cores in frames(GAMES[rows], 8):
         early, late = (core.screen() for core in cores)
         assert early.shape == (rows, 160)
         for first, second in ((early, late), (late, early), (late, late)):
-            gray, repeats = pool_gray(first, second, table, way=way)
+            gray, changes = pool_gray(first, second, table, way=way)
             expected = np.maximum(table[first], table[second])
             assert np.array_equal(gray, expected)
-            above = (first[1:] == first[:-1]).all(1) & (second[1:] == second[:-1]).all(1)
-            assert np.array_equal(repeats, [0, *above])
-            repeated += np.count_nonzero(above)
+            assert changes == changes_of(first, second)
+            repeated += changes.count(0)
             for height, width in ((84, 84), (64, 64)):
                 small = opencv(expected, height, width)
                 assert np.array_equal(resize_area(gray, height, width, way=way), small)
-                assert np.array_equal(resize_area(gray, height, width, repeats, way=way), small)
+                assert np.array_equal(resize_area(gray, height, width, changes, way=way), small)
     assert repeated > 100
 
 
@@ -113,16 +121,16 @@ def test_gray_of_games(way: int) -> None:
 
 @each_way
 def test_pooling_sees_every_pixel(way: int) -> None:
-    """One pixel that differs, in either picture, at any column."""
+    """One pixel that differs, in either picture, at any column; it is pooled, and told."""
     table = np.arange(256, dtype=np.uint8)
     for column in range(160):
         for which in (0, 1):
             pictures = np.full((2, 4, 160), 100, np.uint8)
             pictures[which, 2, column] = 200
             for pools in (table, np.maximum.outer(table, table).ravel()):
-                gray, repeats = pool_gray(pictures[0], pictures[1], pools, way=way)
+                gray, changes = pool_gray(pictures[0], pictures[1], pools, way=way)
                 assert np.array_equal(gray, pictures.max(0))
-                assert repeats.tolist() == [0, 1, 0, 0]
+                assert changes == [WHOLE_ROW, 0, 1 << column // 8, 1 << column // 8]
 
 
 @each_way
@@ -130,9 +138,9 @@ def test_pooling_sees_every_pixel(way: int) -> None:
 def test_pooling_of_noise(seed: int, way: int) -> None:
     table = np.random.default_rng(seed).permutation(256).astype(np.uint8)
     early, late = noise(210, seed), few_grays(210, seed)
-    gray, repeats = pool_gray(early, late, table, way=way)
+    gray, changes = pool_gray(early, late, table, way=way)
     assert np.array_equal(gray, np.maximum(table[early], table[late]))
-    assert not repeats.any()
+    assert changes == [WHOLE_ROW] * 210
 
 
 @each_way
@@ -144,20 +152,39 @@ def test_pairs_of_noise(seed: int, way: int) -> None:
     early, late = noise(210, seed)[np.arange(210) // 3], few_grays(210, seed)[np.arange(210) // 2]
     early[50:100] = rng.integers(0, 256, (50, 1))
     late[70:120] = rng.integers(0, 256, (50, 1))
-    gray, repeats = pool_gray(early, late, table, way=way)
+    gray, changes = pool_gray(early, late, table, way=way)
     assert np.array_equal(gray, table[early.astype(int) * 256 + late])
-    assert np.array_equal(repeats[1:], (early[1:] == early[:-1]).all(1) & (late[1:] == late[:-1]).all(1))
-    assert repeats.any()
-    assert not repeats.all()
+    assert changes == changes_of(early, late)
+    assert 0 in changes
 
 
 @each_way
 def test_a_row_told_to_repeat_is_not_looked_at(way: int) -> None:
     picture = noise(210)
-    repeats = np.random.default_rng(3).integers(0, 2, 210).astype(np.uint8)
-    repeats[0] = 0
-    source = np.maximum.accumulate(np.where(repeats, 0, np.arange(210)))
-    assert np.array_equal(resize_area(picture, 84, 84, repeats, way=way), opencv(picture[source], 84, 84))
+    changed = np.random.default_rng(3).integers(0, 2, 210)
+    changed[0] = 1
+    source = np.maximum.accumulate(np.where(changed, np.arange(210), 0))
+    changes = (changed * WHOLE_ROW).tolist()
+    assert np.array_equal(resize_area(picture, 84, 84, changes, way=way), opencv(picture[source], 84, 84))
+
+
+@each_way
+@pytest.mark.parametrize(("height", "width"), SIZES)
+def test_only_columns_told_to_change_need_to(height: int, width: int, way: int) -> None:
+    """Noise of which each row takes some blocks of eight columns from the row above."""
+    rng = np.random.default_rng(height + width)
+    picture = noise(210)
+    changed = rng.random((210, 20)) < rng.random((210, 1)) ** 2
+    for row in range(1, 210):
+        picture[row] = np.where(changed[row].repeat(8), picture[row], picture[row - 1])
+    changes = [WHOLE_ROW, *(changed[1:] @ (1 << np.arange(20))).tolist()]
+    assert np.array_equal(resize_area(picture, height, width, changes, way=way), opencv(picture, height, width))
+
+
+def test_changes_are_checked() -> None:
+    for changes in ([0] * 209, [WHOLE_ROW + 1] * 210):
+        with pytest.raises(ValueError, match="`changes` has"):
+            resize_area(noise(210), 84, 84, changes)
 
 
 @pytest.mark.parametrize(
