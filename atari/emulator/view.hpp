@@ -50,11 +50,11 @@ class View {
         const uint32_t* looks;
         int picture = -1;
     };
-    struct RowLooks {
-        uint32_t early, late;
-        bool operator==(const RowLooks&) const = default;
-    };
     void show(Frame early, Frame late);
+    void note_changes(Frame early, Frame late, uint8_t* changed);
+    void forget_looks() {
+        for (std::vector<uint32_t>& looks : looks_) looks.clear();
+    }
     void show_changes(Frame early, Frame late, const AreaResize& resize);
     void show_in_colour(Frame early, Frame late);
     void pool_colours(Frame frame, uint8_t* colours) const;
@@ -98,7 +98,7 @@ class View {
     std::vector<uint8_t> late_;          // for kBaselines: the last whole skip's last frame
     std::vector<uint8_t> early_;         // a frame that the console will not keep
     bool early_noted_ = false, early_copied_ = false;
-    std::vector<RowLooks> looks_;        // by row, of what the newest small picture was made of; zeros if not known
+    std::vector<uint32_t> looks_[2];     // by row, of both frames the newest small picture was made of; 0 if not known
     std::vector<uint8_t> ring_;          // of small pictures
     size_t picture_size_;
     int newest_ = 0;
