@@ -30,7 +30,8 @@ constexpr auto kObjectsIn = [] {
     for (unsigned latches = 0; latches < 256; ++latches)
         for (const Pair& pair : kPairs)
             for (unsigned high : {0u, 1u})
-                if (latches << 8 * high & pair.latch) table[high][latches] |= static_cast<uint8_t>(bit_of(pair.a) | bit_of(pair.b));
+                if (latches << 8 * high & pair.latch)
+                    table[high][latches] |= static_cast<uint8_t>(bit_of(pair.a) | bit_of(pair.b));
     return table;
 }();
 inline unsigned objects_in(unsigned latches) { return kObjectsIn[0][latches & 0xff] | kObjectsIn[1][latches >> 8]; }

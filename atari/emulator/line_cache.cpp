@@ -169,7 +169,7 @@ void LineCache::draw_line(Drawing& d) {
     if (repeats_line_above(d)) d.beam.repeat_row();
     else d.next = d.beam.draw_line(d.next, d.end, line_clock(d.line + 1));
     involved_[d.line] = static_cast<uint8_t>(d.beam.involved());
-    // Most lines that are written otherwise look as before: what is made of their rows need not be made again.
+    // Many lines that are written otherwise look as before: what is made of their rows need not be made again.
     if (shown && agree<sizeof before>(before, pixels)) looks_[d.line] = shown;
     if (row >= 0) shown_[d.picture][row] = looks_[d.line];
     ++d.line;

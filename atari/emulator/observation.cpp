@@ -284,7 +284,8 @@ INLINED uint32_t AreaResize::changed_windows(uint32_t changes) const {
     return windows;
 }
 
-// Each row's results are made once, where they change, and then go into the sums of the one or two rows below that have a share in it.
+// Each row's results are made once, where they change, and then go into the sums of the one or two rows below that have a
+// share in it.
 template <auto across, int lanes>
 INLINED void AreaResize::run(const uint8_t* picture, const uint32_t* changes, uint8_t* out, int first, int last) const {
     float line[kMostResults], sum[kMostResults];
