@@ -133,6 +133,9 @@ class Assembler {
     }
     void test_bit(Reg bits, Reg number) { code({0x0f, 0xa3}, number, bits); }
     void test_bit64(Reg bits, Reg number) { code({0x0f, 0xa3}, number, bits, true); }
+    void set8(If condition, Mem memory) {
+        code({0x0f, static_cast<uint8_t>(0x90 + static_cast<int>(condition))}, rax, memory);
+    }
     void set(If condition, Reg reg) {
         code({0x0f, static_cast<uint8_t>(0x90 + static_cast<int>(condition))}, rax, reg, false, true);
     }
@@ -173,8 +176,9 @@ class Assembler {
         put(static_cast<uint8_t>((to & 7) << 3 | 5));
         distance(label);
     }
-    void bind(Label& label) {
-        label.at = static_cast<int32_t>(size());
+    void bind(Label& label) { bind(label, static_cast<int32_t>(size())); }
+    void bind(Label& label, int32_t at) {
+        label.at = at;
         while (label.last_jump >= 0) {
             const int32_t jump = label.last_jump;
             std::memcpy(&label.last_jump, bytes_.data() + jump - 4, 4);

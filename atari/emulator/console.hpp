@@ -333,7 +333,7 @@ class Console {
     uint32_t first_cycle_ = 0;      // of line 0
     // `input_from` each port, in a frame that is run fast; nothing answers at the last two.
     uint64_t inputs_from_[8] = {0, 0, 0, 0, 0, 0, ~uint64_t{0}, ~uint64_t{0}};
-    uint8_t overflow_ = 0;          // V is bit 7
+    uint8_t overflow_ = 0;          // V is whether it is not 0
     uint8_t modes_ = 0;             // D and I as in the status, and its two bits that are always set
     Write* log_end_ = nullptr;
     Written written_{};

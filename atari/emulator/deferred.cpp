@@ -252,7 +252,7 @@ void Console::keep_write(uint8_t reg, uint8_t value) {
             w.old_enabl = w.reg[ENABL];
             break;
         case HMP0: case HMP1: case HMM0: case HMM1: case HMBL: {
-            const bool trick = w.reg[reg] >> 4 == 7 && value >> 4 == 6;
+            const bool trick = reg == HMM0 && w.reg[reg] >> 4 == 7 && value >> 4 == 6;
             w.reg[reg] = value;
             if (!trick) return;
             w.ark = true;

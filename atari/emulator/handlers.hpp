@@ -231,7 +231,7 @@ struct FastCpu {
         if constexpr (op == EOR) r.nz = r.a ^= o;
         if constexpr (op == BIT) {
             r.nz = (r.a & o) | (o & 0x80) << 1;
-            c.overflow_ = static_cast<uint8_t>(o << 1);
+            c.overflow_ = o & 0x40;
         }
         if constexpr (op == CMP || op == CPX || op == CPY) {
             const uint32_t reg = op == CMP ? r.a : op == CPX ? r.x : r.y;
@@ -242,7 +242,7 @@ struct FastCpu {
             // V: both terms have another sign than the sum. SBC adds o ^ 0xff: where A's sign is not the sum's, that one's
             // is not the sum's just where o's is not A's.
             const uint32_t sum = op == ADC ? r.a + r.carry + o : r.a + r.carry + 0xff - o;
-            c.overflow_ = static_cast<uint8_t>((r.a ^ sum) & (op == ADC ? o ^ sum : r.a ^ o));
+            c.overflow_ = (r.a ^ sum) & (op == ADC ? o ^ sum : r.a ^ o) & 0x80;
             r.carry = sum >> 8;
             r.nz = r.a = sum & 0xff;
         }
@@ -305,7 +305,7 @@ struct FastCpu {
                 keep(cycles, c, reg, value);
             }
         } else if constexpr (operand == Operand::Motion) {
-            if (w.reg[reg] >> 4 == 7 && byte >> 4 == 6) {  // perhaps Cosmic Ark's trick
+            if (reg == HMM0 && w.reg[reg] >> 4 == 7 && byte >> 4 == 6) {  // perhaps Cosmic Ark's trick
                 w.ark = true;
                 keep(cycles, c, reg, value);
             }
@@ -411,12 +411,12 @@ struct FastCpu {
     }
 
     INLINE static uint32_t status(const R& r, const Console& c) {
-        return ((r.nz | r.nz >> 1) & 0x80) | (c.overflow_ & 0x80u) >> 1 | c.modes_ | ((r.nz & 0xff) ? 0u : 2u) | r.carry;
+        return ((r.nz | r.nz >> 1) & 0x80) | (c.overflow_ ? 0x40u : 0u) | c.modes_ | ((r.nz & 0xff) ? 0u : 2u) | r.carry;
     }
 
     INLINE static void set_status(R& r, Console& c, uint32_t value) {
         r.nz = (value & 0x80) << 1 | ((value & 2) ? 0u : 1u);
-        c.overflow_ = static_cast<uint8_t>(value << 1);
+        c.overflow_ = value & 0x40;
         r.carry = value & 1;
         set_modes(c, (value & 8) != 0, (value & 4) != 0);
     }
@@ -519,8 +519,8 @@ struct FastCpu {
         else if constexpr (op == BEQ) return branch(r, c, !(r.nz & 0xff));
         else if constexpr (op == BCC) return branch(r, c, !r.carry);
         else if constexpr (op == BCS) return branch(r, c, r.carry);
-        else if constexpr (op == BVC) return branch(r, c, !(c.overflow_ & 0x80));
-        else if constexpr (op == BVS) return branch(r, c, c.overflow_ & 0x80);
+        else if constexpr (op == BVC) return branch(r, c, !c.overflow_);
+        else if constexpr (op == BVS) return branch(r, c, c.overflow_);
         else if constexpr (op == JMP && operand == Operand::Ind) return jump_indirect(r, c);
         else if constexpr (op == JMP) return go_to<operand>(r, c, 3);
         else if constexpr (op == JSR) return call<operand>(r, c);
@@ -547,7 +547,7 @@ struct FastCpu {
         r.y = cpu.y;
         r.nz = (cpu.z ? 0u : 1u) | (cpu.n ? 0x100u : 0u);
         r.carry = cpu.c ? 1 : 0;
-        c.overflow_ = cpu.v ? 0x80 : 0;
+        c.overflow_ = cpu.v;
         c.modes_ = static_cast<uint8_t>(0x30 | cpu.d << 3 | cpu.i << 2);
     }
 
@@ -560,7 +560,7 @@ struct FastCpu {
         cpu.n = (r.nz & 0x180) != 0;
         cpu.z = (r.nz & 0xff) == 0;
         cpu.c = r.carry != 0;
-        cpu.v = (c.overflow_ & 0x80) != 0;
+        cpu.v = c.overflow_ != 0;
     }
 };
 

@@ -20,7 +20,8 @@ constexpr bool kTranslates = false;
 
 Translator::Translator(const uint8_t* image, const std::vector<Record>& records)
     : image_(image), records_(records), size_(records.size() - 1), is_instruction_(size_ + 1), is_target_(size_ + 1),
-      handlers_(kHandlers), entries_(size_ + 1), begins_(size_ + 1, -1), missing_(size_ + 1) {}
+      handlers_(kHandlers), entries_(size_ + 1), begins_(size_ + 1, -1), missing_(size_ + 1),
+      assumes_(size_ + 1) {}
 
 std::vector<uint8_t> Translator::translate(std::size_t& enter) {
     find_instructions();
@@ -80,12 +81,15 @@ void Translator::reach(std::size_t first, std::vector<bool>& covered) {
 // Instructions one behind the other, as far as they have not been translated.
 void Translator::emit_run(std::size_t place) {
     pending_ = 0;
+    cleared_ = set_ = {};
     for (;;) {
         place_ = place;
-        if (is_target_[place]) add_pending();
+        if (is_target_[place]) {
+            add_pending();
+            cleared_ = set_ = {};
+        }
         begins_[place] = static_cast<int32_t>(a_.size());
         missing_[place] = static_cast<uint16_t>(pending_);
-        if (pending_ == 0) a_.bind(entries_[place]);
         const Kind kind = kind_of(records_[place]);
         operation_ = kind.operation;
         operand_ = kind.operand;
@@ -109,7 +113,7 @@ void Translator::go_to(std::size_t target, bool backward) {
     }
     if (backward) {
         a_.alu(Alu::cmp, kCycles, in_console(Places::cycle_limit()));
-        asides_.push_back({{}, Aside::kLimit, target, 0, 0, {}});
+        asides_.push_back({{}, Aside::kLimit, target, 0, 0, {}, {}});
         a_.jump(If::not_below, asides_.back().from);
     }
     a_.jump(entries_[target]);
@@ -127,9 +131,26 @@ void Translator::call_handler(std::size_t place) {
     a_.call(handlers_[record.handler == kLoop ? static_cast<uint16_t>(record.jump) : record.handler]);
 }
 
+// Those from here to the one that is being translated build on what the first of them has found.
+void Translator::assume_from(std::size_t place) {
+    for (; place <= place_; place = next_of(place)) assumes_[place] = true;
+}
+
+// Where an instruction builds on what those before it have done, its handler does it for who comes from elsewhere.
 void Translator::emit_entries() {
+    pending_ = 0;
     for (std::size_t place = 0; place < size_; ++place) {
-        if (!missing_[place]) continue;
+        if (begins_[place] < 0) continue;
+        if (assumes_[place]) {
+            a_.bind(entries_[place]);
+            call_handler(place);
+            go_to(next_of(place), false);
+            continue;
+        }
+        if (!missing_[place]) {
+            a_.bind(entries_[place], begins_[place]);
+            continue;
+        }
         a_.bind(entries_[place]);
         a_.alu(Alu::sub, kCycles, missing_[place]);
         Label begin{begins_[place]};
@@ -138,12 +159,12 @@ void Translator::emit_entries() {
 }
 
 void Translator::emit_asides() {
-    pending_ = 0;
     for (Aside& aside : asides_) {
         a_.bind(aside.from);
         if (aside.before) a_.alu(Alu::add, kCycles, aside.before);
         switch (aside.what) {
             case Aside::kHandler:
+                if (aside.nz) a_.move(kNz, *aside.nz);
                 call_handler(aside.place);
                 if (aside.after) a_.alu(Alu::sub, kCycles, aside.after);
                 a_.jump(aside.back);
@@ -281,16 +302,16 @@ void Translator::emit_push_status(Label& slow) {
     a_.shift(Shift::right, r10, 1);
     a_.alu(Alu::or_, r10, kNz);
     a_.alu(Alu::and_, r10, 0x80);
-    a_.load8(r11, in_console(Places::overflow()));
-    a_.shift(Shift::right, r11, 1);
-    a_.alu(Alu::and_, r11, 0x40);
+    a_.alu8(Alu::cmp, in_console(Places::overflow()), uint8_t{1});  // a borrow if it is clear
+    a_.alu(Alu::sbb, r11, r11);
+    a_.alu(Alu::add, r11, 1);
+    a_.shift(Shift::left, r11, 6);
     a_.alu(Alu::or_, r10, r11);
     a_.alu8(Alu::or_, r10, in_console(Places::modes()));
-    a_.alu(Alu::or_, r10, kCarry);
-    a_.test8(kNz, kNz);
-    a_.set(If::zero, r11);
-    a_.alu(Alu::and_, r11, 1);
-    a_.address(r10, Mem{r10, 0, r11, 2});
+    a_.shift(Shift::right, r10, 2);
+    a_.alu8(Alu::cmp, kNz, uint8_t{1});  // a borrow if it is zero
+    a_.alu(Alu::adc, r10, r10);
+    a_.address(r10, Mem{kCarry, 0, r10, 2});
 
     a_.load8(r9, in_console(Places::sp()));
     a_.test8(r9, r9);

@@ -39,6 +39,17 @@ inline Kind kind_of(const Record& record) {
     return kKinds[record.handler == kLoop ? static_cast<uint16_t>(record.jump) : record.handler];
 }
 
+// Whether machine code stores there, in the likely case.
+constexpr bool is_stored_here(Operand operand) {
+    switch (operand) {
+        case Operand::Ram: case Operand::RamA: case Operand::RamX: case Operand::RamY:
+        case Operand::AnyX: case Operand::AnyY: case Operand::IndY:
+            return true;
+        default:
+            return operand >= Operand::Tia && operand != Operand::Cxclr;
+    }
+}
+
 // The register that an indexed operand is indexed by.
 inline Reg index_of(Operand operand) {
     return operand == Operand::RamX || operand == Operand::RomX || operand == Operand::AnyX ? kX : kY;
@@ -62,6 +73,7 @@ class Translator {
     void emit_run(std::size_t place);
     void emit_asides();
     void emit_entries();
+    void assume_from(std::size_t place);
     void emit_common();
     void emit_call(Label& label, FastCpu::Step function);
     void emit_routine(uint16_t handler);
@@ -95,20 +107,22 @@ class Translator {
     bool emit_branch();
     bool emit_jump();
     bool emit_read();
-    Source paged(Reg index);
+    Source paged();
     bool read_fetcher();
     void indexed_ram();
-    void add_page_crossing(Reg low, Reg index);
+    void add_page_crossing(Reg index);
     void read_into(Reg to, const Source& source);
     void combine(Alu what, Reg to, const Source& source);
     void operate(const Source& source);
+    void set_nz(Reg of);
+    bool replaces_nz_next() const;
     bool emit_modify();
     bool emit_implied();
 
     // translator_stores.cpp
     bool emit_store();
     void store_in_ram(Reg value);
-    bool emit_tia_store(Reg value);
+    void emit_tia_store(Reg value);
     void write_graphics(Reg value);
     void write_hmove();
     void keep(Reg value);
@@ -123,6 +137,7 @@ class Translator {
         enum { kHandler, kJumpByHandler, kBranch, kLimit } what;
         std::size_t place;
         int32_t before, after;  // cycles missing before it and behind it
+        std::optional<Reg> nz;  // what N and Z have to be made of
         Label back;
     };
 
@@ -134,6 +149,7 @@ class Translator {
     std::vector<Label> entries_;        // where each is entered with no cycles missing
     std::vector<int32_t> begins_;       // where it is when they are, so many:
     std::vector<uint16_t> missing_;
+    std::vector<bool> assumes_;         // it builds on what those before it have done, or left out
     std::vector<Aside> asides_;
     Assembler a_;
     Label start_, skip_, dispatch_, return_, call_far_, jump_far_, jump_indirect_, leave_, left_, limit_, exit_;
@@ -145,6 +161,8 @@ class Translator {
     uint16_t given_ = 0;
     int32_t pending_ = 0;
     Label slow_;
+    std::optional<Reg> nz_in_;                    // of which register N and Z are, where that has been left out
+    std::optional<std::size_t> cleared_, set_;    // where the carry has been, so that it still is
 };
 
 }  // namespace atari

@@ -4,12 +4,34 @@
 #include "translator.hpp"
 
 namespace atari {
+namespace {
+
+constexpr bool sets_nz(int op) {
+    return is_read(op) || is_modify(op) || op == TAX || op == TAY || op == TXA || op == TYA || op == TSX || op == INX ||
+           op == INY || op == DEX || op == DEY || op == PLA;
+}
+
+// Whether machine code does this without asking for N and Z, or changing them.
+constexpr bool leaves_nz(Kind kind) {
+    if (is_store(kind.operation)) return is_stored_here(kind.operand);
+    const int op = kind.operation;
+    return op == CLC || op == SEC || op == CLV || op == CLD || op == SED || op == NOP || op == TXS || op == PHA;
+}
+
+constexpr bool changes_carry(int op) {
+    return op == ADC || op == SBC || op == CMP || op == CPX || op == CPY || op == PLP || is_modify(op);
+}
+
+}  // namespace
 
 void Translator::emit() {
     if (records_[place_].handler == kLoop) skip_rounds();
     slow_ = {};
     const int32_t before = pending_;
     const bool jumps = operation_ == JMP || operation_ == JSR || operation_ == RTS;
+    const bool passes = jumps || operand_ == Operand::Rel;
+    if (nz_in_) sets_nz(operation_) ? nz_in_.reset() : assume_from(place_);
+    const std::optional<Reg> nz_in = nz_in_;
     const bool done = operand_ == Operand::Rel ? emit_branch()
                       : jumps                  ? emit_jump()
                       : is_read(operation_)    ? emit_read()
@@ -21,9 +43,10 @@ void Translator::emit() {
         call_handler(place_);
         if (jumps) a_.jump(dispatch_);
     }
+    if (passes || changes_carry(operation_)) cleared_ = set_ = {};
     if (slow_.last_jump < 0) return;
     const auto what = jumps ? Aside::kJumpByHandler : Aside::kHandler;
-    asides_.push_back({slow_, what, place_, before, pending_, {static_cast<int32_t>(a_.size())}});
+    asides_.push_back({slow_, what, place_, before, pending_, nz_in, {static_cast<int32_t>(a_.size())}});
 }
 
 // At a loop that only waits, counts or divides: all rounds but the last, as `FastCpu::skip_rounds` does, which is called
@@ -77,7 +100,7 @@ bool Translator::emit_branch() {
             break;
         default:
             a_.alu8(Alu::cmp, in_console(Places::overflow()), uint8_t{0});
-            taken = operation_ == BVC ? If::not_sign : If::sign;
+            taken = operation_ == BVC ? If::zero : If::not_zero;
     }
     const int32_t before = pending_, cost = records_[place_].taken;
     if (backward) {
@@ -87,7 +110,7 @@ bool Translator::emit_branch() {
         go_to(target, true);
         a_.bind(otherwise);
     } else {
-        asides_.push_back({{}, Aside::kBranch, target, before + cost, 0, {}});
+        asides_.push_back({{}, Aside::kBranch, target, before + cost, 0, {}, {}});
         a_.jump(taken, asides_.back().from);
     }
     pending_ = before + 2;
@@ -128,15 +151,15 @@ bool Translator::emit_jump() {
 
 // --- reads ---
 
-// Where an index crosses a page, a cycle more. `low` is 0 to 255.
-void Translator::add_page_crossing(Reg low, Reg index) {
-    a_.alu(Alu::add, low, index);
-    a_.shift(Shift::right, low, 8);
-    a_.alu(Alu::add, kCycles, low);
+// Where an index to the instruction's address crosses a page, a cycle more.
+void Translator::add_page_crossing(Reg index) {
+    if (!(given_ & 0xff)) return;
+    a_.alu8(Alu::cmp, index, static_cast<uint8_t>(-given_));  // a borrow where it does not
+    a_.alu(Alu::sbb, kCycles, -1);
 }
 
-// A byte at the address in r9, if it can be read without effect; r8 holds the base of the address.
-Translator::Source Translator::paged(Reg index) {
+// A byte at the address in r9, if it can be read without effect.
+Translator::Source Translator::paged() {
     a_.move(r10, r9);
     a_.shift(Shift::right, r10, 6);
     a_.extend8(r10, r10);
@@ -144,8 +167,6 @@ Translator::Source Translator::paged(Reg index) {
     a_.test64(r11, r11);
     a_.jump(If::zero, slow_);
     a_.alu(Alu::and_, r9, 63);
-    a_.extend8(r8, r8);
-    add_page_crossing(r8, index);
     return {{}, Mem{r11, 0, r9}, r8};
 }
 
@@ -178,12 +199,8 @@ bool Translator::emit_read() {
         case Operand::RomX: case Operand::RomY: {
             const Reg index = index_of(operand_);
             a_.load64(r9, in_console(Places::bank()));
-            if (given_ & 0xff) {
-                a_.move(r8, uint32_t{given_} & 0xff);
-                add_page_crossing(r8, index);
-            }
-            a_.alu64(Alu::add, r9, index);
-            source.memory = Mem{r9, given_};
+            add_page_crossing(index);
+            source.memory = Mem{r9, given_, index};
             break;
         }
         case Operand::Timer: {
@@ -204,14 +221,16 @@ bool Translator::emit_read() {
             if (!read_fetcher()) return false;
             break;
         case Operand::AnyX: case Operand::AnyY:
-            a_.move(r8, uint32_t{given_});
             a_.address(r9, Mem{index_of(operand_), given_});
-            source = paged(index_of(operand_));
+            source = paged();
+            add_page_crossing(index_of(operand_));
             break;
         case Operand::IndY:
             a_.load16(r8, in_ram(given_));
             a_.address(r9, Mem{r8, 0, kY});
-            source = paged(kY);
+            source = paged();
+            a_.alu8(Alu::add, r8, kY);  // a carry where this crosses a page
+            a_.alu(Alu::adc, kCycles, 0);
             break;
         default:
             return false;
@@ -258,10 +277,9 @@ bool Translator::read_fetcher() {
 
 // A place in RAM by an index, in r8.
 void Translator::indexed_ram() {
-    a_.address(r8, Mem{index_of(operand_), given_ - 0x80});
-    a_.test8(r8, r8);
+    a_.move(r8, index_of(operand_));
+    a_.alu8(Alu::add, r8, static_cast<uint8_t>(given_ - 0x80));
     a_.jump(If::sign, slow_);
-    a_.extend8(r8, r8);
 }
 
 void Translator::combine(Alu what, Reg to, const Source& source) {
@@ -276,17 +294,32 @@ void Translator::read_into(Reg to, const Source& source) {
     else a_.move(to, source.reg);
 }
 
+// N and Z are those of A, X or Y. Where they are replaced before anybody asks for them, that is left out.
+void Translator::set_nz(Reg of) {
+    if (replaces_nz_next()) nz_in_ = of;
+    else a_.move(kNz, of);
+}
+
+bool Translator::replaces_nz_next() const {
+    for (std::size_t place = next_of(place_);; place = next_of(place)) {
+        if (!is_instruction_[place] || is_target_[place] || begins_[place] >= 0) return false;
+        const Kind kind = kind_of(records_[place]);
+        if (sets_nz(kind.operation)) return true;
+        if (!leaves_nz(kind)) return false;
+    }
+}
+
 void Translator::operate(const Source& source) {
     switch (operation_) {
         case LDA: case LDX: case LDY: {
             const Reg to = operation_ == LDA ? kA : operation_ == LDX ? kX : kY;
             read_into(to, source);
-            a_.move(kNz, to);
+            set_nz(to);
             break;
         }
         case AND: case ORA: case EOR:
             combine(operation_ == AND ? Alu::and_ : operation_ == ORA ? Alu::or_ : Alu::xor_, kA, source);
-            a_.move(kNz, kA);
+            set_nz(kA);
             break;
         case CMP: case CPX: case CPY:
             a_.move(kNz, operation_ == CMP ? kA : operation_ == CPX ? kX : kY);
@@ -296,21 +329,24 @@ void Translator::operate(const Source& source) {
         case BIT:
             read_into(r8, source);
             a_.address(r9, Mem{r8, 0, r8});
+            a_.alu(Alu::and_, r9, 0x180);
             a_.store8(in_console(Places::overflow()), r9);
             a_.alu(Alu::and_, r9, 0x100);
             a_.move(kNz, kA);
             a_.alu(Alu::and_, kNz, r8);
             a_.alu(Alu::or_, kNz, r9);
             break;
-        default:  // ADC and SBC. This processor's carry is a borrow in subtractions.
-            if (operation_ == ADC) a_.test_bit(kCarry, uint8_t{0});
+        default: {  // ADC and SBC. This processor's carry is a borrow in subtractions.
+            const bool adds = operation_ == ADC;
+            const std::optional<std::size_t>& without = adds ? cleared_ : set_;  // a carry, or a borrow
+            if (without) assume_from(next_of(*without));
+            else if (adds) a_.test_bit(kCarry, uint8_t{0});
             else a_.alu(Alu::cmp, kCarry, 1);
-            combine(operation_ == ADC ? Alu::adc : Alu::sbb, kA, source);
-            a_.set(operation_ == ADC ? If::below : If::not_below, kCarry);
-            a_.set(If::overflow, r8);
-            a_.shift(Shift::left, r8, 7);
-            a_.store8(in_console(Places::overflow()), r8);
-            a_.move(kNz, kA);
+            combine(adds ? without ? Alu::add : Alu::adc : without ? Alu::sub : Alu::sbb, kA, source);
+            a_.set(adds ? If::below : If::not_below, kCarry);
+            a_.set8(If::overflow, in_console(Places::overflow()));
+            set_nz(kA);
+        }
     }
 }
 
@@ -353,8 +389,12 @@ bool Translator::emit_modify() {
             a_.shift(Shift::right, value, 1);
             a_.alu(Alu::or_, value, r10);
     }
-    a_.move(kNz, value);
-    if (operand_ != Operand::Acc) a_.store8(memory, value);
+    if (operand_ == Operand::Acc) {
+        set_nz(kA);
+    } else {
+        a_.move(kNz, value);
+        a_.store8(memory, value);
+    }
     pending_ += static_cast<int32_t>(modify_cost(operand_));
     return true;
 }
@@ -362,11 +402,11 @@ bool Translator::emit_modify() {
 bool Translator::emit_implied() {
     const auto transfer = [&](Reg to, Reg from) {
         a_.move(to, from);
-        a_.move(kNz, to);
+        set_nz(to);
     };
     const auto step = [&](Reg reg, bool up) {
         up ? a_.increment8(reg) : a_.decrement8(reg);
-        a_.move(kNz, reg);
+        set_nz(reg);
     };
     switch (operation_) {
         case TAX: transfer(kX, kA); break;
@@ -385,13 +425,21 @@ bool Translator::emit_implied() {
             break;
         }
         case NOP: break;
-        case CLC: a_.move(kCarry, uint32_t{0}); break;
-        case SEC: a_.move(kCarry, uint32_t{1}); break;
+        case CLC:
+            a_.move(kCarry, uint32_t{0});
+            cleared_ = place_;
+            set_ = {};
+            break;
+        case SEC:
+            a_.move(kCarry, uint32_t{1});
+            set_ = place_;
+            cleared_ = {};
+            break;
         case CLV: a_.store8(in_console(Places::overflow()), uint8_t{0}); break;
         case TXS: a_.store8(in_console(Places::sp()), kX); break;
         case TSX:
             a_.load8(kX, in_console(Places::sp()));
-            a_.move(kNz, kX);
+            set_nz(kX);
             break;
         case PHA:
             a_.load8(r8, in_console(Places::sp()));
@@ -410,7 +458,7 @@ bool Translator::emit_implied() {
             a_.load8(kA, Mem{kRam, 1 - 0x80, r8});
             a_.increment8(r8);
             a_.store8(in_console(Places::sp()), r8);
-            a_.move(kNz, kA);
+            set_nz(kA);
             pending_ += 4;
             return true;
         default: return false;

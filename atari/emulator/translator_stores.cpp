@@ -22,6 +22,7 @@ Reg stored_by(Operation operation) { return operation == STX ? kX : operation ==
 }  // namespace
 
 bool Translator::emit_store() {
+    if (!is_stored_here(operand_)) return false;
     const Reg value = stored_by(operation_);
     switch (operand_) {
         case Operand::Ram: case Operand::RamA:
@@ -41,8 +42,8 @@ bool Translator::emit_store() {
             store_in_ram(value);
             break;
         default:
-            if (operand_ < Operand::Tia) return false;
-            return emit_tia_store(value);
+            emit_tia_store(value);
+            return true;
     }
     pending_ += static_cast<int32_t>(store_cost(operand_));
     return true;
@@ -59,10 +60,9 @@ void Translator::store_in_ram(Reg value) {
 }
 
 // To the TIA: what `FastCpu::write_tia` does, with the cycle of the write in r8.
-bool Translator::emit_tia_store(Reg value) {
+void Translator::emit_tia_store(Reg value) {
     const auto cost = static_cast<int32_t>(store_cost(operand_));
     const uint32_t reg = given_;
-    if (operand_ == Operand::Cxclr) return false;
     a_.address(r8, Mem{kCycles, pending_ + cost});
     a_.alu(Alu::cmp, r8, kOverlong);
     a_.jump(If::not_below, slow_);
@@ -121,10 +121,12 @@ bool Translator::emit_tia_store(Reg value) {
             keep(value);
             break;
         case Operand::Motion:
-            a_.load8(r9, written(reg));
-            a_.shift(Shift::right, r9, 4);
-            a_.alu(Alu::cmp, r9, 7);
-            a_.jump(If::zero, slow_);
+            if (reg == HMM0) {  // perhaps Cosmic Ark's trick
+                a_.load8(r9, written(reg));
+                a_.shift(Shift::right, r9, 4);
+                a_.alu(Alu::cmp, r9, 7);
+                a_.jump(If::zero, slow_);
+            }
             a_.store8(written(reg), value);
             break;
         case Operand::Grp0: case Operand::Grp0A: case Operand::Grp1: case Operand::Grp1A:
@@ -142,11 +144,9 @@ bool Translator::emit_tia_store(Reg value) {
             a_.store8(written(HMBL), uint8_t{0});
             break;
         default:
-            wait_for_line();
-            return true;
+            return wait_for_line();
     }
     pending_ += cost;
-    return true;
 }
 
 // WSYNC, at the cycle in r8.

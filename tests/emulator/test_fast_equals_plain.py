@@ -270,6 +270,13 @@ def test_waiting_and_counting(batch: int) -> None:
         play(wild_programs.waiting(rng), "4K", f"waiting {seed}", rng)
 
 
+@pytest.mark.parametrize("batch", range(4))
+def test_straight_lines_that_are_entered_anywhere(batch: int) -> None:
+    for seed in range(50 * batch, 50 * batch + 50):
+        rng = random.Random(seed)
+        play(wild_programs.entered_anywhere(rng), "4K", f"entered_anywhere {seed}", rng)
+
+
 @pytest.mark.parametrize("behind", [0, 900, 960, 970, 1000, 1500])
 def test_the_limit_within_a_straight_line(behind: int) -> None:
     """A frame has 25,000 instructions: of two cycles each, with no jump near them, and then a write that ends it."""

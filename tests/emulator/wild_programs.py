@@ -8,7 +8,7 @@ import random
 from collections.abc import Callable
 
 from emulator.machines import R, W
-from emulator.programs import JAMS, LENGTHS, Code
+from emulator.programs import JAMS, LENGTHS, START, Code
 
 SIZES = {
     "2K": 2048, "4K": 4096, "F8": 8192, "F8 SWAPPED": 8192, "F6": 16384, "F4": 32768, "F8SC": 8192, "F6SC": 16384,
@@ -20,6 +20,9 @@ SIZES = {
 BRANCHES = [0x10 + 0x20 * k for k in range(8)]
 LOADS, STORES = (0xA9, 0xA2, 0xA0), (0x85, 0x86, 0x84)  # A, X, Y: immediate, zero page
 TIMERS = (R.TIM1T, R.TIM8T, R.TIM64T, R.T1024T)
+IMPLIED = (0x18, 0x38, 0x18, 0x38, 0xE8, 0xCA, 0xAA, 0x98, 0x0A, 0x6A, 0x08, 0x68, 0x48, 0xB8, 0xEA)  # CLC, SEC, ...
+IMMEDIATE = (0xA9, 0xA2, 0x69, 0xE9, 0x69, 0xE9, 0x29, 0xC9)  # LDA, LDX, ADC, SBC, AND, CMP
+ON_RAM = (0xA5, 0x65, 0xE5, 0xE6, 0x24, 0x95)  # LDA, ADC, SBC, INC, BIT, STA with an index
 MIRRORS_OF_INTIM = (0x284, 0x286, 0x294, 0x2AC, 0x384, 0x684, 0xE284)
 MIRRORS_OF_TIMINT = (0x285, 0x287, 0x29D, 0x3AF, 0xE685)
 COLLISIONS = range(8)
@@ -404,3 +407,33 @@ def waiting(rng: random.Random) -> bytes:
         else:
             code.emit(*store_in_tia(rng))
     return code.image(again)
+
+
+def entered_anywhere(rng: random.Random) -> bytes:
+    """Straight lines of carries, sums, flags and stores, entered by pointers at any of their instructions. No VSYNC: a
+    frame ends with whatever write to the TIA comes too late."""
+    code = Code()
+    code.emit(0x78, 0xD8, 0xA2, 0xFF, 0x9A)
+    again = len(code.bytes)
+    code.emit(0xE6, COUNTER)
+    for _ in range(12):
+        line = [straight(rng) for _ in range(rng.randrange(6, 20))]
+        places = [sum(map(len, line[:i])) + START + len(code.bytes) + 24 for i in range(len(line))]
+        first, second = rng.choices(places, k=2)
+        code.emit(0xA2, first & 0xFF, 0xA0, first >> 8, 0xA5, COUNTER, 0x29, rng.choice((1, 2, 4, 7)), 0xF0, 4)
+        code.emit(0xA2, second & 0xFF, 0xA0, second >> 8, 0x86, 0xB0, 0x84, 0xB1)
+        code.emit(0xA9, rng.randrange(256), rng.choice((0x18, 0x38)), 0x6C, 0xB0, 0)
+        for instruction in line:
+            code.emit(*instruction)
+    return code.image(again)
+
+
+def straight(rng: random.Random) -> bytes:
+    """An instruction that does not jump: that sets flags, asks for them, or leaves them alone."""
+    opcode, ram = rng.choice(IMPLIED + IMMEDIATE + ON_RAM + STORES), rng.randrange(0x90, 0xA0)
+    if opcode in IMPLIED:
+        return bytes([opcode])
+    if opcode in IMMEDIATE:
+        return bytes([opcode, rng.randrange(256)])
+    registers = (W.WSYNC, W.COLUBK, W.PF1, W.GRP0, W.GRP1, W.NUSIZ0, W.HMM0, W.AUDV0)
+    return bytes([opcode, rng.choice((ram, *registers)) if opcode in STORES else ram])
