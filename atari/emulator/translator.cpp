@@ -82,6 +82,7 @@ void Translator::reach(std::size_t first, std::vector<bool>& covered) {
 void Translator::emit_run(std::size_t place) {
     pending_ = 0;
     cleared_ = set_ = {};
+    in_time_until_ = 0;
     for (;;) {
         place_ = place;
         if (is_target_[place]) {
@@ -168,6 +169,11 @@ void Translator::emit_asides() {
                 call_handler(aside.place);
                 if (aside.after) a_.alu(Alu::sub, kCycles, aside.after);
                 a_.jump(aside.back);
+                break;
+            case Aside::kEnterBehind:
+                if (aside.nz) a_.move(kNz, *aside.nz);
+                call_handler(aside.place);
+                go_to(next_of(aside.place), false);
                 break;
             case Aside::kJumpByHandler:
                 call_handler(aside.place);

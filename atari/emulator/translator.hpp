@@ -74,6 +74,10 @@ class Translator {
     void emit_asides();
     void emit_entries();
     void assume_from(std::size_t place);
+    // Whether the instruction here will be translated next, and nothing is known to lead there but the one before it.
+    bool follows(std::size_t place) const {
+        return is_instruction_[place] && !is_target_[place] && begins_[place] < 0;
+    }
     void emit_common();
     void emit_call(Label& label, FastCpu::Step function);
     void emit_routine(uint16_t handler);
@@ -123,18 +127,19 @@ class Translator {
     bool emit_store();
     void store_in_ram(Reg value);
     void emit_tia_store(Reg value);
+    void emit_check_of_time();
     void write_graphics(Reg value);
     void write_hmove();
     void keep(Reg value);
     void wait_for_line();
     void whole_lines(Reg cycles);
-    void cycle_in_line(Reg to, int32_t later);
+    void cycle_in_line(Reg to, int32_t later = 0);
 
     // What an instruction does aside of the likely way: its handler is called, and then it goes on behind itself, or, where
     // that is a jump, wherever it says.
     struct Aside {
         Label from;
-        enum { kHandler, kJumpByHandler, kBranch, kLimit } what;
+        enum { kHandler, kEnterBehind, kJumpByHandler, kBranch, kLimit } what;
         std::size_t place;
         int32_t before, after;  // cycles missing before it and behind it
         std::optional<Reg> nz;  // what N and Z have to be made of
@@ -163,6 +168,9 @@ class Translator {
     Label slow_;
     std::optional<Reg> nz_in_;                    // of which register N and Z are, where that has been left out
     std::optional<std::size_t> cleared_, set_;    // where the carry has been, so that it still is
+    int32_t written_at_ = 0;                      // a write to the TIA comes so much later than kCycles
+    // Those up to `in_time_until_` are known not to end the frame, from a check at `checked_at_`.
+    std::size_t checked_at_ = 0, in_time_until_ = 0;
 };
 
 }  // namespace atari

@@ -45,7 +45,8 @@ void Translator::emit() {
     }
     if (passes || changes_carry(operation_)) cleared_ = set_ = {};
     if (slow_.last_jump < 0) return;
-    const auto what = jumps ? Aside::kJumpByHandler : Aside::kHandler;
+    const bool checked = checked_at_ == place_ && in_time_until_ > place_;
+    const auto what = jumps ? Aside::kJumpByHandler : checked ? Aside::kEnterBehind : Aside::kHandler;
     asides_.push_back({slow_, what, place_, before, pending_, nz_in, {static_cast<int32_t>(a_.size())}});
 }
 
@@ -302,7 +303,7 @@ void Translator::set_nz(Reg of) {
 
 bool Translator::replaces_nz_next() const {
     for (std::size_t place = next_of(place_);; place = next_of(place)) {
-        if (!is_instruction_[place] || is_target_[place] || begins_[place] >= 0) return false;
+        if (!follows(place)) return false;
         const Kind kind = kind_of(records_[place]);
         if (sets_nz(kind.operation)) return true;
         if (!leaves_nz(kind)) return false;

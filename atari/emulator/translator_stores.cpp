@@ -17,6 +17,17 @@ static_assert(divides_by_76());
 // What was last written to a register of the TIA.
 Mem written(uint32_t reg) { return in_console(Places::written() + static_cast<int32_t>(reg)); }
 
+// The cycles of an instruction, at most; 0 where that is not known, as it may jump, or write to a port.
+constexpr uint32_t most_cycles(Kind kind) {
+    const auto [operation, operand] = kind;
+    const bool in_ram = operand == Operand::Ram || operand == Operand::RamA;
+    if (is_store(operation)) return in_ram || (operand >= Operand::Tia && is_stored_here(operand)) ? store_cost(operand) : 0;
+    if (is_modify(operation)) return in_ram || operand == Operand::Acc ? modify_cost(operand) : 0;
+    if (is_read(operation)) return read_cost(operand) + 1;
+    const bool on_stack = operation == PHA || operation == PHP || operation == PLA || operation == PLP || operation == RTS;
+    return operand == Operand::Imp && !on_stack ? 2 : 0;
+}
+
 Reg stored_by(Operation operation) { return operation == STX ? kX : operation == STY ? kY : kA; }
 
 }  // namespace
@@ -59,13 +70,36 @@ void Translator::store_in_ram(Reg value) {
     a_.store8(Mem{kRam, 0, r8}, value);
 }
 
-// To the TIA: what `FastCpu::write_tia` does, with the cycle of the write in r8.
+// That a write to the TIA does not end the frame, nor any other in a straight line behind it, up to where their cycles are
+// known. Where one of them might, handlers run all of them.
+void Translator::emit_check_of_time() {
+    if (place_ <= in_time_until_) return assume_from(next_of(checked_at_));
+    checked_at_ = in_time_until_ = place_;
+    auto cycles = static_cast<uint32_t>(pending_), latest = cycles;
+    std::size_t place = place_;
+    do {
+        const Kind kind = kind_of(records_[place]);
+        const uint32_t cost = most_cycles(kind);
+        if (!cost) break;
+        cycles += cost;
+        if (is_store(kind.operation) && kind.operand >= Operand::Tia) {
+            in_time_until_ = place;
+            latest = cycles;
+        }
+        if (kind.operand == Operand::Wsync) break;
+        place = next_of(place);
+    } while (follows(place));
+    a_.address(r8, Mem{kCycles, static_cast<int32_t>(latest)});
+    a_.alu(Alu::cmp, r8, kOverlong);
+    a_.jump(If::not_below, slow_);
+}
+
+// To the TIA: what `FastCpu::write_tia` does.
 void Translator::emit_tia_store(Reg value) {
     const auto cost = static_cast<int32_t>(store_cost(operand_));
     const uint32_t reg = given_;
-    a_.address(r8, Mem{kCycles, pending_ + cost});
-    a_.alu(Alu::cmp, r8, kOverlong);
-    a_.jump(If::not_below, slow_);
+    emit_check_of_time();
+    written_at_ = pending_ + cost;
     switch (operand_) {
         case Operand::Tia: case Operand::TiaA: {
             a_.alu8(Alu::cmp, written(reg), value);
@@ -100,7 +134,7 @@ void Translator::emit_tia_store(Reg value) {
             a_.store8(written(reg), value);
             a_.test(r9, uint32_t{1});
             const std::size_t kept = a_.jump_short(If::zero);
-            cycle_in_line(r10, 0);
+            cycle_in_line(r10);
             a_.alu(Alu::cmp, r10, int32_t{kMirrorsAtOnce});
             a_.set(If::not_below, r10);
             a_.store8(in_console(Places::mirror_waits()), r10);
@@ -149,11 +183,10 @@ void Translator::emit_tia_store(Reg value) {
     pending_ += cost;
 }
 
-// WSYNC, at the cycle in r8.
 void Translator::wait_for_line() {
     a_.load(r9, in_console(Places::first_cycle()));
+    a_.address(r8, Mem{kCycles, written_at_ + 75});
     a_.alu(Alu::sub, r8, r9);
-    a_.alu(Alu::add, r8, 75);
     whole_lines(r8);
     a_.address(kCycles, Mem{r8, 0, r9});
     pending_ = 0;
@@ -166,9 +199,9 @@ void Translator::whole_lines(Reg cycles) {
     a_.multiply(cycles, cycles, 76);
 }
 
-// The place in its line of a cycle so much later than that in r8. Uses r11.
+// The place in its line of a cycle so much later than the write. Uses r11.
 void Translator::cycle_in_line(Reg to, int32_t later) {
-    a_.address(to, Mem{r8, later});
+    a_.address(to, Mem{kCycles, written_at_ + later});
     a_.alu(Alu::sub, to, in_console(Places::first_cycle()));
     a_.move(r11, to);
     whole_lines(r11);
@@ -209,6 +242,7 @@ void Translator::write_graphics(Reg value) {
 
 // HMOVE brings the motions along. Where it moves nothing and is in time, it only shows that nothing moves.
 void Translator::write_hmove() {
+    a_.address(r8, Mem{kCycles, written_at_});
     a_.load(r9, written(HMP0));
     a_.load8(r10, written(HMBL));
     a_.move(r11, r9);
@@ -243,8 +277,9 @@ void Translator::write_hmove() {
     a_.address64(kLog, Mem{kLog, 8});
 }
 
-// In the log, at the cycle in r8.
+// In the log.
 void Translator::keep(Reg value) {
+    a_.address(r8, Mem{kCycles, written_at_});
     a_.store(Mem{kLog}, r8);
     a_.store(Mem{kLog, 4}, uint32_t{given_});
     a_.store8(Mem{kLog, 5}, value);
