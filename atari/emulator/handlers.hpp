@@ -213,8 +213,6 @@ struct FastCpu {
 
     template <int op, Operand operand>
     INLINE static Exit read(R& r, Console& c) {
-        if constexpr (op == ADC || op == SBC)
-            if (c.m_.cpu.d) return kPlainly;
         const uint32_t cycles = r.cycles;
         uint32_t o;
         bool slow = false;
@@ -241,12 +239,24 @@ struct FastCpu {
         if constexpr (op == ADC || op == SBC) {
             // V: both terms have another sign than the sum. SBC adds o ^ 0xff: where A's sign is not the sum's, that one's
             // is not the sum's just where o's is not A's.
-            const uint32_t sum = op == ADC ? r.a + r.carry + o : r.a + r.carry + 0xff - o;
+            uint32_t sum = op == ADC ? r.a + r.carry + o : r.a + r.carry + 0xff - o;
             c.overflow_ = (r.a ^ sum) & (op == ADC ? o ^ sum : r.a ^ o) & 0x80;
+            if (c.m_.cpu.d) [[unlikely]] sum = decimal_sum<op>(c, r.a, r.carry, o);
             r.carry = sum >> 8;
             r.nz = r.a = sum & 0xff;
         }
         return slow && c.remapped_ ? kLeave : kNext;
+    }
+
+    // A sum in decimal mode, as the plain interpreter makes it; the carry is bit 8.
+    template <int op>
+    [[gnu::noinline]] static uint32_t decimal_sum(Console& c, uint32_t a, uint32_t carry, uint32_t o) {
+        Cpu& cpu = c.m_.cpu;
+        cpu.a = static_cast<uint8_t>(a);
+        cpu.c = carry != 0;
+        op == ADC ? c.adc(static_cast<uint8_t>(o)) : c.sbc(static_cast<uint8_t>(o));
+        c.overflow_ = cpu.v;
+        return cpu.a | (cpu.c ? 0x100u : 0u);
     }
 
     // Keeps a write to the TIA for later. There is room: see `kLogSize`.

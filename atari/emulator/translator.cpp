@@ -21,7 +21,7 @@ constexpr bool kTranslates = false;
 Translator::Translator(const uint8_t* image, const std::vector<Record>& records)
     : image_(image), records_(records), size_(records.size() - 1), is_instruction_(size_ + 1), is_target_(size_ + 1),
       handlers_(kHandlers), entries_(size_ + 1), begins_(size_ + 1, -1), missing_(size_ + 1),
-      assumes_(size_ + 1) {}
+      assumes_(size_ + 1), until_write_(size_ + 1) {}
 
 std::vector<uint8_t> Translator::translate(std::size_t& enter) {
     find_instructions();
@@ -137,26 +137,28 @@ void Translator::assume_from(std::size_t place) {
     for (; place <= place_; place = next_of(place)) assumes_[place] = true;
 }
 
-// Where an instruction builds on what those before it have done, its handler does it for who comes from elsewhere.
 void Translator::emit_entries() {
     pending_ = 0;
-    for (std::size_t place = 0; place < size_; ++place) {
-        if (begins_[place] < 0) continue;
-        if (assumes_[place]) {
-            a_.bind(entries_[place]);
-            call_handler(place);
-            go_to(next_of(place), false);
-            continue;
-        }
-        if (!missing_[place]) {
-            a_.bind(entries_[place], begins_[place]);
-            continue;
-        }
-        a_.bind(entries_[place]);
-        a_.alu(Alu::sub, kCycles, missing_[place]);
-        Label begin{begins_[place]};
+    for (std::size_t place = 0; place < size_; ++place)
+        if (begins_[place] >= 0) emit_entry(place);
+}
+
+// For who does not come from the instruction before. What builds on that one is left to handlers, and so are writes that
+// may be too late.
+void Translator::emit_entry(std::size_t place) {
+    const int32_t missing = missing_[place], until_write = until_write_[place];
+    if (!missing && !until_write && !assumes_[place]) return a_.bind(entries_[place], begins_[place]);
+    a_.bind(entries_[place]);
+    if (!assumes_[place]) {
+        Label begin{begins_[place]}, late;
+        if (until_write) emit_check_of_time(until_write, late);
+        if (missing) a_.alu(Alu::sub, kCycles, missing);
         a_.jump(begin);
+        if (!until_write) return;
+        a_.bind(late);
     }
+    call_handler(place);
+    go_to(next_of(place), false);
 }
 
 void Translator::emit_asides() {

@@ -73,6 +73,7 @@ class Translator {
     void emit_run(std::size_t place);
     void emit_asides();
     void emit_entries();
+    void emit_entry(std::size_t place);
     void assume_from(std::size_t place);
     // Whether the instruction here will be translated next, and nothing is known to lead there but the one before it.
     bool follows(std::size_t place) const {
@@ -127,7 +128,8 @@ class Translator {
     bool emit_store();
     void store_in_ram(Reg value);
     void emit_tia_store(Reg value);
-    void emit_check_of_time();
+    void look_ahead_for_writes();
+    void emit_check_of_time(int32_t later, Label& late);
     void write_graphics(Reg value);
     void write_hmove();
     void keep(Reg value);
@@ -155,6 +157,7 @@ class Translator {
     std::vector<int32_t> begins_;       // where it is when they are, so many:
     std::vector<uint16_t> missing_;
     std::vector<bool> assumes_;         // it builds on what those before it have done, or left out
+    std::vector<uint16_t> until_write_;  // for the writes so far ahead, if any, somebody has asked whether they are in time
     std::vector<Aside> asides_;
     Assembler a_;
     Label start_, skip_, dispatch_, return_, call_far_, jump_far_, jump_indirect_, leave_, left_, limit_, exit_;
@@ -169,7 +172,7 @@ class Translator {
     std::optional<Reg> nz_in_;                    // of which register N and Z are, where that has been left out
     std::optional<std::size_t> cleared_, set_;    // where the carry has been, so that it still is
     int32_t written_at_ = 0;                      // a write to the TIA comes so much later than kCycles
-    // Those up to `in_time_until_` are known not to end the frame, from a check at `checked_at_`.
+    // Those up to `in_time_until_` do not end the frame, says a check at `checked_at_`.
     std::size_t checked_at_ = 0, in_time_until_ = 0;
 };
 

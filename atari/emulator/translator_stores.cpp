@@ -70,12 +70,18 @@ void Translator::store_in_ram(Reg value) {
     a_.store8(Mem{kRam, 0, r8}, value);
 }
 
-// That a write to the TIA does not end the frame, nor any other in a straight line behind it, up to where their cycles are
-// known. Where one of them might, handlers run all of them.
-void Translator::emit_check_of_time() {
-    if (place_ <= in_time_until_) return assume_from(next_of(checked_at_));
-    checked_at_ = in_time_until_ = place_;
-    auto cycles = static_cast<uint32_t>(pending_), latest = cycles;
+// That a write so much later does not end the frame.
+void Translator::emit_check_of_time(int32_t later, Label& late) {
+    a_.address(r8, Mem{kCycles, later});
+    a_.alu(Alu::cmp, r8, kOverlong);
+    a_.jump(If::not_below, late);
+}
+
+// Asks once for a straight line of writes, as far as their cycles are known. Where one might be too late handlers run all.
+void Translator::look_ahead_for_writes() {
+    if (place_ <= in_time_until_) return;
+    checked_at_ = place_;
+    uint32_t cycles = 0, latest = 0;
     std::size_t place = place_;
     do {
         const Kind kind = kind_of(records_[place]);
@@ -89,16 +95,18 @@ void Translator::emit_check_of_time() {
         if (kind.operand == Operand::Wsync) break;
         place = next_of(place);
     } while (follows(place));
-    a_.address(r8, Mem{kCycles, static_cast<int32_t>(latest)});
-    a_.alu(Alu::cmp, r8, kOverlong);
-    a_.jump(If::not_below, slow_);
+    emit_check_of_time(pending_ + static_cast<int32_t>(latest), slow_);
+    for (place = place_; place < in_time_until_; until_write_[place] = static_cast<uint16_t>(latest)) {
+        latest -= most_cycles(kind_of(records_[place]));
+        place = next_of(place);
+    }
 }
 
 // To the TIA: what `FastCpu::write_tia` does.
 void Translator::emit_tia_store(Reg value) {
     const auto cost = static_cast<int32_t>(store_cost(operand_));
     const uint32_t reg = given_;
-    emit_check_of_time();
+    look_ahead_for_writes();
     written_at_ = pending_ + cost;
     switch (operand_) {
         case Operand::Tia: case Operand::TiaA: {
