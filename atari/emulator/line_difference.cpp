@@ -50,12 +50,21 @@ Difference difference(const TiaPlaces& now, const TiaPlaces& before) {
 }
 
 void carry(const Difference& by, TiaPlaces* first, TiaPlaces* last) {
-    for (TiaPlaces* line = first; line < last; ++line) {
-        const uint64_t word = word_of(*line);
-        const uint64_t carried = back(word & kPositions, by.positions) | ((word ^ by.flags) & ~kPositions);
-        std::memcpy(line, &carried, sizeof carried);
-        if (by.objects & kPlacing) line->last_hmove = by.last_hmove;
+    for (uint64_t left = by.positions, object = 0; left; left >>= 8, ++object) {  // mostly one
+        const int distance = static_cast<uint8_t>(left);
+        if (distance == 0) continue;
+        for (TiaPlaces* line = first; line < last; ++line) {
+            const int position = line->pos[object] - distance;
+            line->pos[object] = static_cast<uint8_t>(position < 0 ? position + kScreenWidth : position);
+        }
     }
+    if (by.flags)
+        for (TiaPlaces* line = first; line < last; ++line) {
+            const uint64_t word = word_of(*line) ^ by.flags;
+            std::memcpy(line, &word, sizeof word);
+        }
+    if (by.objects & kPlacing)
+        for (TiaPlaces* line = first; line < last; ++line) line->last_hmove = by.last_hmove;
 }
 
 }  // namespace atari
