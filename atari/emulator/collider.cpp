@@ -223,31 +223,20 @@ INLINE void Collider::apply_one(const Write& write) {
     }
 }
 
-// Notes writes to registers that do not act. Returns the first that does, or `last`.
-INLINE const Write* Collider::note(const Write* write, const Write* last) {
-    const Registers acting = acting_;
-    Registers noted = noted_;
-    for (; write != last && !(acting >> write->reg & 1); ++write) {
-        latest_[write->reg] = write;
-        noted |= 1ull << write->reg;
-    }
-    noted_ = noted;
-    return write;
-}
-
+// Writes to registers that do not act are only noted.
 void Collider::apply(const Write* write, const Write* last) {
-    while ((write = note(write, last)) != last) {
-        if (!(kAlwaysActing >> write->reg & 1)) {
-            if (!chosen_) {
-                choose_acting();
-                if ((write = note(write, last)) == last) return;
-            }
-            noted_ &= ~(1ull << write->reg);  // it is older
+    for (; write != last; ++write) {
+        const Registers reg = 1ull << write->reg;
+        if ((acting_ & reg) && !chosen_ && !(kAlwaysActing & reg)) choose_acting();
+        if (!(acting_ & reg)) {
+            latest_[write->reg] = write;
+            noted_ |= reg;
+            continue;
         }
+        noted_ &= ~reg;  // it is older
         ++acted_;
-        const Write& now = *write++;
-        if (now.reg == HMOVE) move_objects(now, static_cast<int32_t>(3 * now.cycle));  // the most frequent: not by the jump
-        else apply_one(now);
+        if (write->reg == HMOVE) move_objects(*write, static_cast<int32_t>(3 * write->cycle));  // the most frequent
+        else apply_one(*write);
     }
 }
 

@@ -57,7 +57,6 @@ class Collider {
     using Registers = uint64_t;  // a set of them, a bit each
 
     void look_around();
-    const Write* note(const Write* write, const Write* last);
     void apply_one(const Write& write);
     void apply_noted(const Write& write);
     void set_graphics(unsigned player, const Write& write);
