@@ -157,7 +157,7 @@ class Translator {
     std::vector<int32_t> begins_;       // where it is when they are, so many:
     std::vector<uint16_t> missing_;
     std::vector<bool> assumes_;         // it builds on what those before it have done, or left out
-    std::vector<uint16_t> until_write_;  // for the writes so far ahead, if any, somebody has asked whether they are in time
+    std::vector<uint16_t> until_write_;  // one before it has asked whether writes so far ahead are in time; or 0
     std::vector<Aside> asides_;
     Assembler a_;
     Label start_, skip_, dispatch_, return_, call_far_, jump_far_, jump_indirect_, leave_, left_, limit_, exit_;
@@ -169,11 +169,10 @@ class Translator {
     uint16_t given_ = 0;
     int32_t pending_ = 0;
     Label slow_;
-    std::optional<Reg> nz_in_;                    // of which register N and Z are, where that has been left out
-    std::optional<std::size_t> cleared_, set_;    // where the carry has been, so that it still is
-    int32_t written_at_ = 0;                      // a write to the TIA comes so much later than kCycles
-    // Those up to `in_time_until_` do not end the frame, says a check at `checked_at_`.
-    std::size_t checked_at_ = 0, in_time_until_ = 0;
+    std::optional<Reg> nz_in_;                  // N and Z are of this register, and have been left out
+    std::optional<std::size_t> cleared_, set_;  // where the carry has been, and still is so
+    int32_t written_at_ = 0;                    // its write to the TIA comes so much later than kCycles
+    std::size_t checked_at_ = 0, in_time_until_ = 0;  // that one has asked for all writes up to this one
 };
 
 }  // namespace atari

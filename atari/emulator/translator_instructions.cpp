@@ -29,8 +29,8 @@ void Translator::emit() {
     slow_ = {};
     const int32_t before = pending_;
     const bool jumps = operation_ == JMP || operation_ == JSR || operation_ == RTS;
-    const bool passes = jumps || operand_ == Operand::Rel;
-    if (nz_in_) sets_nz(operation_) ? nz_in_.reset() : assume_from(place_);
+    if (nz_in_ && sets_nz(operation_)) nz_in_.reset();
+    if (nz_in_) assume_from(place_);
     const std::optional<Reg> nz_in = nz_in_;
     const bool done = operand_ == Operand::Rel ? emit_branch()
                       : jumps                  ? emit_jump()
@@ -43,7 +43,7 @@ void Translator::emit() {
         call_handler(place_);
         if (jumps) a_.jump(dispatch_);
     }
-    if (passes || changes_carry(operation_)) cleared_ = set_ = {};
+    if (jumps || operand_ == Operand::Rel || changes_carry(operation_)) cleared_ = set_ = {};
     if (slow_.last_jump < 0) return;
     const bool checked = checked_at_ == place_ && in_time_until_ > place_;
     const auto what = jumps ? Aside::kJumpByHandler : checked ? Aside::kEnterBehind : Aside::kHandler;
@@ -295,7 +295,8 @@ void Translator::read_into(Reg to, const Source& source) {
     else a_.move(to, source.reg);
 }
 
-// N and Z are those of A, X or Y. Where they are replaced before anybody asks for them, that is left out.
+// N and Z are those of A, X or Y. Where they are replaced before anybody asks for them, that is left out; a handler that is
+// called meanwhile gets them.
 void Translator::set_nz(Reg of) {
     if (replaces_nz_next()) nz_in_ = of;
     else a_.move(kNz, of);
