@@ -151,7 +151,7 @@ bool Console::load(const uint8_t* in) {
     std::copy_n(in, cart_ram_.size(), cart_ram_.begin());
     in += cart_ram_.size();
     for (int buffer : {0, 1}) {
-        std::memcpy(pictures_.use(buffer), in, kFrameBytes);
+        std::memcpy(pictures_.use(buffer, Pictures::kMost), in, kFrameBytes);
         in += kFrameBytes;
     }
     stale_ = 0x3f;

@@ -306,6 +306,12 @@ class Console {
     // picture.cpp
     void draw_to(int32_t clock);
     void draw_span(int x, int count);
+    // Where so many are drawn next. Only a restored state may be further than a picture is long.
+    uint8_t* next_pixels(int count) {
+        const int32_t place = m_.tia.write_pos;
+        const auto end = static_cast<std::size_t>(place + count) + Pictures::kBehind;
+        return pictures_.use(m_.tia.current, std::max(config_.picture_bytes(), end)) + place;
+    }
     void end_line();
     void paint(const Mask& p0, const Mask& p1, const Mask& pf, int x, int count);
     const Mask& mask(int object);

@@ -44,7 +44,7 @@ void Console::draw_to(int32_t target) {
             from += blank;
             count -= blank;
         }
-        uint8_t* pixels = pictures_.use(t.current) + t.write_pos;
+        uint8_t* pixels = next_pixels(std::max(count, 0));
         if (count > 0) {
             draw_span(from - 68, count);
             t.write_pos += count;
@@ -123,7 +123,7 @@ const Mask& Console::mask(int object) {
 // Draws pixels x .. x+count-1 of the current line and latches their collisions.
 void Console::draw_span(int x, int count) {
     Tia& t = m_.tia;
-    uint8_t* pixels = pictures_.use(t.current) + t.write_pos;
+    uint8_t* pixels = next_pixels(count);
     if (t.vblank & 2) {
         std::memset(pixels, 0, static_cast<size_t>(count));
         return;
@@ -173,7 +173,7 @@ void Console::draw_span(int x, int count) {
 
 void Console::paint(const Mask& p0, const Mask& p1, const Mask& pf, int x, int count) {
     const Tia& t = m_.tia;
-    uint8_t* pixels = pictures_.use(t.current) + t.write_pos;
+    uint8_t* pixels = next_pixels(count);
     if (!(p0 | p1 | pf).any()) {
         std::memset(pixels, t.colour[3], static_cast<size_t>(count));
         return;

@@ -27,7 +27,7 @@ class Pictures {
     }
 
     // For drawing to the first so many bytes.
-    uint8_t* use(int picture, std::size_t bytes = kMost) {
+    uint8_t* use(int picture, std::size_t bytes) {
         if (holding_) keep(picture);
         auto& pixels = pixels_[static_cast<std::size_t>(picture)];
         if (pixels.size() < bytes) pixels.resize(bytes);

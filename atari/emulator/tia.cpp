@@ -278,7 +278,7 @@ void Console::start_frame() {
 
 // What the frame left undrawn when the instruction limit cut it.
 void Console::grey_rest() {
-    uint8_t* picture = pictures_.use(m_.tia.current);
+    uint8_t* picture = pictures_.use(m_.tia.current, config_.picture_bytes());
     // A restored state may be in any line; beyond the picture nothing is left.
     const int first = std::clamp(scan_lines() - config_.first_line, 0, config_.height);
     for (int i = first * kScreenWidth; i < config_.height * kScreenWidth; ++i)

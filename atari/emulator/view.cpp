@@ -17,6 +17,9 @@ Value* working_memory(size_t size) {
     return memory.data();
 }
 
+// Gives its memory back, too, which an assignment of {} keeps.
+void release(std::vector<uint8_t>& values) { std::vector<uint8_t>().swap(values); }
+
 }  // namespace
 
 View::View(Environment& environment, const ViewSettings& settings, std::shared_ptr<const Scaler> scaler)
@@ -67,6 +70,7 @@ void View::played(int left, bool ended) {
     early_noted_ = true;
     early_copied_ = environment_.console().machine().tia.partial;
     if (early_copied_) early_.assign(current().pixels, current().pixels + plane_size());
+    else release(early_);
 }
 
 void View::end(int left, bool ended) {
@@ -129,7 +133,7 @@ void View::remember(Frame early, Frame late) {
 void View::forget_last() {
     environment_.console().pictures().let_go();
     last_[0] = last_[1] = -1;
-    pooled_ = {};
+    release(pooled_);
 }
 
 // The last picture before it was made small.

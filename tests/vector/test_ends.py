@@ -174,6 +174,26 @@ def test_long_play_takes_no_more_memory() -> None:
     assert peaks[2] - peaks[1] < 1024  # KiB
 
 
+@pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="resident memory is read as on Linux")
+def test_ended_episodes_leave_no_memory_behind() -> None:
+    """In a process of its own, in which nobody else has left memory that could be used again."""
+    program = """
+import atari, numpy as np
+def pages():
+    return int(open("/proc/self/statm").read().split()[1])
+envs = atari.AtariVectorEnv("breakout", 128, num_threads=2)
+envs.reset(seed=0)
+actions = np.random.default_rng(0).integers(0, 4, (1000, 128))
+for step in range(1000):
+    if step == 100:
+        before = pages()
+    envs.step(actions[step])
+print((pages() - before) / 128)
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120)
+    assert float(done.stdout) < 1, done.stderr  # a picture is 8 pages, and was kept by every fourth environment
+
+
 def test_forks_and_snapshots_take_no_more_memory() -> None:
     envs = make("pong", 8)
     envs.reset(seed=0)
