@@ -81,13 +81,13 @@ void Translator::reach(std::size_t first, std::vector<bool>& covered) {
 // Instructions one behind the other, as far as they have not been translated.
 void Translator::emit_run(std::size_t place) {
     pending_ = 0;
-    cleared_ = set_ = {};
+    carry_.reset();
     in_time_until_ = 0;
     for (;;) {
         place_ = place;
         if (is_target_[place]) {
             add_pending();
-            cleared_ = set_ = {};
+            carry_.reset();
         }
         begins_[place] = static_cast<int32_t>(a_.size());
         missing_[place] = static_cast<uint16_t>(pending_);
@@ -166,16 +166,15 @@ void Translator::emit_asides() {
         a_.bind(aside.from);
         if (aside.before) a_.alu(Alu::add, kCycles, aside.before);
         switch (aside.what) {
-            case Aside::kHandler:
+            case Aside::kHandler: case Aside::kEnterBehind:
                 if (aside.nz) a_.move(kNz, *aside.nz);
                 call_handler(aside.place);
+                if (aside.what == Aside::kEnterBehind) {
+                    go_to(next_of(aside.place), false);
+                    break;
+                }
                 if (aside.after) a_.alu(Alu::sub, kCycles, aside.after);
                 a_.jump(aside.back);
-                break;
-            case Aside::kEnterBehind:
-                if (aside.nz) a_.move(kNz, *aside.nz);
-                call_handler(aside.place);
-                go_to(next_of(aside.place), false);
                 break;
             case Aside::kJumpByHandler:
                 call_handler(aside.place);

@@ -170,7 +170,11 @@ class Translator {
     int32_t pending_ = 0;
     Label slow_;
     std::optional<Reg> nz_in_;                  // N and Z are of this register, and have been left out
-    std::optional<std::size_t> cleared_, set_;  // where the carry has been, and still is so
+    struct KnownCarry {
+        bool is_set;
+        std::size_t since;  // the instruction that has set or cleared it
+    };
+    std::optional<KnownCarry> carry_;
     int32_t written_at_ = 0;                    // its write to the TIA comes so much later than kCycles
     std::size_t checked_at_ = 0, in_time_until_ = 0;  // that one has asked for all writes up to this one
 };

@@ -43,7 +43,7 @@ void Translator::emit() {
         call_handler(place_);
         if (jumps) a_.jump(dispatch_);
     }
-    if (jumps || operand_ == Operand::Rel || changes_carry(operation_)) cleared_ = set_ = {};
+    if (jumps || operand_ == Operand::Rel || changes_carry(operation_)) carry_.reset();
     if (slow_.last_jump < 0) return;
     const bool checked = checked_at_ == place_ && in_time_until_ > place_;
     const auto what = jumps ? Aside::kJumpByHandler : checked ? Aside::kEnterBehind : Aside::kHandler;
@@ -340,8 +340,8 @@ void Translator::operate(const Source& source) {
             break;
         default: {  // ADC and SBC. This processor's carry is a borrow in subtractions.
             const bool adds = operation_ == ADC;
-            const std::optional<std::size_t>& without = adds ? cleared_ : set_;  // a carry, or a borrow
-            if (without) assume_from(next_of(*without));
+            const bool without = carry_ && carry_->is_set != adds;  // a carry, or a borrow
+            if (without) assume_from(next_of(carry_->since));
             else if (adds) a_.test_bit(kCarry, uint8_t{0});
             else a_.alu(Alu::cmp, kCarry, 1);
             combine(adds ? without ? Alu::add : Alu::adc : without ? Alu::sub : Alu::sbb, kA, source);
@@ -429,13 +429,11 @@ bool Translator::emit_implied() {
         case NOP: break;
         case CLC:
             a_.move(kCarry, uint32_t{0});
-            cleared_ = place_;
-            set_ = {};
+            carry_ = {false, place_};
             break;
         case SEC:
             a_.move(kCarry, uint32_t{1});
-            set_ = place_;
-            cleared_ = {};
+            carry_ = {true, place_};
             break;
         case CLV: a_.store8(in_console(Places::overflow()), uint8_t{0}); break;
         case TXS: a_.store8(in_console(Places::sp()), kX); break;
