@@ -4,29 +4,24 @@
 makes one. `atari.games` describes the games, `atari.wrappers` preprocesses, `atari.roms` finds the ROM files.
 """
 
-import sys
 from importlib import import_module
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
-try:
-    import_module("atari._emulator")
-except ImportError as error:
-    raise ImportError(
-        f"the compiled part of atari is missing here ({error}); if this is the source folder, start Python from "
-        "another one, or install the package with `pip install -e .`"
-    ) from error
+if find_spec("atari._emulator") is None:  # the source folder, which Python finds first if it starts beside it
+    __path__[:] = import_module("atari._sources").installed_modules()
 
 from atari import algorithmic, cores
 from atari.actions import Action
-from atari.arrays import to_jax, to_torch
-from atari.catalog import games
 from atari.env import AtariEnv
-from atari.game import Game
+from atari.games.game import Game
+from atari.integrations.arrays import to_jax, to_torch
 from atari.registration import explain, make, register_all, register_game
 from atari.vector import AtariVectorEnv
 
 if TYPE_CHECKING:
     from atari import roms, wrappers
+    from atari.games.catalog import games  # the type of the package `atari.games`, which is a mapping
 
 __version__ = "0.1.0"
 __all__ = [
@@ -45,10 +40,6 @@ __all__ = [
     "to_torch",
     "wrappers",
 ]
-
-# `atari/games/` holds data files, no module: without this, `import atari.games` would put an empty namespace package
-# in the place of the mapping.
-sys.modules["atari.games"] = games  # type: ignore[assignment]
 
 register_all()
 algorithmic.register_all()

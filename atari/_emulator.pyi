@@ -3,6 +3,7 @@ The native emulator, bound. Use it through atari.cores.NativeCore, which checks 
 """
 
 from collections.abc import Sequence
+import enum
 from typing import Any
 
 import numpy
@@ -125,8 +126,8 @@ class AreaResize:
     def __getstate__(self) -> tuple[int, int, int]: ...
     def __setstate__(self, arg: tuple[int, int, int], /) -> None: ...
 
-class Moment:
-    """A state in memory, as `Console.remember` returned it."""
+class ConsoleSnapshot:
+    """A state in memory, as `Console.snapshot` returned it."""
 
 class Console:
     """
@@ -135,7 +136,7 @@ class Console:
     Made as at power-on, after one reset; no frame has begun. `cartridge` names the type of bank
     switching, "" recognises it; the other arguments are those of a game's screen and controllers.
     `plain`: by the plain interpreter and TIA; if not, `run_frame` runs frames fast, and `translated`,
-    where that is possible, by machine code made of the program.
+    where that is possible, by translated code of the program.
     Raises ValueError if the image is of no supported type.
     """
 
@@ -207,7 +208,7 @@ class Console:
 
     @property
     def translated(self) -> bool:
-        """Whether there is machine code of the program."""
+        """Whether there is translated code of the program."""
 
     @property
     def cartridge_type(self) -> str: ...
@@ -219,9 +220,9 @@ class Console:
 
     @positions.setter
     def positions(self, arg: Sequence[int], /) -> None: ...
-    def picture(self) -> numpy.typing.NDArray[numpy.uint8]:
+    def framebuffer(self) -> numpy.typing.NDArray[numpy.uint8]:
         """
-        The current frame's picture up to the latest access of the TIA: uint8 (height, 160), palette indices.
+        The current frame's framebuffer up to the latest access of the TIA: uint8 (height, 160), palette indices.
         """
 
     def make_samples(self) -> numpy.typing.NDArray[numpy.uint8]:
@@ -251,20 +252,30 @@ class Console:
     def load(self, state: bytes) -> None:
         """Continue from `save`; ValueError if the bytes cannot be a state."""
 
-    def remember(self) -> Moment:
-        """The whole state in memory, with what is still to be drawn."""
+    def snapshot(self) -> ConsoleSnapshot:
+        """The whole state in memory, deferred frames included."""
 
-    def go_back(self, moment: Moment) -> None:
-        """Continue from `remember` of this console."""
+    def restore(self, snapshot: ConsoleSnapshot) -> None:
+        """
+        Continue from a `snapshot` of this console; ValueError if it is of another one.
+        """
 
-def ways() -> int:
+class SimdLevel(enum.Enum):
+    """A level of SIMD instructions. The results of all levels are equal."""
+
+    SCALAR = 0
+
+    AVX2 = 1
+
+    AVX512 = 2
+
+def best_simd_level() -> SimdLevel:
     """
-    In how many ways this processor can do what follows, by instructions that not every one has. Way 0 is the
-    portable one, the last the fastest, which None stands for. Results are the same.
+    The highest level that this processor supports. The functions below use it where `level` is None.
     """
 
 def paint(
-    layers: Sequence[numpy.typing.NDArray[numpy.uint8]], colours: Sequence[int], first: int, last: int, way: int
+    layers: Sequence[numpy.typing.NDArray[numpy.uint8]], colours: Sequence[int], first: int, last: int, level: SimdLevel
 ) -> numpy.typing.NDArray[numpy.uint8]:
     """
     A row of 160 zeros in which pixels first .. last-1 have been painted: those of the three layers, (160,) each,
@@ -272,23 +283,34 @@ def paint(
     """
 
 def to_rgb(
-    picture: numpy.typing.NDArray[numpy.uint8], format: str, way: int | None = None
+    picture: numpy.typing.NDArray[numpy.uint8], format: str, level: SimdLevel | None = None
 ) -> numpy.typing.NDArray[numpy.uint8]:
     """
     A picture of palette indices, (rows, 160), in the colours of a TV format.
     """
 
+def short_jump(distance: int) -> bytes:
+    """
+    What the JIT translator's assembler makes of a jump of two bytes over `distance` others, and these.
+    Raises RuntimeError if such a jump does not reach so far.
+    """
+
+def palette(format: str) -> numpy.typing.NDArray[numpy.uint8]:
+    """
+    Red, green and blue of the 256 palette indices of a TV format, (256, 3).
+    """
+
 def same_state(first: Console, second: Console, complete: bool) -> bool:
     """
-    Whether two consoles are in the same state to the byte. Unless this is `complete`, pictures and collision
-    latches are left out; a console that runs frames fast then goes on leaving them for later.
+    Whether two consoles are in the same state to the byte. Unless this is `complete`, framebuffers and
+    collision latches are left out, and a console that runs frames fast goes on deferring them.
     """
 
 def pool_gray(
     early: numpy.typing.NDArray[numpy.uint8],
     late: numpy.typing.NDArray[numpy.uint8],
     table: numpy.typing.NDArray[numpy.uint8],
-    way: int | None = None,
+    level: SimdLevel | None = None,
 ) -> tuple[numpy.typing.NDArray[numpy.uint8], list[int]]:
     """
     The brighter of two pictures, (rows, 160) palette indices, by a table of 256 grays, or what a table of 65,536
@@ -300,12 +322,231 @@ def resize_area(
     height: int,
     width: int,
     changes: Sequence[int] | None = None,
-    way: int | None = None,
+    level: SimdLevel | None = None,
 ) -> numpy.typing.NDArray[numpy.uint8]:
     """
     A gray picture, (rows, 160), scaled down as by OpenCV's INTER_AREA. `changes` as from `pool_gray`.
     Raises ValueError if the size is not served.
     """
+
+class EpisodeKind(enum.Enum):
+    """
+    In which order no-ops, FIRE, lost lives and the frame skip are applied: as in ale-py's AtariVectorEnv,
+    as by wrappers of single frames inside of the frame skip, or as in OpenAI's Baselines.
+    """
+
+    ALE = 0
+
+    FRAMES = 1
+
+    BASELINES = 2
+
+class FirePress(enum.Enum):
+    """When FIRE is pressed at the start of an episode."""
+
+    NEVER = 0
+
+    BEFORE_NOOPS = 1
+
+    AFTER_NOOPS = 2
+
+class OnReset(enum.Enum):
+    """What a reset does after a lost life."""
+
+    NOOP = 0
+
+    CONTINUE = 1
+
+    NEW_GAME = 2
+
+class PixelFormat(enum.Enum):
+    """Of observations; GRAY_OF_RGB pools colours and makes the result gray."""
+
+    NONE = 0
+
+    GRAY = 1
+
+    RGB = 2
+
+    GRAY_OF_RGB = 3
+
+class EndFrames(enum.Enum):
+    """What is observed when an episode ends inside a skip."""
+
+    LAST = 0
+
+    GYMNASIUM = 1
+
+    BASELINES = 2
+
+    ENVPOOL = 3
+
+class Autoreset(enum.Enum):
+    """As gymnasium.vector.AutoresetMode."""
+
+    NEXT_STEP = 0
+
+    SAME_STEP = 1
+
+    DISABLED = 2
+
+class EpisodeSettings:
+    """How episodes begin, are played, and end."""
+
+    def __init__(self) -> None: ...
+    @property
+    def kind(self) -> EpisodeKind: ...
+    @kind.setter
+    def kind(self, arg: EpisodeKind, /) -> None: ...
+    @property
+    def repeat_action_probability(self) -> float: ...
+    @repeat_action_probability.setter
+    def repeat_action_probability(self, arg: float, /) -> None: ...
+    @property
+    def max_num_frames_per_episode(self) -> int: ...
+    @max_num_frames_per_episode.setter
+    def max_num_frames_per_episode(self, arg: int, /) -> None: ...
+    @property
+    def frame_skip(self) -> tuple[int, int]: ...
+    @frame_skip.setter
+    def frame_skip(self, arg: tuple[int, int], /) -> None: ...
+    @property
+    def noops(self) -> tuple[int, int]: ...
+    @noops.setter
+    def noops(self, arg: tuple[int, int], /) -> None: ...
+    @property
+    def fire_counts(self) -> bool: ...
+    @fire_counts.setter
+    def fire_counts(self, arg: bool, /) -> None: ...
+    @property
+    def fire(self) -> FirePress: ...
+    @fire.setter
+    def fire(self, arg: FirePress, /) -> None: ...
+    @property
+    def episodic_life(self) -> bool: ...
+    @episodic_life.setter
+    def episodic_life(self, arg: bool, /) -> None: ...
+    @property
+    def life_loss_info(self) -> bool: ...
+    @life_loss_info.setter
+    def life_loss_info(self, arg: bool, /) -> None: ...
+    @property
+    def on_reset(self) -> OnReset: ...
+    @on_reset.setter
+    def on_reset(self, arg: OnReset, /) -> None: ...
+    @property
+    def last_life(self) -> bool: ...
+    @last_life.setter
+    def last_life(self, arg: bool, /) -> None: ...
+    @property
+    def seamless_lives(self) -> bool: ...
+    @seamless_lives.setter
+    def seamless_lives(self, arg: bool, /) -> None: ...
+    @property
+    def clip_reward(self) -> bool: ...
+    @clip_reward.setter
+    def clip_reward(self, arg: bool, /) -> None: ...
+    @property
+    def max_frames(self) -> int: ...
+    @max_frames.setter
+    def max_frames(self, arg: int, /) -> None: ...
+
+class ObservationSettings:
+    """How frames are pooled, resized and stacked."""
+
+    def __init__(self) -> None: ...
+    @property
+    def pixels(self) -> PixelFormat: ...
+    @pixels.setter
+    def pixels(self, arg: PixelFormat, /) -> None: ...
+    @property
+    def height(self) -> int: ...
+    @height.setter
+    def height(self, arg: int, /) -> None: ...
+    @property
+    def width(self) -> int: ...
+    @width.setter
+    def width(self, arg: int, /) -> None: ...
+    @property
+    def stack(self) -> int: ...
+    @stack.setter
+    def stack(self, arg: int, /) -> None: ...
+    @property
+    def max_pool(self) -> bool: ...
+    @max_pool.setter
+    def max_pool(self, arg: bool, /) -> None: ...
+    @property
+    def end_frames(self) -> EndFrames: ...
+    @end_frames.setter
+    def end_frames(self, arg: EndFrames, /) -> None: ...
+    @property
+    def pads_zero(self) -> bool: ...
+    @pads_zero.setter
+    def pads_zero(self, arg: bool, /) -> None: ...
+
+class VectorSettings:
+    """How many results make a batch, and which threads work on them."""
+
+    def __init__(self) -> None: ...
+    @property
+    def batch_size(self) -> int: ...
+    @batch_size.setter
+    def batch_size(self, arg: int, /) -> None: ...
+    @property
+    def threads(self) -> int: ...
+    @threads.setter
+    def threads(self, arg: int, /) -> None: ...
+    @property
+    def first_core(self) -> int: ...
+    @first_core.setter
+    def first_core(self, arg: int, /) -> None: ...
+    @property
+    def autoreset(self) -> Autoreset: ...
+    @autoreset.setter
+    def autoreset(self, arg: Autoreset, /) -> None: ...
+
+class GrayOfPairs:
+    """
+    For GRAY_OF_RGB: the gray value of the maximum of two colours, 256 x 256.
+    """
+
+    def __init__(self, values: bytes) -> None: ...
+
+class MemberSpec:
+    """
+    What differs between the environments of a vector. `seed` is nine words: the emulator's, and
+    eight of the episode's generator.
+    """
+
+    def __init__(self) -> None: ...
+    @property
+    def game(self) -> Game: ...
+    @game.setter
+    def game(self, arg: Game, /) -> None: ...
+    @property
+    def actions(self) -> list[int]: ...
+    @actions.setter
+    def actions(self, arg: Sequence[int], /) -> None: ...
+    @property
+    def action_set(self) -> list[int]: ...
+    @action_set.setter
+    def action_set(self, arg: Sequence[int], /) -> None: ...
+    @property
+    def mode(self) -> int | None: ...
+    @mode.setter
+    def mode(self, arg: int | None, /) -> None: ...
+    @property
+    def difficulty(self) -> int | None: ...
+    @difficulty.setter
+    def difficulty(self, arg: int | None, /) -> None: ...
+    @property
+    def seed(self) -> list[int]: ...
+    @seed.setter
+    def seed(self, arg: Sequence[int], /) -> None: ...
+    @property
+    def gray_of_pairs(self) -> GrayOfPairs: ...
+    @gray_of_pairs.setter
+    def gray_of_pairs(self, table: GrayOfPairs | None) -> None: ...
 
 class Batch:
     """
@@ -314,7 +555,7 @@ class Batch:
 
     def __init__(
         self,
-        vector: Vector,
+        engine: VectorEngine,
         *,
         pixels: numpy.typing.NDArray[numpy.uint8] | None,
         ram: numpy.typing.NDArray[numpy.uint8] | None,
@@ -328,57 +569,38 @@ class Batch:
         of the final observation; `flags` bool (3, rows): terminated, truncated, has a final observation.
         """
 
-class MemberState:
+class MemberSnapshot:
     """The state of an environment of a vector, in memory. It can be pickled."""
 
     def __getstate__(self) -> tuple[bytes, int]: ...
     def __setstate__(self, arg: tuple[bytes, int], /) -> None: ...
 
-class Vector:
+class Loan:
+    """A share in an array's memory, for `numpy.ndarray(buffer=)`."""
+
+class ArrayLender:
+    """Lends the memory of a uint8 array, without a copy."""
+
+    def __init__(self, array: numpy.typing.NDArray[numpy.uint8]) -> None: ...
+    def lend(self) -> Loan: ...
+    @property
+    def lent(self) -> bool:
+        """
+        Whether a loan exists: an array made of one, or a view or tensor of that.
+        """
+
+class VectorEngine:
     """
     Environments played by a pool of threads. Use it through atari.AtariVectorEnv.
     """
 
     def __init__(
         self,
-        *,
-        games: Sequence[Game],
-        actions: Sequence[Sequence[int]],
-        action_sets: Sequence[Sequence[int]],
-        modes: Sequence[int | None],
-        difficulties: Sequence[int | None],
-        seeds: numpy.typing.NDArray[numpy.uint32],
-        pairs: Sequence[bytes],
-        repeat_action_probability: float,
-        episode_limit: int,
-        protocol: str,
-        frame_skip: tuple[int, int],
-        noops: tuple[int, int],
-        fire_counts: bool,
-        fire: str,
-        episodic_life: bool,
-        life_loss_info: bool,
-        on_reset: str,
-        last_life: bool,
-        seamless_lives: bool,
-        clip_reward: bool,
-        max_frames: int,
-        pixels: str,
-        height: int,
-        width: int,
-        stack: int,
-        max_pool: bool,
-        end_frames: str,
-        pads_zero: bool,
-        batch_size: int,
-        threads: int,
-        first_core: int,
-        autoreset: str,
-    ) -> None:
-        """
-        `seeds` is (environments, 9): the emulator's, and eight words for the other generator.
-        """
-
+        members: Sequence[MemberSpec],
+        episode: EpisodeSettings,
+        observation: ObservationSettings,
+        settings: VectorSettings,
+    ) -> None: ...
     def start(
         self,
         actions: numpy.typing.NDArray[numpy.int64],
@@ -401,11 +623,14 @@ class Vector:
     def receive(self, batch: Batch) -> None:
         """Wait for a batch of results."""
 
-    def snapshot(self, environments: Sequence[int]) -> list[MemberState]: ...
-    def restore(self, environments: Sequence[int], states: Sequence[MemberState]) -> None: ...
+    def snapshot(self, environments: Sequence[int]) -> list[MemberSnapshot]: ...
+    def restore(self, environments: Sequence[int], states: Sequence[MemberSnapshot]) -> None: ...
     def fork(self, source: int, targets: Sequence[int]) -> None: ...
     def save(self, environment: int) -> bytes:
         """The state of one environment as bytes."""
+
+    def save_emulator(self, environment: int) -> bytes:
+        """The state of one environment's emulator as bytes, for Emulator.load."""
 
     def load(self, environment: int, state: bytes) -> None: ...
     def screen_rgb(self, environment: int) -> numpy.typing.NDArray[numpy.uint8]: ...

@@ -1,6 +1,11 @@
-"""The eighteen joystick actions of the Arcade Learning Environment, by name and number."""
+"""The eighteen joystick actions of the Arcade Learning Environment, action spaces, and continuous actions."""
 
+from collections.abc import Sequence
 from enum import IntEnum
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
 
 
 class Action(IntEnum):
@@ -46,4 +51,39 @@ class Action(IntEnum):
 
 
 PLAYER_ACTIONS: tuple[Action, ...] = tuple(action for action in Action if action is not Action.RESET)
-"""The 18 actions an agent can take, in ALE's order; the number of an action is its place here."""
+"""The 18 actions an agent can take, in ALE's order; the number of an action is its index here."""
+
+
+def make_action_space(actions: Sequence[Action], continuous: bool) -> spaces.Space[Any]:
+    """The indices of `actions`, or (radius, angle, fire), three float32."""
+    if continuous:
+        low, high = np.array([0, -np.pi, 0], np.float32), np.array([1, np.pi, 1], np.float32)
+        return spaces.Box(low, high, dtype=np.float32)
+    return spaces.Discrete(len(actions))
+
+
+_ACTION_BY_MOTION = np.zeros((3, 3, 2), np.int64)  # by vertical, horizontal (-1 is the last) and fire
+for _action in PLAYER_ACTIONS:
+    _ACTION_BY_MOTION[_action.vertical, _action.horizontal, int(_action.fire)] = int(_action)
+
+
+def in_continuous_space(radius: Any, angle: Any, fire: Any) -> Any:
+    """Whether a continuous action is in its space: radius and fire 0..1, angle -pi..pi; NaN is not."""
+    pi = np.float32(np.pi)
+    return (radius >= 0) & (radius <= 1) & (angle >= -pi) & (angle <= pi) & (fire >= 0) & (fire <= 1)
+
+
+def joystick_action(radius: Any, angle: Any, fire: Any, threshold: np.float32) -> Any:
+    """The ALE action number of a continuous action (Farebrother and Castro 2024, "CALE"); its strength is the radius.
+
+    Args:
+        radius, angle, fire: float32 scalars or arrays of one shape. The arithmetic is float32, as in ALE.
+        threshold: how far the stick must be moved, or fire pressed, to count.
+
+    Returns:
+        int64, of the shape of the arguments.
+    """
+    x, y = radius * np.cos(angle), radius * np.sin(angle)
+    horizontal = np.int64(x > threshold) - np.int64(x < -threshold)
+    vertical = np.int64(y > threshold) - np.int64(y < -threshold)
+    return _ACTION_BY_MOTION[vertical, horizontal, np.int64(fire > threshold)]

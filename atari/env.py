@@ -5,9 +5,7 @@ Options, defaults, observations, rewards and random streams are those of ale-py'
 """
 
 import copy
-import math
 import operator
-from collections.abc import Sequence
 from os import PathLike
 from typing import Any, Literal, Protocol, get_args
 
@@ -15,27 +13,26 @@ import gymnasium
 import numpy as np
 from gymnasium import logger, spaces
 
-from atari import snapshot
-from atari.actions import PLAYER_ACTIONS, Action
-from atari.ale_view import AleView
-from atari.catalog import games
-from atari.cores import CORES, ByteArray, Core
-from atari.cores.options import check_integer, check_name, check_probability
-from atari.game import Game
+from atari.actions import Action, in_continuous_space, joystick_action, make_action_space
+from atari.cores import CORES, ByteArray, Core, snapshot
+from atari.cores.ale_interface import AleInterface
+from atari.games.catalog import games
+from atari.games.game import Game
 from atari.rendering import Window
+from atari.validation import check_frameskip, check_name, check_probability
 
 ObsType = Literal["rgb", "grayscale", "ram"]
 RenderMode = Literal["human", "rgb_array", "rgb_array_list"]
 
 
 class FrameObserver(Protocol):
-    """Who is told of every emulated frame, those inside a frame skip too; see `AtariEnv.observers`."""
+    """Receives every emulated frame, those inside a frame skip too; see `AtariEnv.observers`."""
 
     def game_begun(self) -> None:
         """The emulator was reset."""
 
     def frame_played(self, action: int, reward: int) -> None:
-        """A frame was played with this ALE action, and the core shows it. May not raise."""
+        """The core has played a frame with this ALE action. Must not raise."""
 
 
 class AtariEnv(gymnasium.Env[Any, Any]):
@@ -55,8 +52,8 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         render_mode: "human" shows a window (extra `play`), "rgb_array" returns the screen from `render`,
             "rgb_array_list" the screens since the last `render`, one a step.
         sound_obs: observations become {"image": ..., "sound": (512,) uint8 samples of the step's last frame}.
-        core: the emulator, "native" (ours), "plain" (ours without its shortcuts, slower) or "ale" (ale-py); all
-            give the same bytes.
+        core: the emulator: "native" (ours), "plain" (our reference core, slower) or "ale" (ale-py); all give the same
+            bytes.
         rom: path of the ROM file; None searches (see `atari.roms`).
 
     Raises:
@@ -71,13 +68,13 @@ class AtariEnv(gymnasium.Env[Any, Any]):
     """
 
     metadata: dict[str, Any] = {"render_modes": list(get_args(RenderMode)), "render_fps": 15.0}  # noqa: RUF012
-    """What Gymnasium wants to know of the class; an environment has its own, with the rate of its steps."""
+    """Gymnasium's facts about the class. Each environment has its own copy, with the rate of its steps."""
 
     core: Core
     """The emulator core."""
 
     observers: list[FrameObserver]
-    """Who is told of every frame, such as a recorder. They may look at the core, and change nothing. Not copied."""
+    """Receive every frame, such as a recorder. They may read the core, but not change it. Copies have none."""
 
     def __init__(
         self,
@@ -131,9 +128,9 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         self._phase: Literal["new", "playing", "over", "warned"] = "new"
 
     @property
-    def ale(self) -> AleView:
+    def ale(self) -> AleInterface:
         """The core under the method names of ale-py's `ALEInterface`, which many wrappers expect."""
-        return AleView(self)
+        return AleInterface(self.core)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Start a new episode; with `seed`, also restart all generators. `options` are ignored.
@@ -173,8 +170,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
     def play_frames(self, action: int, frames: int, strength: float = 1.0) -> float:
         """Play frames with an ALE action number and return the reward, without making an observation.
 
-        What `step` does beneath observation and frame skip; wrappers that look at a part of the frames only
-        (`atari.wrappers.DqnPreprocessing`) call it instead of `step`.
+        Wrappers that read only some of the frames (`atari.wrappers.DqnPreprocessing`) call it instead of `step`.
 
         Raises:
             gymnasium.error.ResetNeeded: before the first reset.
@@ -191,9 +187,9 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         return reward
 
     def make_sound(self) -> None:
-        """Have the emulator make sound from here on; observations stay what they are.
+        """Switch the emulator's sound on; observations stay what they are.
 
-        The core becomes another one, in the same state.
+        `core` becomes another object, in the same state.
         """
         self.core = self.core.with_sound()
 
@@ -209,7 +205,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             frames, self._frames = self._frames, []
             return frames
         if self.render_mode == "human":
-            return None  # step and reset have shown it
+            return None  # step and reset have already shown the screen
         raise gymnasium.error.Error(
             "render() needs a render mode; make the environment with render_mode='rgb_array' or 'human'"
         )
@@ -226,7 +222,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         return [action.name for action in self._action_set]
 
     def get_keys_to_action(self) -> dict[tuple[str, ...], int]:
-        """Which keys stand for which action, for `gymnasium.utils.play`: w a s d, space for fire, e for none.
+        """The action of each key combination, for `gymnasium.utils.play`: w a s d, space for fire, e for none.
 
         Raises:
             AttributeError: actions are continuous.
@@ -236,20 +232,20 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         return {_keys(action): index for index, action in enumerate(self._action_set)}
 
     def clone_state(self, include_rng: bool = False) -> Any:
-        """The emulator's state, in memory; as ale-py's, without the picture. See `snapshot` for a complete one."""
+        """The emulator's state, in memory; like ale-py's, it leaves out the framebuffer. `snapshot` is complete."""
         return self.core.clone_state(include_rng=include_rng)
 
     def restore_state(self, state: Any) -> None:
-        """Continue from a state of `clone_state`.
+        """Continue from a state that `clone_state` returned.
 
         Raises:
-            TypeError, ValueError: it is no such state, or of another game or kind of core.
+            TypeError, ValueError: not such a state, or of another game or kind of core.
         """
         self.core.restore_state(state)
         self._phase = "playing"
 
     def snapshot(self) -> bytes:
-        """The whole environment as portable bytes: game, picture, sound, held action, all generators.
+        """The whole environment as portable bytes: game, framebuffer, sound, held action, all generators.
 
         An environment made with the same options, also in another process, continues from it exactly.
         """
@@ -282,7 +278,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         self.spec = state["spec"]
 
     def _seed_generators(self, seed: int | None) -> tuple[int, int]:
-        """Seed `np_random` and return the two words of the seed; the second one is the emulator's."""
+        """Seed `np_random` and return the two words of the seed; the second one seeds the emulator."""
         words = np.random.SeedSequence(seed).generate_state(2)
         first, second = int(words[0]), int(words[1])
         self.np_random = np.random.Generator(np.random.PCG64(np.random.SeedSequence(first)))
@@ -297,7 +293,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         return spaces.Dict({"image": image, "sound": spaces.Box(0, 255, (512,), np.uint8)})
 
     def _steps_per_second(self) -> float:
-        """How many steps make a second of play, so that a video of one frame a step has the right speed."""
+        """Steps in a second of play, so that a video of one frame a step has the right speed."""
         skip = self._frameskip if isinstance(self._frameskip, int) else (sum(self._frameskip) - 1) / 2
         return self.game.screen.frame_rate / skip
 
@@ -325,15 +321,11 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         if motion is None or motion.shape != (3,):
             raise TypeError(f"a continuous action is three floats (radius, angle, fire), got {action!r}")
         radius, angle, fire = motion
-        pi = np.float32(math.pi)
-        if not (0.0 <= radius <= 1.0 and -pi <= angle <= pi and 0.0 <= fire <= 1.0):
+        if not in_continuous_space(radius, angle, fire):
             raise ValueError(
                 f"a continuous action is radius 0..1, angle -pi..pi, fire 0..1, got ({radius}, {angle}, {fire})"
             )
-        x, y = radius * np.cos(angle), radius * np.sin(angle)
-        horizontal = int(x > self._threshold) - int(x < -self._threshold)
-        vertical = int(y > self._threshold) - int(y < -self._threshold)
-        return _ACTION_BY_MOTION[vertical, horizontal, bool(fire > self._threshold)], float(radius)
+        return int(joystick_action(radius, angle, fire, self._threshold)), float(radius)
 
     def _observation(self) -> Any:
         if self._obs_type == "rgb":
@@ -355,7 +347,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
     def _act_observed(self, action: int, strength: float) -> int:
         before = self.core.frame_number
         reward = self.core.act(action, strength)
-        if self.core.frame_number != before:  # after the end of a game nothing is played
+        if self.core.frame_number != before:  # after the end of a game, `act` plays no frame
             for observer in self.observers:
                 observer.frame_played(action, reward)
         return reward
@@ -375,33 +367,6 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             logger.warn("env.step() was called after the episode had ended; nothing happens until env.reset()")
 
 
-_ACTION_BY_MOTION = {(action.vertical, action.horizontal, action.fire): int(action) for action in PLAYER_ACTIONS}
-
-
 def _keys(action: Action) -> tuple[str, ...]:
     keys = ({1: "w", -1: "s"}.get(action.vertical), {1: "d", -1: "a"}.get(action.horizontal))
     return tuple(key for key in (*keys, " " if action.fire else None) if key) or ("e",)
-
-
-def make_action_space(actions: Sequence[Action], continuous: bool) -> spaces.Space[Any]:
-    """The indices of `actions`, or (radius, angle, fire), three float32."""
-    if continuous:
-        low, high = np.array([0, -np.pi, 0], np.float32), np.array([1, np.pi, 1], np.float32)
-        return spaces.Box(low, high, dtype=np.float32)
-    return spaces.Discrete(len(actions))
-
-
-def check_frameskip(frameskip: Any) -> int | tuple[int, int]:
-    """`frameskip` as a number of frames, or as (low, high).
-
-    Raises:
-        TypeError, ValueError: it is neither, or there is nothing from low to high - 1.
-    """
-    if not isinstance(frameskip, (tuple, list)):
-        return check_integer("frameskip", frameskip, 1, 10_000)
-    if len(frameskip) != 2:
-        raise ValueError(f"a frameskip range is (low, high), got {frameskip!r}")
-    low, high = (check_integer("frameskip", bound, 1, 10_000) for bound in frameskip)
-    if low >= high:
-        raise ValueError(f"a frameskip range (low, high) is low..high-1 frames and needs low < high, got {frameskip!r}")
-    return low, high

@@ -1,7 +1,7 @@
 """Every environment ID in the history of these games, as a table of families.
 
 Sources: the registrations of OpenAI Gym 0.1-0.26 (v0 and v4) and of ale-py 0.7-0.12 (v5). An ID is a stem
-(`MsPacman`) with a family's prefix, suffix and version; the family says everything else.
+(`MsPacman`) with a family's prefix, suffix and version; the family has all options.
 """
 
 import difflib
@@ -13,12 +13,12 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-import ale_py.registration  # noqa: F401 - registers its IDs on import; ours must come after, to take their place
+import ale_py.registration  # noqa: F401 - registers its IDs on import, which ours must replace
 import gymnasium
 from gymnasium.envs.registration import EnvSpec
 
-from atari.catalog import games
 from atari.cores import NativeCore
+from atari.games.catalog import games
 
 LEGACY_GAMES: tuple[str, ...] = tuple(
     """adventure air_raid alien amidar assault asterix asteroids atlantis bank_heist battle_zone beam_rider berzerk
@@ -58,10 +58,10 @@ class Family:
         return tuple(game.id for game in games.playable()) if self.version == 5 else LEGACY_GAMES
 
     def options(self, game: str) -> dict[str, Any]:
-        """The options of `AtariEnv` that the ID of this game stands for."""
+        """The options of `AtariEnv` for the ID of this game."""
         frameskip = self.frameskip
         if game == "space_invaders" and self.suffix.endswith("Deterministic"):
-            frameskip = 3  # with 4, its blinking shots would be invisible
+            frameskip = 3  # with 4, the blinking shots would be invisible
         options = {
             "game": game,
             "obs_type": self.obs_type,
@@ -100,7 +100,7 @@ def ids() -> dict[str, tuple[Family, str]]:
 
 
 def register_all() -> None:
-    """Put every ID into Gymnasium's registry, taking the place of ale-py's where it has the same one."""
+    """Put every ID into Gymnasium's registry; an ID that ale-py has too is replaced."""
     for env_id, (family, game) in ids().items():
         # Not gymnasium.register(), which warns when it replaces an ID.
         gymnasium.registry[env_id] = EnvSpec(
@@ -112,7 +112,7 @@ def register_all() -> None:
 
 
 def known_ids() -> tuple[str, ...]:
-    """Every ID that `make` takes: those of `ids`, of the algorithmic tasks, and of games that were registered."""
+    """Every ID that `make` accepts: those of `ids`, of the algorithmic tasks, and of registered games."""
     others = (env_id for env_id, spec in gymnasium.registry.items() if str(spec.entry_point).startswith("atari."))
     return tuple(dict.fromkeys([*ids(), *others]))
 
@@ -121,7 +121,7 @@ def resolve(env_id: str) -> tuple[Family, str]:
     """The family and game of an ID.
 
     Raises:
-        gymnasium.error.NameNotFound: there is no such ID, or it is of no family; the text suggests the right one.
+        gymnasium.error.NameNotFound: there is no such ID, or it is of no family; the message suggests the right one.
     """
     if env_id in ids():
         return ids()[env_id]
@@ -142,8 +142,8 @@ def make(game_or_id: str, *, preset: str | None = None, **options: Any) -> gymna
         **options: those of `AtariEnv`, and those of `gymnasium.make`, such as `max_episode_steps`.
 
     Raises:
-        gymnasium.error.NameNotFound: no such ID; the text suggests the right one.
-        ValueError: no such game; the text suggests the nearest. Or a preset for what is no Atari game.
+        gymnasium.error.NameNotFound: no such ID; the message suggests the right one.
+        ValueError: no such game; the message suggests the nearest. Or a preset for an ID that is not an Atari game.
     """
     if not isinstance(game_or_id, str):
         raise TypeError(f"make() takes a game ('breakout') or an ID ('ALE/Breakout-v5'), got {game_or_id!r}")
@@ -157,7 +157,7 @@ def make(game_or_id: str, *, preset: str | None = None, **options: Any) -> gymna
         return gymnasium.make(env_id, **options)
     if gymnasium.registry[env_id].entry_point != _ENTRY_POINT:
         raise ValueError(f"a preset is for Atari games, and {env_id!r} is none; make it without preset={preset!r}")
-    from atari import wrappers  # here, because it takes OpenCV along
+    from atari import wrappers  # imported here because it imports OpenCV
 
     env = gymnasium.make(env_id, **{**wrappers.preset_options(preset), **options})
     return wrappers.preset(env, preset)
@@ -179,7 +179,7 @@ def register_game(file: str | PathLike[str], rom: str | PathLike[str]) -> tuple[
         FileNotFoundError: one of the files does not exist.
     """
     game = games.find(Path(file))
-    NativeCore(game, rom=rom).close()  # whatever is wrong with either shows now
+    NativeCore(game, rom=rom).close()  # raises the errors of both files before anything is registered
     registered = []
     for suffix, observation in (("", {}), ("-ram", {"obs_type": "ram"})):
         env_id = f"{stem(game.id)}{suffix}-v5"
@@ -199,7 +199,7 @@ def register_game(file: str | PathLike[str], rom: str | PathLike[str]) -> tuple[
 
 
 def explain(env_id: str) -> str:
-    """What an ID means, in words, and how its siblings differ from it.
+    """A text that explains the options of an ID, and how related IDs of the same game differ from it.
 
     Raises:
         gymnasium.error.NameNotFound: as of `resolve`.
@@ -242,7 +242,7 @@ def _sticky_text(probability: float) -> str:
 
 
 def _difference(family: Family, other: Family, game: str) -> str:
-    """What is different in `other`, in a few words."""
+    """The options in which `other` differs, as text."""
     words = []
     if other.obs_type != family.obs_type:
         words.append("RAM" if other.obs_type == "ram" else "RGB screen")
@@ -259,7 +259,7 @@ def _not_found(env_id: str) -> gymnasium.error.NameNotFound:
 
 
 def _suggestion(env_id: str) -> str:
-    """The cure for the mistakes people make with IDs: wrong prefix, version, case, or spelling."""
+    """What to do about an unknown ID: its prefix, version, case or spelling may be wrong."""
     wanted, skeletons = skeleton(env_id), {known: skeleton(known) for known in known_ids()}
     if wanted not in skeletons.values():
         near = difflib.get_close_matches(wanted, set(skeletons.values()), n=1, cutoff=0.7)
@@ -273,7 +273,7 @@ def _suggestion(env_id: str) -> str:
 
 
 def skeleton(env_id: str) -> str:
-    """An ID without what people get wrong: module, namespace, version, case and punctuation."""
+    """An ID without module, namespace, version, case and punctuation, to find IDs that are spelt alike."""
     name = re.split("[/:]", env_id.lower())[-1]
     name = name.rpartition("-v")[0] if "-v" in name else name
     return "".join(letter for letter in name if letter.isalnum())

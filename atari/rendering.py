@@ -1,4 +1,4 @@
-"""Screens for people: the window of `render_mode="human"`, through pygame-ce (extra `play`), and mosaics of many."""
+"""The window of `render_mode="human"`, through pygame-ce (extra `play`), and mosaics of many screens."""
 
 import math
 import os
@@ -9,34 +9,34 @@ import gymnasium
 import numpy as np
 
 from atari.cores.protocol import ByteArray
-from atari.game import Game
+from atari.games.game import Game
 
 _SCALE = 3
 
 
 def tile(screens: Sequence[ByteArray], columns: int) -> ByteArray:
-    """Screens (height, 160, 3) uint8 as one picture, row by row; lower ones and places left over are filled with black.
+    """A mosaic of screens, (height, 160, 3) uint8, row by row; the rest of lower screens and of the last row is black.
 
     Returns:
         (rows * the greatest height, columns * 160, 3) uint8.
     """
     height, width = max(screen.shape[0] for screen in screens), screens[0].shape[1]
     rows = math.ceil(len(screens) / columns)
-    picture = np.zeros((rows, height, columns, width, 3), np.uint8)
+    mosaic = np.zeros((rows, height, columns, width, 3), np.uint8)
     for index, screen in enumerate(screens):
-        picture[index // columns, : len(screen), index % columns] = screen
-    return picture.reshape(rows * height, columns * width, 3)
+        mosaic[index // columns, : len(screen), index % columns] = screen
+    return mosaic.reshape(rows * height, columns * width, 3)
 
 
 def import_pygame(use: str, instead: str) -> Any:
     """The module pygame.
 
     Args:
-        use: what needs it.
-        instead: what to do without it.
+        use: the feature that needs it, for the error.
+        instead: what to use without it, for the error.
 
     Raises:
-        gymnasium.error.DependencyNotInstalled: it is not installed; the text names the extra.
+        gymnasium.error.DependencyNotInstalled: it is not installed; the message names the extra.
     """
     os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
     try:
@@ -52,16 +52,17 @@ def open_display(pygame: Any) -> None:
     """Start pygame's display.
 
     Raises:
-        pygame.error: there is none. SDL then falls back to drawing where nobody sees it, unless that is asked for.
+        pygame.error: there is no display. SDL then draws off screen, which counts as none unless
+            `SDL_VIDEODRIVER` requests it.
     """
     pygame.display.init()
     if pygame.display.get_driver() == "offscreen" and os.environ.get("SDL_VIDEODRIVER") != "offscreen":
         pygame.display.quit()
-        raise pygame.error("SDL found none and would draw where nobody sees it")
+        raise pygame.error("SDL found none and would draw off screen")
 
 
 def draw(pygame: Any, surface: Any, rgb: ByteArray) -> None:
-    """Fill the surface of a window with a picture, (rows, columns, 3) uint8, and show it."""
+    """Draw an image, (rows, columns, 3) uint8, over the surface of a window, and show it."""
     pygame.event.pump()
     image = pygame.surfarray.make_surface(rgb.swapaxes(0, 1))
     surface.blit(pygame.transform.scale(image, surface.get_size()), (0, 0))

@@ -1,7 +1,7 @@
 """Downloading the ROM files with AutoROM, the Farama Foundation's installer, which asks for a licence first.
 
-Rarely needed, for ale-py's wheel brings the files along. AutoROM writes what it fetched to a temporary folder, from
-which only files with the right content are taken over.
+Rarely needed, because ale-py's wheel has the files. AutoROM downloads to a temporary folder, from which only files with
+the right content are imported.
 """
 
 import contextlib
@@ -22,7 +22,7 @@ def install(accept_license: bool = False) -> ImportReport:
     """Download the ROM files with AutoROM and import them into `path()`.
 
     Args:
-        accept_license: you own a licence to the ROM files, so AutoROM need not ask; otherwise it asks on the terminal.
+        accept_license: you own a licence to the ROM files; without it, AutoROM requests confirmation on the terminal.
 
     Raises:
         gymnasium.error.DependencyNotInstalled: AutoROM, the extra `roms`, is missing.
@@ -40,12 +40,12 @@ def install(accept_license: bool = False) -> ImportReport:
         try:
             with contextlib.redirect_stdout(heard):
                 AutoROM.main(accept_license, None, folder, True)
-        except RuntimeError as error:  # click's Abort: Ctrl-C, or nobody there to answer
+        except RuntimeError as error:  # click's Abort: Ctrl-C, or no terminal to answer on
             raise _declined() from error
         except (OSError, ValueError, EOFError, zlib.error, tarfile.TarError) as error:
             raise _failed(repr(error)) from error
         if not any(Path(folder).iterdir()):
-            # AutoROM returns in silence if its question is denied, and after a word if the download fails.
+            # AutoROM returns silently if the licence is declined, and after a message if the download fails.
             raise _declined() if heard.text.rstrip().endswith(":") else _failed(heard.last_words())
         return import_from(folder)
 
@@ -62,7 +62,7 @@ def _failed(reason: str) -> ConnectionError:
 
 
 class _Listener(io.TextIOBase):
-    """Passes on what is printed, and remembers it."""
+    """A stream that forwards its text to another, and keeps it."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
@@ -76,5 +76,5 @@ class _Listener(io.TextIOBase):
         self._stream.flush()
 
     def last_words(self) -> str:
-        """The last line, without a question in it: what ends the line of a question is typed, not printed."""
+        """The last line without a prompt: the end of a prompt's line is typed, not printed."""
         return self.text.strip().rpartition("\n")[2].rpartition("]: ")[2]

@@ -1,7 +1,7 @@
-"""Which game a file is, and if it is none: what is the matter with it and which game it comes nearest to.
+"""Identifies the game of a file; for an unknown file, what is wrong with it and the most similar game.
 
-The images of the known games lie on this machine, in ale-py's wheel, so an unknown file can be compared with each of
-them: is it a piece of one, does it contain one, how many bytes differ?
+ale-py's wheel has the images of the known games, so an unknown file can be compared with each: whether it is part of
+one, whether it contains one, how many bytes differ.
 """
 
 import hashlib
@@ -12,12 +12,12 @@ from pathlib import Path
 
 import numpy as np
 
-from atari.catalog import games
-from atari.game import Game
+from atari.games.catalog import games
+from atari.games.game import Game
 from atari.roms.image import md5, read_image
-from atari.roms.places import lookup
+from atari.roms.locations import lookup
 
-# Fewer bytes than this are found in several games by chance, or by the zeros that many begin with.
+# Shorter sequences occur in several games by chance, or as the zeros at the start of many.
 _SHORTEST_PIECE = 64
 
 # Two different games share at most an eighth of their bytes, but for Atlantis and its sequel.
@@ -26,10 +26,10 @@ _NEAR = 0.3
 
 @dataclass(frozen=True)
 class Identification:
-    """What a file is. `str()` of it is a sentence.
+    """The identity of a file. `str()` of it is a sentence.
 
     `size`, `md5` and `sha256` are those of the image, after unpacking. `game` is the game whose ROM it is, else None;
-    then `nearest` is the game it resembles, if any. `verdict` is the sentence without its subject.
+    then `nearest` is the most similar game, if any. `verdict` is the sentence without its subject.
     """
 
     name: str
@@ -45,7 +45,7 @@ class Identification:
 
 
 def identify(file: str | os.PathLike[str]) -> Identification:
-    """Say which game a ROM file is, by its content, or what is wrong with it.
+    """Identify a ROM file by its content.
 
     Raises:
         FileNotFoundError, IsADirectoryError, PermissionError: the file cannot be read.
@@ -63,13 +63,13 @@ def by_content(image: bytes) -> Game | None:
 
 
 def known_images() -> dict[str, bytes]:
-    """The images of all games whose files are found on this machine, by game id."""
+    """The images of all games with a file in the searched folders, by game id."""
     files = {game.id: lookup(game) for game in games.values()}
     return {game_id: read_image(file) for game_id, file in files.items() if file}
 
 
 def recognise(name: str, image: bytes, known: Mapping[str, bytes]) -> Identification:
-    """Identify an image; one of no game is compared with the `known` ones."""
+    """Identify an image; an unknown one is compared with the `known` images."""
     game = by_content(image)
     nearest, verdict = (None, f"is {game.title}") if game else _describe(image, known)
     digest = hashlib.sha256(image).hexdigest()
@@ -77,7 +77,7 @@ def recognise(name: str, image: bytes, known: Mapping[str, bytes]) -> Identifica
 
 
 def _describe(image: bytes, known: Mapping[str, bytes]) -> tuple[Game | None, str]:
-    """The nearest game and what is the matter, for an image of no game."""
+    """The most similar game and the verdict, for an unknown image."""
     size = f"{len(image):,} bytes"
     if not image:
         return None, "is empty"
@@ -92,11 +92,11 @@ def _describe(image: bytes, known: Mapping[str, bytes]) -> tuple[Game | None, st
 
 
 def _piece(image: bytes, known: Mapping[str, bytes]) -> tuple[Game, str] | None:
-    """A file cut short: all of it is found in the image of a game, or of several that share it."""
+    """The verdict if the image is part of the image of a game, or of several."""
     wholes = [game for game, whole in known.items() if len(image) >= _SHORTEST_PIECE and image in whole]
     if not wholes:
         return None
-    # Those that begin with it come first: files are cut at the end far more often than at the front.
+    # Games that begin with it come first: files are truncated at the end far more often than at the start.
     wholes.sort(key=lambda game: not known[game].startswith(image))
     whole = known[wholes[0]]
     titles = " or ".join(games[game].title for game in wholes[:3])
@@ -105,7 +105,7 @@ def _piece(image: bytes, known: Mapping[str, bytes]) -> tuple[Game, str] | None:
 
 
 def _overdump(image: bytes, known: Mapping[str, bytes]) -> tuple[Game, str] | None:
-    """A whole game and more: repeated, or with bytes before or after it."""
+    """The verdict if the image contains a whole game: repeated, or with bytes before or after it."""
     inside = [game for game, whole in known.items() if whole in image]
     if not inside:
         return None
@@ -121,7 +121,7 @@ def _overdump(image: bytes, known: Mapping[str, bytes]) -> tuple[Game, str] | No
 
 
 def _similar(image: bytes, known: Mapping[str, bytes]) -> tuple[Game, str] | None:
-    """The game with the largest share of equal bytes, if it is large enough to mean something."""
+    """The game with the largest share of equal bytes, if it is large enough to be no coincidence."""
     equal = {game: _equal_bytes(image, whole) for game, whole in known.items()}
     shares = {game: equal[game] / max(len(image), len(whole)) for game, whole in known.items()}
     best = max(shares, key=shares.__getitem__, default=None)
@@ -136,7 +136,7 @@ def _similar(image: bytes, known: Mapping[str, bytes]) -> tuple[Game, str] | Non
 
 
 def _equal_bytes(one: bytes, other: bytes) -> int:
-    """How many bytes are equal, with the two laid over each other at their starts or, if that is more, their ends."""
+    """The number of equal bytes with both images aligned at their starts or at their ends, whichever is more."""
     shorter, longer = sorted((np.frombuffer(one, np.uint8), np.frombuffer(other, np.uint8)), key=len)
     n = len(shorter)
     return int(max(np.count_nonzero(shorter == longer[:n]), np.count_nonzero(shorter == longer[-n:])))

@@ -1,7 +1,7 @@
 """The bytes of a ROM file: read with a limit, and unpacked if they are gzip-compressed.
 
-Everything that reads a file which a user names goes through here, so that no folder, pipe, huge file or gzip bomb gets
-further than an exception.
+All files that users name are read by this module, so that a folder, a pipe, a huge file or a gzip bomb raises an
+exception.
 """
 
 import gzip
@@ -12,7 +12,7 @@ import zlib
 from pathlib import Path
 
 LIMIT = 512 * 1024
-"""Bytes that an image may have. The largest cartridge known has 64 KiB; ale-py reads no further than this."""
+"""The greatest number of bytes of an image. The largest known cartridge has 64 KiB; ale-py reads up to this limit."""
 
 _GZIP_MAGIC = b"\x1f\x8b"
 _ZIP_MAGICS = (b"PK\x03\x04", b"PK\x05\x06")
@@ -35,7 +35,7 @@ def read_image(file: Path) -> bytes:
 
 
 def check_file(file: Path) -> None:
-    """Raise what `read_image` raises if `file` is not a regular file: opening a pipe could wait for ever."""
+    """Raise the errors of `read_image` if `file` is not a regular file: opening a pipe could block for ever."""
     try:
         mode = file.stat().st_mode
     except (FileNotFoundError, NotADirectoryError):
@@ -49,7 +49,7 @@ def check_file(file: Path) -> None:
 
 
 def unpack(name: str, data: bytes) -> bytes:
-    """`data`, decompressed if it is gzip; `name` is what an error calls it.
+    """`data`, decompressed if it is gzip; errors contain `name`.
 
     Raises:
         ValueError: more than `LIMIT` bytes, before or after; damaged gzip; a zip archive.
@@ -68,5 +68,5 @@ def unpack(name: str, data: bytes) -> bytes:
 
 
 def md5(image: bytes) -> str:
-    """The MD5 by which ale-py and the game files know an image, as hexadecimal digits."""
+    """The MD5 of an image, as ale-py and the game definitions have it, in hexadecimal digits."""
     return hashlib.md5(image, usedforsecurity=False).hexdigest()

@@ -1,8 +1,7 @@
-"""Copying ROM files from wherever they are into your own folder, under their usual names.
+"""Copies ROM files from a folder, archive or file into your own folder, under their usual names.
 
-Collections come as folders in folders, with long names, each file perhaps in a zip archive of its own. Every file is
-read (never a name believed), recognised by its content, and written by us under the game's id: nothing in an archive
-decides where anything is written.
+Collections are nested folders of files with long names, or of zip archives with one file each. Every file is read,
+identified by its content, and written under the game's id: names in an archive never decide where a file is written.
 """
 
 import os
@@ -14,9 +13,9 @@ from pathlib import Path
 
 from atari.roms.identification import known_images, recognise
 from atari.roms.image import LIMIT, check_file, read_image, unpack
-from atari.roms.places import holds, path, store
+from atari.roms.locations import holds, path, store
 
-# With LIMIT this bounds what an archive made to harm can cost: some seconds.
+# With LIMIT, this bounds the time that a malicious archive can cost to some seconds.
 _MOST_MEMBERS = 20_000
 
 _Read = Callable[[], bytes]
@@ -24,10 +23,10 @@ _Read = Callable[[], bytes]
 
 @dataclass(frozen=True)
 class ImportReport:
-    """What `import_from` did.
+    """The result of `import_from`.
 
-    `imported` are the files written now and `present` those that were there before, by game id; `rejected` has a
-    sentence for each file that is not the ROM of a known game.
+    `imported` are the files written, `present` those that existed before, by game id. `rejected` has a sentence for
+    each file that is not the ROM of a known game.
     """
 
     imported: dict[str, Path]
@@ -87,7 +86,7 @@ def _files(source: Path) -> Iterator[tuple[str, _Read]]:
 
 
 def _in_file(file: Path) -> Iterator[tuple[str, _Read]]:
-    # Asked in this order, for opening a pipe could wait for ever.
+    # Checked in this order, because opening a pipe could block for ever.
     if os.path.isfile(file) and zipfile.is_zipfile(file):
         yield from _in_zip(file)
     else:
@@ -97,7 +96,7 @@ def _in_file(file: Path) -> Iterator[tuple[str, _Read]]:
 def _in_zip(file: Path) -> Iterator[tuple[str, _Read]]:
     try:
         archive = zipfile.ZipFile(file)
-    except Exception as error:  # of many kinds, all meaning that the archive is damaged
+    except Exception as error:  # of many classes, all for a damaged archive
         yield str(file), partial(_fail, ValueError(f"{file} is a damaged zip archive ({error}); get it again"))
         return
     with archive:
@@ -115,7 +114,7 @@ def _read_member(name: str, archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> 
     try:
         with archive.open(info) as stream:
             data = stream.read(LIMIT + 1)
-    except Exception as error:  # whatever its decompressor raises; also for encryption
+    except Exception as error:  # any error of its decompressor, or encryption
         raise ValueError(f"{name} cannot be unpacked ({error}); unpack it yourself, or get it again") from None
     return unpack(name, data)
 

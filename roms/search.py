@@ -1,7 +1,7 @@
-"""Finding the ROM file of a game, for an emulator to load.
+"""Finds the ROM file of a game, for an emulator to load.
 
-ale-py ends the whole process on a file it does not know, so `find` never returns one: it reads the file it is about
-to return and compares the hash, each time. That takes some tens of microseconds, for every environment made.
+ale-py ends the process on an unknown file, so `find` never returns one: each call reads the file and compares its
+hash.
 """
 
 import hashlib
@@ -10,18 +10,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from atari.catalog import games
-from atari.game import Game
+from atari.games.catalog import games
+from atari.games.game import Game
 from atari.roms.identification import identify, known_images, recognise
 from atari.roms.image import md5, read_image
-from atari.roms.places import folders, holds, lookup, misleads, path, store, usual_files
+from atari.roms.locations import folders, holds, lookup, misleads, path, store, usual_files
 
 
 def find(game: str | Game, path: str | os.PathLike[str] | None = None) -> Path:
     """The absolute path of a file that holds the ROM of `game`, checked by its content.
 
     Args:
-        game: id of a game, for example "breakout", or a `Game`. One of your own that names no hash takes any file.
+        game: id of a game, for example "breakout", or a `Game`. One of your own without a hash accepts any file.
         path: the file to use; None searches `folders()`.
 
     A file that is named as another game would be played by ale-py under that game's rules. It is copied to your own
@@ -29,7 +29,7 @@ def find(game: str | Game, path: str | os.PathLike[str] | None = None) -> Path:
 
     Raises:
         TypeError: `game` or `path` is of the wrong kind.
-        ValueError: there is no such game, or the file is not its ROM; the text says what the file is.
+        ValueError: there is no such game, or the file is not its ROM; the message identifies the file.
         FileNotFoundError: there is no file at `path`, or the search found none.
         IsADirectoryError, PermissionError: the file cannot be read, or not be copied if its name misleads.
     """
@@ -60,12 +60,12 @@ def installed() -> dict[str, Path]:
 
 @dataclass(frozen=True)
 class Check:
-    """What `verify` found out about the ROM of a game.
+    """The result of `verify` for the ROM of a game.
 
     `status` is "ok" if `file`, the one that would be used, is right in MD5 and SHA-256; "missing" if no folder has
     one; "wrong" if there is only a file of the game's name with another content. `md5` and `sha256` are those of the
-    unpacked `file`. `note` tells of a file of the game's name that is passed over because it is not this game, also
-    where the status is "ok"; else it is empty.
+    unpacked `file`. `note` describes a file of the game's name that is not used because it is not this game, also with
+    status "ok"; else it is empty.
     """
 
     game: str

@@ -1,9 +1,9 @@
 #!/usr/bin/env python
-"""Writes atari/emulator/handlers.def: which instructions the fast interpreter knows, and which pairs of them it fuses.
+"""Writes handlers.def of the fast interpreter: its handlers, and which pairs of instructions are superinstructions.
 
 Single handlers follow from the table of opcodes: every documented instruction, once for each kind of operand that is
 worth code of its own. Pairs come from COUNTS, lines of `count first second ...` as tests/instructions/runs.cpp prints
-them: how often instructions run one behind the other. Without COUNTS the pairs stay as they are.
+them: how often instructions run one after the other. Without COUNTS the pairs do not change.
 """
 
 import argparse
@@ -13,10 +13,8 @@ from itertools import pairwise
 from pathlib import Path
 
 EMULATOR = Path(__file__).parent.parent / "atari" / "emulator"
-PAIRS = 1300
-FEWER_PAIRS = 400
-"""So many, and so many of them for Clang, which takes minutes for more, and on x86-64, where machine code leaves them
-little to do (docs/performance.md)."""
+PAIRS = 400
+"""More take compilers minutes, and save little where there is translated code (docs/performance.md)."""
 
 READS = "ADC AND BIT CMP CPX CPY EOR LDA LDX LDY ORA SBC".split()
 STORES = "STA STX STY".split()
@@ -54,7 +52,7 @@ LAST = {"JMP", "JSR", "RTS", *BRANCHES}
 
 def opcodes() -> list[tuple[str, str]]:
     """Operation and form of the 256 opcodes."""
-    text = (EMULATOR / "opcodes.def").read_text()
+    text = (EMULATOR / "machine" / "opcodes.def").read_text()
     return re.findall(r"^OPCODE\(0x\w\w, (\w+), (\w+),", text, re.M)
 
 
@@ -86,7 +84,7 @@ Pair = tuple[str, str]
 
 
 def uses(runs: Runs, fused: set[Pair]) -> Counter[Pair]:
-    """How often each pair is run as one: from the beginning of a run, wherever the next two are a pair."""
+    """How often each superinstruction runs: from the start of a run, wherever the next two are a pair."""
     found = Counter[Pair]()
     for count, names in runs:
         at = 0
@@ -109,18 +107,11 @@ def pairs(counts: Path, known: set[str]) -> list[Pair]:
     runs = [(float(count), names) for count, *names in rows]
     fused = {pair for _, names in runs for pair in pairwise(names) if known.issuperset(pair)}
     fused = {pair for pair in fused if pair[0].split("_")[0] not in LAST}
-    most = most_used(runs, fused, PAIRS)
-    fewer = most_used(runs, most, FEWER_PAIRS)
-    return sorted(fewer) + sorted(most - fewer)
-
-
-def most_used(runs: Runs, fused: set[Pair], size: int) -> set[Pair]:
-    """So many of the pairs, the least used left out by and by."""
-    while len(fused) > size:
+    while len(fused) > PAIRS:
         found = uses(runs, fused)
         ranked = sorted(fused, key=lambda pair: (found[pair], pair))
-        fused = fused - set(ranked[: min(len(fused) - size, len(fused) // 32 + 1)])
-    return fused
+        fused = fused - set(ranked[: min(len(fused) - PAIRS, len(fused) // 32 + 1)])
+    return sorted(fused)
 
 
 def rows_of(pairs: list[Pair]) -> list[str]:
@@ -135,7 +126,7 @@ def main() -> None:
         "counts", nargs="?", type=Path, help="how often runs of instructions occur (default: keep the pairs)"
     )
     counts: Path | None = parser.parse_args().counts
-    path = EMULATOR / "handlers.def"
+    path = EMULATOR / "fast" / "interpreter" / "handlers.def"
     known = singles()
     if counts:
         fused = pairs(counts, {f"{operation}_{mode}" for operation, mode in known})
@@ -155,10 +146,7 @@ def main() -> None:
         "",
         *(f"SINGLE({operation}, {mode})" for operation, mode in known),
         "",
-        *rows_of(fused[:FEWER_PAIRS]),
-        "#if !defined(__clang__) && !defined(__x86_64__)",
-        *rows_of(fused[FEWER_PAIRS:]),
-        "#endif",
+        *rows_of(fused),
         "",
         "#undef SINGLE",
         "#undef PAIR",

@@ -22,6 +22,14 @@ check_compiler() {
   fail "A C++20 compiler is missing; install one (tried: GCC 12, Clang 14; Debian: apt install g++)."
 }
 
+# Writes pip's output to build/wheel.log, and shows the lines of progress: "[12/40] Building CXX object ...".
+build_wheel() {
+  rm -rf build/dist
+  mkdir -p build
+  "$VENV/bin/python" -m pip wheel --verbose --no-deps --wheel-dir build/dist . 2>&1 | tee build/wheel.log |
+    { grep --line-buffered -oE '^ *\[ *[0-9]+(%|/[0-9]+)\].*|Installing build dependencies: started' || true; }
+}
+
 set_up() {
   check_compiler
   local python
@@ -31,10 +39,9 @@ set_up() {
     "$python" -m venv "$VENV" ||
       fail "$python cannot make virtual environments; install venv (Debian: apt install python3-venv)."
   fi
-  say "Building the wheel"
-  rm -rf build/dist
-  "$VENV/bin/python" -m pip wheel --quiet --no-deps --wheel-dir build/dist . ||
-    fail "The wheel could not be built; the lines above say why. It needs network access to PyPI or a mirror."
+  say "Building the wheel (first time: one to five minutes; the whole output is in build/wheel.log)"
+  build_wheel || { tail -n 40 build/wheel.log >&2
+    fail "The wheel could not be built; the lines above say why. It needs network access to PyPI or a mirror."; }
   say "Installing it with its dependencies (first time: a minute or two)"
   local wheel
   wheel=$(echo build/dist/*.whl)

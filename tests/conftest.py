@@ -2,4 +2,4 @@
 
 import pytest
 
-pytest.register_assert_rewrite("core_contract", "core_tools", "env_tools", "snapshot_contract")
+pytest.register_assert_rewrite("core_contract", "core_tools", "env_tools", "snapshot_contract", "cli_tools")

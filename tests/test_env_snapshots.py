@@ -14,7 +14,8 @@ import pytest
 from env_tools import over, play, started, unchanged
 from gymnasium.wrappers import FrameStackObservation
 
-from atari import AtariEnv, snapshot
+from atari import AtariEnv
+from atari.cores import snapshot
 
 
 def test_a_snapshot_brings_everything_back() -> None:

@@ -3,7 +3,6 @@
 import subprocess
 import sys
 from pathlib import Path
-from shutil import copy
 
 import pytest
 
@@ -44,14 +43,35 @@ def test_heavy_packages_stay_out(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "imports",
     [
+        "import atari; games = atari.games",
         "import atari.games; games = atari.games",
         "from atari import games",
         "import atari; import atari.games as games",
         "import importlib; games = importlib.import_module('atari.games')",
+        "from atari.games.rules import check_expression; import atari.games as games",
+        "import atari.games.data; import atari; games = atari.games",
+        "import copy, atari; games = copy.deepcopy(atari.games)",
+        "import pickle, atari; games = pickle.loads(pickle.dumps(atari.games))",
     ],
 )
 def test_games_stays_the_mapping_however_it_is_imported(imports: str, tmp_path: Path) -> None:
-    assert run(f"{imports}\nprint(games['pong'].title, len(games))", tmp_path) == "Pong 108\n"
+    program = f"{imports}\nimport collections.abc\nassert isinstance(games, collections.abc.Mapping)\n"
+    assert run(f"{program}print(games['pong'].title, len(games), games)", tmp_path) == (
+        "Pong 108 <108 games: adventure ... zaxxon>\n"
+    )
+
+
+@pytest.mark.parametrize(
+    "imports",
+    [
+        "from atari.games.rules import parse_rules",
+        "from atari.games import rules; parse_rules = rules.parse_rules",
+        "import atari.games.rules as rules; parse_rules = rules.parse_rules",
+        "import atari, atari.games.rules; parse_rules = atari.games.rules.parse_rules",
+    ],
+)
+def test_games_is_a_package_too(imports: str, tmp_path: Path) -> None:
+    assert run(f"{imports}\nprint(parse_rules.__module__)", tmp_path) == "atari.games.rules\n"
 
 
 def test_the_parts_are_there_when_asked_for(tmp_path: Path) -> None:
@@ -82,16 +102,38 @@ def test_gymnasium_imports_the_package_by_the_module_prefix(tmp_path: Path) -> N
     assert run(program, tmp_path, "-W", "error") == "(128,)\n"
 
 
-def test_from_the_source_folder_it_says_what_to_do(tmp_path: Path) -> None:
-    """There, Python finds the sources before the installed package, without the compiled part."""
-    (tmp_path / "atari").mkdir()
-    copy(atari.__file__, tmp_path / "atari")
-    done = subprocess.run(
-        [sys.executable, "-S", "-c", "import sys; sys.path.insert(0, '.'); import atari"],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=False,
+ROOT = Path(__file__).parents[1]
+
+
+def test_the_root_of_the_repository_has_the_installed_package(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A Python that starts there finds the sources in `atari/` first, which have no compiled module."""
+    monkeypatch.delenv("PYTHONSAFEPATH", raising=False)
+    program = (
+        "import atari, atari.wrappers, atari.roms\nprint(atari.__file__, atari.wrappers.__file__, atari.env.__file__)\n"
+        "print(atari.make('pong').reset(seed=0)[0].shape)"
     )
+    modules, shape = run(program, ROOT).splitlines()
+    package, wrappers, env = map(Path, modules.split())
+    installed = Path(atari.__file__).parent
+    assert package.parent in (ROOT / "atari", installed)  # an editable installation comes before the current folder
+    assert (wrappers, env) == (Path(atari.wrappers.__file__), installed / "env.py")
+    assert shape == "(210, 160, 3)"
+
+
+def test_the_command_line_runs_in_the_root_of_the_repository(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("PYTHONSAFEPATH", raising=False)
+    command = [sys.executable, "-m", "atari", "explain", "Pong-v4"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("Pong-v4")
+
+
+def test_sources_that_are_not_installed_say_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("PYTHONSAFEPATH", raising=False)
+    command = [sys.executable, "-S", "-c", "import atari"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 1
-    assert "the compiled part of atari is missing here (No module named 'atari._emulator')" in done.stderr
+    message = (
+        f"{ROOT / 'atari'} is the source folder, and atari is not installed for {sys.executable}; run `pip install"
+    )
+    assert message in done.stderr

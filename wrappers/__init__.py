@@ -1,10 +1,11 @@
-"""The classic wrappers of Atari environments, one file an idea, and presets made of them.
+"""The classic wrappers of Atari environments, one a file, and presets of them.
 
-`preset(env, "baselines")` and its siblings reproduce well-known implementations; `DqnPreprocessing` does the usual in
-one pass; the rest are single steps to combine. All are picklable, and `gymnasium.make(env.spec)` makes them again.
+`preset(env, "baselines")` and other presets reproduce well-known implementations. `DqnPreprocessing` does the usual
+preprocessing in one pass; the other wrappers are single steps to combine. All can be pickled, and
+`gymnasium.make(env.spec)` makes them again.
 
-Gymnasium has wrappers of some of these names. None is taken over as it is: its reward and picture wrappers keep
-lambdas, which cannot be pickled, and its stack copies each frame twice.
+Gymnasium has wrappers of some of these names, but its reward and image wrappers keep lambdas, which cannot be pickled,
+and its stack copies each frame twice.
 """
 
 from atari.wrappers.clip_reward import ClipReward

@@ -1,4 +1,4 @@
-"""What several wrappers ask of the environment beneath them, checked when they are put around it."""
+"""Checks of the wrapped environment that several wrappers make when they are constructed."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -12,9 +12,9 @@ from atari.env import AtariEnv
 
 Environment = gymnasium.Env[Any, Any]
 
-# Where known environments and wrappers keep the number of frames they play a step: ale-py's and our AtariEnv,
-# Gymnasium's AtariPreprocessing and ours, its RepeatAction, its MaxAndSkipObservation and Stable-Baselines3's. (In its
-# StickyAction, `num_repeats` is something else, and 0.)
+# Attributes with the number of frames a step: of ale-py's and our AtariEnv, of Gymnasium's AtariPreprocessing and ours,
+# of its RepeatAction, of its MaxAndSkipObservation and Stable-Baselines3's. (Gymnasium's StickyAction has a
+# `num_repeats` with another meaning, which is 0.)
 _SKIP_ATTRIBUTES = ("_frameskip", "frame_skip", "num_repeats", "_skip")
 
 
@@ -41,7 +41,7 @@ def require_pixels(env: Environment, wrapper: str) -> tuple[int, ...]:
     """The shape of the observations, (rows, columns) or (rows, columns, colours) of uint8.
 
     Raises:
-        ValueError: the observations are no pictures.
+        ValueError: the observations are not images.
     """
     space = env.observation_space
     if isinstance(space, spaces.Box) and space.dtype == np.uint8 and len(space.shape) >= 2:
@@ -72,17 +72,17 @@ def require_single_frames(env: Environment, wrapper: str) -> None:
 
 
 def has_noop(env: Environment) -> bool:
-    """Whether doing nothing is one of the actions: not in the minimal sets of Backgammon and Video Checkers."""
+    """Whether NOOP is one of the actions; the minimal sets of Backgammon and Video Checkers do not have it."""
     return not isinstance(env.action_space, spaces.Discrete) or "NOOP" in env.get_wrapper_attr("get_action_meanings")()
 
 
 def noop_action(env: Environment) -> Any:
-    """The action that does nothing: index 0, or the stick at rest of a continuous action space."""
+    """The NOOP action: index 0, or in a continuous action space the stick at rest."""
     return 0 if isinstance(env.action_space, spaces.Discrete) else np.zeros(3, np.float32)
 
 
 def step_noop(env: Environment) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
-    """A step of doing nothing; where that is no action, the emulator is told directly, for a frame."""
+    """A step of NOOP. If NOOP is not in the action space, the core plays one frame of it directly."""
     if has_noop(env):
         return env.step(noop_action(env))
     atari = require_atari(env, "a NOOP")

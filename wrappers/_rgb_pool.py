@@ -1,8 +1,7 @@
-"""Two frames pooled as RGB and made gray, without ever being RGB.
+"""`RgbPool`: the gray values of two frames pooled as RGB, without converting the frames to RGB.
 
-A frame is palette indices, so the gray value of two pooled pixels is a matter of two indices, and a table has them all.
-Most pixels of successive frames are the same: those are looked up by one index, which OpenCV does quickly, and only
-the others by two. This takes a third of the time of reading two RGB screens, taking their maximum and converting it.
+A frame is palette indices, so the gray value of two pooled pixels depends on two indices, and a table has all pairs.
+Most pixels of successive frames are equal: OpenCV looks them up by one index, which is fast; the others need both.
 """
 
 from functools import cache

@@ -1,4 +1,4 @@
-"""`ClipReward`: keep rewards within -1..1, so that one learning rate fits all games (Mnih et al. 2015)."""
+"""`ClipReward`: clip rewards to -1..1, so that one learning rate fits all games (Mnih et al. 2015)."""
 
 from typing import Any, SupportsFloat
 

@@ -1,11 +1,11 @@
-"""`DqnPreprocessing`: from the emulator's frames to what a deep Q-network sees, in one pass.
+"""`DqnPreprocessing`: from the emulator's frames to the observations of a deep Q-network, in one pass.
 
-Repeat the action, take the maximum of the last two frames, make it gray, scale it down, stack it (Mnih et al. 2015). As
-separate wrappers each frame would become an RGB observation that nobody looks at. Here the frames are played without
-observations, at most two are read from the emulator, and the result is written where it is returned.
+Repeat the action, take the maximum of the last two frames, make it gray, scale it down, stack it (Mnih et al. 2015).
+With separate wrappers, each frame would become an unused RGB observation. `DqnPreprocessing` plays the frames without
+observations, reads at most two of them from the emulator, and writes the result into the returned array.
 
-Implementations agree on the idea and differ in details, mostly in what is shown when an episode ends inside a skip;
-`atari.wrappers.preset` has the parameters of each.
+Implementations differ in details, mostly in the observation when an episode ends inside a skip; `atari.wrappers.preset`
+has the parameters of each.
 """
 
 import contextlib
@@ -22,8 +22,8 @@ from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker
 
 from atari import _emulator
 from atari.cores import ByteArray
-from atari.cores.options import check_integer, check_name
 from atari.env import AtariEnv
+from atari.validation import check_integer, check_name
 from atari.wrappers._checks import Environment, layers, require_atari, require_pixels, require_single_frames
 from atari.wrappers._rgb_pool import RgbPool
 from atari.wrappers.episodic_life import EpisodicLife
@@ -31,7 +31,7 @@ from atari.wrappers.frame_stack import Padding
 
 EndFrames = Literal["last", "gymnasium", "baselines", "envpool"]
 
-# Layers whose `step` need not be called for each frame: checks, and the one whose part is played here.
+# Layers whose `step` need not be called for each frame: checks, and `EpisodicLife`, whose rule this wrapper applies.
 _TRANSPARENT = (OrderEnforcing, PassiveEnvChecker, EpisodicLife)
 
 
@@ -41,31 +41,31 @@ class DqnPreprocessing(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorA
     Observations are (stack_size, rows, columns) uint8, with `grayscale=False` (stack_size, rows, columns, 3), with
     `stack_size=None` without the first axis; each is a new array. The oldest frame comes first. Rewards are summed.
 
-    Wrappers that only act at a reset (`NoopReset`, `FireReset`) and `EpisodicLife` can sit beneath without a cost. If
-    any other wrapper beneath changes `step`, or each frame is rendered, frames are played through it, which
-    is slower and gives the same. Pictures are always the emulator's: wrappers beneath that change observations are
-    not seen.
+    Wrappers that only act at a reset (`NoopReset`, `FireReset`) and `EpisodicLife` can be inside without a cost. If
+    any other inner wrapper changes `step`, or each frame is rendered, frames are played through its `step`, which is
+    slower and gives the same. Frames are always read from the emulator: changes of observations by inner wrappers
+    have no effect.
 
     Args:
         env: an `AtariEnv` that plays one frame a step, possibly wrapped.
         frame_skip: frames for each action.
-        screen_size: side of the square picture, or (width, height), as Gymnasium's `AtariPreprocessing` has it.
-        stack_size: pictures in an observation; None is one without an axis for it.
+        screen_size: side of the square image, or (width, height), as Gymnasium's `AtariPreprocessing` has it.
+        stack_size: frames in an observation; None is one frame without an axis for it.
         grayscale: False keeps red, green and blue.
-        max_pool: show the maximum of the last two frames of a skip; False shows the last one.
+        max_pool: take the maximum of the last two frames of a skip; False takes the last one.
         pool_rgb: pool red, green and blue, and make them gray with OpenCV afterwards (Baselines, DQN 2015), instead of
             pooling ALE's gray values. Goes with `end_frames` "last" and "baselines".
-        padding_type: before the first picture of an episode, "reset" repeats it, "zero" is black.
-        end_frames: what is shown when the episode ends inside a skip.
-            "last": the frame it ended with;
-            "gymnasium": not that frame; what the previous step showed, or its maximum with this skip's last but one
+        padding_type: before the first frame of an episode, "reset" repeats it, "zero" is black.
+        end_frames: the new frame of the observation when the episode ends inside a skip.
+            "last": the last frame of the episode;
+            "gymnasium": not that frame; the previous step's, or its maximum with this skip's last but one
             (Gymnasium, ale-py's vector environment);
-            "baselines": that frame if it is one of the skip's last two, pooled with what was last in the other's place
+            "baselines": that frame if it is one of the skip's last two, pooled with the other buffer's latest frame
             (Baselines, Stable-Baselines3, Dopamine);
-            "envpool": that frame if it is one of the skip's last two, else what the previous step showed.
-        seamless_lives: a life lost beneath (`EpisodicLife`) neither cuts the skip short nor clears the stack at the
+            "envpool": that frame if it is one of the skip's last two, else the previous step's.
+        seamless_lives: a life lost in an inner `EpisodicLife` neither cuts the skip short nor clears the stack at the
             reset that follows (EnvPool).
-        max_frames: truncate after so many frames, not counting those of wrappers beneath; None is never.
+        max_frames: truncate after this many frames, not counting those of inner wrappers; None is never.
 
     Raises:
         TypeError, ValueError: an argument is of the wrong kind or out of range; the environment is no `AtariEnv`, gives
@@ -130,27 +130,27 @@ class DqnPreprocessing(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorA
         self._make_buffers(stack_size)
 
     def _make_buffers(self, stack_size: int | None) -> None:
-        """Arrays for what is read from the emulator (gray values, palette indices or colours) and what is returned."""
+        """Arrays for the frames from the emulator (gray values, palette indices or colours) and for the stack."""
         colours = () if self._grayscale else (3,)
         raw = (*self._atari.game.screen.shape, *colours)
         self._early: ByteArray = np.zeros(raw, np.uint8)  # the last frame but one of a skip
         self._late: ByteArray = np.zeros(raw, np.uint8)  # the last one
         self._pooled: ByteArray = np.zeros(raw, np.uint8)
         self._stacked = stack_size is not None
-        picture = (self._size[1], self._size[0], *colours)
-        self._stack: ByteArray = np.zeros((stack_size or 1, *picture), np.uint8)
+        image = (self._size[1], self._size[0], *colours)
+        self._stack: ByteArray = np.zeros((stack_size or 1, *image), np.uint8)
         self._shrink = _shrinker(self._atari.game.screen.shape[0], self._size, self._grayscale)
-        self.observation_space = spaces.Box(0, 255, self._stack.shape if self._stacked else picture, np.uint8)
+        self.observation_space = spaces.Box(0, 255, self._stack.shape if self._stacked else image, np.uint8)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Reset; the observation is the screen as the wrappers beneath have left it.
+        """Reset; the observation is the screen after the resets of the inner wrappers.
 
         Args:
             seed: of the environment.
-            options: for the wrappers beneath: "noops" (`NoopReset`), "new_game" (`EpisodicLife`).
+            options: for the inner wrappers: "noops" (`NoopReset`), "new_game" (`EpisodicLife`).
         """
         if self._max_frames is not None and self._frames_played >= self._max_frames:
-            options = {**(options or {}), "new_game": True}  # EpisodicLife beneath does not know of this limit
+            options = {**(options or {}), "new_game": True}  # an inner EpisodicLife has no access to this limit
         _, info = self.env.reset(seed=seed, options=options)
         same_game = self._life is not None and self._life.same_game
         if not same_game:
@@ -178,7 +178,7 @@ class DqnPreprocessing(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorA
             total += reward
             left -= 1
             if seamless is not None and seamless.life_lost:
-                terminated = False  # it is told when the skip has been played
+                terminated = False  # reported after the skip has been played
             if self._max_frames is not None:
                 self._frames_played += 1
                 truncated = truncated or (self._frames_played >= self._max_frames and not terminated)
@@ -187,13 +187,13 @@ class DqnPreprocessing(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorA
                 self._read(self._early if left else self._late)
         if seamless is not None and seamless.life_lost:
             terminated = not truncated
-        observation = self._push(self._picture(whole=left == 0))
+        observation = self._push(self._final_frame(whole=left == 0))
         info = self._atari._info() if self._direct else self._info
         self._frame_number = info["frame_number"]
         return observation, total, terminated, truncated, info
 
     def _move(self, action: Any) -> tuple[int, float]:
-        """The ALE action and its strength that an action of the environment stands for."""
+        """The ALE action and the strength of an action of the environment."""
         if self._atari.continuous:
             return self._atari._continuous_action(action)
         return self._atari._discrete_action(action), 1.0
@@ -208,7 +208,7 @@ class DqnPreprocessing(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorA
         return reward, terminated, truncated
 
     def _play_through(self, action: Any) -> tuple[float, bool, bool]:
-        """Play a frame through the wrappers beneath."""
+        """Play a frame through the inner wrappers."""
         _, reward, terminated, truncated, self._info = self.env.step(action)
         return float(reward), terminated, truncated
 
@@ -222,8 +222,8 @@ class DqnPreprocessing(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorA
         else:
             core.screen_rgb(out)
 
-    def _picture(self, whole: bool) -> ByteArray:
-        """The frame to be shown after a skip; `whole` says whether it was played to its end."""
+    def _final_frame(self, whole: bool) -> ByteArray:
+        """The frame for the observation after a skip; `whole` is whether the skip was played to its end."""
         early, late, pooled = self._early, self._late, self._pooled
         if self._end_frames == "last" and not whole:
             self._read(late)
@@ -231,7 +231,7 @@ class DqnPreprocessing(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorA
         if self._frames_read == 1:
             return self._single(late)
         if self._end_frames == "gymnasium":
-            return np.maximum(late, early, out=late)  # in place: a stale picture is this one again
+            return np.maximum(late, early, out=late)  # in place: a later stale frame is this maximum
         if self._end_frames == "envpool":
             return np.maximum(early, late, out=early) if whole else early
         if self._rgb_pool is not None:
@@ -239,19 +239,19 @@ class DqnPreprocessing(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorA
         return np.maximum(early, late, out=pooled)
 
     def _single(self, frame: ByteArray) -> ByteArray:
-        """The picture of one frame."""
+        """The image of one frame."""
         return frame if self._rgb_pool is None else self._rgb_pool.gray(frame, self._pooled)
 
-    def _push(self, picture: ByteArray | None, fill: bool = False) -> ByteArray:
-        """Make a picture small and put it on the stack, or, with `fill`, begin a stack with it.
+    def _push(self, image: ByteArray | None, fill: bool = False) -> ByteArray:
+        """Resize an image and append it to the stack, or, with `fill`, start a stack with it.
 
-        None is the last picture again.
+        None appends the last image again.
         """
         stack = np.empty_like(self._stack)
-        if picture is None:
+        if image is None:
             stack[-1] = self._stack[-1]
         else:
-            self._shrink(picture, stack[-1])
+            self._shrink(image, stack[-1])
         if not fill:
             stack[:-1] = self._stack[1:]
         else:
@@ -271,19 +271,19 @@ def _check_size(screen_size: Any) -> tuple[int, int]:
 
 
 def _shrinker(rows: int, size: tuple[int, int], grayscale: bool) -> Callable[[ByteArray, ByteArray], object]:
-    """What scales a picture down: our own where it serves, with the same bytes in a tenth of the time; else OpenCV."""
+    """The resize function: our own if it supports the shape (faster, same bytes), else OpenCV's."""
     if grayscale:
         with contextlib.suppress(ValueError):
             return _emulator.AreaResize(rows, size[1], size[0])
     return partial(_shrink, size)
 
 
-def _shrink(size: tuple[int, int], picture: ByteArray, out: ByteArray) -> None:
-    cv2.resize(picture, size, dst=out, interpolation=cv2.INTER_AREA)
+def _shrink(size: tuple[int, int], image: ByteArray, out: ByteArray) -> None:
+    cv2.resize(image, size, dst=out, interpolation=cv2.INTER_AREA)
 
 
 def _can_drive_directly(env: Environment, atari: AtariEnv) -> bool:
-    """Whether calling `step` of everything beneath for each frame would do no more than playing the frame."""
+    """Whether the `step` of all inner layers does no more than to play a frame."""
     plain = all(
         type(layer).step is gymnasium.Wrapper.step or type(layer) in _TRANSPARENT
         for layer in layers(env)

@@ -1,8 +1,8 @@
 """`EpisodicLife`: a lost life ends the episode.
 
-Learning to avoid the loss of a life is easier when it ends the return (Mnih et al. 2015). What the next reset does is
-where implementations differ, see `on_reset`. It can sit around a frame skip, as in OpenAI's Baselines, or beneath
-`DqnPreprocessing`, which then ends the skip at the frame in which the life is lost.
+Learning to avoid the loss of a life is easier when it ends the return (Mnih et al. 2015). Implementations
+differ in what the next reset does, see `on_reset`. The wrapper can be outside of a frame skip, as in OpenAI's
+Baselines, or inside `DqnPreprocessing`, which then ends the skip at the frame in which the life is lost.
 """
 
 from typing import Any, Literal, get_args
@@ -10,7 +10,7 @@ from typing import Any, Literal, get_args
 import gymnasium
 from gymnasium.utils import RecordConstructorArgs
 
-from atari.cores.options import check_name
+from atari.validation import check_name
 from atari.wrappers._checks import Environment, step_noop
 
 OnReset = Literal["noop", "continue", "new_game"]
@@ -19,7 +19,7 @@ OnReset = Literal["noop", "continue", "new_game"]
 class EpisodicLife(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """Terminate when a life is lost.
 
-    A reset after a lost life goes on with the same game, so that all of the game is seen; a seeded one, and
+    A reset after a lost life continues the same game, so that agents reach all of it; a seeded one, and
     `reset(options={"new_game": True})`, start a new game. Lives are `info["lives"]`; games without lives are
     unaffected.
 
@@ -31,10 +31,10 @@ class EpisodicLife(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs)
             `NoopReset` around this);
             "new_game": starts a new game nevertheless (Gymnasium, ale-py's vector environment).
         last_life: also end when the last life is lost but the game is not over yet, as Gymnasium does; some games
-            (Bank Heist, Frogger) go on for a while with no life left.
+            (Bank Heist, Frogger) continue for a while with no life left.
 
     Raises:
-        ValueError: `on_reset` is none of these.
+        ValueError: `on_reset` is not one of these.
     """
 
     def __init__(self, env: Environment, on_reset: OnReset = "noop", *, last_life: bool = False) -> None:
@@ -46,9 +46,9 @@ class EpisodicLife(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs)
         self._lives = 0
         self._last: tuple[Any, dict[str, Any]] = (None, {})
         self.life_lost = False
-        """Whether a life has been lost since the last reset, and the game goes on."""
+        """Whether a life has been lost since the last reset, and the game continues."""
         self.same_game = False
-        """Whether the last reset went on with the same game."""
+        """Whether the last reset continued the same game."""
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Step; terminated also if it cost a life."""
@@ -57,18 +57,18 @@ class EpisodicLife(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs)
         return observation, reward, self.observe(info["lives"], terminated, truncated), truncated, info
 
     def observe(self, lives: int, terminated: bool, truncated: bool) -> bool:
-        """Take note of what a step or a frame has led to; whether it terminated the episode."""
+        """Update the state after a step or a frame; returns whether it terminated the episode."""
         lost = lives < self._lives and (lives > 0 or self._last_life)
         self._lives = lives
         self.life_lost = (self.life_lost or lost) and not (terminated or truncated)
         return terminated or lost
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Go on with the same game if a life was lost, else start a new one.
+        """Continue the same game if a life was lost, else start a new one.
 
         Args:
             seed: of the environment; with a seed, a new game is started.
-            options: with "new_game" true, a new game is started; all are handed on.
+            options: with "new_game" true, a new game is started; all are passed on.
         """
         new_game = seed is not None or self._on_reset == "new_game" or (options or {}).get("new_game", False)
         self.same_game = self.life_lost and not new_game

@@ -1,6 +1,6 @@
 """`FireReset`: press FIRE at the start of each episode.
 
-Some games, Breakout among them, stand still until FIRE is pressed, and an agent that never finds it learns nothing.
+Some games, such as Breakout, wait until FIRE is pressed; an agent that never presses it learns nothing.
 """
 
 from typing import Any
@@ -20,7 +20,7 @@ class FireReset(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
 
     Args:
         env: the environment; around a frame skip, FIRE is held for the whole skip.
-        then_action_2: play one step of action 2 of the action set after it, whatever that is in the game, as
+        then_action_2: play one step of action 2 of the action set after it, whichever action that is, as
             OpenAI's Baselines and Stable-Baselines3 do.
 
     Raises:

@@ -1,7 +1,7 @@
 """`FrameSkip`: repeat each action for several frames.
 
-The console draws 60 frames a second, more than an agent needs to look at. Because many games draw some objects only in
-every other frame, the maximum over the last two frames is shown (Mnih et al. 2015).
+The console draws 60 frames a second, more than an agent needs. Many games draw some objects only in every other frame,
+so the observation is the maximum of the last two frames (Mnih et al. 2015).
 """
 
 from typing import Any
@@ -10,7 +10,7 @@ import gymnasium
 import numpy as np
 from gymnasium.utils import RecordConstructorArgs
 
-from atari.cores.options import check_integer
+from atari.validation import check_integer
 from atari.wrappers._checks import Environment, require_pixels, require_single_frames
 
 
@@ -18,16 +18,16 @@ class FrameSkip(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """Play each action for `frame_skip` steps and sum the rewards.
 
     The observation is the maximum, pixel by pixel, of the last two that were played, also when the episode ends inside
-    the skip. (`DqnPreprocessing` does this, and what follows it, faster.)
+    the skip. (`DqnPreprocessing` does this and the next steps faster.)
 
     Args:
         env: an environment that plays one frame a step.
         frame_skip: steps for each action, 1 or more.
-        max_pool: False shows the last observation alone; the choice for RAM.
+        max_pool: False returns the last observation alone; needed for RAM.
 
     Raises:
-        TypeError, ValueError: `frame_skip` is no integer or less than 1; the environment already skips frames; the
-            observations are no pixels and `max_pool` is true.
+        TypeError, ValueError: `frame_skip` is not an integer, or less than 1; the environment already skips frames; the
+            observations are not pixels and `max_pool` is true.
     """
 
     def __init__(self, env: Environment, frame_skip: int = 4, max_pool: bool = True) -> None:

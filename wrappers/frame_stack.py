@@ -1,7 +1,7 @@
-"""`FrameStack`: show the last few observations at once, so that an agent sees motion.
+"""`FrameStack`: stack the last few observations, so that one observation contains motion.
 
-A stack of four differs from the one before in a single frame. A replay memory that keeps stacks as arrays holds each
-frame four times, eight with the next observations; `lazy` stacks hold it once.
+Successive stacks of four share three frames. A replay memory that keeps stacks as arrays holds each frame four times,
+eight with the next observations; `lazy` stacks hold it once.
 """
 
 from collections import deque
@@ -13,7 +13,7 @@ import numpy.typing as npt
 from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
 
-from atari.cores.options import check_integer, check_name
+from atari.validation import check_integer, check_name
 from atari.wrappers._checks import Environment
 
 Padding = Literal["reset", "zero"]
@@ -24,17 +24,17 @@ class FrameStack(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """Observations become (stack_size, *shape), the oldest first.
 
     Each is a new array, as Gymnasium demands of environments, into which the frames are copied. With `lazy` no frame is
-    ever copied: an observation is a `LazyStack`, which refers to frames and becomes an array when NumPy asks for one.
+    ever copied: an observation is a `LazyStack`, which refers to frames and becomes an array when NumPy converts it.
     (Gymnasium's `FrameStackObservation` copies each frame twice and has no lazy stacks.)
 
     Args:
         env: an environment of Box observations.
-        stack_size: how many, 1 or more.
-        padding_type: what stands before the first observation of an episode: "reset" repeats it, "zero" is black.
+        stack_size: the number of observations, 1 or more.
+        padding_type: the frames before the first observation of an episode: "reset" repeats it, "zero" is black.
         lazy: observations are `LazyStack`s.
 
     Raises:
-        TypeError: the observations are no Box, or `stack_size` is no integer.
+        TypeError: the observations are not a Box, or `stack_size` is not an integer.
         ValueError: `stack_size` is less than 1, or `padding_type` unknown.
     """
 
@@ -73,7 +73,7 @@ class FrameStack(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
 
 
 class LazyStack:
-    """A stack of frames that becomes an array when NumPy asks for one.
+    """A stack of frames that becomes an array when NumPy converts it.
 
     `np.asarray(stack)`, `stack[-1]`, `len(stack)` and `==` work as on the array (stack_size, *shape). Stacks share the
     frames they have in common, also when they are pickled together; frames are read-only.
@@ -83,7 +83,7 @@ class LazyStack:
 
     def __init__(self, frames: tuple[Array, ...]) -> None:
         for frame in frames:
-            frame.flags.writeable = False  # it is part of other stacks too
+            frame.flags.writeable = False  # other stacks share it
         self.frames = frames
 
     @property
@@ -98,7 +98,7 @@ class LazyStack:
 
     @property
     def dtype(self) -> np.dtype[Any]:
-        """That of the frames."""
+        """The dtype of the frames."""
         return self.frames[0].dtype
 
     def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> Array:

@@ -13,30 +13,30 @@ from atari.wrappers._checks import Environment, require_pixels
 
 
 class Grayscale(gymnasium.ObservationWrapper[Any, Any, Any], RecordConstructorArgs):
-    """RGB pictures (rows, columns, 3) become gray ones (rows, columns), uint8, by OpenCV.
+    """RGB images (rows, columns, 3) become gray ones (rows, columns), uint8, by OpenCV.
 
     The brightness is 0.299 red + 0.587 green + 0.114 blue, as in OpenAI's Baselines. ALE has its own table of gray
     values, which differ a little: for those make the environment with `obs_type="grayscale"`. (Gymnasium's
     `GrayscaleObservation` uses other weights, computes in float64, which is slow, and cannot be pickled.)
 
     Args:
-        env: an environment of RGB pictures.
+        env: an environment with RGB observations.
         keep_dim: keep the last axis, (rows, columns, 1).
 
     Raises:
-        ValueError: the observations are no RGB pictures.
+        ValueError: the observations are not RGB images.
     """
 
     def __init__(self, env: Environment, keep_dim: bool = False) -> None:
         shape = require_pixels(env, "Grayscale")
         if shape[2:] != (3,):
-            raise ValueError(f"Grayscale needs RGB pictures (rows, columns, 3), got shape {shape}; leave it out")
+            raise ValueError(f"Grayscale needs RGB images (rows, columns, 3), got shape {shape}; leave it out")
         RecordConstructorArgs.__init__(self, keep_dim=keep_dim)
         super().__init__(env)
         self._shape = shape[:2] + (1,) * keep_dim
         self.observation_space = spaces.Box(0, 255, self._shape, np.uint8)
 
     def observation(self, observation: ByteArray) -> ByteArray:
-        """The gray picture, uint8 of the shape of the space."""
+        """The gray image, uint8 of the shape of the space."""
         gray: ByteArray = cv2.cvtColor(observation, cv2.COLOR_RGB2GRAY)  # type: ignore[assignment]
         return gray.reshape(self._shape)

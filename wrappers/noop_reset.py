@@ -1,7 +1,7 @@
 """`NoopReset`: start each episode with a random number of no-ops.
 
-The console starts every game alike; a few idle frames make the starts differ (Mnih et al. 2015, "Human-level control
-through deep reinforcement learning", methods: up to 30).
+The console starts every game in the same state; a few idle frames make the starts differ (Mnih et al. 2015,
+"Human-level control through deep reinforcement learning", methods: up to 30).
 """
 
 from typing import Any
@@ -9,26 +9,26 @@ from typing import Any
 import gymnasium
 from gymnasium.utils import RecordConstructorArgs
 
-from atari.cores.options import check_integer
+from atari.validation import check_integer
 from atari.wrappers._checks import Environment, step_noop
 
 
 class NoopReset(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """After a reset, play between `noop_min` and `noop_max` steps of NOOP.
 
-    The number is drawn from `env.unwrapped.np_random` as Gymnasium's and Stable-Baselines3's wrappers draw it, so a
-    seed means the same starts; `reset(options={"noops": n})` sets it instead. If the episode ends meanwhile, the
+    The number is drawn from `env.unwrapped.np_random` as Gymnasium's and Stable-Baselines3's wrappers draw it, so equal
+    seeds give equal starts; `reset(options={"noops": n})` sets it instead. If the episode ends meanwhile, the
     environment is reset and the rest is played. With `noop_max=0` nothing is drawn or played.
 
     Args:
         env: without frame skip, a step is one frame.
-        noop_max: at most so many, 0 or more.
-        noop_min: at least so many, 0..noop_max.
+        noop_max: the greatest number, 0 or more.
+        noop_min: the least number, 0..noop_max.
         fire_counts: play one less in games with a FIRE action, because FIRE, pressed by `FireReset`, counts as one
             of them (EnvPool, ale-py's vector environment).
 
     Raises:
-        TypeError, ValueError: `noop_max` or `noop_min` is no integer or out of range.
+        TypeError, ValueError: `noop_max` or `noop_min` is not an integer, or out of range.
     """
 
     def __init__(self, env: Environment, noop_max: int = 30, noop_min: int = 1, *, fire_counts: bool = False) -> None:
@@ -40,14 +40,14 @@ class NoopReset(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
         self._fires = int(fire_counts and "FIRE" in env.get_wrapper_attr("get_action_meanings")())
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Reset, then do nothing for a while.
+        """Reset, then play no-ops.
 
         Args:
             seed: of the environment, from which the number of no-ops is drawn too.
             options: "noops" is the number of no-ops, 0 or more; the rest is the environment's.
 
         Raises:
-            TypeError, ValueError: "noops" is no such number; nothing is reset.
+            TypeError, ValueError: "noops" is not such a number; nothing is reset.
         """
         forced = (options or {}).get("noops")
         if forced is not None:

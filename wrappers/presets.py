@@ -5,13 +5,14 @@ what is shown when an episode ends inside a skip. Scores move with such details.
 """
 
 import difflib
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
 import gymnasium
 
+from atari.protocols import Protocol
 from atari.wrappers._checks import Environment, require_atari
 from atari.wrappers.clip_reward import ClipReward
 from atari.wrappers.dqn_preprocessing import DqnPreprocessing
@@ -25,22 +26,34 @@ Layer = tuple[type[gymnasium.Wrapper[Any, Any, Any, Any]], Mapping[str, Any]]
 
 @dataclass(frozen=True)
 class Preset:
-    """What a preset puts around an environment.
+    """The preprocessing of an implementation or of a publication.
 
-    `options` are those of `AtariEnv` that go with it, of which `required` must hold; `layers` are wrappers and their
-    arguments, from the inside out. `EpisodicLife` and `ClipReward` have their places in them, and are left out unless
-    `episodic_life` and `clip_reward` are true or asked for.
+    `options` are those of `AtariEnv` that go with it, of which `required` must hold. `protocol` is all the rest.
     """
 
     source: str
     options: Mapping[str, Any]
-    layers: tuple[Layer, ...]
-    episodic_life: bool
-    clip_reward: bool
+    protocol: Protocol
     required: tuple[str, ...] = ()
+
+    @property
+    def episodic_life(self) -> bool:
+        """Whether a lost life ends the episode, unless the user chooses."""
+        return self.protocol.episodic_life
+
+    @property
+    def clip_reward(self) -> bool:
+        """Whether rewards are clipped, unless the user chooses."""
+        return self.protocol.clip_reward
 
 
 _MAX_FRAMES = 108_000  # half an hour of play
+
+
+def _frames(**parts: Any) -> Protocol:
+    """A protocol of wrappers of single frames, which names all that it does."""
+    return Protocol(**{"order": "frames", "noops": (0, 0), "fire_counts": False, "fire": "never", **parts})
+
 
 PRESETS: Mapping[str, Preset] = MappingProxyType(
     {
@@ -53,14 +66,16 @@ PRESETS: Mapping[str, Preset] = MappingProxyType(
                 "max_num_frames_per_episode": _MAX_FRAMES,
             },
             required=("repeat_action_probability", "full_action_space"),
-            layers=(
-                (EpisodicLife, {"on_reset": "continue", "last_life": True}),
-                (NoopReset, {"noop_max": 30}),
-                (DqnPreprocessing, {"pool_rgb": True, "padding_type": "zero", "end_frames": "last"}),
-                (ClipReward, {}),
+            protocol=_frames(
+                noops=(1, 30),
+                episodic_life=True,
+                on_reset="continue",
+                last_life=True,
+                pool_rgb=True,
+                padding="zero",
+                end_frames="last",
+                clip_reward=True,
             ),
-            episodic_life=True,
-            clip_reward=True,
         ),
         "machado2018": Preset(
             source="Machado et al. 2018, with the 4 frames a step and 108,000 frames that later users of it take",
@@ -71,39 +86,44 @@ PRESETS: Mapping[str, Preset] = MappingProxyType(
                 "max_num_frames_per_episode": _MAX_FRAMES,
             },
             required=("repeat_action_probability", "full_action_space"),
-            layers=(
-                (EpisodicLife, {"on_reset": "continue", "last_life": True}),
-                (DqnPreprocessing, {"padding_type": "zero", "end_frames": "last"}),
-                (ClipReward, {}),
+            protocol=_frames(
+                episodic_life=False,
+                on_reset="continue",
+                last_life=True,
+                padding="zero",
+                end_frames="last",
+                clip_reward=False,
             ),
-            episodic_life=False,
-            clip_reward=False,
         ),
         "baselines": Preset(
             source="Stable-Baselines3 2: AtariWrapper, VecFrameStack(4); after OpenAI's Baselines",
             options={"frameskip": 1, "repeat_action_probability": 0.0, "max_num_frames_per_episode": _MAX_FRAMES},
-            layers=(
-                (NoopReset, {"noop_max": 30}),
-                (DqnPreprocessing, {"stack_size": None, "pool_rgb": True, "end_frames": "baselines"}),
-                (EpisodicLife, {"on_reset": "noop"}),
-                (FireReset, {"then_action_2": True}),
-                (FrameStack, {"stack_size": 4, "padding_type": "zero"}),
-                (ClipReward, {}),
+            protocol=Protocol(
+                order="baselines",
+                noops=(1, 30),
+                fire_counts=False,
+                fire="after_noops",
+                third_action=True,
+                episodic_life=True,
+                on_reset="noop",
+                pool_rgb=True,
+                padding="zero",
+                end_frames="baselines",
+                clip_reward=True,
             ),
-            episodic_life=True,
-            clip_reward=True,
         ),
         "gymnasium": Preset(
             source="Gymnasium 1: AtariPreprocessing, FrameStackObservation(4)",
             options={"frameskip": 1},
-            layers=(
-                (EpisodicLife, {"on_reset": "new_game", "last_life": True}),
-                (NoopReset, {"noop_max": 30}),
-                (DqnPreprocessing, {"padding_type": "reset", "end_frames": "gymnasium"}),
-                (ClipReward, {}),
+            protocol=_frames(
+                noops=(1, 30),
+                episodic_life=False,
+                on_reset="new_game",
+                last_life=True,
+                padding="reset",
+                end_frames="gymnasium",
+                clip_reward=False,
             ),
-            episodic_life=False,
-            clip_reward=False,
         ),
         "dopamine": Preset(
             source="Dopamine 4: AtariPreprocessing, with the stack, the clipping and the 27,000 steps of its runner",
@@ -114,13 +134,14 @@ PRESETS: Mapping[str, Preset] = MappingProxyType(
                 "max_num_frames_per_episode": _MAX_FRAMES,
             },
             required=("repeat_action_probability", "full_action_space"),
-            layers=(
-                (EpisodicLife, {"on_reset": "continue", "last_life": True}),
-                (DqnPreprocessing, {"padding_type": "zero", "end_frames": "baselines"}),
-                (ClipReward, {}),
+            protocol=_frames(
+                episodic_life=False,
+                on_reset="continue",
+                last_life=True,
+                padding="zero",
+                end_frames="baselines",
+                clip_reward=True,
             ),
-            episodic_life=False,
-            clip_reward=True,
         ),
         "atari100k": Preset(
             source="the Atari 100k benchmark as in Dopamine's data-efficient Rainbow",
@@ -131,50 +152,45 @@ PRESETS: Mapping[str, Preset] = MappingProxyType(
                 "max_num_frames_per_episode": _MAX_FRAMES,
             },
             required=("repeat_action_probability", "full_action_space"),
-            layers=(
-                (EpisodicLife, {"on_reset": "continue", "last_life": True}),
-                (DqnPreprocessing, {"padding_type": "zero", "end_frames": "last"}),
-                (ClipReward, {}),
+            protocol=_frames(
+                episodic_life=True,
+                on_reset="continue",
+                last_life=True,
+                padding="zero",
+                end_frames="last",
+                clip_reward=True,
             ),
-            episodic_life=True,
-            clip_reward=True,
         ),
         "envpool": Preset(
             source="EnvPool 1.2, its Atari environments with their defaults",
             options={"frameskip": 1, "repeat_action_probability": 0.0, "max_num_frames_per_episode": None},
-            layers=(
-                (EpisodicLife, {"on_reset": "continue"}),
-                (NoopReset, {"noop_max": 30, "fire_counts": True}),
-                (FireReset, {}),
-                (
-                    DqnPreprocessing,
-                    {
-                        "padding_type": "reset",
-                        "end_frames": "envpool",
-                        "seamless_lives": True,
-                        "max_frames": _MAX_FRAMES,
-                    },
-                ),
-                (ClipReward, {}),
+            protocol=_frames(
+                noops=(1, 30),
+                fire_counts=True,
+                fire="after_noops",
+                episodic_life=False,
+                on_reset="continue",
+                seamless_lives=True,
+                max_frames=_MAX_FRAMES,
+                padding="reset",
+                end_frames="envpool",
+                clip_reward=False,
             ),
-            episodic_life=False,
-            clip_reward=False,
         ),
         "ale_vector": Preset(
             source="ale-py 0.12, its AtariVectorEnv with one environment and its defaults",
             options={"frameskip": 1, "repeat_action_probability": 0.0, "max_num_frames_per_episode": None},
-            layers=(
-                (EpisodicLife, {"on_reset": "new_game"}),
-                (FireReset, {}),
-                (NoopReset, {"noop_min": 0, "noop_max": 29, "fire_counts": True}),
-                (
-                    DqnPreprocessing,
-                    {"padding_type": "zero", "end_frames": "gymnasium", "max_frames": _MAX_FRAMES},
-                ),
-                (ClipReward, {}),
+            protocol=_frames(
+                noops=(0, 29),
+                fire_counts=True,
+                fire="before_noops",
+                episodic_life=False,
+                on_reset="new_game",
+                max_frames=_MAX_FRAMES,
+                padding="zero",
+                end_frames="gymnasium",
+                clip_reward=True,
             ),
-            episodic_life=False,
-            clip_reward=True,
         ),
     }
 )
@@ -186,7 +202,7 @@ def preset(
 ) -> Environment:
     """Put the preprocessing of an implementation or a protocol around an `AtariEnv`.
 
-    Observations are (4, 84, 84) uint8, the oldest picture first; actions are played for 4 frames.
+    Observations are (4, 84, 84) uint8, the oldest image first; actions are played for 4 frames.
 
     ============= ============= ============= ============ ============= ===== ======= ===================
     name          no-ops        FIRE          lost life    gray          clip  padding end inside a skip
@@ -223,16 +239,72 @@ def preset(
         ValueError: there is no such preset (the nearest is suggested), or the environment does not fit; the text says
             how to make it.
     """
-    chosen = _find(name)
     _require_options(env, name)
-    optional = {
-        EpisodicLife: chosen.episodic_life if episodic_life is None else episodic_life,
-        ClipReward: chosen.clip_reward if clip_reward is None else clip_reward,
-    }
-    for wrapper, arguments in chosen.layers:
-        if optional.get(wrapper, True):
-            env = wrapper(env, **arguments)
+    for wrapper, arguments in _layers(preset_protocol(name, episodic_life=episodic_life, clip_reward=clip_reward)):
+        env = wrapper(env, **arguments)
     return env
+
+
+def preset_protocol(
+    name: str,
+    *,
+    episodic_life: bool | None = None,
+    clip_reward: bool | None = None,
+    repeat_action_probability: float | None = None,
+    full_action_space: bool | None = None,
+) -> Protocol:
+    """The protocol of a preset with the options of its environment. None is what the preset has.
+
+    Raises:
+        ValueError: there is no such preset (the nearest is suggested), or it requires another option than the given.
+    """
+    chosen = _find(name)
+    given: dict[str, Any] = {
+        "repeat_action_probability": repeat_action_probability,
+        "full_action_space": full_action_space,
+    }
+    given = {option: value for option, value in given.items() if value is not None}
+    for option, value in given.items():
+        if option in chosen.required and value != chosen.options[option]:
+            raise ValueError(f"preset {name!r} needs {option}={chosen.options[option]!r}, got {value!r}; leave it out")
+    options = {"repeat_action_probability": 0.25, "full_action_space": False, **chosen.options, **given}
+    return replace(
+        chosen.protocol,
+        repeat_action_probability=options["repeat_action_probability"],
+        full_action_space=options["full_action_space"],
+        max_num_frames_per_episode=options.get("max_num_frames_per_episode") or 0,
+        episodic_life=chosen.episodic_life if episodic_life is None else episodic_life,
+        clip_reward=chosen.clip_reward if clip_reward is None else clip_reward,
+    )
+
+
+def _layers(protocol: Protocol) -> Iterator[Layer]:
+    """The wrappers of a protocol and their arguments, from the inside out."""
+    lives: list[Layer] = []
+    if protocol.episodic_life:
+        lives = [(EpisodicLife, {"on_reset": protocol.on_reset, "last_life": protocol.last_life})]
+    fire: list[Layer] = [(FireReset, {"then_action_2": protocol.third_action})] if protocol.fire != "never" else []
+    low, high = protocol.noops
+    noops: list[Layer] = []
+    if high > 0:
+        noops = [(NoopReset, {"noop_max": high, "noop_min": low, "fire_counts": protocol.fire_counts})]
+    dqn = {
+        "pool_rgb": protocol.pool_rgb,
+        "end_frames": protocol.end_frames,
+        "seamless_lives": protocol.seamless_lives,
+        "max_frames": protocol.max_frames,
+    }
+    if protocol.order == "baselines":  # FireReset plays whole skips there, which NoopReset does not
+        yield from noops
+        yield DqnPreprocessing, {**dqn, "stack_size": None}
+        yield from lives + fire
+        yield FrameStack, {"stack_size": 4, "padding_type": protocol.padding}
+    else:
+        yield from lives
+        yield from fire + noops if protocol.fire == "before_noops" else noops + fire
+        yield DqnPreprocessing, {**dqn, "padding_type": protocol.padding}
+    if protocol.clip_reward:
+        yield ClipReward, {}
 
 
 def preset_options(name: str) -> dict[str, Any]:

@@ -11,13 +11,13 @@ from atari.wrappers._checks import Environment, require_atari
 
 
 class RamObservation(gymnasium.ObservationWrapper[Any, Any, Any], RecordConstructorArgs):
-    """Observations become `{"image": what they were, "ram": (128,) uint8}`.
+    """Observations become `{"image": the pixels, "ram": (128,) uint8}`.
 
-    The RAM is that of the moment of the observation. With `sound_obs`, "ram" joins "image" and "sound". Put it outside
-    of the wrappers that work on pixels; `atari.games[game].ram_labels` says what the bytes mean.
+    The RAM is read at the time of the observation. With `sound_obs`, "ram" joins "image" and "sound". Put it outside
+    of the wrappers that work on pixels; `atari.games[game].ram_labels` has the meaning of the bytes.
 
     Raises:
-        TypeError: the environment is no `AtariEnv`.
+        TypeError: the environment is not an `AtariEnv`.
         ValueError: the observations are RAM already.
     """
 
@@ -34,6 +34,6 @@ class RamObservation(gymnasium.ObservationWrapper[Any, Any, Any], RecordConstruc
         self.observation_space = spaces.Dict({**parts, "ram": ram})
 
     def observation(self, observation: Any) -> dict[str, Any]:
-        """The observation with the RAM beside it."""
+        """The observation with the RAM."""
         parts = observation if self._with_sound else {"image": observation}
         return {**parts, "ram": self._atari.core.ram()}

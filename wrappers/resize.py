@@ -1,4 +1,4 @@
-"""`Resize`: scale pictures down, to 84x84 since the first deep Q-network (Mnih et al. 2013)."""
+"""`Resize`: scale images down, to 84x84 since the first deep Q-network (Mnih et al. 2013)."""
 
 from typing import Any
 
@@ -9,21 +9,21 @@ from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
 
 from atari.cores import ByteArray
-from atari.cores.options import check_integer
+from atari.validation import check_integer
 from atari.wrappers._checks import Environment, require_pixels
 
 
 class Resize(gymnasium.ObservationWrapper[Any, Any, Any], RecordConstructorArgs):
-    """Scale pictures to `shape` by averaging areas (OpenCV's INTER_AREA).
+    """Scale images to `shape` by averaging areas (OpenCV's INTER_AREA).
 
     The same as Gymnasium's `ResizeObservation`, which cannot be pickled.
 
     Args:
-        env: an environment of pictures (rows, columns) or (rows, columns, colours).
+        env: an environment with observations (rows, columns) or (rows, columns, colours).
         shape: (rows, columns) of the result.
 
     Raises:
-        TypeError, ValueError: the observations are no pictures, or `shape` is not two integers of 1 or more.
+        TypeError, ValueError: the observations are not images, or `shape` is not two integers of 1 or more.
     """
 
     def __init__(self, env: Environment, shape: tuple[int, int] = (84, 84)) -> None:
@@ -38,6 +38,6 @@ class Resize(gymnasium.ObservationWrapper[Any, Any, Any], RecordConstructorArgs)
         self.observation_space = spaces.Box(0, 255, self._shape, np.uint8)
 
     def observation(self, observation: ByteArray) -> ByteArray:
-        """The scaled picture, uint8 of the shape of the space."""
+        """The scaled image, uint8 of the shape of the space."""
         small: ByteArray = cv2.resize(observation, self._size, interpolation=cv2.INTER_AREA)  # type: ignore[assignment]
         return small.reshape(self._shape)  # OpenCV drops an axis of one colour

@@ -1,6 +1,6 @@
-"""`StickyActions`: now and then the console repeats the previous action instead of the one chosen.
+"""`StickyActions`: with some probability, a step repeats the previous action instead of the chosen one.
 
-Without this an agent can learn a sequence of button presses by heart (Machado et al. 2018, "Revisiting the Arcade
+Without this, an agent can memorise a sequence of button presses (Machado et al. 2018, "Revisiting the Arcade
 Learning Environment", section 5). `AtariEnv` does it inside the emulator, frame by frame, with
 `repeat_action_probability`; this wrapper is for environments that do not, and draws as Stable-Baselines3's does.
 """
@@ -10,23 +10,24 @@ from typing import Any
 import gymnasium
 from gymnasium.utils import RecordConstructorArgs
 
-from atari.cores.options import check_probability
 from atari.env import AtariEnv
+from atari.validation import check_probability
 from atari.wrappers._checks import Environment, has_noop, noop_action
 
 
 class StickyActions(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """With some probability, play the action of the previous step again.
 
-    An episode starts with NOOP as the previous action. One number is drawn from `np_random` each step, so without frame
-    skip beneath it is drawn for each frame, as in ALE. (Gymnasium's `StickyAction` never repeats at the first step.)
+    An episode starts with NOOP as the previous action. One number is drawn from `np_random` each step. If no inner
+    wrapper skips frames, that is one for each frame, as in ALE. (Gymnasium's `StickyAction` never repeats
+    at the first step.)
 
     Args:
         env: the environment.
         repeat_action_probability: of repeating, 0..1.
 
     Raises:
-        TypeError, ValueError: no probability; the environment's actions are sticky already, or NOOP is not among them.
+        TypeError, ValueError: not a probability; the environment's actions are already sticky or lack NOOP.
     """
 
     def __init__(self, env: Environment, repeat_action_probability: float = 0.25) -> None:

@@ -1,8 +1,8 @@
 """The algorithmic tasks of OpenAI Gym: learn to copy, reverse and add what is on a tape, one character at a time.
 
-Also the worked example of an environment of your own. Read in this order: `environment` has the rules and is a whole
-`gymnasium.Env`; `tape` and `grid` say what the input looks like; `tasks` has the five tasks, a few lines each;
-`registration` gives them their IDs; `curriculum` makes them harder, `text` shows them.
+They are also the worked example of an environment of your own. Read in this order: `environment` has the rules and is a
+complete `gymnasium.Env`; `tape` and `grid` define the input; `tasks` has the five tasks, a few lines each;
+`registration` has their IDs; `curriculum` makes them harder, `text` renders them.
 
 The tasks are those of Zaremba et al. 2015, "Learning Simple Algorithms from Examples" (arXiv:1511.07275), with the
 rules of OpenAI Gym 0.17.

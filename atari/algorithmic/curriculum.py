@@ -1,4 +1,4 @@
-"""A problem that grows: after enough solved episodes in a row, inputs become longer by one character."""
+"""`Curriculum`: after enough solved episodes in a row, inputs become longer by one character."""
 
 MAX_LENGTH = 30
 """No input is drawn from a greater minimal length."""
@@ -8,8 +8,8 @@ class Curriculum:
     """The minimal length of inputs.
 
     Args:
-        length: where it starts.
-        window: how many episodes in a row must be solved before it grows.
+        length: the initial minimal length.
+        window: the number of solved episodes in a row after which it grows.
     """
 
     def __init__(self, length: int, window: int) -> None:

@@ -1,10 +1,10 @@
 """`AlgorithmicEnv`: read characters from an input, write others to an output tape.
 
-The agent sees the one character under its read head. An action says where the head moves, whether to write, and what.
-Each right character is a point; a wrong one ends the episode. What should be written, only the task knows.
+The agent observes the character under its read head. An action moves the head, and may write a character. Each right
+character is a point; a wrong one ends the episode. A task defines what must be written.
 
-This is also how a `gymnasium.Env` is made: spaces in `__init__`, an episode in `reset`, its rules in `step`, randomness
-from `self.np_random` alone, and a picture in `render`.
+The class also shows how to write a `gymnasium.Env`: spaces in `__init__`, the start of an episode in `reset`, its rules
+in `step`, randomness from `self.np_random` alone, and a text of the state in `render`.
 """
 
 from abc import abstractmethod
@@ -15,7 +15,7 @@ from gymnasium import spaces
 
 from atari.algorithmic import text
 from atari.algorithmic.curriculum import MAX_LENGTH, Curriculum
-from atari.cores.options import check_integer
+from atari.validation import check_integer
 
 Action = tuple[int, int, int]
 """Movement, an index into `moves`; 1 to write and 0 not to; the character."""
@@ -28,7 +28,7 @@ MOVES = {"left": (-1, 0), "right": (1, 0), "up": (0, -1), "down": (0, 1)}
 
 
 class AlgorithmicEnv(gymnasium.Env[Any, Any]):
-    """What all algorithmic tasks share.
+    """The rules that all algorithmic tasks share.
 
     Args:
         base: how many different characters there are, 1 to as many as the alphabet has.
@@ -48,18 +48,18 @@ class AlgorithmicEnv(gymnasium.Env[Any, Any]):
     much is written), `time` and `time_limit` in steps, `min_length` and `solved`.
 
     Raises:
-        TypeError, ValueError: an option is no integer, or out of range.
+        TypeError, ValueError: an option is not an integer, or out of range.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["human", "ansi"], "render_fps": 4}  # noqa: RUF012
     moves: ClassVar[tuple[str, ...]]
-    """What the first part of an action may be, in order."""
+    """The movements, in the order of the first part of an action."""
     alphabet: ClassVar[str]
-    """How characters are shown."""
+    """The characters as text."""
     height: int = 1
-    """How many rows an input has."""
+    """The number of rows of an input."""
     window: ClassVar[int] = 10
-    """How many episodes in a row must be solved before inputs grow."""
+    """The number of solved episodes in a row after which inputs grow."""
 
     rows: Rows
     target: list[int]
@@ -91,11 +91,11 @@ class AlgorithmicEnv(gymnasium.Env[Any, Any]):
 
     @abstractmethod
     def solve(self, rows: Rows) -> list[int]:
-        """What must be written for an input."""
+        """The characters that must be written for an input."""
 
     @property
     def time_limit(self) -> int:
-        """How many steps there are for the current input."""
+        """The number of steps allowed for the current input."""
         return len(self.rows[0]) + len(self.target) + 4
 
     @property
@@ -111,14 +111,14 @@ class AlgorithmicEnv(gymnasium.Env[Any, Any]):
             options: {"input": text} sets the input, in the form of `info["input"]`.
 
         Raises:
-            ValueError: `options` is something else.
+            ValueError: `options["input"]` is not such a text.
         """
         given = self._parse(options["input"]) if options and "input" in options else None
         super().reset(seed=seed)
         if seed is not None:
             self._curriculum = Curriculum(self._first_length, self.window)
         elif self.time > 0:
-            self._curriculum.record(self.solved)  # an episode that was given up, too
+            self._curriculum.record(self.solved)  # an abandoned episode counts as unsolved
         rows = given or self.draw(self.min_length + int(self.np_random.integers(3)))
         self._begin(rows, self.solve(rows))
         self._playing = True
@@ -126,7 +126,7 @@ class AlgorithmicEnv(gymnasium.Env[Any, Any]):
         return self.read(*self.read_head), self._info()
 
     def step(self, action: Action) -> tuple[int, float, bool, bool, dict[str, Any]]:
-        """Write if asked to, then move the read head.
+        """Write a character if the action does, then move the read head.
 
         Raises:
             gymnasium.error.ResetNeeded: before the first `reset`, and after the end of an episode.
@@ -154,16 +154,16 @@ class AlgorithmicEnv(gymnasium.Env[Any, Any]):
         return self.read(*self.read_head), self.reward, not self._playing, False, self._info()
 
     def read(self, column: int, row: int) -> int:
-        """The character at a place of the input, `base` where there is none."""
+        """The character at a position of the input, `base` outside of it."""
         inside = 0 <= row < len(self.rows) and 0 <= column < len(self.rows[row])
         return self.rows[row][column] if inside else self.base
 
     def spell(self, characters: list[int]) -> str:
-        """Characters as text, a blank where there is none."""
+        """Characters as text; `base` is a blank."""
         return "".join(self.alphabet[: self.base].ljust(self.base + 1)[character] for character in characters)
 
     def render(self) -> str | None:
-        """The text of the present state with render mode "ansi"; with "human", it has been printed already.
+        """The current state as text with render mode "ansi"; None with "human", which prints it at each step.
 
         Raises:
             gymnasium.error.Error: there is no render mode.
@@ -190,7 +190,7 @@ class AlgorithmicEnv(gymnasium.Env[Any, Any]):
         return 1.0 if right else -0.5
 
     def _parse(self, given: Any) -> Rows:
-        """The rows of an input that is given as text."""
+        """The rows of an input given as text."""
         known = self.alphabet[: self.base]
         lines = given.split("\n") if isinstance(given, str) else []
         even = len(lines) == self.height and len({len(line) for line in lines}) == 1

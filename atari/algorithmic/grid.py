@@ -5,14 +5,14 @@ from abc import abstractmethod
 from typing import Literal
 
 from atari.algorithmic.environment import AlgorithmicEnv, Rows
-from atari.cores.options import check_integer
+from atari.validation import check_integer
 
 
 class GridEnv(AlgorithmicEnv):
-    """A task on a grid of so many rows; the head starts on the upper left digit. See `AlgorithmicEnv` for the rest.
+    """A task on a grid of `rows` rows; the head starts on the upper left digit. See `AlgorithmicEnv` for the rest.
 
     Raises:
-        TypeError, ValueError: an option is no integer, or out of range; there are 1 to 100 rows.
+        TypeError, ValueError: an option is not an integer, or out of range; a grid has 1 to 100 rows.
     """
 
     moves = ("left", "right", "up", "down")
@@ -30,9 +30,9 @@ class GridEnv(AlgorithmicEnv):
         return rows
 
     def solve(self, rows: Rows) -> list[int]:
-        """What must be written for the columns of the grid."""
+        """The digits that must be written for the rows of a grid."""
         return self.solve_columns(list(zip(*rows, strict=True)))
 
     @abstractmethod
     def solve_columns(self, columns: list[tuple[int, ...]]) -> list[int]:
-        """What must be written for a grid, given by its columns from left to right."""
+        """The digits that must be written for a grid, given by its columns from left to right."""

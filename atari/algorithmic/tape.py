@@ -17,9 +17,9 @@ class TapeEnv(AlgorithmicEnv):
         return [self.np_random.integers(self.base, size=length).tolist()]
 
     def solve(self, rows: Rows) -> list[int]:
-        """What must be written for the one row there is."""
+        """The letters that must be written for the single row."""
         return self.solve_tape(rows[0])
 
     @abstractmethod
     def solve_tape(self, tape: list[int]) -> list[int]:
-        """What must be written for a tape."""
+        """The letters that must be written for a tape."""

@@ -1,28 +1,28 @@
-"""The five tasks: what is to be written, and how the input is drawn where it is not just any characters."""
+"""The five tasks: what must be written, and how the input is drawn if its characters are not independent."""
 
 from typing import Literal
 
 from atari.algorithmic.environment import Rows
 from atari.algorithmic.grid import GridEnv
 from atari.algorithmic.tape import TapeEnv
-from atari.cores.options import check_integer
+from atari.validation import check_integer
 
 RenderMode = Literal["human", "ansi"] | None
 
 
 class CopyEnv(TapeEnv):
-    """Write what is on the tape."""
+    """Write the letters of the tape."""
 
     def __init__(self, base: int = 5, min_length: int = 2, render_mode: RenderMode = None) -> None:
         super().__init__(base, min_length, render_mode)
 
     def solve_tape(self, tape: list[int]) -> list[int]:
-        """The same."""
+        """The tape itself."""
         return tape
 
 
 class DuplicatedInputEnv(TapeEnv):
-    """Each letter is there `duplication` times in a row, 1 to 100; write it once."""
+    """Each letter stands `duplication` times in a row, 1 to 100; write it once."""
 
     def __init__(
         self, duplication: int = 2, base: int = 5, min_length: int = 2, render_mode: RenderMode = None
@@ -31,17 +31,17 @@ class DuplicatedInputEnv(TapeEnv):
         super().__init__(base, min_length, render_mode)
 
     def draw(self, length: int) -> Rows:
-        """Letters, each repeated; as many as fit, and one at least."""
+        """Letters, each repeated; as many as fit, but at least one."""
         letters = super().draw(max(length // self.duplication, 1))[0]
         return [[letter for letter in letters for _ in range(self.duplication)]]
 
     def solve_tape(self, tape: list[int]) -> list[int]:
-        """The first of each."""
+        """The first of each repetition."""
         return tape[:: self.duplication]
 
 
 class RepeatCopyEnv(TapeEnv):
-    """Write what is on the tape, then the same from its end, then again from its start."""
+    """Write the tape forwards, then backwards, then forwards again."""
 
     window = 50
 
@@ -49,12 +49,12 @@ class RepeatCopyEnv(TapeEnv):
         super().__init__(base, min_length, render_mode)
 
     def solve_tape(self, tape: list[int]) -> list[int]:
-        """There, back, and there."""
+        """Forwards, backwards, forwards."""
         return tape + tape[::-1] + tape
 
 
 class ReverseEnv(TapeEnv):
-    """Write what is on the tape, from its end."""
+    """Write the tape backwards."""
 
     window = 50
 
@@ -62,12 +62,12 @@ class ReverseEnv(TapeEnv):
         super().__init__(base, min_length, render_mode)
 
     def solve_tape(self, tape: list[int]) -> list[int]:
-        """From the end."""
+        """Backwards."""
         return tape[::-1]
 
 
 class ReversedAdditionEnv(GridEnv):
-    """Add the numbers in the rows of the grid, whose lowest digits are on the left, and write the sum that way, too.
+    """Add the numbers in the rows of the grid and write the sum, all with their lowest digits first.
 
     Args:
         rows: how many numbers, 1 to 100.
@@ -91,11 +91,11 @@ class ReversedAdditionEnv(GridEnv):
 
     @property
     def time_limit(self) -> int:
-        """How many steps there are for the current input."""
+        """The number of steps allowed for the current input."""
         return self.steps_per_column * len(self.rows[0]) + 4
 
     def solve_columns(self, columns: list[tuple[int, ...]]) -> list[int]:
-        """The digits of the sum, which may be more than there are columns."""
+        """The digits of the sum, which may have more digits than the grid has columns."""
         digits: list[int] = []
         carry = 0
         for column in columns:

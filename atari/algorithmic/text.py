@@ -1,26 +1,47 @@
-"""How an algorithmic task is shown: the input with its read head, what was written, and what should have been.
+"""Renders an algorithmic task as text: the input with its read head, the output, and the target.
 
-The labels and colours are those of OpenAI Gym, whose pictures are in many courses.
+The labels and colours are those of OpenAI Gym, whose screenshots are in many courses.
 """
 
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from gymnasium.utils import colorize
 
-if TYPE_CHECKING:
-    from atari.algorithmic.environment import AlgorithmicEnv
-
 MARGIN = 2
-"""How many blanks are shown on either side of the input."""
+"""Blanks on either side of the input."""
 
 
-def show(env: "AlgorithmicEnv") -> str:
-    """The present state of an environment as lines of text, with colours for a terminal."""
+class Task(Protocol):
+    """The state that `show` reads; `AlgorithmicEnv` has it and documents it."""
+
+    height: int
+    rows: list[list[int]]
+    target: list[int]
+    read_head: tuple[int, int]
+    write_head: int
+    time: int
+    action: tuple[int, int, int] | None
+    reward: float
+    total_reward: float
+
+    @property
+    def moves(self) -> tuple[str, ...]:
+        """The names of the movements."""
+
+    def read(self, column: int, row: int) -> int:
+        """The character at a position of the input."""
+
+    def spell(self, characters: list[int]) -> str:
+        """Characters as text."""
+
+
+def show(env: Task) -> str:
+    """The state of an environment as lines of text, with colours for a terminal."""
     title = f"Total length of input instance: {len(env.rows[0])}, step: {env.time}"
     return "\n".join([title, "=" * len(title), *_input(env), *_output(env), "", *_last_step(env)]) + "\n"
 
 
-def _input(env: "AlgorithmicEnv") -> list[str]:
+def _input(env: Task) -> list[str]:
     label = "Observation Tape" if env.height == 1 else "Observation Grid"
     above = 0 if env.height == 1 else 1
     lines: list[str] = []
@@ -34,7 +55,7 @@ def _input(env: "AlgorithmicEnv") -> list[str]:
     return lines
 
 
-def _output(env: "AlgorithmicEnv") -> list[str]:
+def _output(env: Task) -> list[str]:
     written = env.spell(env.target[: env.write_head])
     if env.action is not None and env.action[1]:
         character = env.action[2]
@@ -44,7 +65,7 @@ def _output(env: "AlgorithmicEnv") -> list[str]:
     return [_line("Output Tape", margin + written), _line("Targets", margin + env.spell(env.target))]
 
 
-def _last_step(env: "AlgorithmicEnv") -> list[str]:
+def _last_step(env: Task) -> list[str]:
     if env.action is None:
         return []
     move, write, character = env.action

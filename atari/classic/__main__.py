@@ -1,4 +1,4 @@
-"""`python -m atari.classic script.py [arguments]`: run an old script as it is; its `import gym` means this package."""
+"""`python -m atari.classic script.py [arguments]`: run a script of Gym's time; its `import gym` gives this package."""
 
 import importlib
 import os
@@ -25,7 +25,7 @@ def main(arguments: list[str]) -> int:
     stand_in()
     old_numpy.restore()
     sys.argv = arguments
-    sys.path.insert(0, os.path.dirname(os.path.abspath(script)))  # where a script finds modules beside it
+    sys.path.insert(0, os.path.dirname(os.path.abspath(script)))  # modules in the script's folder can be imported
     try:
         runpy.run_path(script, run_name="__main__")
     except (Exception, KeyboardInterrupt) as error:
@@ -36,7 +36,7 @@ def main(arguments: list[str]) -> int:
 
 
 def stand_in() -> None:
-    """Let `import gym`, and of every module of `gym` that this package has, mean this package."""
+    """Let `import gym` give this package, and the import of a module of `gym` the module of that name here."""
     name = atari.classic.__name__
     sys.modules["gym"] = atari.classic
     for module in pkgutil.walk_packages(atari.classic.__path__, f"{name}."):
@@ -46,7 +46,7 @@ def stand_in() -> None:
 
 
 def _from_script(trace: TracebackType | None, script: str) -> TracebackType | None:
-    """A traceback without what ran the script; of an error in its syntax, nothing is left."""
+    """The part of a traceback inside the script; empty for a syntax error of the script."""
     while trace is not None and trace.tb_frame.f_code.co_filename != script:
         trace = trace.tb_next
     return trace

@@ -1,9 +1,11 @@
-"""A Gymnasium environment, spoken to in the old way.
+"""`Adapter`: a Gymnasium environment with Gym's old interface.
 
-Gymnasium moved three things that `Adapter` moves back. The seed, from a method to `reset`: it waits for the next one.
-The render mode, from the call to the constructor: the environment is made with a mode that shows nothing by itself,
-and is given another for the length of a call. And `done`, split into terminated and truncated: their sum, with
-`info["TimeLimit.truncated"]` telling which.
+Gymnasium moved three things, which `Adapter` moves back:
+
+- The seed is an argument of `reset`, not of a method. `seed` stores it for the next `reset`.
+- The render mode is an argument of the constructor, not of `render`. The environment is made with a mode that opens no
+  window; `render` sets another mode for the length of the call.
+- `done` is split into terminated and truncated. `done` is either; `info["TimeLimit.truncated"]` distinguishes them.
 """
 
 import inspect
@@ -23,16 +25,19 @@ from atari.env import AtariEnv
 
 Modern = gymnasium.Env[Any, Any]
 
-_COUNTED = {"nS": "observation_space", "nA": "action_space"}  # the toy texts knew the sizes of theirs
-_GYMS_OWN = ("gymnasium.envs.classic_control.", "gymnasium.envs.toy_text.")  # drawing what they drew in Gym
+_COUNTED = {"nS": "observation_space", "nA": "action_space"}  # attributes of Gym's toy text environments
+_GYMS_OWN = (
+    "gymnasium.envs.classic_control.",
+    "gymnasium.envs.toy_text.",
+)  # seeded as in Gym
 _OWN = frozenset({"action_space", "metadata", "observation_space", "reward_range", "spec"})
 
 
 class Adapter(Env):
     """A Gymnasium environment with the old interface.
 
-    Attributes that it does not have, such as `ale`, `state` or `get_action_meanings`, are those of the unwrapped
-    Gymnasium environment, for reading and writing.
+    Other attributes, such as `ale`, `state` or `get_action_meanings`, are read from and written to the unwrapped
+    Gymnasium environment.
 
     Args:
         modern: the environment, made with render mode "rgb_array" or "ansi" if it has one of them.
@@ -69,12 +74,12 @@ class Adapter(Env):
             setattr(self.modern.unwrapped, name, value)
 
     def seed(self, seed: int | None = None) -> list[int]:
-        """Make the next `reset` begin the sequence of episodes of a seed; None chooses one. Returns the seed.
+        """Store the seed for the next `reset`; None chooses one. Returns the seed.
 
-        Classic control and toy text then draw the numbers that they drew in Gym, as printed in books.
+        Classic control and toy text then have the episodes that they had in Gym, as printed in books.
 
         Raises:
-            ValueError: it is no integer of 0 or more.
+            ValueError: not an integer of 0 or more.
         """
         if seed is None:
             seed = secrets.randbits(31)
@@ -99,7 +104,7 @@ class Adapter(Env):
         return observation
 
     def step(self, action: Any) -> Step:
-        """Take an action; `info["TimeLimit.truncated"]` is there where a limit, not the task, ended the episode.
+        """Take an action; `info` has "TimeLimit.truncated" if a limit, not the task, ended the episode.
 
         Raises:
             gymnasium.error.ResetNeeded: before the first reset.
@@ -115,9 +120,9 @@ class Adapter(Env):
         return observation, reward, bool(terminated or truncated), info
 
     def render(self, mode: str = "human", close: bool = False, **_: Any) -> Any:
-        """Show the environment in a window, or as text if it is one of text; or return it as "rgb_array" or "ansi".
+        """Show the environment in a window or print it as text ("human"), or return it ("rgb_array" or "ansi").
 
-        Before the first reset, this shows a state in which an episode may begin.
+        Before the first reset, it renders a possible start of an episode.
 
         Raises:
             gymnasium.error.UnsupportedMode: the environment has no such mode.
@@ -195,12 +200,12 @@ class GoalAdapter(Adapter, GoalEnv):
 
 
 def adapt(modern: Modern) -> Adapter:
-    """The adapter that goes with an environment."""
+    """The adapter for a Gymnasium environment."""
     return (GoalAdapter if hasattr(modern.unwrapped, "compute_reward") else Adapter)(modern)
 
 
 def quiet_options(creator: Any) -> dict[str, Any]:
-    """The render mode to make an environment with, as an argument, so that nothing is shown before `render` is called.
+    """The option `render_mode` with which an environment shows nothing until `render` is called.
 
     Empty if the environment has no such mode, takes no such argument, or is of the old interface.
     """
@@ -215,10 +220,11 @@ def quiet_options(creator: Any) -> dict[str, Any]:
 
 
 def to_action(space: spaces.Space[Any], action: Any) -> Any:
-    """The action as the environment expects it.
+    """The action, checked and of the type that the environment expects.
 
     Raises:
-        TypeError, ValueError: it is not in the space. Numbers beyond a Box's bounds are taken: environments clip them.
+        TypeError, ValueError: it is not in the space. Numbers beyond a Box's bounds are accepted: environments clip
+            them.
     """
     if isinstance(space, spaces.Box):
         try:
@@ -244,7 +250,7 @@ def _old_metadata(modern: Modern) -> dict[str, Any]:
     modes = [mode for mode in metadata.pop("render_modes", None) or [] if mode in ("human", "rgb_array", "ansi")]
     rate = metadata.pop("render_fps", None) or 30
     if modes and "human" not in modes:
-        modes.insert(0, "human")  # whatever can be drawn or written can be shown
+        modes.insert(0, "human")  # `render` shows what the other modes return
     return {
         **metadata,
         "render.modes": modes,

@@ -1,4 +1,4 @@
-"""`Checked`: an environment of a user's own, with its most common mistakes answered in a sentence."""
+"""`Checked`: clear errors for the common mistakes in environments that users write."""
 
 from typing import Any
 
@@ -10,12 +10,12 @@ from atari.classic.core import Env, Step, Wrapper
 
 
 class Checked(Wrapper):
-    """Checks what goes into an old-style environment and what comes out of it. `make` puts it around your own.
+    """Checks the actions and results of an old-style environment; `make` wraps environments of users in it.
 
     `step` raises:
         gymnasium.error.ResetNeeded: before the first reset.
-        TypeError: the environment returned something else than observation, reward, done and info.
-        TypeError, ValueError: the action is not in the action space; beyond the bounds of a Box it may be.
+        TypeError: the environment did not return observation, reward, done and info.
+        TypeError, ValueError: the action is not in the action space; the bounds of a Box are not checked.
     """
 
     def __init__(self, env: Env) -> None:
@@ -45,10 +45,10 @@ class Checked(Wrapper):
 
 
 def check_step(result: Any, name: str) -> Step:
-    """What `step` returned, if it is what it should be.
+    """The result of `step`, checked.
 
     Raises:
-        TypeError: it is not; the text says what to do.
+        TypeError: it is not observation, reward, done and info; the message says what to do.
     """
     wanted = f"{name}.step() must return observation, reward, done, info"
     if not isinstance(result, tuple):

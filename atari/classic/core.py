@@ -1,18 +1,17 @@
 """The environment of OpenAI Gym's first years, and wrappers around it.
 
 The interface is that of the paper (Brockman et al. 2016, "OpenAI Gym"): `reset` returns an observation, `step` an
-observation, a reward, whether the episode is over, and a dictionary; `render` is told how at each call; `seed` is a
-method. An environment may spell its methods with an underscore (`_step`), as before 2018.
+observation, a reward, whether the episode is over, and a dictionary; `render` has the mode as an argument; `seed` is
+a method. The methods of an environment may begin with an underscore (`_step`), as before 2018.
 """
 
 from functools import cached_property
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from atari.classic.env_monitor import EnvMonitor
 from atari.classic.spaces import Space
-
-if TYPE_CHECKING:
-    from atari.classic.envs.registration import EnvSpec
+from atari.classic.spec import Spec
 
 Step = tuple[Any, Any, bool, dict[str, Any]]
 """What `step` returns: observation, reward, done, info."""
@@ -21,16 +20,16 @@ Step = tuple[Any, Any, bool, dict[str, Any]]
 class Env:
     """An environment.
 
-    Subclass it, set `action_space` and `observation_space`, define `reset` and `step`, and `render`, `seed` and `close`
-    if there is something to do.
+    Subclass it, set `action_space` and `observation_space`, define `reset` and `step`, and optionally `render`,
+    `seed` and `close`.
     """
 
     metadata: dict[str, Any] = {"render.modes": []}  # noqa: RUF012
     """"render.modes" lists what `render` takes, of "human", "rgb_array" and "ansi"."""
 
     reward_range: tuple[float, float] = (-float("inf"), float("inf"))
-    spec: "EnvSpec | None" = None
-    """Under which ID, and with which limits, it was made; None if by hand."""
+    spec: Spec | None = None
+    """The ID and limits with which `make` made the environment; None without `make`."""
 
     action_space: Space[Any]
     observation_space: Space[Any]
@@ -48,7 +47,7 @@ class Env:
         return self._call("render", mode, **options)
 
     def close(self) -> None:
-        """Release what it holds."""
+        """Release the environment's resources."""
         if callable(getattr(self, "_close", None)):
             self._call("close")
 
@@ -63,9 +62,7 @@ class Env:
 
     @cached_property
     def monitor(self) -> Any:
-        """What scripts of 2016 call to `start` and `close` the recording of videos and statistics."""
-        from atari.classic.wrappers.env_monitor import EnvMonitor  # here, as it is built on this module
-
+        """Records videos and statistics between its `start` and `close`, as in 2016."""
         return EnvMonitor(self)
 
     def _call(self, name: str, *args: Any, **options: Any) -> Any:
@@ -90,7 +87,7 @@ class Env:
 class GoalEnv(Env):
     """An environment of goals: observations are dictionaries of observation, achieved_goal and desired_goal.
 
-    `compute_reward` says what a step would have earned had the goal been another (Andrychowicz et al. 2017,
+    `compute_reward` returns the reward that a step would have had with another goal (Andrychowicz et al. 2017,
     "Hindsight Experience Replay").
     """
 
@@ -98,16 +95,16 @@ class GoalEnv(Env):
         """The reward of having achieved one goal where another was desired.
 
         Raises:
-            NotImplementedError: the environment does not say.
+            NotImplementedError: the environment does not define it.
         """
         raise NotImplementedError(f"{type(self).__name__} has no compute_reward(); define it")
 
 
 class Wrapper(Env):
-    """An environment around another, `env`, to which it leaves what it does not define itself.
+    """An environment around another, `env`, whose methods and attributes it has unless it defines its own.
 
     Raises:
-        TypeError: the other is no `Env` of this interface.
+        TypeError: `env` is not an `Env` of this interface.
     """
 
     def __init__(self, env: Env) -> None:
@@ -131,7 +128,7 @@ class Wrapper(Env):
     def render(self, *args: Any, **options: Any) -> Any:  # noqa: D102 - an environment's render() may lack a mode
         return self._call("render", *args, **options)
 
-    # Under these names, so that a subclass may define either `step` or, as before 2018, `_step`.
+    # With underscores, so that a subclass may define either `step` or, as before 2018, `_step`.
 
     def _step(self, action: Any) -> Step:
         return self.env.step(action)
@@ -167,7 +164,7 @@ class ObservationWrapper(Wrapper):
         return self.observation(observation), reward, done, info
 
     def observation(self, observation: Any) -> Any:
-        """The observation to show instead."""
+        """The observation to return instead."""
         return self._call("observation", observation)
 
 
@@ -179,7 +176,7 @@ class RewardWrapper(Wrapper):
         return observation, self.reward(reward), done, info
 
     def reward(self, reward: Any) -> Any:
-        """The reward to give instead."""
+        """The reward to return instead."""
         return self._call("reward", reward)
 
 
@@ -194,5 +191,5 @@ class ActionWrapper(Wrapper):
         return self._call("action", action)
 
     def reverse_action(self, action: Any) -> Any:
-        """The action that `action` would turn into this one."""
+        """The action that `action` maps to this one."""
         return self._call("reverse_action", action)

@@ -1,4 +1,4 @@
-"""What OpenAI Gym's environments were, where that differs from what is registered today."""
+"""The differences between OpenAI Gym's specs and those registered today, and environments that are gone."""
 
 import re
 from dataclasses import dataclass, field
@@ -8,12 +8,12 @@ from gymnasium.envs.registration import EnvSpec as ModernSpec
 
 from atari import registration
 
-_ALE_STEPS = 27_000  # of ale-py 0.7, half an hour of play, as 108,000 frames are
+_ALE_STEPS = 27_000  # the limit of ale-py 0.7: half an hour of play at 4 frames a step
 
 
 @dataclass(frozen=True)
 class Changes:
-    """In what a spec of Gym differs from today's."""
+    """The fields in which a spec of Gym differs from today's."""
 
     max_episode_steps: int | None = None
     nondeterministic: bool = False
@@ -59,7 +59,7 @@ _FATES = {
 
 
 def fate(env_id: str) -> str | None:
-    """What became of an environment that Gym or a package of its time had; None if there is nothing to tell."""
+    """What became of an environment of Gym or of a package of its time, for an error message; None if unknown."""
     for pattern, text in _FATES.items():
         match = re.match(pattern, env_id)
         if match:

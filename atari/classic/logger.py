@@ -1,4 +1,4 @@
-"""`gym.logger.set_level(40)`: how much is said on stderr."""
+"""`gym.logger`: warnings on stderr, and the level from which they are printed."""
 
 import sys
 from functools import cache
@@ -12,15 +12,15 @@ __all__ = ["DEBUG", "DISABLED", "ERROR", "INFO", "WARN", "error", "setLevel", "s
 
 
 def set_level(level: int) -> None:
-    """Say only what is of this level or above; 40 keeps warnings quiet."""
+    """Print only messages of this level or above; 40 suppresses warnings."""
     _logger.min_level = level
 
 
-setLevel = set_level  # as it was called before 2018
+setLevel = set_level  # its name before 2018
 
 
 @cache
-def say_once(text: str) -> None:
-    """Say a line that the rest of the process need not hear again."""
-    if _logger.min_level <= WARN:  # not `warn`, which makes three lines of it
+def warn_once(text: str) -> None:
+    """Print a warning in one line, once in a process."""
+    if _logger.min_level <= WARN:  # not `warn`, which prints three lines
         print(f"atari.classic: {text}", file=sys.stderr)

@@ -1,4 +1,4 @@
-"""From the ID a script names to the one that is registered today."""
+"""Finds the registered ID for an ID in a script."""
 
 import difflib
 import re
@@ -16,14 +16,15 @@ _VERSION = re.compile(r"(.+)-v(\d+)")
 
 
 def resolve(env_id: str) -> str:
-    """The registered ID that stands for this one: itself, or its newest version, if that is newer, with a warning.
+    """The registered ID for an ID: itself, or with a warning its newest version, if that is newer.
 
     Args:
         env_id: an ID, which may name a module to import first: "my_module:Corridor-v0".
 
     Raises:
-        TypeError: it is no text.
-        gymnasium.error.UnregisteredEnv: there is no such environment; the text says which there is, or what to install.
+        TypeError: it is not a string.
+        gymnasium.error.UnregisteredEnv: there is no such environment; the message suggests an ID, or what to
+            install.
     """
     if not isinstance(env_id, str):
         raise TypeError(f"make() takes an ID such as 'CartPole-v0', got {env_id!r}")
@@ -37,12 +38,12 @@ def resolve(env_id: str) -> str:
     newest = _newest(name)
     if newest is None:
         raise gymnasium.error.UnregisteredEnv(f"there is no environment {name!r}; {_cure(name)}")
-    logger.say_once(f"{name} is no longer there; this is {newest}, its newest version")
+    logger.warn_once(f"{name} is no longer there; this is {newest}, its newest version")
     return newest
 
 
 def is_alive(env_id: str) -> bool:
-    """Whether an ID is registered, and not only for a library that is no longer maintained."""
+    """Whether an ID is registered and does not need a library that is no longer maintained."""
     spec = gymnasium.registry.get(env_id)
     if spec is None or getattr(spec.entry_point, "__name__", "").startswith("_raise_"):
         return False
@@ -51,10 +52,10 @@ def is_alive(env_id: str) -> bool:
 
 
 def load_robotics() -> None:
-    """Let Gymnasium-Robotics, if it is there, register its environments."""
+    """Import Gymnasium-Robotics, if installed, which registers its environments."""
     if "gymnasium_robotics" not in sys.modules and util.find_spec("gymnasium_robotics") is not None:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # it takes the place of registrations that are dead themselves
+            warnings.simplefilter("ignore")  # it warns that it replaces dead registrations
             import_module("gymnasium_robotics")
 
 
@@ -70,7 +71,7 @@ def _newest(env_id: str) -> str | None:
 
 
 def _cure(env_id: str) -> str:
-    """What to do about an ID that there is not."""
+    """What to do about an unknown ID, for the error message."""
     gone = history.fate(env_id)
     if gone is not None:
         return gone

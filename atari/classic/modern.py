@@ -1,7 +1,7 @@
-"""The other direction: an old-style environment for `gymnasium.make`, Gymnasium's wrappers and vector environments.
+"""`Modern`: an old-style environment for `gymnasium.make`, Gymnasium's wrappers and vector environments.
 
-`EntryPoint` is what `atari.classic.register` puts into Gymnasium's registry. Whether a class is of the old or the new
-interface shows when it is first needed, as its name may be all that was registered.
+`atari.classic.register` puts an `EntryPoint` into Gymnasium's registry. It loads the class only when it is needed, and
+finds out then whether the class has the old or the new interface.
 """
 
 import inspect
@@ -20,16 +20,16 @@ from atari.classic.core import Env
 class Modern(gymnasium.Env[Any, Any]):
     """An old-style environment with Gymnasium's interface.
 
-    The seed of `reset` goes to the environment's `seed` method: without one, its episodes do not repeat. What this
-    class does not have, such as a method of the environment's own, is looked up there; `classic` is the environment.
+    The seed of `reset` goes to the environment's `seed` method; an environment without this method does not repeat its
+    episodes. Other attributes are those of the environment, which is `classic`.
 
     Args:
         classic: the environment.
-        render_mode: one of its modes, which its `render` is called with; "human" after each reset and step.
+        render_mode: the mode for the environment's `render`; with "human" it is called after each reset and step.
 
     Raises:
         gymnasium.error.UnsupportedMode: the environment has no such render mode.
-        TypeError: it lacks a space; and from `reset` and `step`, when it returns something wrong.
+        TypeError: it lacks a space; from `reset` and `step`: it returned a wrong result.
     """
 
     classic: Env
@@ -49,7 +49,7 @@ class Modern(gymnasium.Env[Any, Any]):
         self.observation_space = classic.observation_space
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Seed the environment, if asked to, and start a new episode. `options` are ignored."""
+        """Seed the environment, if `seed` is given, and start a new episode. `options` are ignored."""
         super().reset(seed=seed)
         if seed is not None:
             self._checked.seed(seed)
@@ -58,14 +58,14 @@ class Modern(gymnasium.Env[Any, Any]):
         return observation, {}
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """Take an action; `done` is terminated, or truncated where `info["TimeLimit.truncated"]` says so."""
+        """Take an action; `done` is terminated, or truncated if `info["TimeLimit.truncated"]` is true."""
         observation, reward, done, info = self._checked.step(action)
         truncated = done and bool(info.get("TimeLimit.truncated", False))
         self._show()
         return self._observation(observation), float(reward), done and not truncated, truncated, info
 
     def render(self) -> Any:
-        """What the environment's `render` returns in this mode; None in mode "human", which has shown it already.
+        """The result of the environment's `render` in this mode; None with "human", which renders at each step.
 
         Raises:
             gymnasium.error.Error: there is no render mode.
@@ -79,13 +79,13 @@ class Modern(gymnasium.Env[Any, Any]):
         self._checked.close()
 
     def __getattr__(self, name: str) -> Any:
-        # `seed` is an argument of reset() here; the other names are asked for while a copy is being made.
+        # `seed` is an argument of reset() here; `copy` looks up the other names before they exist.
         if name.startswith("__") or name in ("classic", "_checked", "seed"):
             raise AttributeError(name)
         return getattr(self.classic, name)
 
     def _observation(self, observation: Any) -> Any:
-        """In a Box, an array of its dtype, which Gymnasium's wrappers count on; lists did, too, in Gym."""
+        """An observation of a Box as an array of its dtype, which Gymnasium's wrappers need; Gym accepted lists."""
         space = self.observation_space
         return np.asarray(observation, space.dtype) if isinstance(space, gymnasium.spaces.Box) else observation
 
@@ -100,26 +100,26 @@ class Modern(gymnasium.Env[Any, Any]):
 
 @dataclass(frozen=True)
 class EntryPoint:
-    """A class, or where it is, or a function, that makes environments of either interface."""
+    """A class or function that makes environments of either interface, or its import path."""
 
     entry_point: str | Callable[..., Any]
 
     def load(self) -> Callable[..., Any]:
-        """The class."""
+        """The class or function."""
         if isinstance(self.entry_point, str):
             return load_env_creator(self.entry_point)
         return self.entry_point
 
     @property
     def metadata(self) -> dict[str, Any]:
-        """That of the class, in Gymnasium's words; a function has none, and no attribute of this name."""
+        """The metadata of the class, with Gymnasium's keys; AttributeError for a function, which has none."""
         return modern_metadata(self.load().metadata)  # type: ignore[attr-defined]
 
     def create(self, **options: Any) -> Env | gymnasium.Env[Any, Any]:
-        """Make an environment of the interface it has.
+        """Make an environment, of either interface.
 
         Raises:
-            TypeError: what was made is neither; the text says what to do.
+            TypeError: the result is of neither; the message says what to do.
         """
         env = self.load()(**options)
         if isinstance(env, Env):
@@ -151,7 +151,7 @@ class EntryPoint:
 
 
 def modern_metadata(metadata: dict[str, Any]) -> dict[str, Any]:
-    """Metadata of an old-style environment in Gymnasium's words."""
+    """Metadata of an old-style environment with Gymnasium's keys."""
     old = {"render_modes": metadata.get("render.modes", []), "render_fps": metadata.get("video.frames_per_second", 30)}
     rest = {name: value for name, value in metadata.items() if name not in ("render.modes", "video.frames_per_second")}
     return {**old, **rest}

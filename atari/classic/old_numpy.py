@@ -1,7 +1,6 @@
-"""The names that NumPy has dropped since, for the scripts that `python -m atari.classic` runs.
+"""Names that NumPy has removed, for the scripts that `python -m atari.classic` runs.
 
-Nearly every script of the time says `np.float` or `np.int` somewhere (dropped in NumPy 1.24), and some `np.Inf` or
-`np.bool8` (2.0).
+Most scripts of Gym's time use `np.float` or `np.int` (removed in NumPy 1.24), some `np.Inf` or `np.bool8` (2.0).
 """
 
 import builtins
@@ -27,7 +26,7 @@ _NAMES: dict[str, Any] = {
 
 
 def restore() -> None:
-    """Give NumPy, in this process, those names that it lacks."""
+    """Define the removed names in NumPy, for this process."""
     for name, meaning in _NAMES.items():
         if name not in vars(np):
             setattr(np, name, meaning)

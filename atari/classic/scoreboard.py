@@ -1,4 +1,4 @@
-"""`gym.upload`: what was the last line of scripts, until 2017."""
+"""`gym.upload`: the last line of many scripts until 2017."""
 
 from typing import Any
 
@@ -6,7 +6,7 @@ from atari.classic import logger
 
 
 def upload(*_: Any, **__: Any) -> None:
-    """Do nothing but say so: the site that ranked results is closed. The results stay where they are."""
-    logger.say_once(
+    """Warn that the site for results is closed, and do nothing else; the files stay where they are."""
+    logger.warn_once(
         "gym.upload() does nothing, as the site it went to is closed; the results are still in their folder"
     )

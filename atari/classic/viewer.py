@@ -11,16 +11,16 @@ import numpy.typing as npt
 from atari.classic import logger
 from atari.rendering import draw, import_pygame
 
-_LEAST_ROWS = 400  # smaller pictures are shown larger
+_LEAST_ROWS = 400  # smaller images are enlarged
 
 
 class Viewer:
-    """A window that shows pictures at a rate; where there is no display, it says so and shows nothing.
+    """A window that shows images at a given rate. Without a display it prints a warning and shows nothing.
 
     Args:
         title: of the window.
-        frames_per_second: how many pictures to show a second, at most.
-        pixel_aspect: how many columns and rows of the window make a pixel of a picture, such as (2, 1) on an Atari.
+        frames_per_second: images a second, at most.
+        pixel_aspect: columns and rows of the window for a pixel of an image, such as (2, 1) on an Atari.
 
     Raises:
         gymnasium.error.DependencyNotInstalled: pygame is not installed.
@@ -29,8 +29,8 @@ class Viewer:
     def __init__(self, title: str, frames_per_second: float, pixel_aspect: tuple[int, int] = (1, 1)) -> None:
         self._blind = not _has_display()
         if self._blind:
-            logger.say_once(
-                "there is no display, so env.render() shows nothing; env.render(mode='rgb_array') returns the picture"
+            logger.warn_once(
+                "there is no display, so env.render() shows nothing; env.render(mode='rgb_array') returns the image"
             )
             return
         self._pygame = pygame = import_pygame("env.render()", "env.render(mode='rgb_array') needs nothing")
@@ -39,7 +39,7 @@ class Viewer:
         self._surface: Any = None
 
     def show(self, rgb: npt.NDArray[np.uint8]) -> None:
-        """Show one picture, (rows, columns, 3) uint8, and wait until it is time for the next.
+        """Show one image, (rows, columns, 3) uint8, and wait until it is time for the next.
 
         Raises:
             gymnasium.error.Error: the display does not work.
@@ -47,11 +47,11 @@ class Viewer:
         if self._blind:
             return
         pygame = self._pygame
-        # pygame has one display: another environment may have taken or closed it.
+        # pygame has one display: another environment may have replaced or closed it.
         if self._surface is None or self._surface is not pygame.display.get_surface():
             self._surface = self._open(rgb.shape[0], rgb.shape[1])
         draw(pygame, self._surface, rgb)
-        if pygame.display.get_driver() != "dummy":  # where nobody watches, nobody needs the time to
+        if pygame.display.get_driver() != "dummy":  # the dummy driver shows nothing, so no wait
             self._clock.tick(self._rate)
 
     def close(self) -> None:
@@ -76,5 +76,5 @@ class Viewer:
 
 
 def _has_display() -> bool:
-    """Whether there is one, or SDL was told what to use instead. (SDL itself would draw where nobody sees it.)"""
+    """Whether there is a display, or `SDL_VIDEODRIVER` is set; without both, SDL would draw off screen."""
     return sys.platform != "linux" or any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER")))

@@ -1,4 +1,4 @@
-"""The command line `atari`: what the library knows and does, for people at a terminal and for scripts.
+"""The command line `atari`. Each command has the file of its name, and its module is imported only when it runs.
 
 Results go to stdout, as text or with `--json` as one JSON document; progress and errors go to stderr. The exit code
 is 0, 1 for a failure, 2 for a wrong command line, 130 after Ctrl-C.
@@ -8,33 +8,35 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
+from importlib import import_module
 
 import gymnasium
 
 import atari
-from atari.cli import demo, facts, play, record, replay, roms, verify
-from atari.cli.command import print_error
+from atari.cli.output import print_error
+
+_COMMANDS = ("list", "info", "explain", "roms", "verify", "demo", "record", "replay", "play")
 
 _EXAMPLES = """\
 examples:
   atari demo breakout                      play and write videos/breakout-0.mp4
-  atari record pong -o pong.mp4            let a policy play, and film it with sound
-  atari replay verify game.a26             does a recorded game play as it did?
-  atari play ms_pacman                     play it yourself, in a window
+  atari record pong -o pong.mp4            let a policy play, and record a video with sound
+  atari replay verify game.a26             compare a replay with its recording
+  atari play ms_pacman                     play a game by hand, in a window
   atari explain PongDeterministic-v4       what an environment ID means
   atari info ms_pacman --json              all facts of a game
   atari list --ids | grep Pong             every environment ID
-  atari roms verify                        are the ROM files right?
-  atari verify pong --frames 10000         do our emulator and ale-py agree?
+  atari roms verify                        check the ROM files
+  atari verify pong --frames 10000         compare the native core with ale-py
 """
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command line (without the program's name; None is that of the process) and return its exit code."""
+    """Run one command line (without the program's name; None is `sys.argv`) and return its exit code."""
     try:
         code = _run(argv)
-        print(end="", flush=True)  # a reader that has gone is noticed here, not when the interpreter ends
-    except BrokenPipeError:  # `atari list | head -1`: the reader has all it wanted
+        print(end="", flush=True)  # a closed pipe raises here, not at the interpreter's exit
+    except BrokenPipeError:  # `atari list | head -1`: the reader has closed the pipe
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except KeyboardInterrupt as interrupt:
@@ -48,14 +50,16 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(argv: Sequence[str] | None) -> int:
     try:
-        args = _parser().parse_args(argv)
-    except SystemExit as exit_:  # argparse has printed help, version or what is wrong
+        words = sys.argv[1:] if argv is None else [*argv]
+        args = _parser(words).parse_args(words)
+    except SystemExit as exit_:  # argparse has printed help, the version or the error
         return int(exit_.code or 0)
     code: int = args.run(args)
     return code
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser(words: Sequence[str]) -> argparse.ArgumentParser:
+    """Return a parser with the command named in `words`, or with all commands if none is named."""
     parser = argparse.ArgumentParser(
         prog="atari",
         description="Atari 2600 games as Gymnasium environments.",
@@ -65,6 +69,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"atari-envs {atari.__version__}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for group in (facts, roms, verify, demo, record, replay, play):
-        group.add_commands(commands)
+    chosen = next((word for word in words if not word.startswith("-")), None)
+    for name in (chosen,) if chosen in _COMMANDS else _COMMANDS:
+        import_module(f"atari.cli.{name}").register(commands)
     return parser

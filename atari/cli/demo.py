@@ -1,7 +1,7 @@
 """`atari demo`: a random agent plays a game on the preprocessing of DQN, and a video of it is written.
 
-The agent sees what a DQN sees, four 84x84 screens a step; the video shows what the console draws, every emulated
-frame of it, with its sound.
+The agent gets DQN's observations, four 84x84 frames a step. The video shows every emulated frame of the console, with
+sound.
 """
 
 import argparse
@@ -18,30 +18,42 @@ import gymnasium
 from tqdm import tqdm
 
 import atari
-from atari.catalog import games
-from atari.cli.command import add_command, ctrl_c_noticed, number, print_json
-from atari.cli.spectators import Film, ScoreBoard
-from atari.game import Game
+from atari.cli.arguments import add_command, number
+from atari.cli.interrupt import ctrl_c_as_event
+from atari.cli.observers import ScoreCounter, VideoObserver
+from atari.cli.output import print_json
+from atari.games.catalog import games
+from atari.games.game import Game
 from atari.recording import VideoWriter, frame_rate
 
 if TYPE_CHECKING:
-    from atari.cli.command import Commands
+    from atari.cli.arguments import Commands
 
 _PRESET = "dqn2015"
 _FRAMES_PER_STEP = 4  # of this preset
 
 
-def add_commands(commands: "Commands") -> None:
-    """Add the command of this file."""
+def register(commands: "Commands") -> None:
+    """Add `atari demo`."""
     parser = add_command(commands, "demo", _demo, "let a random agent play a game, and write a video of it")
     parser.add_argument("game", metavar="GAME", nargs="?", default="breakout", help="default: breakout")
     length = parser.add_mutually_exclusive_group()
-    length.add_argument("--steps", type=number(int, 1), default=1000, metavar="N", help="of the agent (default: 1000)")
-    length.add_argument("--seconds", type=number(float, 0.1), metavar="S", help="of play at the console's speed")
-    parser.add_argument("--seed", type=number(int, 0), default=0, metavar="N", help="of game and agent (default: 0)")
+    length.add_argument(
+        "--steps", type=number(int, 1), default=1000, metavar="N", help="steps of the agent (default: 1000)"
+    )
+    length.add_argument(
+        "--seconds", type=number(float, 0.1), metavar="S", help="seconds of play at the console's speed"
+    )
+    parser.add_argument(
+        "--seed", type=number(int, 0), default=0, metavar="N", help="seed of game and agent (default: 0)"
+    )
     video = parser.add_mutually_exclusive_group()
     video.add_argument(
-        "-o", "--output", type=Path, metavar="FILE", help="the video, replaced if there (default: videos/GAME-SEED.mp4)"
+        "-o",
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help="the video; an existing file is replaced (default: videos/GAME-SEED.mp4)",
     )
     video.add_argument("--no-video", action="store_true", help="write no video")
 
@@ -53,12 +65,12 @@ def _demo(args: argparse.Namespace) -> int:
         steps = math.ceil(args.seconds * frame_rate(game) / _FRAMES_PER_STEP)
     output = None if args.no_video else args.output or Path("videos", f"{game.id}-{args.seed}.mp4")
     env: Any = atari.make(game.id, preset=_PRESET)
-    with closing(env), ctrl_c_noticed() as interrupted, _open_video(output, game) as video:
-        score_board = ScoreBoard()
-        env.unwrapped.observers.append(score_board)
+    with closing(env), ctrl_c_as_event() as interrupted, _open_video(output, game) as video:
+        score_counter = ScoreCounter()
+        env.unwrapped.observers.append(score_counter)
         if video is not None:
             env.unwrapped.make_sound()
-            env.unwrapped.observers.append(Film(env.unwrapped, video))
+            env.unwrapped.observers.append(VideoObserver(env.unwrapped, video))
         env.action_space.seed(args.seed)
         env.reset(seed=args.seed)
         start = time.perf_counter()
@@ -72,11 +84,11 @@ def _demo(args: argparse.Namespace) -> int:
         "preset": _PRESET,
         "seed": args.seed,
         "steps": steps,
-        "frames": score_board.frames,
+        "frames": score_counter.frames,
         "elapsed_seconds": elapsed,
         "steps_per_second": steps / elapsed,
-        "frames_per_second": score_board.frames / elapsed,
-        "scores": score_board.scores,
+        "frames_per_second": score_counter.frames / elapsed,
+        "scores": score_counter.scores,
         "video": output and output.resolve(),
     }
     print_json(result) if args.json else print(_summary(game, result))
@@ -104,7 +116,7 @@ def _open_video(output: Path | None, game: Game) -> AbstractContextManager[Video
 
 
 def _progress(steps: int) -> Iterator[int]:
-    """Count the steps, with a progress bar on a terminal, with a line for each tenth elsewhere."""
+    """Count the steps, with a progress bar on a terminal, or with a line for each tenth of the steps."""
     plain = not sys.stderr.isatty()
     tenth = math.ceil(steps / 10)
     start = time.perf_counter()

@@ -1,4 +1,4 @@
-"""`atari play`: a game in a window, by keyboard or gamepad, which writes a replay."""
+"""`atari play`: play a game in a window, by keyboard or gamepad, and write a replay."""
 
 import argparse
 import time
@@ -6,39 +6,44 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from atari.catalog import games
-from atari.cli.command import add_command, number, print_json
+from atari.cli.arguments import add_command, number
+from atari.cli.output import print_json
+from atari.games.catalog import games
 from atari.play import Session, play
 from atari.play.controls import HELP
 from atari.play.window import start_pygame
 
 if TYPE_CHECKING:
-    from atari.cli.command import Commands
+    from atari.cli.arguments import Commands
 
 
-def add_commands(commands: "Commands") -> None:
-    """Add the command of this file."""
+def register(commands: "Commands") -> None:
+    """Add `atari play`."""
     parser = add_command(commands, "play", _play, "play a game in a window, and write a replay of it")
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.epilog = f"keys:\n{HELP}"
     parser.add_argument("game", metavar="GAME", help="a game, such as breakout")
-    parser.add_argument("--mode", type=number(int, 0), metavar="N", help="of the game; see `atari info GAME`")
-    parser.add_argument("--difficulty", type=number(int, 0), metavar="N", help="of the game")
-    parser.add_argument("--seed", type=number(int, 0), metavar="N", help="of the game (default: another each time)")
-    parser.add_argument("--scale", type=number(int, 1), default=3, metavar="N", help="of the pixels (default: 3)")
+    parser.add_argument("--mode", type=number(int, 0), metavar="N", help="mode of the game; see `atari info GAME`")
+    parser.add_argument("--difficulty", type=number(int, 0), metavar="N", help="difficulty of the game")
+    parser.add_argument("--seed", type=number(int, 0), metavar="N", help="seed of the game (default: random)")
+    parser.add_argument(
+        "--scale", type=number(int, 1), default=3, metavar="N", help="rows of the display a pixel (default: 3)"
+    )
     parser.add_argument("--full-screen", action="store_true", help="fill the display")
-    parser.add_argument("--no-sound", action="store_true", help="be silent")
+    parser.add_argument("--no-sound", action="store_true", help="play no sound")
     replay = parser.add_mutually_exclusive_group()
     replay.add_argument(
-        "--replay", type=Path, metavar="FILE", help="the replay, ending in .a26 (default: replays/GAME-TIME.a26)"
+        "--replay", type=Path, metavar="FILE", help="the replay, with the suffix .a26 (default: replays/GAME-TIME.a26)"
     )
     replay.add_argument("--no-replay", action="store_true", help="write no replay")
-    parser.add_argument("--state", type=Path, metavar="FILE", help="for F5 and F9 (default: states/GAME.state)")
+    parser.add_argument(
+        "--state", type=Path, metavar="FILE", help="the saved state of F5 and F9 (default: states/GAME.state)"
+    )
 
 
 def _play(args: argparse.Namespace) -> int:
     game = games.find(args.game)
-    start_pygame()  # whether it is there, and a display, shows before any file is made or replaced
+    start_pygame()  # raises without pygame or a display, before any file is created or replaced
     replay, new_folders = None, []
     if not args.no_replay:
         replay = args.replay or Path("replays", f"{game.id}-{time.strftime('%Y%m%d-%H%M%S')}.a26")
@@ -57,10 +62,10 @@ def _play(args: argparse.Namespace) -> int:
         session.close()
         if replay is not None and not session.frames:
             replay.unlink()
-            with suppress(OSError):  # of a folder into which something else was put
+            with suppress(OSError):  # a folder that is not empty stays
                 for folder in new_folders:
                     folder.rmdir()
-    files = [path.resolve() for path in (replay, *session.written) if path is not None and path.exists()]
+    files = [path.resolve() for path in (replay, *session.video_files) if path is not None and path.exists()]
     result = {"game": game.id, "frames": session.frames, "best_score": session.best, "files": files}
     if args.json:
         print_json(result)

@@ -14,20 +14,22 @@ from typing import TYPE_CHECKING, Any
 from tqdm import tqdm
 
 import atari
-from atari.cli.command import add_command, ctrl_c_noticed, number, print_json
-from atari.cli.spectators import Film, ScoreBoard
+from atari.cli.arguments import add_command, number
+from atari.cli.interrupt import ctrl_c_as_event
+from atari.cli.observers import ScoreCounter, VideoObserver
+from atari.cli.output import print_json
 from atari.env import AtariEnv
 from atari.recording import FORMATS, RecordReplay, Replay, VideoWriter, frame_rate
-from atari.recording.formats import has_sound
+from atari.recording.video.formats import has_sound
 
 if TYPE_CHECKING:
-    from atari.cli.command import Commands
+    from atari.cli.arguments import Commands
 
 Policy = Callable[[Any], Any]
 
 
-def add_commands(commands: "Commands") -> None:
-    """Add the command of this file."""
+def register(commands: "Commands") -> None:
+    """Add `atari record`."""
     parser = add_command(commands, "record", _record, "let a policy play a game, and record a video or a replay")
     parser.add_argument("game", metavar="GAME", help="a game, such as breakout, or an ID, such as PongNoFrameskip-v4")
     parser.add_argument(
@@ -39,9 +41,13 @@ def add_commands(commands: "Commands") -> None:
     )
     parser.add_argument("--preset", metavar="NAME", help="the preprocessing that the policy needs, such as dqn2015")
     length = parser.add_mutually_exclusive_group()
-    length.add_argument("--episodes", type=number(int, 1), default=1, metavar="N", help="games (default: 1)")
-    length.add_argument("--seconds", type=number(float, 0.1), metavar="S", help="of play at the console's speed")
-    parser.add_argument("--seed", type=number(int, 0), default=0, metavar="N", help="of game and policy (default: 0)")
+    length.add_argument("--episodes", type=number(int, 1), default=1, metavar="N", help="number of games (default: 1)")
+    length.add_argument(
+        "--seconds", type=number(float, 0.1), metavar="S", help="seconds of play at the console's speed"
+    )
+    parser.add_argument(
+        "--seed", type=number(int, 0), default=0, metavar="N", help="seed of game and policy (default: 0)"
+    )
     endings = ", ".join((*FORMATS, ".a26"))
     parser.add_argument(
         "-o",
@@ -49,11 +55,13 @@ def add_commands(commands: "Commands") -> None:
         type=Path,
         action="append",
         metavar="FILE",
-        help=f"a video or a replay, by its ending ({endings}), replaced if there; may be given for several "
+        help=f"a video or a replay, by its ending ({endings}), an existing file is replaced; may be repeated "
         "(default: videos/GAME-SEED.mp4)",
     )
-    parser.add_argument("--scale", type=number(int, 1), default=2, metavar="N", help="of the pixels (default: 2)")
-    parser.add_argument("--no-sound", action="store_true", help="a silent video")
+    parser.add_argument(
+        "--scale", type=number(int, 1), default=2, metavar="N", help="rows of the video a pixel (default: 2)"
+    )
+    parser.add_argument("--no-sound", action="store_true", help="write no sound")
 
 
 def _record(args: argparse.Namespace) -> int:
@@ -61,32 +69,32 @@ def _record(args: argparse.Namespace) -> int:
         return _film_replay(args)
     env = _make(args)
     with ExitStack() as stack:
-        stack.callback(lambda: env.close())  # of the outermost wrapper by then
+        stack.callback(lambda: env.close())  # late binding: closes the outermost wrapper
         inner = env.unwrapped
         policy = _policy(args.policy, env)
         outputs = args.output or [Path("videos", f"{inner.game.id}-{args.seed}.mp4")]
         _check_endings(outputs)
-        score_board = ScoreBoard()
-        inner.observers.append(score_board)
+        score_counter = ScoreCounter()
+        inner.observers.append(score_counter)
         for path in outputs:
             if path.suffix.lower() == ".a26":
                 env = RecordReplay(env, path)
             else:
-                inner.observers.append(Film(inner, stack.enter_context(_video(path, inner, args))))
-        interrupted = stack.enter_context(ctrl_c_noticed())
+                inner.observers.append(VideoObserver(inner, stack.enter_context(_video(path, inner, args))))
+        interrupted = stack.enter_context(ctrl_c_as_event())
         env.action_space.seed(args.seed)
         start = time.perf_counter()
-        done = _play(env, policy, score_board, args, interrupted)
+        done = _play(env, policy, score_counter, args, interrupted)
         elapsed = time.perf_counter() - start
     files = [path.resolve() for path in outputs]
     if not done:
-        raise KeyboardInterrupt(f"after {score_board.frames:,} frames; what was recorded is in {_listed(files)}")
+        raise KeyboardInterrupt(f"after {score_counter.frames:,} frames; what was recorded is in {_listed(files)}")
     result = {
         "game": inner.game.id,
         "policy": args.policy,
         "seed": args.seed,
-        "frames": score_board.frames,
-        "scores": score_board.scores,
+        "frames": score_counter.frames,
+        "scores": score_counter.scores,
         "elapsed_seconds": elapsed,
         "files": files,
     }
@@ -94,23 +102,23 @@ def _record(args: argparse.Namespace) -> int:
     return 0
 
 
-def _play(env: Any, policy: Policy, score_board: ScoreBoard, args: argparse.Namespace, interrupted: Event) -> bool:
-    """Play, and tell whether it came to its end; it does not if it is interrupted."""
+def _play(env: Any, policy: Policy, score_counter: ScoreCounter, args: argparse.Namespace, interrupted: Event) -> bool:
+    """Play, and return False if play was interrupted."""
     core = env.unwrapped.core
     seconds = args.seconds
     frames = math.inf if seconds is None else math.ceil(seconds * frame_rate(env.unwrapped.game))
     games = 0
     with tqdm(unit=" frames", total=None if seconds is None else frames, disable=None) as bar:
         observation, _ = env.reset(seed=args.seed)
-        while score_board.frames < frames and (seconds is not None or games < args.episodes):
+        while score_counter.frames < frames and (seconds is not None or games < args.episodes):
             if interrupted.is_set():
                 return False
             observation, _, terminated, truncated, _ = env.step(policy(observation))
             if terminated or truncated:
-                games += core.game_over or truncated  # and not at a lost life
+                games += core.game_over or truncated  # a lost life is not counted
                 if seconds is not None or games < args.episodes:
                     observation, _ = env.reset()
-            bar.update(score_board.frames - bar.n)
+            bar.update(score_counter.frames - bar.n)
     return True
 
 

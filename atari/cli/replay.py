@@ -1,4 +1,4 @@
-"""`atari replay`: what is in a replay, whether it plays as it was recorded, and a video of it."""
+"""`atari replay`: show, verify and render replays."""
 
 import argparse
 import warnings
@@ -8,34 +8,35 @@ from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
-from atari.cli.command import add_command, number, print_json, print_table, print_warning
+from atari.cli.arguments import add_command, number
+from atari.cli.output import print_json, print_table, print_warning
 from atari.cores import CORES
 from atari.recording import FORMATS, Replay, frame_rate
 
 if TYPE_CHECKING:
-    from atari.cli.command import Commands
+    from atari.cli.arguments import Commands
 
 
-def add_commands(commands: "Commands") -> None:
-    """Add the commands of this file."""
+def register(commands: "Commands") -> None:
+    """Add `atari replay`."""
     group = commands.add_parser(
         "replay",
-        help="show, verify and film replays",
-        description="Replays (.a26): games as what was played, about 2 kB a minute; they happen again exactly.",
-        epilog="`atari play` and `atari record -o game.a26` write replays, and so does atari.recording.RecordReplay.",
+        help="show, verify and render replays",
+        description="Replays (.a26) hold the actions of a game, about 2 kB a minute, and reproduce it exactly.",
+        epilog="`atari play`, `atari record -o game.a26` and atari.recording.RecordReplay write replays.",
         allow_abbrev=False,
     )
     subcommands = group.add_subparsers(metavar="COMMAND", required=True)
-    parser = add_command(subcommands, "show", _show, "show what a replay says of itself, and its episodes")
+    parser = add_command(subcommands, "show", _show, "show a replay's header and its episodes")
     parser.add_argument("file", type=Path, metavar="FILE")
     parser = add_command(
         subcommands,
         "verify",
         _verify,
-        "play replays again and compare them with what was recorded (exit code 1: different)",
+        "play replays again and compare them with their recording (exit code 1: different)",
     )
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE")
-    parser.add_argument("--core", choices=list(CORES), default="native", help="on which to play (default: native)")
+    parser.add_argument("--core", choices=list(CORES), default="native", help="the core to play on (default: native)")
     parser = add_command(subcommands, "render", _render, "write a video of a replay")
     parser.add_argument("file", type=Path, metavar="FILE")
     parser.add_argument(
@@ -45,10 +46,12 @@ def add_commands(commands: "Commands") -> None:
         metavar="FILE",
         help=f"the video ({', '.join(FORMATS)}), replaced if there (default: FILE with the ending .mp4)",
     )
-    parser.add_argument("--scale", type=number(int, 1), default=2, metavar="N", help="of the pixels (default: 2)")
+    parser.add_argument(
+        "--scale", type=number(int, 1), default=2, metavar="N", help="rows of the video a pixel (default: 2)"
+    )
     parser.add_argument("--start", type=number(int, 0), default=0, metavar="FRAME", help="the first frame (default: 0)")
-    parser.add_argument("--stop", type=number(int, 1), metavar="FRAME", help="the one after the last (default: all)")
-    parser.add_argument("--no-sound", action="store_true", help="a silent video")
+    parser.add_argument("--stop", type=number(int, 1), metavar="FRAME", help="the frame after the last (default: all)")
+    parser.add_argument("--no-sound", action="store_true", help="write no sound")
 
 
 def _show(args: argparse.Namespace) -> int:
@@ -98,7 +101,7 @@ def _render(args: argparse.Namespace) -> int:
     stop = replay.frames_total if args.stop is None else min(args.stop, replay.frames_total)
     frames = max(stop - args.start, 0)
     if not frames:
-        raise ValueError(f"there is nothing to film: the replay has {replay.frames_total:,} frames")
+        raise ValueError(f"there are no frames to render: the replay has {replay.frames_total:,} frames")
     with tqdm(total=frames, unit=" frames", disable=None) as bar:
         replay.render(
             output, scale=args.scale, sound=not args.no_sound, start=args.start, stop=stop, progress=bar.update
@@ -109,7 +112,7 @@ def _render(args: argparse.Namespace) -> int:
 
 
 def _load(file: Path) -> Replay:
-    """Load a replay; that it was cut is said in one line."""
+    """Load a replay and print its warnings in one line each."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         replay = Replay.load(file)

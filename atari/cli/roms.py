@@ -1,4 +1,4 @@
-"""`atari roms`: which ROM files there are, whether they are right, and how to add some."""
+"""`atari roms`: list, verify, identify and add ROM files."""
 
 import argparse
 import contextlib
@@ -7,17 +7,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from atari import roms
-from atari.catalog import games
-from atari.cli.command import add_command, print_error, print_json, print_table
+from atari.cli.arguments import add_command
+from atari.cli.output import print_error, print_json, print_table
+from atari.games.catalog import games
 
 if TYPE_CHECKING:
-    from atari.cli.command import Commands
+    from atari.cli.arguments import Commands
 
-_REJECTED_SHOWN = 20  # a folder of all there is for the console holds thousands of files that are no ALE game
+_REJECTED_SHOWN = 20  # a folder of all the console's ROM files has thousands that are not of an ALE game
 
 
-def add_commands(commands: "Commands") -> None:
-    """Add the commands of this file."""
+def register(commands: "Commands") -> None:
+    """Add `atari roms`."""
     group = commands.add_parser(
         "roms",
         help="list, check, identify and add ROM files",
@@ -81,14 +82,14 @@ def _import(args: argparse.Namespace) -> int:
 
 
 def _install(args: argparse.Namespace) -> int:
-    # AutoROM asks its question on stdout, which belongs to the result.
+    # AutoROM prints its prompt to stdout, which is for the result.
     with contextlib.redirect_stdout(sys.stderr):
         report = roms.install(accept_license=args.accept_license)
     return _report(report, args.json)
 
 
 def _report(report: roms.ImportReport, json: bool) -> int:
-    """Show what was imported; it is a failure if nothing was of use."""
+    """Print what was imported; the exit code is 1 if no file was imported or present."""
     if json:
         print_json(report)
     else:

@@ -12,17 +12,18 @@ from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
-from atari.catalog import games
-from atari.cli.command import add_command, print_json
+from atari.cli.arguments import add_command
+from atari.cli.output import print_json
 from atari.cores import CORES
-from atari.verify import Difference, Run, read, verify
+from atari.cores.verify import Difference, Run, read, verify
+from atari.games.catalog import games
 
 if TYPE_CHECKING:
-    from atari.cli.command import Commands
+    from atari.cli.arguments import Commands
 
 
-def add_commands(commands: "Commands") -> None:
-    """Add the commands of this file."""
+def register(commands: "Commands") -> None:
+    """Add `atari verify`."""
     parser = add_command(
         commands,
         "verify",
@@ -92,11 +93,11 @@ def _runs(args: argparse.Namespace) -> Iterator[Run]:
 
 
 def _results(runs: list[Run], jobs: int) -> Iterator[Difference | None]:
-    """The outcome of each run, in whatever order they end."""
+    """Yield the outcome of each run, in the order of completion."""
     if jobs == 1 or len(runs) == 1:
         yield from map(verify, runs)
         return
-    # Processes of their own: ale-py can end the one it runs in. Not forked, as the parent may have threads.
+    # Separate processes, because ale-py can end its process. Spawned, because the parent may have threads.
     with ProcessPoolExecutor(min(jobs, len(runs)), mp_context=get_context("spawn")) as pool:
         for future in as_completed([pool.submit(verify, run) for run in runs]):
             yield future.result()

@@ -1,8 +1,7 @@
-"""Emulator cores: what an environment needs of an emulator (`Core`), and the ones there are.
+"""Emulator cores: the interface `Core`, and its three implementations.
 
-`NativeCore` is our own emulator, `PlainCore` is the same without its shortcuts, `AleCore` is ale-py behind the same
-interface, guarded; they are equal to the bit.
-`CORES` has them by the name that `core=` takes.
+`NativeCore` is our emulator, `PlainCore` our reference core, `AleCore` ale-py with checks; all give the same bytes.
+`CORES` maps the values of the option `core` to them.
 """
 
 from collections.abc import Mapping

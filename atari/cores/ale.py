@@ -1,8 +1,8 @@
-"""`AleCore`: ale-py behind the `Core` interface, guarded.
+"""`AleCore`: ale-py with the interface `Core`, and with checks.
 
-ale-py ends the process on a missing or foreign ROM, crashes on a call before loading, hangs or fails obscurely on
-wrong values, and restores less than it saves. Here everything is checked before ale-py sees it, and a snapshot is a
-journal that is played again, which is exact for every game.
+ale-py ends the process on a missing or foreign ROM, crashes on a call before loading, and hangs or fails obscurely on
+wrong values; so `AleCore` checks every argument first. ale-py's states are incomplete; so a snapshot is a journal of
+calls, which `restore` replays. That is exact for every game.
 """
 
 import hashlib
@@ -14,21 +14,21 @@ import ale_py
 import numpy as np
 from ale_py import ALEInterface, ALEState, LoggerMode
 
-from atari import snapshot
-from atari.catalog import games
-from atari.cores import options as door
+from atari.cores import snapshot
 from atari.cores.journal import Journal
-from atari.cores.options import CoreOptions
+from atari.cores.options import SEED_LIMIT, CoreOptions
 from atari.cores.protocol import ByteArray
-from atari.game import Game
+from atari.games.catalog import games
+from atari.games.game import Game
 from atari.roms import find
+from atari.validation import check_action, check_integer, check_poke, check_strength
 
 ALEInterface.setLoggerMode(LoggerMode.Error)  # process-wide: no banner, no line per load
 
 
 @dataclass(frozen=True)
 class AleState:
-    """What `AleCore.clone_state` returns: ale-py's state, and the hash of the ROM it belongs to."""
+    """ale-py's state with the hash of its ROM; `AleCore.clone_state` returns it."""
 
     rom_md5: str
     state: ALEState
@@ -45,7 +45,7 @@ class AleCore:
         frame_skip: frames for each `act`.
         max_num_frames_per_episode: frames after which an episode is truncated; 0 is never.
         sound: produce samples for `audio()`.
-        color_averaging: show each picture mixed with the one before (ALE's remedy for flicker).
+        color_averaging: average each frame with the one before it (ALE's colour averaging, against flicker).
         rom: path of the ROM file; None searches (see `atari.roms`).
 
     Raises:
@@ -82,12 +82,12 @@ class AleCore:
             sound=sound,
             color_averaging=color_averaging,
         )
-        seed = door.check_integer("seed", seed, 0, door.SEED_LIMIT - 1)
+        seed = check_integer("seed", seed, 0, SEED_LIMIT - 1)
         self._rom = find(self.game.id, rom)
         self._journal: Journal | None
         self.sound = self._options.sound
-        # What ale-py's states leave out is set anew by a reset, but for the sound generator and the variables that
-        # the rules of two games keep; with those, only the journal since loading is complete.
+        # A reset sets all that ale-py's states leave out, except the sound generator and the variables that
+        # the rules of two games keep over a reset. With those, only a journal since loading is complete.
         kept = self.game.rules is not None and bool(self.game.rules.kept_over_reset)
         self._sound_or_rules_outlive_reset = self.sound or kept
         self._ale: Any = ALEInterface()
@@ -100,7 +100,7 @@ class AleCore:
 
     def seed(self, seed: int) -> None:
         """Start over with this seed. ale-py takes its seed from loading, so this loads the game again."""
-        self._load(door.check_integer("seed", seed, 0, door.SEED_LIMIT - 1))
+        self._load(check_integer("seed", seed, 0, SEED_LIMIT - 1))
 
     def reset(self) -> None:
         """Start a new game."""
@@ -113,9 +113,9 @@ class AleCore:
     def act(self, action: int, strength: float = 1.0) -> int:
         """Play `frame_skip` frames of an action and return the reward."""
         if action.__class__ is not int or not 0 <= action <= 17:
-            action = door.check_action(action)
+            action = check_action(action)
         if strength.__class__ is not float or strength != 1.0:
-            strength = door.check_strength(strength)
+            strength = check_strength(strength)
         reward: int = self._ale.act(action, strength)
         if self._journal is not None:
             self._journal.act(action, strength)
@@ -152,7 +152,7 @@ class AleCore:
 
     def set_ram(self, index: int, value: int) -> None:
         """Write one byte of RAM."""
-        index, value = door.check_poke(index, value)
+        index, value = check_poke(index, value)
         self._ale.setRAM(index, value)
         if self._journal is not None:
             self._journal.poke(index, value)
@@ -174,18 +174,18 @@ class AleCore:
         return _filled(self._ale.getAudio, (512,), out)
 
     def clone_state(self, include_rng: bool = False) -> AleState:
-        """ale-py's own state: quick to restore, but without picture, held action and sound (`snapshot` has all)."""
+        """ale-py's own state: quick to restore, but without framebuffer, held action and sound, unlike `snapshot`."""
         return AleState(self.game.rom.md5, self._ale.cloneState(include_rng=include_rng))
 
     def restore_state(self, state: AleState) -> None:
-        """Continue from a state of `clone_state`.
+        """Continue from a state that `clone_state` returned.
 
-        As in ale-py, the picture stays that of before until the next act, the held action stays, and the generator
-        of sticky actions goes on unless the state includes it. What ale-py leaves out cannot be saved either, so
-        `snapshot` raises from here to the next reset (with `sound`, to the next `seed`).
+        As in ale-py, the framebuffer changes only with the next act, the held action stays, and the generator of
+        sticky actions continues unless the state includes it. The machine is then in a state that no journal leads
+        to, so `snapshot` raises until the next reset (with `sound`, until the next `seed`).
 
         Raises:
-            TypeError, ValueError: it is no such state, or of another game.
+            TypeError, ValueError: not such a state, or of another game.
         """
         if not isinstance(state, AleState):
             raise TypeError(f"restore_state takes what clone_state returned, got {type(state).__name__}")
@@ -195,7 +195,7 @@ class AleCore:
         self._journal = None
 
     def with_sound(self) -> "AleCore":
-        """This core if it makes sound, else another one that does, brought to the same state as by `restore`.
+        """This core if it makes sound, else a new one that does, brought to the same state as by `restore`.
 
         Raises:
             RuntimeError: as `snapshot`.
@@ -221,16 +221,16 @@ class AleCore:
         return snapshot.pack(facts, blobs)
 
     def restore(self, data: bytes) -> None:
-        """Continue from a snapshot by loading the game and playing the calls again (as slow as they were).
+        """Continue from a snapshot: load the game and replay the calls, which takes as long as they took.
 
         Raises:
             TypeError, ValueError: not a snapshot, damaged, or of another game, core, ale-py or other options.
-            RuntimeError: ale-py did not arrive at the state that was saved.
+            RuntimeError: the replay did not lead to the saved state.
         """
         facts, blobs = snapshot.unpack(data)
         snapshot.require(facts, self._facts())
         journal = Journal(blobs["base"], bytearray(blobs["events"]))
-        list(journal.replay())  # raises, if it does, before anything changes
+        list(journal.replay())  # a damaged journal raises before anything changes
         self._load(facts["seed"])
         self._play_again(journal)
         if self._digest() != blobs["digest"]:
@@ -242,9 +242,9 @@ class AleCore:
 
     def _load(self, seed: int) -> None:
         """Load the ROM, which also resets ale-py's counters and generators, and start an empty journal."""
-        rom = find(self.game.id, self._rom)  # checked anew: ale-py ends the process if the file has gone or changed
+        rom = find(self.game.id, self._rom)  # checked again: ale-py ends the process if the file is missing or wrong
         self._seed = seed
-        word = min(seed, door.SEED_LIMIT - 2)  # -1, as int32, would be the clock
+        word = min(seed, SEED_LIMIT - 2)  # 2**32 - 1 is -1 as int32, which ale-py replaces by the clock
         self._ale.setInt("random_seed", word if word < 2**31 else word - 2**32)
         self._ale.loadROM(rom)
         if self._options.mode is not None:
@@ -263,7 +263,7 @@ class AleCore:
         return self._journal
 
     def _play_again(self, journal: Journal) -> None:
-        """Make everything happen that is in a journal; the game has just been loaded with its seed."""
+        """Replay a journal; the game has just been loaded with its seed."""
         if journal.base:
             self._ale.restoreSystemState(ALEState(journal.base))
         for event, first, second in journal.replay():
@@ -276,7 +276,7 @@ class AleCore:
         self._journal = Journal(journal.base, bytearray(journal.events))
 
     def _facts(self) -> dict[str, Any]:
-        """What must agree for a snapshot to make sense here."""
+        """The facts in which a snapshot must agree with this core."""
         return {
             "core": self.name,
             "game": self.game.id,
@@ -286,7 +286,7 @@ class AleCore:
         }
 
     def _digest(self) -> bytes:
-        """A hash of what can be seen of the machine."""
+        """A hash of the visible state of the machine."""
         digest = hashlib.blake2b(digest_size=16)
         for array in (self.ram(), self.screen(), self.audio()):
             digest.update(array.tobytes())

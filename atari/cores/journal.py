@@ -1,8 +1,8 @@
-"""What has happened to an emulator since a known point, so that it can be made to happen again.
+"""`Journal`: the calls that an emulator received since a known point, to be replayed.
 
-ale-py's own states leave out part of the machine: the picture, the held (sticky) action, the sound generator, the
-chip's unfinished frame. A journal leaves out nothing: it holds a starting point from which ale-py is exact (a fresh
-load, or a state directly before a reset) and every call since. Playing it again gives the same machine.
+ale-py's own states leave out part of the machine: the framebuffer, the held (sticky) action, the sound generator, the
+TIA's unfinished frame. A journal is complete: it holds a starting point from which ale-py is exact (a fresh load, or a
+state directly before a reset) and every call since. A replay gives the same machine.
 """
 
 import struct
@@ -26,25 +26,25 @@ class Journal:
     events: bytearray = field(default_factory=bytearray)
 
     def act(self, action: int, strength: float) -> None:
-        """Note a call of `act`."""
+        """Append a call of `act`."""
         if strength == 1.0:
             self.events.append(action)
         else:
             self.events += bytes((_ACT_WITH_STRENGTH, action)) + _STRENGTH.pack(strength)
 
     def reset(self) -> None:
-        """Note a reset."""
+        """Append a reset."""
         self.events.append(_RESET)
 
     def poke(self, index: int, value: int) -> None:
-        """Note a write to RAM."""
+        """Append a write to RAM."""
         self.events += bytes((_POKE, index, value))
 
     def replay(self) -> Iterator[tuple[str, int, float]]:
         """The events in order, as ("act", action, strength), ("reset", 0, 0) or ("poke", index, value).
 
         Raises:
-            ValueError: the events are none that this class has written.
+            ValueError: an event is unknown.
         """
         events, i = self.events, 0
         while i < len(events):

@@ -1,7 +1,7 @@
-"""`NativeCore`: our own emulator, in C++ (`atari/emulator/`), behind the `Core` interface.
+"""`NativeCore`: our own emulator, in C++ (`atari/emulator/`), with the interface `Core`.
 
-Bit-exact with ale-py: RAM, picture, sound, reward, lives, ends, counters, and what sticky actions do. Its whole state
-is one block of memory, so a snapshot is a copy; `clone_state` keeps it in memory, `snapshot` makes portable bytes.
+Bit-exact with ale-py: RAM, framebuffer, sound, reward, lives, ends, counters, and the decisions of sticky actions.
+`clone_state` returns the state in memory, `snapshot` as portable bytes.
 """
 
 import zlib
@@ -12,23 +12,24 @@ from typing import Any
 
 import numpy as np
 
-from atari import _emulator, snapshot
-from atari.catalog import games
-from atari.compiler import CompiledRules, compile_rules
-from atari.cores import options as door
-from atari.cores.options import CoreOptions
-from atari.game import Game
+from atari import _emulator
+from atari.cores import snapshot
+from atari.cores.options import SEED_LIMIT, CoreOptions
+from atari.games.catalog import games
+from atari.games.compiler import CompiledRules, compile_rules
+from atari.games.game import Game
 from atari.roms import find
 from atari.roms import image as rom_image
+from atari.validation import check_integer, check_poke
 
 STATE_VERSION = 2
-"""Of the layout of the emulator's state: `Machine` and `EnvironmentState` in the C++ headers, as they lie in memory."""
+"""Of the layout of the emulator's state: `Machine` and `EnvironmentState` in the C++ headers, as laid out in memory."""
 
 _F8_SWAPPED = {"bc24440b59092559a1ec26055fd1270e", "75ee371ccfc4f43e7d9b8f24e1266b55"}
 _NO_RULES = CompiledRules(
     variables=4, initial=[], kept=[], outputs=[0, 1, 2, 3], step=[_emulator.END, 0], select_mode=[_emulator.END, 0]
 )
-"""Of a game without single-player rules: no reward, no lives, no end."""
+"""The rules of a game without single-player rules: no reward, no lives, no end."""
 
 
 class NativeCore(_emulator.Emulator):
@@ -38,8 +39,8 @@ class NativeCore(_emulator.Emulator):
         game: id of a game ("pong"), or a `Game`. The two-player cartridges run too, without reward, lives and end.
         rom: path of the ROM file; None searches (see `atari.roms`). With a `Game` that names no hash, any image.
 
-    The other arguments, and the errors, are those of `AleCore`. The interpreter's lock is released while frames are
-    played; a core may be used from several threads, one call at a time goes through.
+    The other arguments, and the errors, are those of `AleCore`. Python's global interpreter lock is released while
+    frames are played. Several threads may use a core; their calls run one at a time.
     """
 
     name = "native"
@@ -81,7 +82,7 @@ class NativeCore(_emulator.Emulator):
             max_num_frames_per_episode=self._options.max_num_frames_per_episode,
             sound=self.sound,
             color_averaging=self._options.color_averaging,
-            seed=_usable(door.check_integer("seed", seed, 0, door.SEED_LIMIT - 1)),
+            seed=_usable(check_integer("seed", seed, 0, SEED_LIMIT - 1)),
             plain=self._plain,
         )
         if self._options.mode is not None:
@@ -90,25 +91,25 @@ class NativeCore(_emulator.Emulator):
             self.set_difficulty(self._options.difficulty)
 
     def seed(self, seed: int) -> None:
-        """Start over with this seed; nothing is loaded again."""
-        super().seed(_usable(door.check_integer("seed", seed, 0, door.SEED_LIMIT - 1)))
+        """Start over with this seed, without loading the game again."""
+        super().seed(_usable(check_integer("seed", seed, 0, SEED_LIMIT - 1)))
 
     def set_ram(self, index: int, value: int) -> None:
         """Write one byte of RAM."""
-        super().set_ram(*door.check_poke(index, value))
+        super().set_ram(*check_poke(index, value))
 
     def restore_state(self, state: _emulator.State) -> None:
-        """Continue from a state of `clone_state`: all of it, picture, sound and held action too.
+        """Continue from a state that `clone_state` returned; it is complete, with framebuffer, sound and held action.
 
         Raises:
-            TypeError, ValueError: it is no such state, or of another game.
+            TypeError, ValueError: not such a state, or of another game.
         """
         if not isinstance(state, _emulator.State):
             raise TypeError(f"restore_state takes what clone_state returned, got {type(state).__name__}")
         super().restore_state(state)
 
     def with_sound(self) -> "NativeCore":
-        """This core if it makes sound, else another one that does, in the same state."""
+        """This core if it makes sound, else a new one that does, in the same state."""
         if self.sound:
             return self
         core = type(self)(self.game, rom=self._rom, **{**asdict(self._options), "sound": True})
@@ -135,9 +136,9 @@ class NativeCore(_emulator.Emulator):
         self.load(state)
 
     def _facts(self) -> dict[str, Any]:
-        """What must agree for a snapshot to make sense here."""
+        """The facts in which a snapshot must agree with this core."""
         return {
-            "core": NativeCore.name,  # of `PlainCore` too: the state is the same to the byte
+            "core": NativeCore.name,  # `PlainCore` has it too: its state is the same to the byte
             "game": self.game.id,
             "rom": self._rom_md5,
             "state version": STATE_VERSION,
@@ -146,10 +147,9 @@ class NativeCore(_emulator.Emulator):
 
 
 class PlainCore(NativeCore):
-    """The native emulator without its shortcuts: one instruction at a time, every pixel as the beam reaches it.
+    """The reference core: our emulator without the fast paths, one instruction and one pixel at a time.
 
-    It is what the shortcuts of `NativeCore` are tested against, and gives the same, at about a quarter of the speed.
-    Snapshots of one are good for the other.
+    The fast paths of `NativeCore` are tested against it. Snapshots of either core can be restored by the other.
     """
 
     name = "plain"
@@ -157,18 +157,18 @@ class PlainCore(NativeCore):
 
 
 def as_ale_reads(probability: float) -> float:
-    """ALE keeps settings as text of six digits and reads them back as float32."""
+    """The probability that ALE uses: it stores settings as text of six digits and parses them as float32."""
     return float(np.float32(f"{np.float32(probability):g}"))
 
 
 def _usable(seed: int) -> int:
-    """ale-py reads 2**32 - 1 as the clock, so `AleCore` takes the seed below it instead, and so does this core."""
-    return min(seed, door.SEED_LIMIT - 2)
+    """The seed, with 2**32 - 1 replaced by the seed below it as in `AleCore`: ale-py replaces it by the clock."""
+    return min(seed, SEED_LIMIT - 2)
 
 
 @lru_cache(maxsize=128)
 def compiled(game: Game, image: bytes) -> _emulator.Game:
-    """The game as the emulator takes it, made once and shared by all its cores."""
+    """The game for the emulator, built once and shared by all cores of the game."""
     rules = compile_rules(game.rules) if game.rules else _NO_RULES
     controllers = game.controllers
     switches = 0x3F | (controllers.left_difficulty == "A") << 6 | (controllers.right_difficulty == "A") << 7

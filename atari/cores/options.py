@@ -1,16 +1,11 @@
-"""What every core is made with, checked at the door.
+"""`CoreOptions`: the options of every core, checked against what the game offers."""
 
-What is called `check` raises a TypeError for what is of the wrong kind and a ValueError for what is out of range, with
-a sentence that says what is expected.
-"""
-
-import math
 import operator
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from atari.game import Game
+from atari.games.game import Game
+from atari.validation import check_integer, check_probability
 
 SEED_LIMIT = 2**32
 _FRAMES_LIMIT = 2**31
@@ -48,73 +43,10 @@ class CoreOptions:
         return checked
 
 
-def check_integer(name: str, value: Any, low: int, high: int) -> int:
-    """`value` as an int within low..high; bools are refused, NumPy integers accepted."""
-    try:
-        number = operator.index(value)
-    except TypeError:
-        number = None
-    if number is None or isinstance(value, bool):
-        raise TypeError(f"{name} must be an integer within {low}..{high}, got {value!r}")
-    if not low <= number <= high:
-        raise ValueError(f"{name} must be within {low}..{high}, got {number}")
-    return number
-
-
-def check_probability(name: str, value: Any) -> float:
-    """`value` as a float within 0..1."""
-    try:
-        number = math.nan if isinstance(value, (bool, str)) else float(value)
-    except (TypeError, ValueError):
-        number = math.nan
-    if math.isnan(number):
-        raise TypeError(f"{name} must be a number within 0..1, got {value!r}")
-    if not 0.0 <= number <= 1.0:
-        raise ValueError(f"{name} must be within 0..1, got {number}")
-    return number
-
-
-def check_name(name: str, value: Any, choices: Iterable[str]) -> str:
-    """`value` as one of the names that there are."""
-    choices = tuple(choices)
-    if value not in choices:
-        raise ValueError(f"{name} must be one of {', '.join(map(repr, choices))}, got {value!r}")
-    return str(value)
-
-
-def check_action(action: Any) -> int:
-    """`action` as an ALE action number 0..17."""
-    try:
-        number = operator.index(action)
-    except TypeError:
-        raise TypeError(f"an action is an integer 0..17, got {action!r}") from None
-    if not 0 <= number <= 17:
-        raise ValueError(f"an ALE action number is within 0..17, got {number}")
-    return number
-
-
-def check_strength(strength: Any) -> float:
-    """`strength` as a finite float that cannot overflow a paddle's position."""
-    try:
-        number = None if isinstance(strength, str) else float(strength)
-    except (TypeError, ValueError):
-        number = None
-    if number is None:
-        raise TypeError(f"strength must be a number, got {strength!r}")
-    if not abs(number) <= 1000.0:  # written so that NaN fails too
-        raise ValueError(f"strength must be finite and at most 1000 in magnitude, got {number}")
-    return number
-
-
-def check_poke(index: Any, value: Any) -> tuple[int, int]:
-    """The arguments of `set_ram` as two ints."""
-    return check_integer("index", index, 0, 127), check_integer("value", value, 0, 255)
-
-
 def _check_selection(game: Game, frames: int, options: CoreOptions) -> None:
-    """Refuse options with which a reset that selects the mode by playing would go on for ever.
+    """Refuse options with which a reset that selects the mode by playing might never end.
 
-    The bounds are where ale-py always came to an end in thousands of resets.
+    Within these bounds, ale-py's reset always ended in thousands of trials.
     """
     because = f"{game.id} selects its mode at reset by playing, which may never end with"
     if options.repeat_action_probability > 0.7:

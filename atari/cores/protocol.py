@@ -1,7 +1,7 @@
-"""`Core`: what an environment needs of an emulator, on one page.
+"""`Core`: the interface of an emulator that environments use.
 
-A core plays one game. It knows frames, actions, RAM, pixels and sound; observations, frame skip over several calls,
-spaces and seeding by a Gymnasium seed belong to `AtariEnv` above it. `tests/core_contract.py` is this page as tests.
+A core plays one game: frames, actions, RAM, pixels and sound. Observations, frame skip over several calls, spaces and
+seeding by a Gymnasium seed belong to `AtariEnv`. `tests/support/core_contract.py` has a test for each rule here.
 """
 
 from typing import Any, Protocol
@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from atari.game import Game
+from atari.games.game import Game
 
 ByteArray = npt.NDArray[np.uint8]
 
@@ -30,7 +30,7 @@ class Core(Protocol):
         """Start over as if constructed with this seed (0 .. 2**32 - 1); mode and difficulty stay.
 
         Raises:
-            TypeError, ValueError: it is no such seed.
+            TypeError, ValueError: not such a seed.
         """
 
     def reset(self) -> None:
@@ -43,12 +43,12 @@ class Core(Protocol):
         happens and the reward is 0.
 
         Raises:
-            TypeError, ValueError: no action, or a strength that is not finite.
+            TypeError, ValueError: not an action, or a strength that is not finite.
         """
 
     @property
     def lives(self) -> int:
-        """Lives left, as the game's rules count them (0 throughout in games without lives)."""
+        """Lives left, by the game's rules (always 0 in games without lives)."""
 
     @property
     def game_over(self) -> bool:
@@ -73,7 +73,7 @@ class Core(Protocol):
         """Write one byte of RAM; `index` 0..127, `value` 0..255.
 
         Raises:
-            TypeError, ValueError: one of them is no such integer; nothing is written.
+            TypeError, ValueError: one of them is not such an integer; nothing is written.
         """
 
     def screen(self, out: ByteArray | None = None) -> ByteArray:
@@ -89,9 +89,9 @@ class Core(Protocol):
         """(512,) samples of the last `act`, unsigned around 128; all zero unless made with `sound=True`."""
 
     def with_sound(self) -> "Core":
-        """This core if it makes sound, else another one that does, in the same state.
+        """This core if it makes sound, else a new one that does, in the same state.
 
-        The sound generators of the other one start anew, with the registers that the game has set.
+        The sound generators of a new core start from their initial state, with the registers that the game has set.
         """
 
     def snapshot(self) -> bytes:
@@ -105,14 +105,14 @@ class Core(Protocol):
         """
 
     def clone_state(self, include_rng: bool = False) -> Any:
-        """A state in memory, as cheap as this core can; it is opaque, and belongs to this kind of core."""
+        """The state in memory, an opaque object of this kind of core; faster than `snapshot`."""
 
     def restore_state(self, state: Any) -> None:
-        """Continue from a cloned state; the generators of the environment too if it included them.
+        """Continue from a cloned state, with its random generators if the state includes them.
 
         Raises:
-            TypeError, ValueError: it is no cloned state, or of another game or kind of core.
+            TypeError, ValueError: not a cloned state, or of another game or kind of core.
         """
 
     def close(self) -> None:
-        """Release what the core holds; every later call but `close` raises `RuntimeError`."""
+        """Release the emulator; every later call except `close` raises `RuntimeError`."""

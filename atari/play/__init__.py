@@ -1,7 +1,8 @@
-"""Playing by hand: a window with sound, keyboard and gamepad, that records what is played.
+"""Playing by hand: a window with sound, keyboard and gamepad, which records a replay.
 
-The parts know nothing of each other: `controls` turns events into actions and commands, `session` is the game with its
-replay, its saved states and its way back, `speaker` and `window` are what is heard and seen. `loop` puts them together.
+`controls` turns pygame's events into actions and commands. `session` is the game with its replay, saved states, rewind
+points and videos. `speaker` and `window` output sound and frames. These modules do not import each other; `loop`
+connects them.
 """
 
 from atari.play.loop import play

@@ -1,4 +1,4 @@
-"""Keys and gamepads: what is held is an action, what is pressed may be a command."""
+"""`Controls`: keys and gamepads as actions (while held) and commands (when pressed)."""
 
 from collections.abc import Iterable
 from enum import Enum
@@ -7,7 +7,7 @@ from typing import Any
 from atari.actions import PLAYER_ACTIONS, Action
 
 _ACTIONS = {(action.vertical, action.horizontal, action.fire): action for action in PLAYER_ACTIONS}
-_AXIS_LIMIT = 0.5  # of how far a gamepad's stick goes
+_AXIS_LIMIT = 0.5  # of a gamepad stick's full range
 
 HELP = """\
 arrows or W A S D   stick            space, ctrl     fire (gamepad: stick or cross, any button)
@@ -19,7 +19,7 @@ escape              end"""
 
 
 class Command(Enum):
-    """What a key does that is not played."""
+    """The commands, by the key that gives them."""
 
     QUIT = "escape"
     PAUSE = "p"
@@ -27,7 +27,7 @@ class Command(Enum):
     NEW_GAME = "r"
     SAVE = "f5"
     LOAD = "f9"
-    FILM = "f10"
+    VIDEO = "f10"
     FULL_SCREEN = "f11"
     MUTE = "m"
 
@@ -43,19 +43,19 @@ _REWIND = "backspace"
 
 
 class Controls:
-    """What is held at the moment, from the events of pygame.
+    """The keys, axes and buttons that are held, from pygame's events.
 
     Args:
-        pygame: the module.
+        pygame: the module pygame.
     """
 
     def __init__(self, pygame: Any) -> None:
         self._pygame = pygame
-        self._held: set[str] = set()  # names of keys, and of what gamepads do
+        self._held: set[str] = set()  # names of keys, gamepad axes and buttons
         self._commands = {command.value: command for command in Command}
 
     def handle(self, event: Any) -> Command | None:
-        """Take note of an event; the command that it is, if it is one."""
+        """Update what is held by an event, and return the event's command, if it has one."""
         pygame = self._pygame
         if event.type == pygame.QUIT:
             return Command.QUIT
@@ -75,16 +75,16 @@ class Controls:
         elif event.type == pygame.JOYBUTTONUP:
             self._held.discard(f"button {event.button}")
         elif event.type == pygame.WINDOWFOCUSLOST:
-            self._held.clear()  # what is let go of elsewhere is not told here
+            self._held.clear()  # no event comes for keys released in another window
         return None
 
     @property
     def rewinding(self) -> bool:
-        """Whether the key for going back in time is held."""
+        """Whether the rewind key is held."""
         return _REWIND in self._held
 
     def action(self, legal: Iterable[Action]) -> Action:
-        """The action that is held, or what is left of it among the legal ones."""
+        """Return the held action; if it is not legal, the legal one with the most of its directions and fire."""
         held = {direction for direction, names in _STICK.items() if self._held.intersection(names)}
         vertical = ("up" in held) - ("down" in held)
         horizontal = ("right" in held) - ("left" in held)

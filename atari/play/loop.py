@@ -1,4 +1,4 @@
-"""`play`: the loop of a game that is played by hand, at the console's speed."""
+"""`play`: the main loop of a game in a window, at the console's speed."""
 
 import time
 from collections.abc import Callable
@@ -13,12 +13,12 @@ from atari.play.window import GameWindow, start_pygame
 from atari.recording import frame_rate
 
 _MESSAGE_SECONDS = 2.0
-_FRAMES_PER_STEP_BACK = 6
-_HASTE = 0.25  # seconds behind, from which on lost time is not made up for
+_FRAMES_PER_REWIND = 6
+_MAX_LAG = 0.25  # seconds; after a longer delay the lost time is dropped
 
 
 class Pacer:
-    """Waits from frame to frame, so that on average they come at the given rate."""
+    """A clock that waits between frames, so that the average rate is `frames_per_second`."""
 
     def __init__(
         self,
@@ -36,12 +36,12 @@ class Pacer:
         left = self._due - self._now()
         if left > 0:
             self._sleep(left)
-        elif left < -_HASTE:
+        elif left < -_MAX_LAG:
             self._due = self._now()
 
 
 def play(session: Session, *, scale: int = 3, sound: bool = True, full_screen: bool = False) -> None:
-    """Play in a window until it is closed. `controls.HELP` has the keys. The session stays open.
+    """Play in a window until it is closed. `controls.HELP` lists the keys. The session stays open.
 
     Raises:
         gymnasium.error.DependencyNotInstalled: pygame-ce is not installed.
@@ -61,7 +61,7 @@ def play(session: Session, *, scale: int = 3, sound: bool = True, full_screen: b
 
 
 class Loop:
-    """What happens each frame: events, a frame of the game or of its past, picture and sound."""
+    """The work of each tick: handle events, play or rewind a frame, show it and play its sound."""
 
     def __init__(self, pygame: Any, session: Session, window: GameWindow, speaker: Speaker | None) -> None:
         self._pygame, self._session, self._window, self._speaker = pygame, session, window, speaker
@@ -71,33 +71,33 @@ class Loop:
         self._ticks = 0
         self._rate = float(frame_rate(session.game))
         self._message, self._message_until = "", 0
-        if speaker is not None and speaker.trouble is not None:
-            self._tell(f"no sound: {speaker.trouble}")
+        if speaker is not None and speaker.error is not None:
+            self._show_message(f"no sound: {speaker.error}")
 
     def run(self) -> None:
-        """Until the window is closed."""
+        """Run ticks until the window is closed."""
         pacer = Pacer(self._rate)
         while self.tick():
             pacer.wait()
 
     def tick(self) -> bool:
-        """One frame; False if that was the last."""
+        """Handle one frame, and return False when the window is closed."""
         self._ticks += 1
         for event in self._pygame.event.get():
-            if event.type == self._pygame.JOYDEVICEADDED:  # comes for those that are there at the start too
+            if event.type == self._pygame.JOYDEVICEADDED:  # SDL also sends it for the gamepads present at the start
                 gamepad = self._pygame.joystick.Joystick(event.device_index)
                 self._gamepads[gamepad.get_instance_id()] = gamepad
             command = self._controls.handle(event)
             if command == Command.QUIT:
                 return False
             if command is not None:
-                self._try(lambda command=command: self._do(command))  # type: ignore[misc]
+                self._show_errors(lambda command=command: self._run_command(command))  # type: ignore[misc]
         if self._controls.rewinding:
-            if self._ticks % _FRAMES_PER_STEP_BACK == 0:
-                self._session.go_back()
+            if self._ticks % _FRAMES_PER_REWIND == 0:
+                self._session.rewind()
         elif not self._paused or self._single:
             self._single = False
-            self._try(self._play)
+            self._show_errors(self._play)
         title = f"{self._session.game.title}   {self._session.score:,}"
         self._window.show(self._session.screen, title, self._text())
         return True
@@ -109,7 +109,7 @@ class Loop:
         if self._speaker is not None:
             self._speaker.play(self._session.samples)
 
-    def _do(self, command: Command) -> None:
+    def _run_command(self, command: Command) -> None:
         session = self._session
         if command == Command.PAUSE:
             self._paused = not self._paused
@@ -118,32 +118,32 @@ class Loop:
         elif command == Command.NEW_GAME:
             session.new_game()
         elif command == Command.SAVE:
-            self._tell(f"saved as {session.save()}")
+            self._show_message(f"saved as {session.save()}")
         elif command == Command.LOAD:
             session.load()
-            self._tell("loaded")
-        elif command == Command.FILM:
-            path = session.film()
-            self._tell(f"recording {path}" if path else "the video is complete")
+            self._show_message("loaded")
+        elif command == Command.VIDEO:
+            path = session.toggle_video()
+            self._show_message(f"recording {path}" if path else "the video is complete")
         elif command == Command.FULL_SCREEN:
             self._window.toggle_full_screen()
         elif command == Command.MUTE and self._speaker is not None:
             self._speaker.muted = not self._speaker.muted
 
-    def _try(self, work: Callable[[], None]) -> None:
-        """Do something; what goes wrong with files is shown, and ends nothing."""
+    def _show_errors(self, work: Callable[[], None]) -> None:
+        """Call `work` and show its error, if any, as a message; play continues."""
         try:
             work()
         except (OSError, ValueError, gymnasium.error.Error) as error:
             text = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-            self._tell(text)
+            self._show_message(text)
 
-    def _tell(self, message: str) -> None:
+    def _show_message(self, message: str) -> None:
         self._message = message
         self._message_until = self._ticks + round(_MESSAGE_SECONDS * self._rate)
 
     def _text(self) -> str:
-        """What is written over the picture."""
+        """Return the text drawn over the frame."""
         session = self._session
         state = ""
         if self._controls.rewinding:
@@ -153,4 +153,4 @@ class Loop:
         elif self._paused:
             state = "paused: P to go on, N for one frame"
         message = self._message if self._ticks < self._message_until else ""
-        return "   ".join(part for part in ("REC" if session.filming else "", state, message) if part)
+        return "   ".join(part for part in ("REC" if session.recording else "", state, message) if part)

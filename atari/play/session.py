@@ -1,36 +1,35 @@
-"""`Session`: a game played by hand, without a window: its replay, its saved states, its way back, its videos."""
+"""`Session`: a game played by hand, without its window: the replay, saved states, rewind points and videos."""
 
 from collections import deque
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from atari import snapshot
 from atari.actions import Action
-from atari.cores import ByteArray
+from atari.cores import ByteArray, snapshot
 from atari.env import AtariEnv
-from atari.game import Game
+from atari.games.game import Game
 from atari.recording import RecordReplay, VideoWriter, frame_rate
 
-FRAMES_PER_MOMENT = 20
-"""As often, a moment is kept to go back to."""
-_MOMENTS = 1800  # ten minutes, nine megabytes
+FRAMES_PER_REWIND_POINT = 20
+"""Frames from one rewind point to the next."""
+_MAX_REWIND_POINTS = 1800  # ten minutes, nine megabytes
 
 
 class Session:
-    """A game frame by frame, with all legal actions and none that stick.
+    """A game played frame by frame, with all legal actions and without sticky actions.
 
     Args:
-        game: as of `AtariEnv`.
-        replay: file of the replay, ending in ".a26"; None writes none.
-        state: file of the saved state.
-        videos: folder for videos.
-        mode, difficulty: of the game.
-        seed: of the game.
-        scale: of the videos' pixels.
+        game: see `AtariEnv`.
+        replay: the replay file, with the suffix ".a26"; None writes no replay.
+        state: the file of the saved state.
+        videos: the folder of the videos.
+        mode, difficulty: the game's mode and difficulty; None is the default.
+        seed: the game's seed; None is a random one.
+        scale: a pixel becomes `2 * scale` x `scale` pixels of a video.
 
     Raises:
-        TypeError, ValueError, OSError: as of `AtariEnv` and `RecordReplay`.
+        TypeError, ValueError, OSError: see `AtariEnv` and `RecordReplay`.
     """
 
     def __init__(
@@ -57,19 +56,19 @@ class Session:
         self.game = self._atari.game
         self._env: Any = self._atari if replay is None else RecordReplay(self._atari, replay)
         self._state, self._videos, self._scale = state, videos, scale
-        self._moments: deque[tuple[bytes, int]] = deque(maxlen=_MOMENTS)
+        self._rewind_points: deque[tuple[bytes, int]] = deque(maxlen=_MAX_REWIND_POINTS)
         self._video: VideoWriter | None = None
         self.frames = 0
-        """Frames played, those taken back too."""
+        """Frames played, including rewound ones."""
         self.score = 0
         self.best = 0
-        self.written: list[Path] = []
-        """The videos."""
+        self.video_files: list[Path] = []
+        """The videos that were begun."""
         self._env.reset(seed=seed)
 
     @property
     def legal_actions(self) -> tuple[Action, ...]:
-        """The actions there are."""
+        """The game's legal actions."""
         return self._atari.game.legal_actions
 
     @property
@@ -78,30 +77,30 @@ class Session:
         return self._atari.core.game_over or self._atari.core.truncated
 
     @property
-    def filming(self) -> bool:
+    def recording(self) -> bool:
         """Whether a video is being written."""
         return self._video is not None
 
     @property
     def screen(self) -> ByteArray:
-        """What is seen, (height, 160, 3) uint8."""
+        """The current screen, (height, 160, 3) uint8."""
         return self._atari.core.screen_rgb()
 
     @property
     def samples(self) -> ByteArray:
-        """What was heard during the last frame, (512,) uint8 around 128."""
+        """The sound of the last frame, (512,) uint8 around 128."""
         return self._atari.core.audio()
 
     def play(self, action: Action) -> None:
-        """Play a frame; when the game has ended, nothing happens.
+        """Play a frame; after the end of the game, do nothing.
 
         Raises:
-            OSError: the replay or the video cannot be written any more; the game can go on without it.
+            OSError: the replay or the video cannot be written any more; play can continue without it.
         """
         if self.over:
             return
-        if self.frames % FRAMES_PER_MOMENT == 0:
-            self._moments.append((self._atari.snapshot(), self.score))
+        if self.frames % FRAMES_PER_REWIND_POINT == 0:
+            self._rewind_points.append((self._atari.snapshot(), self.score))
         _, reward, _, _, _ = self._env.step(self.legal_actions.index(action))
         self.frames += 1
         self.score += int(reward)
@@ -113,16 +112,16 @@ class Session:
                 self._video = None
                 raise
 
-    def go_back(self) -> bool:
-        """Return to the last moment kept, which then is forgotten; False if there is none."""
-        if not self._moments:
+    def rewind(self) -> bool:
+        """Restore the last rewind point and drop it; return False if there is none."""
+        if not self._rewind_points:
             return False
-        data, self.score = self._moments.pop()
+        data, self.score = self._rewind_points.pop()
         self._atari.restore(data)
         return True
 
     def new_game(self) -> None:
-        """Begin again."""
+        """Reset the game."""
         self._env.reset()
         self.score = 0
 
@@ -130,7 +129,7 @@ class Session:
         """Save the state to its file.
 
         Raises:
-            OSError: it cannot be written.
+            OSError: the file cannot be written.
         """
         data = snapshot.pack({"of": "play", "score": self.score}, {"env": self._atari.snapshot()})
         self._state.parent.mkdir(parents=True, exist_ok=True)
@@ -141,17 +140,17 @@ class Session:
         """Continue from the saved state.
 
         Raises:
-            FileNotFoundError: none was saved.
-            ValueError: it is damaged, or of another game, mode or difficulty.
+            FileNotFoundError: there is no saved state.
+            ValueError: the file is damaged, or of another game, mode or difficulty.
         """
         facts, blobs = snapshot.unpack(self._state.read_bytes())
         snapshot.require(facts, {"of": "play"})
         self._atari.restore(blobs["env"])
         self.score = int(facts["score"])
-        self._moments.clear()
+        self._rewind_points.clear()
 
-    def film(self) -> Path | None:
-        """Begin a video, or end the one that is being written; the file that was begun.
+    def toggle_video(self) -> Path | None:
+        """Begin a video and return its path; or complete the current one and return None.
 
         Raises:
             OSError: the file cannot be written.
@@ -166,17 +165,17 @@ class Session:
             number += 1
         rate = frame_rate(self.game)
         self._video = VideoWriter(path, self.game.screen.shape, rate, scale=self._scale, sound=True)
-        self.written.append(path)
+        self.video_files.append(path)
         return path
 
     def close(self) -> None:
-        """Complete the files.
+        """Complete the replay and the video.
 
         Raises:
-            OSError: one cannot be written.
+            OSError: a file cannot be written.
         """
         try:
             if self._video is not None:
-                self.film()
+                self.toggle_video()
         finally:
             self._env.close()

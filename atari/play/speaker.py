@@ -1,4 +1,4 @@
-"""`Speaker`: plays the samples of frames as they come, through pygame's mixer."""
+"""`Speaker`: plays the samples of each frame through pygame's mixer."""
 
 from collections import deque
 from typing import Any
@@ -8,17 +8,17 @@ import numpy as np
 from atari.cores import ByteArray
 
 SAMPLES = 512
-_FRAMES_PER_BLOCK = 3  # of 50 ms; pygame keeps one block that plays and one that waits
+_FRAMES_PER_BLOCK = 3  # 50 ms; pygame's channel holds one playing and one queued block
 _BLOCKS_WAITING = 2
-_LOUDNESS = 128  # a sample of 8 bits to one of 16, at half of full scale
+_LOUDNESS = 128  # factor from 8-bit to 16-bit samples, at half of full scale
 
 
 class Speaker:
-    """Sound as steady as the frames are. What comes too early waits, and what would wait too long is left out.
+    """An audio output with a short queue. Early samples are queued; a full queue drops its oldest block.
 
     Args:
-        pygame: the module.
-        frames_per_second: of the game; each has 512 samples.
+        pygame: the module pygame.
+        frames_per_second: the game's frame rate; a frame has 512 samples.
     """
 
     def __init__(self, pygame: Any, frames_per_second: float) -> None:
@@ -27,17 +27,17 @@ class Speaker:
         self._frames: list[ByteArray] = []
         self._waiting: deque[Any] = deque(maxlen=_BLOCKS_WAITING)
         try:
-            # No changes allowed: SDL then resamples for the device, whose rate is another one.
+            # With allowedchanges=0 SDL resamples to the device's rate.
             self._mixer.init(round(SAMPLES * frames_per_second), -16, 1, SAMPLES, allowedchanges=0)
         except pygame.error as error:
-            self.trouble: str | None = str(error)
+            self.error: str | None = str(error)
             return
-        self.trouble = None
+        self.error = None
         self._channel: Any = self._mixer.Channel(0)
 
     def play(self, samples: ByteArray) -> None:
-        """Play what was heard during a frame, (512,) uint8."""
-        if self.trouble is not None:
+        """Queue the samples of a frame, (512,) uint8; without a working device, do nothing."""
+        if self.error is not None:
             return
         self._frames.append(np.full_like(samples, 128) if self.muted else samples)
         if len(self._frames) == _FRAMES_PER_BLOCK:
@@ -50,6 +50,6 @@ class Speaker:
             self._channel.queue(self._waiting.popleft())
 
     def close(self) -> None:
-        """Be silent."""
-        if self.trouble is None:
+        """Close the mixer."""
+        if self.error is None:
             self._mixer.quit()

@@ -1,4 +1,4 @@
-"""`GameWindow`: the screen of a game in a window, with the console's 2:1 pixels, and a line of text over it."""
+"""`GameWindow`: a window that shows a game's frames with the console's 2:1 pixels, and a line of text."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -7,17 +7,17 @@ from typing import Any
 import gymnasium
 
 from atari.cores import ByteArray
-from atari.game import Game
+from atari.games.game import Game
 from atari.rendering import import_pygame, open_display
 
 _TEXT_HEIGHT = 24
 
 
 def start_pygame() -> Any:
-    """The module pygame, with its display.
+    """Import pygame, open its display and return the module.
 
     Raises:
-        gymnasium.error.DependencyNotInstalled: it is not installed.
+        gymnasium.error.DependencyNotInstalled: pygame-ce is not installed.
         gymnasium.error.Error: there is no display.
     """
     pygame = import_pygame("playing", "`atari record` needs no window")
@@ -28,7 +28,7 @@ def start_pygame() -> Any:
 
 @contextmanager
 def _needs_display(pygame: Any) -> Iterator[None]:
-    """What fails here fails for want of a display."""
+    """Convert pygame's errors to an error that says that playing needs a display."""
     try:
         yield
     except pygame.error as error:
@@ -39,16 +39,16 @@ def _needs_display(pygame: Any) -> Iterator[None]:
 
 
 class GameWindow:
-    """A window. Its size can be changed; the picture stays in proportion.
+    """A resizable window. Frames keep their aspect ratio.
 
     Args:
         pygame: the module, see `start_pygame`.
-        game: whose screen is shown.
-        scale: the window is made so large that a pixel has `2 * scale` x `scale` of the display's.
+        game: the game that is shown.
+        scale: at the initial size, a pixel has `2 * scale` x `scale` pixels of the display.
         full_screen: fill the display.
 
     Raises:
-        gymnasium.error.Error: the display has no place for it.
+        gymnasium.error.Error: the window cannot be opened.
     """
 
     def __init__(self, pygame: Any, game: Game, scale: int, *, full_screen: bool = False) -> None:
@@ -62,7 +62,7 @@ class GameWindow:
         pygame.mouse.set_visible(False)
 
     def show(self, rgb: ByteArray, title: str, text: str = "") -> None:
-        """Show a screen, (height, 160, 3), with text over it."""
+        """Show a frame, (height, 160, 3) uint8, with text over it."""
         pygame = self._pygame
         surface = pygame.display.get_surface()
         width, height = surface.get_size()
@@ -79,7 +79,7 @@ class GameWindow:
         pygame.display.flip()
 
     def toggle_full_screen(self) -> None:
-        """Fill the display, or go back to a window."""
+        """Switch between full screen and a window."""
         self._set_mode(not self._full_screen)
 
     def _set_mode(self, full_screen: bool) -> None:

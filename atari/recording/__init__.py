@@ -1,13 +1,13 @@
-"""Recorded gameplay: videos with sound, replays that are the game again, and datasets made of them."""
+"""Recorded gameplay: videos with sound, replays that reproduce a game exactly, and datasets made from replays."""
 
 from atari.recording.datasets import to_minari
-from atari.recording.formats import FORMATS, Format
-from atari.recording.record_replay import RecordReplay
-from atari.recording.record_vector_replay import RecordVectorReplay
-from atari.recording.record_vector_video import RecordVectorVideo
-from atari.recording.record_video import RecordVideo
-from atari.recording.replay import Divergence, Episode, Frame, Replay, Verification
-from atari.recording.video import VideoWriter, frame_rate
+from atari.recording.replay.record_replay import RecordReplay
+from atari.recording.replay.record_vector_replay import RecordVectorReplay
+from atari.recording.replay.replay import Divergence, Episode, Frame, Replay, Verification
+from atari.recording.video.formats import FORMATS, Format
+from atari.recording.video.record_vector_video import RecordVectorVideo
+from atari.recording.video.record_video import RecordVideo
+from atari.recording.video.writer import VideoWriter, frame_rate
 
 __all__ = [
     "FORMATS",

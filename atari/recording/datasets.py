@@ -1,7 +1,7 @@
 """`to_minari`: recorded episodes as a dataset of Minari, the Farama Foundation's format for offline learning.
 
-A replay has no observations; they come from playing it again. A dataset has what the environment returned, to the byte:
-Minari's JPEG is switched off.
+A replay has no observations; playing it again produces them. A dataset has the environment's results to the byte,
+because Minari's JPEG encoding is off.
 """
 
 import warnings
@@ -16,8 +16,8 @@ from gymnasium.envs.registration import EnvSpec
 
 from atari.actions import Action
 from atari.env import AtariEnv, ObsType
-from atari.recording.replay import Replay
-from atari.recording.replay_events import Event, Kind
+from atari.recording.replay.events import Event, Kind
+from atari.recording.replay.replay import Replay
 from atari.registration import stem
 
 Source = Replay | str | PathLike[str]
@@ -33,26 +33,25 @@ def to_minari(
     core: str = "native",
     **metadata: Any,
 ) -> Any:
-    """Write the episodes of replays as a Minari dataset, and return that (a `minari.MinariDataset`).
+    """Write the episodes of replays as a Minari dataset, and return it (a `minari.MinariDataset`).
 
     An episode has n actions, rewards (float), terminations, truncations, and n + 1 observations and infos (`lives`,
-    `episode_frame_number`, `frame_number`), as `AtariEnv` returned them. The wrappers around it are not in the data:
-    rewards are not clipped, observations are the environment's own, actions are numbers in its action space. What
-    wrappers play before an episode's first step (no-ops) is left out; what they play between two steps counts to the
-    later one. As in Minari's collector, the last step of an episode that did not end is truncated, and one without
-    steps is left out. Where the game was restored from a snapshot, a new episode begins.
+    `episode_frame_number`, `frame_number`), as `AtariEnv` returned them. The data does not include the effects of
+    wrappers: rewards are not clipped, observations are the environment's own, actions are numbers in its action space.
+    Frames that wrappers play before an episode's first step (no-ops) are left out. Frames that wrappers play between
+    two steps count to the later step. As in Minari's collector, the last step of an unfinished episode is truncated,
+    and an episode without steps is left out. A new episode begins where the game was restored from a snapshot.
 
     Args:
-        replays: of one game with the same options: `Replay`s or files.
+        replays: `Replay`s or files, of one game with the same options.
         dataset_id: Minari's name of the dataset, such as "atari/breakout/human-v0". It must not exist.
         obs_type: "rgb", "grayscale" or "ram"; None is that of the recorded environment.
-        core: on which the replays are played.
-        **metadata: of `minari.create_dataset_from_buffers`: `author`, `author_email`, `algorithm_name`,
+        core: the core to play the replays on.
+        **metadata: passed to `minari.create_dataset_from_buffers`: `author`, `author_email`, `algorithm_name`,
             `code_permalink`, `description`, `data_format`, ...
 
     Raises:
-        ValueError: there are no replays, they are of different games or options, or have no steps; or the dataset
-            exists.
+        ValueError: there are no replays, they differ in game or options, or have no steps; or the dataset exists.
         gymnasium.error.DependencyNotInstalled: Minari is not installed.
     """
     minari = _import_minari()
@@ -72,7 +71,7 @@ def to_minari(
     env = loaded[0].make_env(core=core, **changes)
     episodes = _episodes(loaded, changes, core, minari.data_collector.EpisodeBuffer)
     with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", module="minari")  # of metadata that is not given
+        warnings.filterwarnings("ignore", module="minari")  # it warns of missing metadata
         try:
             first = next(episodes, None)
             if first is None:
@@ -94,7 +93,7 @@ def to_minari(
 
 @dataclass
 class _Episode:
-    """An episode while it is collected."""
+    """The collected steps of one episode."""
 
     observations: list[Any] = field(default_factory=list)
     actions: list[Any] = field(default_factory=list)
@@ -103,7 +102,7 @@ class _Episode:
     truncations: list[bool] = field(default_factory=list)
     infos: list[dict[str, int]] = field(default_factory=list)
     reward: float = 0.0
-    motion: tuple[float, ...] = ()
+    continuous_action: tuple[float, ...] = ()
 
     @property
     def over(self) -> bool:
@@ -114,12 +113,12 @@ class _Episode:
         self.infos.append(env._info())
 
     def see_first(self, env: AtariEnv) -> None:
-        """Forget what was seen before: the first step is only about to begin."""
+        """Drop what was collected before the first step, and collect its first observation."""
         self.observations, self.infos, self.reward = [], [], 0.0
         self.see(env)
 
     def step(self, env: AtariEnv, event: Event) -> None:
-        self.actions.append(_action(env, event, self.motion))
+        self.actions.append(_action(env, event, self.continuous_action))
         self.rewards.append(self.reward)
         self.terminations.append(env.core.game_over)
         self.truncations.append(env.core.truncated)
@@ -127,7 +126,7 @@ class _Episode:
         self.see(env)
 
     def buffer(self, kind: Any) -> Any:
-        """As Minari has it; of what was seen, a dict of arrays where one observation is a dict."""
+        """Return Minari's buffer. Observations that are dicts become a dict of arrays."""
         truncations = [*self.truncations[:-1], self.truncations[-1] or not self.terminations[-1]]
         return kind(
             observations=_columns(self.observations),
@@ -140,7 +139,7 @@ class _Episode:
 
 
 def _episodes(replays: list[Replay], changes: dict[str, Any], core: str, kind: Any) -> Iterator[Any]:
-    """One episode after another, so that only one is in memory."""
+    """Yield the episodes one at a time, so that only one is in memory."""
     for replay in replays:
         env = replay.make_env(core=core, **changes)
         episode = _Episode()
@@ -153,8 +152,8 @@ def _episodes(replays: list[Replay], changes: dict[str, Any], core: str, kind: A
                 if event.ends_step and not episode.rewards:
                     episode.see_first(env)
                 episode.reward += sum(call.reward for call in calls)
-                if event.kind == Kind.MOTION:
-                    episode.motion = event.floats
+                if event.kind == Kind.CONTINUOUS_ACTION:
+                    episode.continuous_action = event.floats
                 elif event.ends_step and not episode.over:
                     episode.step(env, event)
             if episode.rewards:
@@ -163,9 +162,9 @@ def _episodes(replays: list[Replay], changes: dict[str, Any], core: str, kind: A
             env.close()
 
 
-def _action(env: AtariEnv, event: Event, motion: tuple[float, ...]) -> Any:
+def _action(env: AtariEnv, event: Event, continuous_action: tuple[float, ...]) -> Any:
     if env.continuous:
-        return np.array(motion, np.float32)
+        return np.array(continuous_action, np.float32)
     return np.int64(env._action_set.index(Action(event.numbers[0])))
 
 
@@ -181,7 +180,7 @@ def _chain(first: Any, rest: Iterator[Any]) -> Iterator[Any]:
 
 
 def _spec(replay: Replay, changes: dict[str, Any]) -> EnvSpec:
-    """What makes such an environment again, for `recover_environment` of the dataset."""
+    """Return the specification of the environment, for `recover_environment` of the dataset."""
     env_id = replay.header.get("id") or f"ALE/{stem(replay.game.id)}-v5"
     return EnvSpec(
         id=env_id, entry_point="atari.env:AtariEnv", kwargs={"game": replay.game.id, **replay.options, **changes}
@@ -192,7 +191,7 @@ def _import_minari() -> Any:
     try:
         import h5py  # noqa: F401 - Minari keeps its data with it
         import minari
-        import PIL  # noqa: F401 - Minari needs it and does not ask for it
+        import PIL  # noqa: F401 - Minari needs it but does not depend on it
     except ImportError:
         raise gymnasium.error.DependencyNotInstalled(
             "a Minari dataset needs Minari: pip install 'atari-envs[minari]'"

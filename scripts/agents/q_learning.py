@@ -3,7 +3,7 @@
 
 Q(s, a) is what is still to be earned after action a in state s, later rewards counting less. Each step corrects it
 towards the reward and the best of the next state (Watkins 1989). States in which an episode ends are never left, so
-their values stay zero, and `train` need not be told of the end.
+their values stay zero, and `train` needs no argument for the end.
 """
 
 import argparse

@@ -137,7 +137,7 @@ def test_a_wrapper_goes_around_an_environment() -> None:
 
 
 def test_uploading_says_that_there_is_nowhere_to(capsys: pytest.CaptureFixture[str]) -> None:
-    logger.say_once.cache_clear()
+    logger.warn_once.cache_clear()
     gym.upload("results", algorithm_id="random", api_key="mine")
     assert capsys.readouterr().err.startswith(
         "atari.classic: gym.upload() does nothing, as the site it went to is closed"

@@ -85,7 +85,7 @@ def test_every_atari_id_has_a_spec_and_makes() -> None:
 def test_an_old_version_becomes_the_newest_and_a_line_says_so(
     old: str, new: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    classic_logger.say_once.cache_clear()
+    classic_logger.warn_once.cache_clear()
     env = gym.make(old)
     assert env.spec is not None
     assert env.spec.id == new
@@ -99,7 +99,7 @@ def test_an_old_version_becomes_the_newest_and_a_line_says_so(
 def test_who_asks_for_quiet_gets_it(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(gymnasium.logger, "min_level", gymnasium.logger.min_level)
     gym.logger.set_level(40)
-    classic_logger.say_once.cache_clear()
+    classic_logger.warn_once.cache_clear()
     gym.make("Pendulum-v0")
     assert capsys.readouterr().err == ""
 

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import atari.classic as gym
+from atari.classic.episode_recorder import cubes_then_thousands
 from atari.classic.wrappers import Monitor
-from atari.classic.wrappers.monitor import cubes_then_thousands
 
 
 class Clip(gym.Env):

@@ -1,4 +1,4 @@
-"""`atari demo`: plays, tells, and leaves a video that shows every frame it played."""
+"""`atari demo`: its output, and a video with every played frame."""
 
 import json
 import re
@@ -11,11 +11,11 @@ from typing import Any
 import av
 import numpy as np
 import pytest
-from video_reader import pictures
+from video_reader import video_frames
 
 import atari
 from atari.cli import main
-from atari.cli.spectators import Film, ScoreBoard
+from atari.cli.observers import ScoreCounter, VideoObserver
 from atari.recording import VideoWriter, frame_rate
 
 
@@ -52,7 +52,7 @@ def test_video_has_every_emulated_frame_in_colour(capsys: pytest.CaptureFixture[
     assert result["video"] == str(Path("a/b.mp4").resolve())
     assert result["steps"] == 20
     assert 20 * 4 < result["frames"] <= 20 * 4 + 30  # the no-ops at the start are played too
-    shown = pictures(Path("a/b.mp4"))
+    shown = video_frames(Path("a/b.mp4"))
     assert len(shown) == result["frames"]
     red_row, blue_row = shown[-1][2 * 60, 4 * 80], shown[-1][2 * 90, 4 * 80]
     assert np.abs(red_row.astype(int) - (200, 72, 72)).max() < 16
@@ -97,15 +97,15 @@ def test_no_video_makes_no_file(folder: Path, capsys: pytest.CaptureFixture[str]
     assert not list(folder.iterdir())
 
 
-def test_spectators_see_what_is_played_and_nothing_after_the_end(folder: Path) -> None:
+def test_observers_get_the_played_frames_and_none_after_the_end(folder: Path) -> None:
     env = atari.AtariEnv("breakout", core="ale", max_num_frames_per_episode=6)
     env.make_sound()
     with VideoWriter(folder / "a.mp4", env.game.screen.shape, 60, sound=True) as video:
-        score_board = ScoreBoard()
-        env.observers += [score_board, Film(env, video)]
+        score_counter = ScoreCounter()
+        env.observers += [score_counter, VideoObserver(env, video)]
         env.reset(seed=0)
         assert env.play_frames(1, 9) == 0
-    assert (score_board.frames, video.frames, score_board.scores) == (6, 6, [0])
+    assert (score_counter.frames, video.frames, score_counter.scores) == (6, 6, [0])
     assert env.core.truncated
 
 
@@ -177,4 +177,4 @@ def test_ctrl_c_ends_it_with_a_playable_video(folder: Path) -> None:
     assert told[2] == str((folder / "a.mp4").resolve())
     steps = int(told[1].replace(",", ""))
     assert 200 <= steps < 2000
-    assert len(pictures(folder / "a.mp4")) > 4 * 200
+    assert len(video_frames(folder / "a.mp4")) > 4 * 200

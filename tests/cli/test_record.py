@@ -1,4 +1,4 @@
-"""`atari record`: policies of all kinds play, and videos and replays of it are written."""
+"""`atari record`: every kind of policy, recorded as videos and replays."""
 
 import json
 import signal

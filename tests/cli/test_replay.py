@@ -1,4 +1,4 @@
-"""`atari replay`: shows, verifies and films replays."""
+"""`atari replay`: show, verify and render."""
 
 import json
 from pathlib import Path
@@ -9,7 +9,7 @@ from replay_tools import record
 
 from atari.cli import main
 from atari.recording import Replay
-from atari.recording.replay_file import Writer, read
+from atari.recording.replay.file_format import ReplayFileWriter, read
 
 
 @pytest.fixture(autouse=True)
@@ -22,10 +22,10 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def tampered() -> str:
     """A replay whose hashes are those of something else."""
     content = read("a.a26")
-    writer = Writer("b.a26", content.header)
+    writer = ReplayFileWriter("b.a26", content.header)
     for play in content.plays:
-        marks = bytes(mark ^ (play.first + i >= 250) for i, mark in enumerate(play.marks))
-        writer.play(play._replace(marks=marks))
+        short_hashes = bytes(mark ^ (play.first + i >= 250) for i, mark in enumerate(play.short_hashes))
+        writer.play(play._replace(short_hashes=short_hashes))
     writer.end(content.end or {})
     return "b.a26"
 
@@ -96,7 +96,7 @@ def test_a_cut_replay_is_a_warning_of_one_line(capsys: pytest.CaptureFixture[str
         (["show", "none.a26"], "No such file or directory: none.a26"),
         (["verify", "text.txt"], "text.txt is no replay of atari-envs"),
         (["render", "a.a26", "-o", "a.avi"], "must end in one of"),
-        (["render", "a.a26", "--start", "360"], "there is nothing to film: the replay has 360 frames"),
+        (["render", "a.a26", "--start", "360"], "there are no frames to render: the replay has 360 frames"),
         (["show", "damaged.a26"], "the replay is damaged at offset 8"),
     ],
 )

@@ -61,7 +61,7 @@ def test_missing_and_wrong_files_fail(
 ) -> None:
     (collection / "cut.bin").rename(collection / "asterix.bin")
     monkeypatch.setenv("ATARI_ROMS", str(collection))
-    monkeypatch.setattr("atari.roms.places._ale_py_folders", lambda: ())
+    monkeypatch.setattr("atari.roms.locations._ale_py_folders", lambda: ())
     assert main(["roms", "verify", "pong", "asterix", "seaquest", "--json"]) == 1
     checks = json.loads(capsys.readouterr().out)
     assert [check["status"] for check in checks.values()] == ["ok", "wrong", "missing"]

@@ -14,7 +14,7 @@ from ale_py import ALEInterface, LoggerMode
 from rules_interpreter import Interpreter, evaluate
 
 import atari
-from atari.game import Game
+from atari.games.game import Game
 from atari.wrappers._palettes import PALETTES
 
 ROMS = Path(ale_py.__file__).parent / "roms"

@@ -1,18 +1,22 @@
 """The native core equals ale-py, frame by frame, side by side: RAM, picture, sound, reward, lives, ends, counters.
 
-`atari.verify` is the test itself, which users can run too (`atari verify`); here it runs over all games with sticky
+`atari.cores.verify` is the test itself, which users can run too (`atari verify`); here it runs over all games with sticky
 actions, all modes and difficulties, fractional paddle movement, RAM overwritten at random, and snapshots.
 """
 
+import json
+
 import numpy as np
 import pytest
+from conformance import mode_goldens
 
 import atari
 from atari.cores import AleCore, NativeCore
-from atari.verify import Run, verify
+from atari.cores.verify import Run, verify
 
 GAMES = [game.id for game in atari.games.playable()]
 PADDLE_GAMES = [game.id for game in atari.games.playable() if game.controllers.paddles]
+MODE_GOLDENS = json.loads(mode_goldens.FILE.read_text())
 ARRAYS = ("ram", "screen", "screen_rgb", "screen_grayscale", "audio")
 
 
@@ -34,12 +38,12 @@ def test_paddles_with_fractional_strengths(game: str) -> None:
 
 @pytest.mark.parametrize("game", GAMES)
 def test_every_mode_and_difficulty(game: str) -> None:
-    """Each mode with some difficulty and each difficulty with some mode, through a reset and 60 frames."""
-    facts = atari.games[game]
-    count = max(len(facts.modes), len(facts.difficulties))
-    for i in range(count):
-        mode, difficulty = facts.modes[i % len(facts.modes)], facts.difficulties[i % len(facts.difficulties)]
-        assert verify(Run(game, frames=60, seed=i, mode=mode, difficulty=difficulty)) is None
+    """Three of a game's settings side by side, and all of them beside the check sums of what ale-py showed."""
+    runs = mode_goldens.runs(game)
+    for index in sorted({0, len(runs) // 2, len(runs) - 1}):
+        assert verify(runs[index]) is None
+    for run, golden in zip(runs, MODE_GOLDENS[game], strict=True):
+        assert mode_goldens.check_sum(run, "native") == golden, f"{verify(run) or run}"
 
 
 @pytest.mark.parametrize("game", GAMES)

@@ -13,8 +13,9 @@ from core_tools import play, some_actions, visible
 
 import atari
 from atari.cores import NativeCore, PlainCore
+from atari.games.game import Rom
+from atari.games.rules import parse_rules
 from atari.roms import find
-from atari.rules import parse_rules
 
 
 class TestNativeCore(CoreContract):
@@ -102,7 +103,7 @@ def test_a_picture_may_be_left_of_what_was_before_a_reset(tmp_path: Path) -> Non
     code = bytes.fromhex(frame + short)
     (tmp_path / "left.bin").write_bytes(code.ljust(0xFFC, b"\0") + b"\x00\xf0\x00\xf0")
     rules = parse_rules({"lives_initial": 1, "state": {}, "step": "reward = 0\nterminal = 0\nlives = 1"})
-    mine = replace(atari.games["breakout"], rom=atari.game.Rom(), rules=rules)
+    mine = replace(atari.games["breakout"], rom=Rom(), rules=rules)
     cores = [core(mine, rom=tmp_path / "left.bin") for core in (NativeCore, PlainCore)]
     for value in (0x1E, 0x46):
         for core in cores:
@@ -142,7 +143,7 @@ def test_a_rom_without_a_hash_in_its_game_is_taken_as_it_is(tmp_path: Path) -> N
     image = bytearray(find("breakout").read_bytes())
     image[0x100] ^= 0xFF
     (tmp_path / "changed.bin").write_bytes(image)
-    mine = replace(atari.games["breakout"], rom=atari.game.Rom())
+    mine = replace(atari.games["breakout"], rom=Rom())
     core = NativeCore(mine, rom=tmp_path / "changed.bin")
     core.reset()
     assert core.frame_number == 0
@@ -156,13 +157,13 @@ def test_a_rom_without_a_hash_in_its_game_is_taken_as_it_is(tmp_path: Path) -> N
 def test_an_image_of_no_supported_type_is_refused(tmp_path: Path, size: int) -> None:
     (tmp_path / "odd.bin").write_bytes(bytes(size))
     with pytest.raises(ValueError, match=r"empty|bytes|Supercharger|cartridge type"):
-        NativeCore(replace(atari.games["breakout"], rom=atari.game.Rom()), rom=tmp_path / "odd.bin")
+        NativeCore(replace(atari.games["breakout"], rom=Rom()), rom=tmp_path / "odd.bin")
 
 
 def test_a_foreign_rom_under_the_rules_of_a_game_cannot_hang(tmp_path: Path) -> None:
     """Its RAM never shows the mode that a reset waits for."""
     (tmp_path / "jam.bin").write_bytes(b"\x02" * 4092 + b"\x00\xf0\x00\xf0")
-    mine = replace(atari.games["breakout"], rom=atari.game.Rom())
+    mine = replace(atari.games["breakout"], rom=Rom())
     with pytest.raises(RuntimeError, match="the mode cannot be selected"):
         NativeCore(mine, rom=tmp_path / "jam.bin")
 

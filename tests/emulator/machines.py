@@ -61,7 +61,7 @@ def write_at(machine: Console, line: int, cycle: int, register: int, value: int 
 def picture(machine: Console) -> Any:
     """The picture up to the present cycle: an access brings it up to date, here of a register that drives nothing."""
     machine.read(0x0E)
-    return machine.picture()
+    return machine.framebuffer()
 
 
 def run(machine: Console, instructions: int) -> None:

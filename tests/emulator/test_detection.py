@@ -7,8 +7,8 @@ from emulator.machines import rom
 
 from atari import roms
 from atari._emulator import Console
-from atari.catalog import games
-from atari.game import Game
+from atari.games.catalog import games
+from atari.games.game import Game
 from atari.roms.image import read_image
 
 CV = bytes([0x9D, 0xFF, 0xF3])

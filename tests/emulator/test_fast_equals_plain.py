@@ -1,4 +1,4 @@
-"""The fast interpreter, the machine code and the deferred TIA against the plain ones, which are the oracle: after every
+"""The fast interpreter, translated code and the deferred TIA against the plain ones, which are the oracle: after every
 frame all of both machines is compared, to the byte.
 
 Pictures and collision latches are worked out only when somebody asks for them, so they are asked for, and compared, at
@@ -27,14 +27,14 @@ class Pair:
     """A fast and a plain console with the same cartridge, to which the same is done."""
 
     translated: ClassVar[bool]
-    """Whether the fast one runs machine code, where that is possible."""
+    """Whether the fast one runs translated code, where that is possible."""
 
     def __init__(self, image: bytes, cartridge: str, what: str, rng: random.Random, **options: Any) -> None:
         self.fast = Console(image, cartridge, plain=False, translated=self.translated, **options)
         self.plain = Console(image, cartridge, plain=True, **options)
         self.what, self.rng, self.frames = what, rng, 0
         self.watching = False
-        self.remembered = self.fast.remember(), self.plain.remember()
+        self.snapshots = self.fast.snapshot(), self.plain.snapshot()
 
     @property
     def both(self) -> tuple[Console, Console]:
@@ -70,20 +70,20 @@ class Pair:
             console.ram = bytes(ram)
 
     def travel(self) -> None:
-        """One goes on from where the other is, or both remember this moment, or go back to it."""
+        """One continues from the state of the other, or both take a snapshot, or restore it."""
         choice = self.rng.random()
         if choice < 0.3:
             source, target = self.rng.sample(self.both, 2)
             target.load(source.save())
         elif choice < 0.65:
-            self.remembered = self.fast.remember(), self.plain.remember()
+            self.snapshots = self.fast.snapshot(), self.plain.snapshot()
         else:
-            for console, moment in zip(self.both, self.remembered, strict=True):
-                console.go_back(moment)
+            for console, snapshot in zip(self.both, self.snapshots, strict=True):
+                console.restore(snapshot)
             self.compare(self.rng.random() < 0.5)
 
     def compare_pictures(self) -> None:
-        first, second = (console.picture() for console in self.both)
+        first, second = (console.framebuffer() for console in self.both)
         assert np.array_equal(first, second), f"{self.what}, frame {self.frames}: picture"
 
     def compare(self, complete: bool) -> None:
@@ -94,14 +94,14 @@ class Pair:
 
 @pytest.fixture(autouse=True, params=[True, False], ids=["translated", "handlers"])
 def translated(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> bool:
-    """Everything once with machine code and once with handlers alone."""
+    """Everything once with translated code and once with handlers alone."""
     monkeypatch.setattr(Pair, "translated", request.param, raising=False)
     return bool(request.param)
 
 
 def seen(console: Console) -> dict[str, Any]:
     """Everything of a console by name, the picture asked for."""
-    picture = console.picture()
+    picture = console.framebuffer()
     return {
         **{name: list(part) for name, part in (("ram", console.ram), ("cartridge_ram", console.cartridge_ram))},
         "registers": console.registers,
@@ -161,7 +161,7 @@ def test_games(game: str) -> None:
 
 
 def test_what_runs(translated: bool) -> None:
-    """Machine code, where this processor has some and it is wanted."""
+    """Translated code, where this processor has some and it is wanted."""
     console = Console(wild_programs.noise(random.Random(0), "4K"), "4K", plain=False, translated=translated)
     assert console.translated == (translated and platform.machine() in ("x86_64", "AMD64") and os.name == "posix")
 
@@ -287,6 +287,15 @@ def test_the_limit_within_a_straight_line(behind: int) -> None:
     pair.play(20, pokes=0, resets=0, travels=0)
 
 
+def test_the_deadline_check_of_the_first_instruction() -> None:
+    """The first TIA write that is too late ends a frame: that of an image's first instruction, not the next one."""
+    wait = [0xA0, 25, 0xA2, 0, 0xCA, 0xD0, 0xFD, 0x88, 0xD0, 0xF8]  # 25 times 256 rounds: more than 342 lines
+    writes = [0x85, 0x09, 0x69, 0x02, 0xE6, 0x80, 0x85, 0x08]  # STA COLUBK; ADC #2; INC; STA COLUPF
+    program = [*writes, *wait, 0x4C, 0x00, 0xF0]  # JMP to the beginning
+    image = bytes(program).ljust(0xFFC, b"\xea") + bytes([0x00, 0xF0, 0x00, 0xF0])
+    Pair(image, "4K", "a late write at the first byte", random.Random(0)).play(20)
+
+
 @pytest.mark.parametrize("batch", range(4))
 @pytest.mark.parametrize("make", [tia_program, cpu_program])
 def test_programs_that_are_compared_with_ale_py(make: Any, batch: int) -> None:
@@ -304,10 +313,10 @@ def test_latches_that_nobody_has_read_come_back(game: str) -> None:
         press(pair, player=True)
         pair.play(3, pokes=0, resets=0, looks=0)
         pair.compare_pictures()
-        moments = [console.remember() for console in pair.both]
+        snapshots = [console.snapshot() for console in pair.both]
         for console in pair.both:
             for _ in range(4):
                 console.run_frame()
-        for console, moment in zip(pair.both, moments, strict=True):
-            console.go_back(moment)
+        for console, snapshot in zip(pair.both, snapshots, strict=True):
+            console.restore(snapshot)
         pair.compare(complete=True)

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from atari._emulator import pool_gray, resize_area, ways
+from atari._emulator import SimdLevel, best_simd_level, pool_gray, resize_area
 from atari.cores import ByteArray, NativeCore
 
 GAMES = {210: "ms_pacman", 214: "carnival", 220: "pooyan", 230: "journey_escape", 250: "mr_do"}
@@ -18,7 +18,10 @@ SIZES = [(84, 84), (64, 64), (96, 96), (42, 42), (110, 84), (84, 110), (100, 120
 WHOLE_ROW = (1 << 20) - 1
 """What has changed, a bit for eight columns: all of them."""
 
-each_way = pytest.mark.parametrize("way", range(ways()))
+LEVELS = [level for level in SimdLevel if level.value <= best_simd_level().value]
+"""Those that this processor supports."""
+
+each_level = pytest.mark.parametrize("level", LEVELS)
 
 
 def opencv(picture: ByteArray, height: int, width: int) -> ByteArray:
@@ -63,31 +66,31 @@ def test_half_way_means_occur() -> None:
         assert np.count_nonzero(sums % 200 == 100) > 10
 
 
-@each_way
+@each_level
 @pytest.mark.parametrize("rows", GAMES)
-def test_equals_opencv(rows: int, way: int) -> None:
+def test_equals_opencv(rows: int, level: SimdLevel) -> None:
     for height, width in SIZES:
         for seed in range(4):
             for picture in (noise(rows, seed), few_grays(rows, seed)):
                 expected = opencv(picture, height, width)
-                assert np.array_equal(resize_area(picture, height, width, way=way), expected), (height, width, seed)
+                assert np.array_equal(resize_area(picture, height, width, level=level), expected), (height, width, seed)
 
 
-@each_way
-def test_equals_opencv_at_every_size(way: int) -> None:
+@each_level
+def test_equals_opencv_at_every_size(level: SimdLevel) -> None:
     """Every width once, every height once; 10 rows have sizes that divide one side only."""
     for rows, sizes in {210: [(84, width) for width in range(11, 161)], 250: [(h, 84) for h in range(1, 251)]}.items():
         for height, width in sizes:
             picture = few_grays(rows, width + height)
             expected = opencv(picture, height, width)
-            assert np.array_equal(resize_area(picture, height, width, way=way), expected), (height, width)
+            assert np.array_equal(resize_area(picture, height, width, level=level), expected), (height, width)
     for height, width in ((5, 84), (3, 80), (10, 84), (7, 160), (10, 159)):
-        assert np.array_equal(resize_area(noise(10), height, width, way=way), opencv(noise(10), height, width))
+        assert np.array_equal(resize_area(noise(10), height, width, level=level), opencv(noise(10), height, width))
 
 
-@each_way
+@each_level
 @pytest.mark.parametrize("rows", GAMES)
-def test_games(rows: int, way: int) -> None:
+def test_games(rows: int, level: SimdLevel) -> None:
     """Two frames of a game, pooled and scaled, row for row and with what repeats the row above left out."""
     table = np.random.default_rng(2).integers(0, 256, 256, dtype=np.uint8)
     repeated = 0
@@ -95,32 +98,32 @@ def test_games(rows: int, way: int) -> None:
         early, late = (core.screen() for core in cores)
         assert early.shape == (rows, 160)
         for first, second in ((early, late), (late, early), (late, late)):
-            gray, changes = pool_gray(first, second, table, way=way)
+            gray, changes = pool_gray(first, second, table, level=level)
             expected = np.maximum(table[first], table[second])
             assert np.array_equal(gray, expected)
             assert changes == changes_of(first, second)
             repeated += changes.count(0)
             for height, width in ((84, 84), (64, 64)):
                 small = opencv(expected, height, width)
-                assert np.array_equal(resize_area(gray, height, width, way=way), small)
-                assert np.array_equal(resize_area(gray, height, width, changes, way=way), small)
+                assert np.array_equal(resize_area(gray, height, width, level=level), small)
+                assert np.array_equal(resize_area(gray, height, width, changes, level=level), small)
     assert repeated > 100
 
 
-@each_way
-def test_gray_of_games(way: int) -> None:
+@each_level
+def test_gray_of_games(level: SimdLevel) -> None:
     """With ALE's grays as the table, pooling is the maximum of the cores' gray screens."""
     for game in ("breakout", "enduro"):
         for early, late in frames(game, 4):
             table = np.zeros(256, np.uint8)
             for core in (early, late):
                 table[core.screen()] = core.screen_grayscale()
-            gray, _ = pool_gray(early.screen(), late.screen(), table, way=way)
+            gray, _ = pool_gray(early.screen(), late.screen(), table, level=level)
             assert np.array_equal(gray, np.maximum(early.screen_grayscale(), late.screen_grayscale()))
 
 
-@each_way
-def test_pooling_sees_every_pixel(way: int) -> None:
+@each_level
+def test_pooling_sees_every_pixel(level: SimdLevel) -> None:
     """One pixel that differs, in either picture, at any column; it is pooled, and told."""
     table = np.arange(256, dtype=np.uint8)
     for column in range(160):
@@ -128,49 +131,49 @@ def test_pooling_sees_every_pixel(way: int) -> None:
             pictures = np.full((2, 4, 160), 100, np.uint8)
             pictures[which, 2, column] = 200
             for pools in (table, np.maximum.outer(table, table).ravel()):
-                gray, changes = pool_gray(pictures[0], pictures[1], pools, way=way)
+                gray, changes = pool_gray(pictures[0], pictures[1], pools, level=level)
                 assert np.array_equal(gray, pictures.max(0))
                 assert changes == [WHOLE_ROW, 0, 1 << column // 8, 1 << column // 8]
 
 
-@each_way
+@each_level
 @pytest.mark.parametrize("seed", range(5))
-def test_pooling_of_noise(seed: int, way: int) -> None:
+def test_pooling_of_noise(seed: int, level: SimdLevel) -> None:
     table = np.random.default_rng(seed).permutation(256).astype(np.uint8)
     early, late = noise(210, seed), few_grays(210, seed)
-    gray, changes = pool_gray(early, late, table, way=way)
+    gray, changes = pool_gray(early, late, table, level=level)
     assert np.array_equal(gray, np.maximum(table[early], table[late]))
     assert changes == [WHOLE_ROW] * 210
 
 
-@each_way
+@each_level
 @pytest.mark.parametrize("seed", range(5))
-def test_pairs_of_noise(seed: int, way: int) -> None:
+def test_pairs_of_noise(seed: int, level: SimdLevel) -> None:
     """A table in which the order of the two matters, and rows of which some repeat and some are of one colour."""
     rng = np.random.default_rng(seed)
     table = rng.integers(0, 256, 65536).astype(np.uint8)
     early, late = noise(210, seed)[np.arange(210) // 3], few_grays(210, seed)[np.arange(210) // 2]
     early[50:100] = rng.integers(0, 256, (50, 1))
     late[70:120] = rng.integers(0, 256, (50, 1))
-    gray, changes = pool_gray(early, late, table, way=way)
+    gray, changes = pool_gray(early, late, table, level=level)
     assert np.array_equal(gray, table[early.astype(int) * 256 + late])
     assert changes == changes_of(early, late)
     assert 0 in changes
 
 
-@each_way
-def test_a_row_told_to_repeat_is_not_looked_at(way: int) -> None:
+@each_level
+def test_a_row_told_to_repeat_is_not_looked_at(level: SimdLevel) -> None:
     picture = noise(210)
     changed = np.random.default_rng(3).integers(0, 2, 210)
     changed[0] = 1
     source = np.maximum.accumulate(np.where(changed, np.arange(210), 0))
     changes = (changed * WHOLE_ROW).tolist()
-    assert np.array_equal(resize_area(picture, 84, 84, changes, way=way), opencv(picture[source], 84, 84))
+    assert np.array_equal(resize_area(picture, 84, 84, changes, level=level), opencv(picture[source], 84, 84))
 
 
-@each_way
+@each_level
 @pytest.mark.parametrize(("height", "width"), SIZES)
-def test_only_columns_told_to_change_need_to(height: int, width: int, way: int) -> None:
+def test_only_columns_told_to_change_need_to(height: int, width: int, level: SimdLevel) -> None:
     """Noise of which each row takes some blocks of eight columns from the row above."""
     rng = np.random.default_rng(height + width)
     picture = noise(210)
@@ -178,7 +181,7 @@ def test_only_columns_told_to_change_need_to(height: int, width: int, way: int) 
     for row in range(1, 210):
         picture[row] = np.where(changed[row].repeat(8), picture[row], picture[row - 1])
     changes = [WHOLE_ROW, *(changed[1:] @ (1 << np.arange(20))).tolist()]
-    assert np.array_equal(resize_area(picture, height, width, changes, way=way), opencv(picture, height, width))
+    assert np.array_equal(resize_area(picture, height, width, changes, level=level), opencv(picture, height, width))
 
 
 def test_changes_are_checked() -> None:

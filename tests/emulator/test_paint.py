@@ -1,11 +1,15 @@
-"""The ways of painting spans and of making colours: all give the same bytes, those of a plain description in NumPy."""
+"""Painting spans and converting colours: every SIMD level gives the bytes of a plain description in NumPy."""
 
 import numpy as np
 import pytest
 
 from atari import _emulator
+from atari._emulator import SimdLevel
 from atari.cores import ByteArray
 from atari.wrappers._palettes import PALETTES
+
+LEVELS = [level for level in SimdLevel if level.value <= _emulator.best_simd_level().value]
+"""Those that this processor supports."""
 
 RANDOM = np.random.default_rng(20)
 
@@ -24,21 +28,21 @@ def expected_row(layers: list[ByteArray], colours: list[int], first: int, last: 
     return row
 
 
-@pytest.mark.parametrize("way", range(_emulator.ways()))
-def test_every_way_paints_the_same(way: int) -> None:
+@pytest.mark.parametrize("level", LEVELS)
+def test_every_level_paints_the_same(level: SimdLevel) -> None:
     """Whole lines, single pixels at both edges, and random spans."""
     spans = [(0, 160), (0, 1), (159, 160), (63, 65), (31, 33), (127, 129)]
     spans += [(first, int(RANDOM.integers(first + 1, 161))) for first in RANDOM.integers(0, 160, size=300)]
     for first, last in spans:
         layers = random_layers()
         colours = [int(colour) for colour in RANDOM.integers(0, 256, size=4)]
-        row = _emulator.paint(layers, colours, int(first), last, way)
+        row = _emulator.paint(layers, colours, int(first), last, level)
         np.testing.assert_array_equal(row, expected_row(layers, colours, int(first), last))
 
 
-@pytest.mark.parametrize("way", range(_emulator.ways()))
+@pytest.mark.parametrize("level", LEVELS)
 @pytest.mark.parametrize("tv_format", sorted(PALETTES))
-def test_colours_are_those_of_the_palette(tv_format: str, way: int) -> None:
+def test_colours_are_those_of_the_palette(tv_format: str, level: SimdLevel) -> None:
     """Noise of all indices, and pictures whose rows mostly repeat; also heights whose pixels are no multiple of 64."""
     for rows in (1, 2, 3, 200, 210, 250, 300):
         noise = RANDOM.integers(0, 256, size=(rows, 160), dtype=np.uint8)
@@ -47,5 +51,5 @@ def test_colours_are_those_of_the_palette(tv_format: str, way: int) -> None:
         ].copy()
         repeated[rows // 2, 40:43] ^= 2
         for picture in (noise, repeated):
-            rgb = _emulator.to_rgb(picture, tv_format, way)
+            rgb = _emulator.to_rgb(picture, tv_format, level)
             np.testing.assert_array_equal(rgb, PALETTES[tv_format][picture])

@@ -17,8 +17,8 @@ from emulator.programs import cpu_program, tia_program
 from emulator.reference import GAME
 
 from atari import _emulator
-from atari.catalog import games
-from atari.compiler import compile_rules
+from atari.games.catalog import games
+from atari.games.compiler import compile_rules
 
 BATCH = 15  # programs in one process of ale-py
 REFERENCE = Path(__file__).with_name("reference.py")

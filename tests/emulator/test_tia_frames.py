@@ -161,14 +161,14 @@ def test_illegal_opcode_greys_what_is_below_it() -> None:
     for colour in (0x1A, 0x3C, 0x3A):
         machine.ram = bytes([0, colour]) + bytes(126)
         machine.run_frame()
-    assert set(machine.picture().ravel()) == {0x3A}
+    assert set(machine.framebuffer().ravel()) == {0x3A}
     machine.ram = bytes([1, 0x44]) + bytes(126)
     for _ in range(3):
         machine.run_frame()
         assert machine.state()["jammed"]
         assert machine.scan_lines == 14
         # The beam stopped in the blank of line 13: that row is as it was, those below are grey.
-        assert [set(row) for row in machine.picture().tolist()] == [{0x44}] * 3 + [{0x3C}] + [{6}] * 6
+        assert [set(row) for row in machine.framebuffer().tolist()] == [{0x44}] * 3 + [{0x3C}] + [{6}] * 6
 
 
 def finish_frame(machine: Console, line: int) -> None:
@@ -272,4 +272,4 @@ def test_ordinary_frame_is_what_its_lines_say() -> None:
     machine = console(program + jump(0xF000))
     machine.run_frame()
     machine.run_frame()
-    np.testing.assert_array_equal(machine.picture()[:90, 0], 2 * np.arange(34, 124, dtype=np.uint8))
+    np.testing.assert_array_equal(machine.framebuffer()[:90, 0], 2 * np.arange(34, 124, dtype=np.uint8))

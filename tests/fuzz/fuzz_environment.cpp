@@ -15,9 +15,10 @@
 #include <string>
 #include <vector>
 
-#include "environment.hpp"
+#include "ale/environment.hpp"
 #include "input.hpp"
-#include "observation.hpp"
+#include "observations/area_resize.hpp"
+#include "observations/pooling.hpp"
 
 namespace atari {
 namespace {
@@ -37,7 +38,7 @@ void expect(bool good, const char* what) {
 constexpr int kSteps = 64, kFrames = 6, kActs = 6, kResets = 2;
 constexpr size_t kInstructions = 80;  // of a rule program
 
-std::shared_ptr<const Cartridge> read_cartridge(Reader& in) {
+std::shared_ptr<const FastCartridge> read_cartridge(Reader& in) {
     static const char* const kTypes[] = {"",     "2K",   "4K",   "F8", "F8 SWAPPED", "F6", "F4",  "F8SC", "F6SC", "F4SC",
                                          "FASC", "E0", "E7", "FE", "DPC",        "3F", "3E",  "UA",   "CV",   "MB"};
     static constexpr size_t kSizes[] = {0,     2048,  4096,  8192,  10240, 12288,  16384,  32768,
@@ -46,7 +47,7 @@ std::shared_ptr<const Cartridge> read_cartridge(Reader& in) {
     const size_t size = kSizes[in.byte() % std::size(kSizes)];
     const uint8_t layout = in.byte(), fill = in.byte();
     const Bytes code = in.chunk();
-    if (size == 0) return std::make_shared<const Cartridge>(code, type);
+    if (size == 0) return std::make_shared<const FastCartridge>(code, type);
 
     // The code at the beginning of every so many bytes, and a vector that starts it at the end of every KiB.
     const size_t every = size_t{1024} << (layout & 7);
@@ -56,7 +57,7 @@ std::shared_ptr<const Cartridge> read_cartridge(Reader& in) {
     if (layout & 8)
         for (size_t at = 1020; at < size; at += 1024)
             for (size_t k = 0; k < 4; ++k) image[at + k] = k & 1 ? 0xf0 : 0x00;
-    return std::make_shared<const Cartridge>(image, type);
+    return std::make_shared<const FastCartridge>(image, type);
 }
 
 ConsoleConfig read_config(Reader& in) {
@@ -118,7 +119,7 @@ std::shared_ptr<Game> read_game(Reader& in) {
     game->select_mode = read_program(in, game->variables, true, presses);
     game->check();
     // Selecting a mode may take 20000 frames: of a game whose processor stops at once, or an input takes minutes.
-    if (presses) game->cartridge = std::make_shared<const Cartridge>(Bytes(4096, 0x02), "4K");
+    if (presses) game->cartridge = std::make_shared<const FastCartridge>(Bytes(4096, 0x02), "4K");
     return game;
 }
 
@@ -226,7 +227,8 @@ void play_console(Reader& in) {
     game.cartridge = read_cartridge(in);
     game.console = read_config(in);
     game.check();
-    Console fast(game.cartridge, game.console, false), plain(game.cartridge, game.console, true);
+    FastConsole fast(game.cartridge, game.console);
+    Console plain(game.cartridge, game.console);
     Twins<Console> twins{fast, plain};
     const auto both = [&](auto&& work) {
         work(fast);
@@ -262,7 +264,7 @@ void play_console(Reader& in) {
                 break;
             case ConsoleStep::kLook: {
                 const size_t shown = static_cast<size_t>(game.console.height) * kScreenWidth;
-                twins.alike(std::equal(fast.picture(), fast.picture() + shown, plain.picture()), "fast and plain pictures are equal");
+                twins.alike(std::equal(fast.framebuffer(), fast.framebuffer() + shown, plain.framebuffer()), "fast and plain pictures are equal");
                 break;
             }
             case ConsoleStep::kCompare: twins.compare_states(); break;
@@ -293,19 +295,19 @@ void play_console(Reader& in) {
     }
 }
 
-// Pooled and scaled in every way that this processor has: the same in each, and nothing behind the last pixel is read.
+// Pooling and resizing give the same at every SIMD level of this processor, and read nothing after the last pixel.
 void scale(const Bytes& indices, int rows, const uint8_t* table) {
     Bytes expected;
-    for (Way way : {Way::kPlain, Way::kWide, Way::kWider}) {
-        if (way > best_way()) break;
+    for (SimdLevel level : {SimdLevel::kScalar, SimdLevel::kAvx2, SimdLevel::kAvx512}) {
+        if (level > best_simd_level()) break;
         Bytes pooled(indices.size()), small(84 * 84), whole(84 * 84);
         std::vector<uint32_t> changes(static_cast<size_t>(rows));
-        pool_gray(indices.data(), indices.data(), rows, table, pooled.data(), changes.data(), way);
-        AreaResize(rows, 84, 84, way)(pooled.data(), changes.data(), small.data());
-        AreaResize(rows, 84, 84, way)(pooled.data(), nullptr, whole.data());
+        pool_gray(indices.data(), indices.data(), rows, table, pooled.data(), changes.data(), level);
+        AreaResize(rows, 84, 84, level)(pooled.data(), changes.data(), small.data());
+        AreaResize(rows, 84, 84, level)(pooled.data(), nullptr, whole.data());
         expect(small == whole, "what does not change need not be looked at");
-        if (way == Way::kPlain) expected = small;
-        expect(small == expected, "pictures are scaled alike in every way");
+        if (level == SimdLevel::kScalar) expected = small;
+        expect(small == expected, "pictures are resized alike at every SIMD level");
     }
 }
 
@@ -358,7 +360,7 @@ void play_environment(Reader& in) {
         compare_quickly(twins);
     };
     const size_t machine = sizeof(EnvironmentState);
-    std::optional<EnvironmentCopy> fast_moment, plain_moment;
+    std::optional<EnvironmentSnapshot> fast_snapshot, plain_snapshot;
     int acts = 0, resets = 0;
     for (int steps = 0; steps < kSteps && !in.empty(); ++steps) {
         switch (static_cast<EnvironmentStep>(in.byte() % static_cast<int>(EnvironmentStep::kCount))) {
@@ -379,14 +381,14 @@ void play_environment(Reader& in) {
             case EnvironmentStep::kLook: twins.alike(look(fast) == look(plain), "fast and plain pictures are equal"); break;
             case EnvironmentStep::kCompare: twins.compare_states(); break;
             case EnvironmentStep::kChangePlaces: twins.change_places(); break;
-            case EnvironmentStep::kGoBack:  // to where the step before of this kind was, which was remembered in memory
+            case EnvironmentStep::kRestore:  // the snapshot that the last step of this kind took
                 if (!twins.comparable) break;
-                if (fast_moment) {
-                    expect(fast.copy_from(*fast_moment) && plain.copy_from(*plain_moment), "a copy is taken");
-                    expect(!plain.copy_from(*fast_moment), "a copy of another kind of machine is refused");
+                if (fast_snapshot) {
+                    expect(fast.restore(*fast_snapshot) && plain.restore(*plain_snapshot), "a snapshot is restored");
+                    expect(!plain.restore(*fast_snapshot), "a snapshot of another kind of console is refused");
                 }
-                fast.copy_to(fast_moment.emplace());
-                plain.copy_to(plain_moment.emplace());
+                fast_snapshot = fast.snapshot();
+                plain_snapshot = plain.snapshot();
                 break;
             case EnvironmentStep::kDamage: twins.damage(in, {machine, machine + 200, kNumbers}); break;
             case EnvironmentStep::kSeed: {  // the same as a new environment with that seed

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "environment.hpp"
+#include "ale/environment.hpp"
 
 namespace atari {
 
@@ -36,7 +36,7 @@ inline Games load_games(const std::filesystem::path& folder) {
         std::ifstream file(files[i * files.size() / kTestGames], std::ios::binary);
         const std::vector<uint8_t> image(std::istreambuf_iterator<char>(file), {});
         auto game = std::make_shared<Game>();
-        game->cartridge = std::make_shared<const Cartridge>(image, "");
+        game->cartridge = std::make_shared<const FastCartridge>(image, "");
         game->palette = i % 3 == 0 ? &NTSC : i % 3 == 1 ? &PAL : &SECAM;
         game->variables = 4;
         game->mode_variable = 3;

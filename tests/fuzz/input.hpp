@@ -14,7 +14,7 @@ enum class ConsoleStep : uint8_t {
     kFrame, kInstructions, kPress, kLook, kCompare, kChangePlaces, kDamage, kReset, kSamples, kRead, kWrite, kCount
 };
 enum class EnvironmentStep : uint8_t {
-    kAct, kReset, kLook, kCompare, kChangePlaces, kGoBack, kDamage, kSeed, kSetRam, kMode, kDifficulty, kCount
+    kAct, kReset, kLook, kCompare, kChangePlaces, kRestore, kDamage, kSeed, kSetRam, kMode, kDifficulty, kCount
 };
 
 class Reader {

@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <functional>
 
-#include "environment.hpp"
+#include "ale/environment.hpp"
 #include "input.hpp"
 
 namespace atari {
@@ -182,7 +182,7 @@ const std::vector<Rule> kSelection = {
     {Op::kJump, 2}, {Op::kSoftReset, 0}, {Op::kAct, 1}, {Op::kEnd, 0}};
 
 Bytes all_environment_steps(Writer to) {
-    for (int i = 0; i < 4; ++i) step(step(to, Act::kAct).byte(static_cast<uint8_t>(3 * i)).number(16 - i), Act::kGoBack);
+    for (int i = 0; i < 4; ++i) step(step(to, Act::kAct).byte(static_cast<uint8_t>(3 * i)).number(16 - i), Act::kRestore);
     for (Act each : {Act::kLook, Act::kChangePlaces}) step(to, each);
     step(to, Act::kSetRam).byte(3).byte(0x77);
     step(to, Act::kMode).number(2);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "games.hpp"
-#include "vector.hpp"
+#include "vector/members.hpp"
 
 namespace atari {
 namespace {
@@ -50,24 +50,26 @@ struct Arrays {
     Batch batch;
 };
 
-// With `forks`, environments now and then continue from where others are, which the threads bring about.
+// With `forks`, environments now and then continue from snapshots of others, which the threads restore.
 Digests play(const Games& games, int threads, int batch_size, bool forks = false) {
-    PlaySettings play;
-    play.max_frames = 40;
-    std::vector<Vector::Member> members;
-    const auto scaler = std::make_shared<const Scaler>(210, 84, 84);
-    for (int i = 0; i < kEnvironments; ++i) {
-        const Seed seed{static_cast<uint32_t>(i), {static_cast<uint32_t>(i)}};
-        auto environment = std::make_unique<Environment>(games[static_cast<size_t>(i) % games.size()], Settings{}, seed.emulator);
-        members.push_back({std::make_unique<AlePlayer>(std::move(environment), play, ViewSettings{}, scaler,
-                                                       Start{true, true, 2}, seed),
-                           {0, 1, 2, 3, 4, 5}});
+    EpisodeSettings episode;
+    episode.max_frames = 40;
+    std::vector<MemberSpec> specs;
+    for (uint32_t i = 0; i < kEnvironments; ++i) {
+        MemberSpec spec;
+        spec.game = games[i % games.size()];
+        spec.actions = {0, 1, 2, 3, 4, 5};
+        spec.action_set = {0, 1, 2};
+        spec.seed = {i, i};
+        specs.push_back(spec);
     }
-    VectorSettings settings{batch_size, threads};
+    VectorSettings settings;
+    settings.batch_size = batch_size;
+    settings.threads = threads;
     settings.autoreset = Autoreset::kSameStep;
     const auto rows = static_cast<size_t>(batch_size);
     Arrays arrays(rows);  // must outlive the threads
-    Vector vector(std::move(members), settings);
+    VectorEngine vector(make_members(specs, episode, ObservationSettings{}), settings);
     const Batch* const batch = batch_size == kEnvironments ? &arrays.batch : nullptr;
     Digests digests(kEnvironments);
     std::vector<int> environments(rows);

@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "environment.hpp"
+#include "ale/environment.hpp"
 
 namespace atari {
 namespace {
@@ -47,7 +47,7 @@ std::shared_ptr<const Game> load_game(const char* rom, const Words& words) {
     const auto number = [&](const char* name) { return numbers(words, name).at(0); };
     const auto text = [&](const char* name) { return words.at(name).empty() ? "" : words.at(name)[0]; };
     auto game = std::make_shared<Game>();
-    game->cartridge = std::make_shared<const Cartridge>(image, text("cartridge"));
+    game->cartridge = std::make_shared<const FastCartridge>(image, text("cartridge"));
     game->console.first_line = number("first_line");
     game->console.height = number("height");
     game->console.pal = text("format") == "PAL";

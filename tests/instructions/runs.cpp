@@ -17,8 +17,9 @@
 #include <utility>
 #include <vector>
 
-#include "console.hpp"
-#include "decoder.hpp"
+#include "machine/console.hpp"
+#include "fast/interpreter/decoder.hpp"
+#include "fast/interpreter/decoder.hpp"
 
 namespace {
 
@@ -28,7 +29,7 @@ constexpr const char* kNames[] = {
     "kStep", "kLoop", "kRamCode",
 #define SINGLE(operation, operand) #operation "_" #operand,
 #define PAIR(...)
-#include "handlers.def"
+#include "fast/interpreter/handlers.def"
 };
 
 constexpr size_t kLongest = 24;
@@ -60,7 +61,7 @@ void count(const std::filesystem::path& path, double weight, Counts& counts) {
             const uint8_t* bytes = console.image_at(cpu.pc);
             const unsigned in_bank = cartridge->type() == CartridgeType::k2K ? 0x7ff : 0xfff;
             const uint8_t* bank = bytes && one_bank ? bytes - (cpu.pc & in_bank) : nullptr;
-            const Record record = bytes ? decode(bytes, 3, *cartridge, bank) : Record{};
+            const DecodedInstruction record = bytes ? decode(bytes, 3, *cartridge, bank) : DecodedInstruction{};
             const uint16_t now = record.handler;
             const bool loops = is_branch(now) && record.jump >= -3 && record.jump < 0;  // nearly all are skipped
             if (now == kStep || loops || cpu.pc != next || run.size() == kLongest) {

@@ -7,7 +7,7 @@ import pytest
 from instructions import counting
 
 import atari
-from atari.compiler import compile_rules
+from atari.games.compiler import compile_rules
 
 BUILD = {"compiler": "GNU 12.2.0", "architecture": "x86_64"}
 

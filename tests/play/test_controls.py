@@ -86,7 +86,7 @@ def test_commands(controls: Controls) -> None:
         pygame.K_r: Command.NEW_GAME,
         pygame.K_F5: Command.SAVE,
         pygame.K_F9: Command.LOAD,
-        pygame.K_F10: Command.FILM,
+        pygame.K_F10: Command.VIDEO,
         pygame.K_F11: Command.FULL_SCREEN,
         pygame.K_m: Command.MUTE,
     }
@@ -96,7 +96,7 @@ def test_commands(controls: Controls) -> None:
     assert all(command.value.upper() in HELP.upper() for command in Command)
 
 
-def test_going_back_is_held(controls: Controls) -> None:
+def test_rewinding_while_the_key_is_held(controls: Controls) -> None:
     press(controls, pygame.K_BACKSPACE)
     assert controls.rewinding
     release(controls, pygame.K_BACKSPACE)

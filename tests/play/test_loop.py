@@ -1,4 +1,4 @@
-"""The window, driven by events on SDL's dummy display and heard by its dummy sound card."""
+"""The window and its sound, with events on SDL's dummy display and dummy audio device."""
 
 import os
 import subprocess
@@ -28,7 +28,7 @@ def display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
     pygame.quit()
 
 
-class Player:
+class WindowDriver:
     """A loop whose clock is the test."""
 
     def __init__(self, game: str = "breakout", *, sound: bool = False, scale: int = 1) -> None:
@@ -42,7 +42,7 @@ class Player:
         return all(self.loop.tick() for _ in range(frames))
 
     def press(self, *keys: int, frames: int = 1) -> bool:
-        """Press keys, play frames, let go."""
+        """Press keys, play frames, and release the keys."""
         for key in keys:
             pygame.event.post(pygame.event.Event(pygame.KEYDOWN, key=key))
         going = self.tick(frames)
@@ -61,103 +61,103 @@ class Player:
 
 
 def test_keys_are_played_and_the_screen_is_shown_with_wide_pixels() -> None:
-    player = Player(scale=2)
-    player.press(pygame.K_SPACE, frames=10)
-    player.press(pygame.K_RIGHT, frames=20)
-    player.tick(5)
-    assert player.shown().shape == (420, 640, 3)
-    assert np.array_equal(player.shown(), player.session.screen.repeat(2, axis=0).repeat(4, axis=1))
+    driver = WindowDriver(scale=2)
+    driver.press(pygame.K_SPACE, frames=10)
+    driver.press(pygame.K_RIGHT, frames=20)
+    driver.tick(5)
+    assert driver.shown().shape == (420, 640, 3)
+    assert np.array_equal(driver.shown(), driver.session.screen.repeat(2, axis=0).repeat(4, axis=1))
     assert pygame.display.get_caption()[0] == "Breakout   0"
-    actions = [frame.action for frame in player.close().frames()]
+    actions = [frame.action for frame in driver.close().frames()]
     assert actions == [1] * 10 + [3] * 20 + [0] * 5
 
 
 def test_pause_and_single_frames() -> None:
-    player = Player()
-    player.tick(10)
-    player.press(pygame.K_p)
-    player.tick(10)
-    assert player.session.frames == 10
-    assert (player.shown()[-32:, :300] == 255).any()  # the text
-    player.press(pygame.K_n)
-    player.press(pygame.K_n)
-    assert player.session.frames == 12
-    player.press(pygame.K_p)
-    player.tick(3)
-    assert player.session.frames == 16
-    player.close()
+    driver = WindowDriver()
+    driver.tick(10)
+    driver.press(pygame.K_p)
+    driver.tick(10)
+    assert driver.session.frames == 10
+    assert (driver.shown()[-32:, :300] == 255).any()  # the text
+    driver.press(pygame.K_n)
+    driver.press(pygame.K_n)
+    assert driver.session.frames == 12
+    driver.press(pygame.K_p)
+    driver.tick(3)
+    assert driver.session.frames == 16
+    driver.close()
 
 
-def test_going_back_while_the_key_is_held() -> None:
-    player = Player()
-    player.press(pygame.K_SPACE, frames=100)
-    player.press(pygame.K_BACKSPACE, frames=18)
-    assert player.session.frames == 100
-    player.tick(10)
-    replay = player.close()
+def test_the_game_rewinds_while_the_key_is_held() -> None:
+    driver = WindowDriver()
+    driver.press(pygame.K_SPACE, frames=100)
+    driver.press(pygame.K_BACKSPACE, frames=18)
+    assert driver.session.frames == 100
+    driver.tick(10)
+    replay = driver.close()
     assert replay.frames_total == 110
     assert replay.verify("ale")
 
 
-def test_save_load_film_new_game_and_quit() -> None:
-    player = Player()
-    player.press(pygame.K_SPACE, frames=30)
-    saved = player.session.screen
-    player.press(pygame.K_p)
-    player.press(pygame.K_F5)
-    player.press(pygame.K_p, pygame.K_F10, frames=30)
-    assert player.session.filming
-    player.press(pygame.K_p)
-    player.press(pygame.K_F9)
-    assert np.array_equal(player.session.screen, saved)
-    player.press(pygame.K_F10)
-    assert not player.session.filming
-    player.press(pygame.K_r)
-    player.press(pygame.K_m, pygame.K_F11, pygame.K_F11)
-    assert not player.press(pygame.K_ESCAPE)
-    replay = player.close()
+def test_save_load_video_new_game_and_quit() -> None:
+    driver = WindowDriver()
+    driver.press(pygame.K_SPACE, frames=30)
+    saved = driver.session.screen
+    driver.press(pygame.K_p)
+    driver.press(pygame.K_F5)
+    driver.press(pygame.K_p, pygame.K_F10, frames=30)
+    assert driver.session.recording
+    driver.press(pygame.K_p)
+    driver.press(pygame.K_F9)
+    assert np.array_equal(driver.session.screen, saved)
+    driver.press(pygame.K_F10)
+    assert not driver.session.recording
+    driver.press(pygame.K_r)
+    driver.press(pygame.K_m, pygame.K_F11, pygame.K_F11)
+    assert not driver.press(pygame.K_ESCAPE)
+    replay = driver.close()
     assert len(replay.episodes) == 2
-    assert [path.name for path in player.session.written] == ["breakout-1.mp4"]
+    assert [path.name for path in driver.session.video_files] == ["breakout-1.mp4"]
 
 
-def test_what_goes_wrong_with_files_is_shown_and_ends_nothing() -> None:
-    player = Player()
-    player.tick(3)
-    player.press(pygame.K_F9)
-    assert player.loop._text() == "No such file or directory"
+def test_file_errors_are_shown_and_play_continues() -> None:
+    driver = WindowDriver()
+    driver.tick(3)
+    driver.press(pygame.K_F9)
+    assert driver.loop._text() == "No such file or directory"
     Path("a.state").write_bytes(b"nonsense")
-    player.press(pygame.K_F9)
-    assert "are not a snapshot" in player.loop._text()
+    driver.press(pygame.K_F9)
+    assert "are not a snapshot" in driver.loop._text()
     Path("v").touch()
-    player.press(pygame.K_F10)
-    assert player.loop._text()
-    player.tick(150)
-    assert player.loop._text() == ""
-    player.close()
+    driver.press(pygame.K_F10)
+    assert driver.loop._text()
+    driver.tick(150)
+    assert driver.loop._text() == ""
+    driver.close()
 
 
-def test_the_end_of_the_game_is_told() -> None:
-    player = Player()
+def test_the_end_of_the_game_is_shown() -> None:
+    driver = WindowDriver()
     for _ in range(200):
-        if player.session.over:
+        if driver.session.over:
             break
-        player.press(pygame.K_SPACE, frames=30)
-    assert "game over" in player.loop._text()
-    player.press(pygame.K_r)
-    assert player.loop._text() == ""
-    player.close()
+        driver.press(pygame.K_SPACE, frames=30)
+    assert "game over" in driver.loop._text()
+    driver.press(pygame.K_r)
+    assert driver.loop._text() == ""
+    driver.close()
 
 
 def test_the_window_can_have_any_size() -> None:
-    player = Player()
+    driver = WindowDriver()
     pygame.display.set_mode((700, 300), pygame.RESIZABLE)
-    player.tick(2)
-    shown = player.shown()
+    driver.tick(2)
+    shown = driver.shown()
     columns = np.flatnonzero(shown.any(axis=(0, 2)))
     height, width = 300, round(320 * 300 / 210)
     assert shown.shape == (height, 700, 3)
     assert abs(np.ptp(columns) + 1 - width) <= 24  # Breakout's own left edge is black
-    player.close()
+    driver.close()
 
 
 def test_sound_is_what_the_game_makes(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -179,20 +179,20 @@ def test_sound_is_what_the_game_makes(monkeypatch: pytest.MonkeyPatch) -> None:
         queue = play
 
     monkeypatch.setattr(pygame.mixer, "Channel", Channel)
-    player = Player("ms_pacman", sound=True)
+    driver = WindowDriver("ms_pacman", sound=True)
     assert pygame.mixer.get_init() == (30679, -16, 1)
     heard = []
     for _ in range(60):
-        player.press(pygame.K_SPACE)
-        heard.append(player.session.samples)
+        driver.press(pygame.K_SPACE)
+        heard.append(driver.session.samples)
     samples = np.concatenate([np.frombuffer(block, np.int16) for block in blocks])
     assert np.array_equal(samples, (np.concatenate(heard).astype(int) - 128) * 128)
     assert samples.any()
-    player.press(pygame.K_m, frames=6)
+    driver.press(pygame.K_m, frames=6)
     blocks.clear()
-    player.tick(9)
+    driver.tick(9)
     assert not np.concatenate([np.frombuffer(block, np.int16) for block in blocks]).any()
-    player.close()
+    driver.close()
 
 
 def test_sound_that_comes_too_early_is_not_kept_for_ever() -> None:
@@ -206,10 +206,10 @@ def test_sound_that_comes_too_early_is_not_kept_for_ever() -> None:
 
 def test_without_a_sound_card_it_is_silent(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SDL_AUDIODRIVER", "none_such")
-    player = Player(sound=True)
-    player.tick(5)
-    assert player.loop._text().startswith("no sound: ")
-    player.close()
+    driver = WindowDriver(sound=True)
+    driver.tick(5)
+    assert driver.loop._text().startswith("no sound: ")
+    driver.close()
 
 
 def test_frames_come_at_the_consoles_rate_on_average() -> None:
@@ -223,7 +223,7 @@ def test_frames_come_at_the_consoles_rate_on_average() -> None:
         now[0] += 0.004 if frame % 7 else 0.02
         pacer.wait()
     assert now[0] - 100 == pytest.approx(600 / 59.92, abs=0.02)
-    now[0] += 5  # the computer slept
+    now[0] += 5  # the computer was suspended
     before = now[0]
     for _ in range(60):
         pacer.wait()

@@ -1,4 +1,4 @@
-"""A game played by hand, without a window: replay, states, the way back, videos."""
+"""`Session`: the replay, saved states, rewind points and videos."""
 
 from pathlib import Path
 from typing import Any
@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from atari.actions import Action
-from atari.play.session import FRAMES_PER_MOMENT, Session
+from atari.play.session import FRAMES_PER_REWIND_POINT, Session
 from atari.recording import Replay, VideoWriter
 
 
@@ -39,20 +39,20 @@ def test_it_plays_each_frame_and_writes_a_replay(tmp_path: Path) -> None:
     assert replay.verify("ale")
 
 
-def test_going_back_and_on_again(tmp_path: Path) -> None:
+def test_rewinding_and_playing_on(tmp_path: Path) -> None:
     session = make(tmp_path, seed=1)
     screens = []
     for _ in range(100):
         play(session, 1)
         screens.append(session.screen)
-    assert session.go_back()
-    assert np.array_equal(session.screen, screens[4 * FRAMES_PER_MOMENT - 1])
-    assert session.go_back()
-    assert np.array_equal(session.screen, screens[3 * FRAMES_PER_MOMENT - 1])
+    assert session.rewind()
+    assert np.array_equal(session.screen, screens[4 * FRAMES_PER_REWIND_POINT - 1])
+    assert session.rewind()
+    assert np.array_equal(session.screen, screens[3 * FRAMES_PER_REWIND_POINT - 1])
     play(session, 30, Action.RIGHT)
     for _ in range(10):
-        session.go_back()
-    assert not session.go_back()
+        session.rewind()
+    assert not session.rewind()
     play(session, 30, Action.RIGHT)
     session.close()
     replay = Replay.load(tmp_path / "a.a26")
@@ -60,12 +60,12 @@ def test_going_back_and_on_again(tmp_path: Path) -> None:
     assert replay.verify("ale")
 
 
-def test_the_score_goes_back_too(tmp_path: Path) -> None:
+def test_the_score_is_rewound_too(tmp_path: Path) -> None:
     session = make(tmp_path, game="ms_pacman", seed=1)
     play(session, 400, Action.UP)
     assert session.score > 0
     best = session.score
-    while session.go_back():
+    while session.rewind():
         pass
     assert (session.score, session.best) == (0, best)
     session.new_game()
@@ -128,16 +128,16 @@ def test_the_end_of_a_game(tmp_path: Path) -> None:
 def test_videos(tmp_path: Path) -> None:
     session = make(tmp_path, scale=1)
     for number in (1, 2):
-        assert session.film() == tmp_path / "v" / f"breakout-{number}.mp4"
-        assert session.filming
+        assert session.toggle_video() == tmp_path / "v" / f"breakout-{number}.mp4"
+        assert session.recording
         play(session, 12 * number)
         if number == 1:
-            assert session.film() is None
-            assert not session.filming
+            assert session.toggle_video() is None
+            assert not session.recording
             play(session, 7)
     session.close()
-    assert session.written == [tmp_path / "v" / "breakout-1.mp4", tmp_path / "v" / "breakout-2.mp4"]
-    for number, path in enumerate(session.written, 1):
+    assert session.video_files == [tmp_path / "v" / "breakout-1.mp4", tmp_path / "v" / "breakout-2.mp4"]
+    for number, path in enumerate(session.video_files, 1):
         with av.open(str(path)) as container:
             assert container.streams.video[0].frames == 12 * number
             assert len(container.streams.audio) == 1
@@ -145,7 +145,7 @@ def test_videos(tmp_path: Path) -> None:
 
 def test_a_video_that_cannot_be_written_ends_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     session = make(tmp_path)
-    session.film()
+    session.toggle_video()
 
     def fail(*_: object) -> None:
         raise OSError(28, "No space left on device")
@@ -153,7 +153,7 @@ def test_a_video_that_cannot_be_written_ends_alone(tmp_path: Path, monkeypatch: 
     monkeypatch.setattr(VideoWriter, "write", fail)
     with pytest.raises(OSError, match="No space left"):
         play(session, 1)
-    assert not session.filming
+    assert not session.recording
     play(session, 5)
     session.close()
     assert Replay.load(tmp_path / "a.a26").frames_total == 6

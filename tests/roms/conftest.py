@@ -12,14 +12,14 @@ import pytest
 def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The user's own folder of ROM files, which does not exist yet; and no `ATARI_ROMS`."""
     monkeypatch.delenv("ATARI_ROMS", raising=False)
-    monkeypatch.setattr("atari.roms.places.user_data_path", lambda *names, **options: tmp_path / "data")
+    monkeypatch.setattr("atari.roms.locations.user_data_path", lambda *names, **options: tmp_path / "data")
     return tmp_path / "data" / "roms"
 
 
 @pytest.fixture
 def bare(monkeypatch: pytest.MonkeyPatch) -> None:
     """An ale-py without ROM files."""
-    monkeypatch.setattr("atari.roms.places._ale_py_folders", lambda: ())
+    monkeypatch.setattr("atari.roms.locations._ale_py_folders", lambda: ())
 
 
 @pytest.fixture

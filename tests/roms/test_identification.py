@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from atari import roms
-from atari.catalog import games
+from atari.games.catalog import games
 from atari.roms.identification import recognise
 
 

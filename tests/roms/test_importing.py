@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from atari import roms
-from atari.catalog import games
+from atari.games.catalog import games
 
 
 def test_a_folder_of_everything(own: Path, shipped: Path) -> None:

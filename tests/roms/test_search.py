@@ -13,7 +13,7 @@ import pytest
 from ale_py import ALEInterface
 
 from atari import roms
-from atari.catalog import games
+from atari.games.catalog import games
 
 
 def test_every_game_is_found_in_the_wheel_of_ale_py(shipped: Path) -> None:

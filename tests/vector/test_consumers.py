@@ -1,8 +1,5 @@
-"""What people put around a vector environment, or hand its arrays to."""
+"""Gymnasium's vector wrappers around `AtariVectorEnv`, and loops in the manner of CleanRL."""
 
-import importlib
-import subprocess
-import sys
 from typing import Any
 
 import gymnasium
@@ -88,27 +85,3 @@ def test_returns_are_those_of_single_environments() -> None:
                 alone.append((alone_info["episode"]["r"], alone_info["episode"]["l"]))
         assert alone == games[index]
         assert len(alone) >= 2
-
-
-def test_neither_library_is_imported_before_it_is_asked_for() -> None:
-    code = "import sys, atari; atari.AtariVectorEnv('pong', 1).reset(); print({'torch', 'jax'} & set(sys.modules))"
-    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
-    assert done.stdout.strip() == "set()"
-
-
-@pytest.mark.parametrize(("name", "package"), [("to_torch", "PyTorch"), ("to_jax", "JAX")])
-def test_a_missing_library_is_named(name: str, package: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in ("torch", "jax"):
-        monkeypatch.setitem(sys.modules, module, None)
-    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=f"needs {package}: pip install"):
-        getattr(atari, name)(np.zeros(3))
-
-
-def test_a_missing_stable_baselines3_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "stable_baselines3", None)
-    for name in [name for name in sys.modules if name == "atari.sb3" or name.startswith("stable_baselines3.")]:
-        monkeypatch.delitem(sys.modules, name)
-    with pytest.raises(
-        gymnasium.error.DependencyNotInstalled, match=r"atari\.sb3 needs Stable-Baselines3: pip install"
-    ):
-        importlib.import_module("atari.sb3")

@@ -160,7 +160,7 @@ def test_a_pickled_snapshot_is_checked_too() -> None:
 
 
 def damaged(state: bytes, image: int) -> Any:
-    one: Any = atari._emulator.MemberState.__new__(atari._emulator.MemberState)
+    one: Any = atari._emulator.MemberSnapshot.__new__(atari._emulator.MemberSnapshot)
     one.__setstate__((state, image))
     return one
 
@@ -297,7 +297,7 @@ def test_a_core_takes_over_from_a_member(options: dict[str, Any]) -> None:
     core = atari.cores.NativeCore(
         "seaquest",
         repeat_action_probability=chances.repeat_action_probability,
-        max_num_frames_per_episode=chances.episode_limit,
+        max_num_frames_per_episode=chances.max_num_frames_per_episode,
         sound=True,
     )
     for _ in range(20):

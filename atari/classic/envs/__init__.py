@@ -1,4 +1,4 @@
-"""Which environments there are: `registry`, `make`, `spec`, `register`."""
+"""The registry of environments: `registry`, `make`, `spec`, `register`."""
 
 from atari.classic.envs.registration import make, register, registry, spec
 

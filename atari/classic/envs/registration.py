@@ -1,13 +1,12 @@
-"""The registry of old, as a view of Gymnasium's.
+"""Gym's registry, as another interface to Gymnasium's.
 
-There is one registry, Gymnasium's: what either interface registers, both can make. `EnvSpec` is what Gym's specs were,
-derived from Gymnasium's when asked for, with the limits that Gym gave to Atari games.
+Only Gymnasium's registry has entries: an environment that one interface registers, both can make. An `EnvSpec` has the
+fields of Gym's specs; it is derived from Gymnasium's at each lookup, with Gym's limits for Atari games.
 """
 
 import copy
 import re
 from collections.abc import Callable, Iterator, MutableMapping, ValuesView
-from dataclasses import dataclass, field
 from typing import Any
 
 import gymnasium
@@ -19,46 +18,22 @@ from atari.classic.adapter import adapt, quiet_options
 from atari.classic.checks import Checked
 from atari.classic.core import Env
 from atari.classic.modern import EntryPoint
+from atari.classic.spec import Spec
 from atari.classic.wrappers.time_limit import TimeLimit
 
 _ID = re.compile(r"(?:[\w-]+/)?[\w:.-]+-v(\d+)")
 
 
-@dataclass(frozen=True, repr=False)
-class EnvSpec:
-    """What is registered under an ID.
-
-    `max_episode_steps` is the time limit, None for none; `reward_threshold` the mean return from which the task counts
-    as solved, None if nobody has said; `nondeterministic` whether seeding does not make it repeatable.
-    """
-
-    id: str
-    entry_point: "str | Callable[..., Any] | None" = None
-    reward_threshold: float | None = None
-    nondeterministic: bool = False
-    max_episode_steps: int | None = None
-    kwargs: dict[str, Any] = field(default_factory=dict, compare=False)
-
-    @property
-    def timestep_limit(self) -> int | None:
-        """`max_episode_steps` under its name of 2016."""
-        return self.max_episode_steps
-
-    @property
-    def tags(self) -> dict[str, Any]:
-        """The time limit, where scripts of 2016 looked for it."""
-        return {"wrapper_config.TimeLimit.max_episode_steps": self.max_episode_steps}
+class EnvSpec(Spec):
+    """An entry of the registry, which can make its environment."""
 
     def make(self, **options: Any) -> Env:
         """Make the environment."""
         return make(self.id, **options)
 
-    def __repr__(self) -> str:
-        return f"EnvSpec({self.id})"
-
 
 class EnvSpecs(MutableMapping[str, EnvSpec]):
-    """All specs by their ID; deleting one makes place for another of the same ID."""
+    """All specs by ID; after deleting one, its ID can be registered again."""
 
     def __getitem__(self, env_id: str) -> EnvSpec:
         if not lookup.is_alive(env_id):
@@ -132,11 +107,11 @@ def register(
 
     Args:
         id: such as "Corridor-v0".
-        entry_point: the class, or where it is: "my_module:CorridorEnv".
+        entry_point: the class, or its import path "my_module:CorridorEnv".
         reward_threshold: the mean return from which the task counts as solved.
         nondeterministic: whether seeding does not make it repeatable.
         max_episode_steps: the time limit; `timestep_limit` and the tag of 2016 mean the same.
-        kwargs: arguments of the class; `make` can overrule them.
+        kwargs: arguments of the class; those of `make` have precedence.
         timestep_limit: see `max_episode_steps`.
         tags: of these, only the time limit is used.
 
@@ -150,9 +125,9 @@ def register(
             f"entry_point is a class, or where it is ('my_module:CorridorEnv'), got {entry_point!r}"
         )
     taken = gymnasium.registry.get(id)
-    if taken is not None and _place(taken.entry_point) != _place(EntryPoint(entry_point)):
+    if taken is not None and _import_path(taken.entry_point) != _import_path(EntryPoint(entry_point)):
         raise gymnasium.error.Error(
-            f"the ID {id!r} is taken by {_place(taken.entry_point)}; choose another name or version, "
+            f"the ID {id!r} is taken by {_import_path(taken.entry_point)}; choose another name or version, "
             f"or first `del gym.envs.registry.env_specs[{id!r}]`"
         )
     limit = max_episode_steps or timestep_limit or (tags or {}).get("wrapper_config.TimeLimit.max_episode_steps")
@@ -160,10 +135,11 @@ def register(
 
 
 def spec(id: str) -> EnvSpec:
-    """The `EnvSpec` of an ID; of the newest version, if that of the ID is no longer there.
+    """The `EnvSpec` of an ID, or of its newest version if the ID's own is gone.
 
     Raises:
-        gymnasium.error.UnregisteredEnv: there is no such environment; the text says which there is, or what to install.
+        gymnasium.error.UnregisteredEnv: there is no such environment; the message suggests an ID, or what to
+            install.
     """
     return registry.env_specs[lookup.resolve(id)]
 
@@ -176,8 +152,9 @@ def make(id: str, **options: Any) -> Env:
         **options: arguments of the environment.
 
     Raises:
-        gymnasium.error.UnregisteredEnv: there is no such environment; the text says which there is, or what to install.
-        gymnasium.error.DependencyNotInstalled: it needs a package that is not installed; the text says which.
+        gymnasium.error.UnregisteredEnv: there is no such environment; the message suggests an ID, or what to
+            install.
+        gymnasium.error.DependencyNotInstalled: it needs a package that is not installed; the message names it.
     """
     chosen = spec(id)
     modern = copy.copy(gymnasium.registry[chosen.id])
@@ -193,8 +170,8 @@ def make(id: str, **options: Any) -> Env:
     return classic if chosen.max_episode_steps is None else TimeLimit(classic, chosen.max_episode_steps)
 
 
-def _place(entry_point: Any) -> str:
-    """Where an entry point is; the same for a class that is defined once more, as notebooks do."""
+def _import_path(entry_point: Any) -> str:
+    """The import path of an entry point; it stays the same if a notebook defines the class again."""
     if isinstance(entry_point, EntryPoint):
         entry_point = entry_point.entry_point
     if isinstance(entry_point, str):

@@ -1,7 +1,7 @@
-"""Spaces, printed as they were: `Discrete(2)`, `Box(4,)`.
+"""Gym's spaces, which print as `Discrete(2)` or `Box(4,)`.
 
-They are Gymnasium's spaces, with the constructors and texts of old, so that Gymnasium's wrappers and other libraries
-know them.
+They are subclasses of Gymnasium's, with Gym's constructors and texts, so that Gymnasium's wrappers and other libraries
+accept them.
 """
 
 from gymnasium.spaces import Space

@@ -13,7 +13,7 @@ from atari.classic.spaces.tuple import Tuple
 
 
 def from_gymnasium(space: spaces.Space[Any]) -> spaces.Space[Any]:
-    """The classic space of the same elements; one that Gym did not have stays as it is."""
+    """The classic space of the same elements; a space that Gym did not have is returned unchanged."""
     if isinstance(space, spaces.Box):
         return Box(space.low, space.high, dtype=space.dtype)
     if isinstance(space, spaces.Discrete) and space.start == 0:

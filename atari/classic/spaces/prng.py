@@ -1,6 +1,6 @@
 """`prng.seed(0)`: one generator for the samples of all spaces, as before 2018.
 
-Once it is seeded, spaces draw from it that have not been seeded, or sampled, themselves.
+After it is seeded, every space draws from it that has not been seeded or sampled before.
 """
 
 from typing import Any

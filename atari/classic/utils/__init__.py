@@ -1,4 +1,4 @@
-"""What environments of a user's own were written with."""
+"""Helpers for environments that users write."""
 
 from gymnasium.utils import EzPickle, colorize
 

@@ -1,4 +1,4 @@
-"""`play`: play an environment by keyboard, through Gymnasium's (extra `play`)."""
+"""`play`: play an environment by keyboard, through Gymnasium's `play` (extra `play`)."""
 
 from collections.abc import Callable
 from typing import Any
@@ -23,11 +23,12 @@ def play(
 
     Args:
         env: an environment that renders "rgb_array".
-        transpose: pictures are (rows, columns, 3).
+        transpose: images are (rows, columns, 3).
         fps: steps a second.
-        zoom: size of the window relative to the picture.
+        zoom: size of the window relative to the image.
         callback: called after each step with the observation before and after, action, reward, done and info.
-        keys_to_action: which keys stand for which action, such as {(ord("a"),): 0}; None asks the environment.
+        keys_to_action: which keys stand for which action, such as {(ord("a"),): 0}; None uses those of the
+            environment.
 
     Raises:
         gymnasium.error.DependencyNotInstalled: pygame is not installed.

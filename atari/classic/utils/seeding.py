@@ -1,8 +1,7 @@
 """Random generators as Gym seeded them: `self.np_random, seed = seeding.np_random(seed)`.
 
 They are NumPy's `RandomState`s, with `randint` and `rand`, in streams that have not changed since 2016: an environment
-that was seeded with 0 then sees the same numbers today. A seed is hashed first, so that the streams of neighbouring
-seeds have nothing in common.
+seeded with 0 draws the same numbers as then. A seed is hashed first, so that neighbouring seeds have unrelated streams.
 """
 
 import hashlib
@@ -19,7 +18,7 @@ def np_random(seed: int | None = None) -> tuple[np.random.RandomState, int]:
 
     Raises:
         ValueError: the seed is negative.
-        TypeError: the seed is no integer.
+        TypeError: the seed is not an integer.
     """
     if seed is not None and operator.index(seed) < 0:
         raise ValueError(f"a seed is an integer of 0 or more, or None, got {seed}")
@@ -40,6 +39,6 @@ def create_seed(a: int | str | None = None, max_bytes: int = _BYTES) -> int:
 
 
 def hash_seed(seed: int | None = None, max_bytes: int = _BYTES) -> int:
-    """A number of at most `max_bytes` that a seed alone decides."""
+    """A number of at most `max_bytes`, a function of the seed alone."""
     digest = hashlib.sha512(str(create_seed() if seed is None else seed).encode()).digest()
     return int.from_bytes(digest[:max_bytes], "little")

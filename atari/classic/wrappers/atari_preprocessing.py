@@ -1,4 +1,4 @@
-"""`AtariPreprocessing`: the preprocessing of Machado et al. 2018, as Gymnasium has it."""
+"""`AtariPreprocessing`: the preprocessing of Machado et al. 2018, by Gymnasium's wrapper."""
 
 from typing import Any
 
@@ -18,11 +18,11 @@ class AtariPreprocessing(Bridge):
         screen_size: rows and columns.
         terminal_on_life_loss: an episode is done when a life is lost.
         grayscale_obs: gray instead of colours.
-        grayscale_newaxis: gray pictures have a third axis of one.
+        grayscale_newaxis: gray images have a third axis of one.
         scale_obs: floats within 0..1 instead of bytes.
 
     Raises:
-        TypeError: the environment is no Atari game.
+        TypeError: the environment is not an Atari game.
         ValueError: the game has a frame skip, or an argument is out of range.
     """
 

@@ -13,7 +13,7 @@ _GymnasiumEnv = gymnasium.Env[Any, Any]
 
 
 class Bridge(Wrapper):
-    """What Gymnasium's wrapper makes of the environment.
+    """An old-style environment, wrapped by a wrapper of Gymnasium.
 
     Args:
         env: the environment.
@@ -34,7 +34,7 @@ class Bridge(Wrapper):
 
 
 class _Inside(Modern):
-    """The environment in Gymnasium's interface, with Gymnasium's own environment, if it is one, at its bottom."""
+    """The environment with Gymnasium's interface; `unwrapped` is the Gymnasium environment inside an `Adapter`."""
 
     @property
     def unwrapped(self) -> _GymnasiumEnv:

@@ -7,16 +7,16 @@ from atari.classic.wrappers.bridge import Bridge
 class FrameStack(Bridge):
     """Observations are the last `num_stack`, the oldest first, of shape (num_stack, *shape).
 
-    They share their frames, and become arrays when NumPy asks for one: `np.array(observation)`.
+    They share their frames, and become arrays when NumPy converts them: `np.array(observation)`.
 
     Args:
         env: an environment of Box observations.
         num_stack: how many.
-        lz4_compress: has no effect: what is shared needs no compression.
+        lz4_compress: has no effect; shared frames need no compression.
     """
 
     def __init__(self, env: Env, num_stack: int, lz4_compress: bool = False) -> None:
-        from atari.wrappers import FrameStack as GymnasiumFrameStack  # here, because it takes OpenCV along
+        from atari.wrappers import FrameStack as GymnasiumFrameStack  # imported here because it imports OpenCV
 
         super().__init__(env, lambda inside: GymnasiumFrameStack(inside, num_stack, lazy=True))
         self.num_stack = num_stack

@@ -6,7 +6,7 @@ from atari.classic.core import Env, Step, Wrapper
 
 
 class TimeLimit(Wrapper):
-    """Episodes are done after `max_episode_steps` steps; `info["TimeLimit.truncated"]` tells that from a natural end.
+    """Episodes are done after `max_episode_steps` steps; `info["TimeLimit.truncated"]` distinguishes these ends.
 
     It is True where only the limit ended the episode, False where the limit coincided with the end, and absent before.
 

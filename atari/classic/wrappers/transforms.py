@@ -13,10 +13,10 @@ from atari.classic.wrappers.bridge import Bridge
 
 
 class GrayScaleObservation(ObservationWrapper):
-    """Pictures in OpenCV's gray, (rows, columns), or (rows, columns, 1) with `keep_dim`."""
+    """Images in OpenCV's gray, (rows, columns), or (rows, columns, 1) with `keep_dim`."""
 
     def __init__(self, env: Env, keep_dim: bool = False) -> None:
-        import cv2  # here, because it takes long
+        import cv2  # imported here because the import is slow
 
         super().__init__(env)
         self._keep_dim = keep_dim
@@ -25,13 +25,13 @@ class GrayScaleObservation(ObservationWrapper):
         self.observation_space = Box(0, 255, (rows, columns, 1)[: 3 if keep_dim else 2], np.uint8)
 
     def observation(self, observation: Any) -> Any:
-        """The observation to show instead."""
+        """The observation to return instead."""
         gray = self._to_gray(observation)
         return gray[..., None] if self._keep_dim else gray
 
 
 class ResizeObservation(Bridge):
-    """Pictures of another size, (rows, columns), or one number for both."""
+    """Images of another size, (rows, columns), or one number for both."""
 
     def __init__(self, env: Env, shape: int | tuple[int, int]) -> None:
         size = (shape, shape) if isinstance(shape, int) else shape
@@ -53,7 +53,7 @@ class RecordEpisodeStatistics(Bridge):
 
 
 class ClipAction(ActionWrapper):
-    """Actions beyond the bounds of a Box are taken as the bounds."""
+    """Actions beyond the bounds of a Box are clipped to the bounds."""
 
     def action(self, action: Any) -> Any:
         """The action to take instead."""
@@ -69,24 +69,24 @@ class RescaleAction(Bridge):
 
 
 class TransformObservation(ObservationWrapper):
-    """Observations are what `f` makes of them."""
+    """Observations are mapped by `f`."""
 
     def __init__(self, env: Env, f: Callable[[Any], Any]) -> None:
         super().__init__(env)
         self.f = f
 
     def observation(self, observation: Any) -> Any:
-        """The observation to show instead."""
+        """The observation to return instead."""
         return self.f(observation)
 
 
 class TransformReward(RewardWrapper):
-    """Rewards are what `f` makes of them."""
+    """Rewards are mapped by `f`."""
 
     def __init__(self, env: Env, f: Callable[[Any], Any]) -> None:
         super().__init__(env)
         self.f = f
 
     def reward(self, reward: Any) -> Any:
-        """The reward to give instead."""
+        """The reward to return instead."""
         return self.f(reward)

@@ -1,4 +1,4 @@
-"""What environments of finitely many states were built on."""
+"""The base of environments with finitely many states."""
 
 from atari.classic.envs.toy_text import discrete
 

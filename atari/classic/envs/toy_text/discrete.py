@@ -1,4 +1,4 @@
-"""`DiscreteEnv`: an environment given by the table of its transitions, on which courses build their grid worlds."""
+"""`DiscreteEnv`: an environment defined by a table of transitions, the base of grid worlds in courses."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -1,0 +1,47 @@
+"""`atari list`: the games, or every environment ID."""
+
+import argparse
+from typing import TYPE_CHECKING, Any
+
+from atari import registration
+from atari.cli.arguments import add_command
+from atari.cli.output import print_json, print_table
+from atari.games.catalog import games
+from atari.games.game import Game
+
+if TYPE_CHECKING:
+    from atari.cli.arguments import Commands
+
+
+def register(commands: "Commands") -> None:
+    """Add `atari list`."""
+    parser = add_command(commands, "list", _list, "list the games, or with --ids every environment ID")
+    parser.add_argument("--ids", action="store_true", help="the IDs that gymnasium.make accepts, one a line")
+
+
+def _list(args: argparse.Namespace) -> int:
+    if args.ids:
+        ids = [*registration.ids()]
+        print_json(ids) if args.json else print("\n".join(ids))
+    elif args.json:
+        print_json([_summary(game) for game in games.values()])
+    else:
+        print_table([("game", "title", "actions", "modes", "difficulties"), *map(_row, games.values())])
+    return 0
+
+
+def _summary(game: Game) -> dict[str, Any]:
+    return {
+        "id": game.id,
+        "title": game.title,
+        "single_player": game.single_player,
+        "actions": len(game.minimal_actions),
+        "modes": len(game.modes),
+        "difficulties": len(game.difficulties),
+    }
+
+
+def _row(game: Game) -> tuple[object, ...]:
+    if not game.single_player:
+        return game.id, f"{game.title} ({game.players} players, no environment)", "-", "-", "-"
+    return game.id, game.title, len(game.minimal_actions), len(game.modes), len(game.difficulties)

@@ -1,0 +1,49 @@
+"""The output of commands: JSON, tables, errors and warnings."""
+
+import dataclasses
+import enum
+import json
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+
+def to_json_types(value: Any) -> Any:
+    """Convert a value made of dataclasses, mappings, sequences, enums and paths to the types of JSON."""
+    if isinstance(value, enum.Enum):
+        return value.name
+    if dataclasses.is_dataclass(value):
+        return {field.name: to_json_types(getattr(value, field.name)) for field in dataclasses.fields(value)}
+    if isinstance(value, Mapping):
+        return {str(key): to_json_types(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [to_json_types(item) for item in value]
+    return str(value) if isinstance(value, Path) else value
+
+
+def print_json(value: Any) -> None:
+    """Print a value that `to_json_types` accepts as one JSON document."""
+    print(json.dumps(to_json_types(value), indent=2))
+
+
+def print_table(rows: Iterable[Sequence[object]]) -> None:
+    """Print rows with aligned columns."""
+    lines = [[str(cell) for cell in row] for row in rows]
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    for line in lines:
+        print("  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip())
+
+
+def print_error(error: Exception) -> None:
+    """Print the message of an exception to stderr, in one line and without errno."""
+    if isinstance(error, OSError) and error.strerror:
+        sentence = error.strerror + (f": {error.filename}" if error.filename else "")
+    else:
+        sentence = " ".join(str(error).split())
+    print(f"atari: error: {sentence}", file=sys.stderr)
+
+
+def print_warning(warning: object) -> None:
+    """Print a warning to stderr, in one line."""
+    print(f"atari: warning: {warning}", file=sys.stderr)

@@ -1,0 +1,80 @@
+"""The format of snapshots: named blobs and facts, with version and checksum, as one `bytes`.
+
+Layout, all integers little-endian:
+
+    offset  size  content
+    0       8     magic, b"ATARISNP"
+    8       2     format version
+    10      16    BLAKE2b digest of everything after it
+    26      4     length n of the facts
+    30      n     the facts, JSON in UTF-8; "blobs" lists the names and sizes of what follows
+    30+n    ...   the blobs, one after the other
+"""
+
+import hashlib
+import json
+import struct
+from collections.abc import Mapping
+from typing import Any
+
+VERSION = 1
+_MAGIC = b"ATARISNP"
+_DIGEST_SIZE = 16
+_HEAD = len(_MAGIC) + 2 + _DIGEST_SIZE
+
+
+def pack(facts: Mapping[str, Any], blobs: Mapping[str, bytes]) -> bytes:
+    """Put facts (anything JSON can hold) and blobs into one checked `bytes`."""
+    text = json.dumps({**facts, "blobs": [[name, len(blob)] for name, blob in blobs.items()]}).encode()
+    body = struct.pack("<I", len(text)) + text + b"".join(blobs.values())
+    return _MAGIC + struct.pack("<H", VERSION) + _digest(body) + body
+
+
+def unpack(data: bytes) -> tuple[dict[str, Any], dict[str, bytes]]:
+    """The facts and blobs of a snapshot, after checking that it is complete.
+
+    Raises:
+        TypeError: `data` is not bytes.
+        ValueError: `data` is empty, not a snapshot, of another version, truncated or damaged.
+    """
+    if not isinstance(data, bytes):
+        raise TypeError(f"a snapshot is bytes as snapshot() returned them, got {type(data).__name__}")
+    if not data:
+        raise ValueError("the snapshot is empty; pass the bytes that snapshot() returned")
+    if not data.startswith(_MAGIC):
+        raise ValueError("these bytes are not a snapshot of atari-envs; pass what snapshot() returned")
+    if len(data) < _HEAD + 4:
+        raise ValueError(f"the snapshot is truncated: {len(data)} bytes are less than its header")
+    (version,) = struct.unpack_from("<H", data, len(_MAGIC))
+    if version != VERSION:
+        raise ValueError(
+            f"the snapshot has format version {version}, this release of atari-envs reads version {VERSION}"
+        )
+    body = data[_HEAD:]
+    if _digest(body) != data[_HEAD - _DIGEST_SIZE : _HEAD]:
+        raise ValueError("the snapshot is damaged or truncated: its checksum does not match its content")
+    (size,) = struct.unpack_from("<I", body)
+    facts = json.loads(body[4 : 4 + size])
+    blobs, start = {}, 4 + size
+    for name, length in facts.pop("blobs"):
+        blobs[name] = body[start : start + length]
+        start += length
+    return facts, blobs
+
+
+def require(facts: Mapping[str, Any], expected: Mapping[str, Any]) -> None:
+    """Check that a snapshot's facts are those of the environment that restores it.
+
+    Raises:
+        ValueError: one differs; the message has its name and both values.
+    """
+    for name, value in expected.items():
+        if facts.get(name) != value:
+            raise ValueError(
+                f"the snapshot was taken with {name} = {facts.get(name)!r}, but this environment has {value!r}; "
+                "restore it into one made with the same options"
+            )
+
+
+def _digest(body: bytes) -> bytes:
+    return hashlib.blake2b(body, digest_size=_DIGEST_SIZE).digest()

@@ -1,0 +1,438 @@
+#include "environment.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <stdexcept>
+#include <utility>
+
+#include "averaging.hpp"
+#include "colour_conversion.hpp"
+
+namespace atari {
+namespace {
+
+constexpr int kReset = 40;
+constexpr int kFormatFrames = 60;     // frames by which ALE distinguishes PAL from NTSC
+constexpr int kSelectFrames = 20000;  // far more than any game needs to select a mode
+
+struct Motion {
+    uint8_t stick;  // bits 0-3: up, down, left, right
+    bool fire;
+};
+
+// The 18 actions in ALE's order.
+constexpr Motion kMotions[18] = {
+    {0, false}, {0, true},  {1, false}, {8, false}, {4, false}, {2, false}, {9, false}, {5, false}, {10, false},
+    {6, false}, {1, true},  {8, true},  {4, true},  {2, true},  {9, true},  {5, true},  {10, true}, {6, true},
+};
+
+Motion motion(int action) { return action >= 0 && action < 18 ? kMotions[action] : Motion{0, false}; }
+
+}  // namespace
+
+void Game::check() const {
+    for (int variable : {reward, terminal, lives, mode_variable})
+        if (variable < 0 || variable >= variables) throw std::invalid_argument("a game's variable does not exist");
+    if (initial.size() > static_cast<size_t>(variables) || kept.size() != initial.size())
+        throw std::invalid_argument("a game's start values do not fit its variables");
+    if (console.first_line < 0 || console.height < 1 || console.height > kFrameRows ||
+        console.first_line > kFrameRows - console.height)
+        throw std::invalid_argument("the framebuffer must lie within 300 lines");
+    if (paddle_min < 0 || paddle_max > 1 << 24 || paddle_min > paddle_max)
+        throw std::invalid_argument("the range of paddles must lie within 0..16777216");
+    for (int action : starting_actions)
+        if ((action < 0 || action > 17) && action != kReset) throw std::invalid_argument("a starting action does not exist");
+}
+
+std::unique_ptr<Console> make_console(const Game& game, bool plain) {
+    if (plain) return std::make_unique<Console>(game.cartridge, game.console);
+    return std::make_unique<FastConsole>(game.cartridge, game.console);
+}
+
+Environment::Environment(std::shared_ptr<const Game> game, const Settings& settings, uint32_t seed_value,
+                         const Environment* twin)
+    : game_(std::move(game)), settings_(settings), console_(make_console(*game_, settings.plain)),
+      mode_(game_->default_mode), loaded_(twin ? twin->loaded_ : nullptr), reset_trace_(twin ? twin->reset_trace_ : nullptr) {
+    seed(seed_value);
+}
+
+// Loads the ROM. The result depends on the seed only if the selection of a mode draws random words or acts. Otherwise
+// the loaded state is kept, and a later load copies it. (tests/cores/test_native.py compares both)
+void Environment::seed(uint32_t value) {
+    if (!loaded_) {
+        boot();
+        state_ = EnvironmentState{};
+        std::copy(game_->initial.begin(), game_->initial.end(), state_.variables);
+        state_.mode = game_->default_mode;
+        state_.random.seed(value);
+        const MersenneTwister before = state_.random;
+        reset();
+        if (std::memcmp(&before, &state_.random, sizeof before) == 0) {
+            loaded_ = std::make_shared<EnvironmentSnapshot>(snapshot());
+            record_reset_trace();
+            restore(*loaded_);
+        }
+    } else {
+        restore(*loaded_);
+        state_.random.seed(value);
+    }
+    state_.mode = mode_;
+    state_.difficulty = difficulty_;
+}
+
+void Environment::boot() {
+    console_->set_config(game_->console);
+    console_->construct();
+    console_->inputs().switches = game_->power_on_switches;
+    if (game_->detect_format) {
+        // Games keep what the detection frames leave in RAM. So these frames run, by NTSC rules, although the format is
+        // known.
+        ConsoleConfig watching = game_->console;
+        watching.pal = false;
+        if (watching.pal != game_->console.pal && watching.height == 250) watching.height = 210;
+        console_->set_config(watching);
+        console_->reset();
+        for (int i = 0; i < kFormatFrames; ++i) console_->run_frame();
+        console_->set_config(game_->console);
+    }
+    console_->reset();
+}
+
+void Environment::reset() {
+    select_budget_ = kSelectFrames;
+    state_.episode_frame = 0;
+    restart();
+    begin_game();
+    state_.variables[game_->reward] = state_.variables[game_->terminal] = 0;
+    for (size_t i = 0; i < game_->initial.size(); ++i)
+        if (!game_->kept[i]) state_.variables[i] = game_->initial[i];
+    state_.variables[game_->mode_variable] = state_.mode;
+    run(game_->select_mode);
+    soft_reset();
+    for (int action : game_->starting_actions) emulate(action, 1.0f, 1);
+}
+
+void Environment::restart() {
+    state_.paddle[0] = state_.paddle[1] = (game_->paddle_min + game_->paddle_max) / 2;
+    console_->reset();
+}
+
+// If the machine is in the state of a checkpoint of the reset trace, its further frames equal those of the trace.
+// (tests/cores/test_native.py compares with the reference core, which has no trace, after resets of every game)
+void Environment::begin_game() {
+    int frame = 0;
+    for (; reset_trace_ && frame < ResetTrace::kCheckpoints; ++frame) {
+        emulate(0, 1.0f, 1);
+        if (resume(*reset_trace_, frame)) return;
+    }
+    emulate(0, 1.0f, kNoopFrames - frame);
+    soft_reset();
+}
+
+namespace {
+
+// The part of the state that the frames of a reset trace depend on. It leaves out the number of random words drawn, the
+// sound generator and which of the two framebuffers is the current one.
+Machine essence(Machine machine) {
+    machine.random_words = 0;
+    machine.sound.keep_generator_of(Sound{});
+    machine.tia.current = 0;
+    return machine;
+}
+
+}  // namespace
+
+std::vector<uint8_t> Environment::both_framebuffers() {
+    const size_t size = console_->config().framebuffer_bytes();
+    std::vector<uint8_t> framebuffers(console_->framebuffer(), console_->framebuffer() + size);
+    framebuffers.insert(framebuffers.end(), console_->previous_framebuffer(), console_->previous_framebuffer() + size);
+    return framebuffers;
+}
+
+// Frames draw no random words, so they depend only on the state that `resume` compares.
+void Environment::record_reset_trace() {
+    if (settings_.plain || console_->cartridge_ram_size() > 0) return;
+    const auto trace = std::make_shared<ResetTrace>();
+    restart();
+    for (int frame = 0; frame < ResetTrace::kFrames; ++frame) {
+        emulate(frame < kNoopFrames ? 0 : kReset, 1.0f, 1);
+        std::copy_n(console_->ram(), 128, trace->ram[frame]);
+        if (frame < ResetTrace::kCheckpoints) {
+            console_->settle_latches();
+            trace->checkpoints[frame] = {console_->machine(), both_framebuffers()};
+        }
+    }
+    trace->end = console_->snapshot();
+    if (static_cast<const FastConsoleSnapshot&>(*trace->end).replaces_framebuffers())
+        for (ResetTrace::Checkpoint& checkpoint : trace->checkpoints) checkpoint.framebuffers = {};
+    reset_trace_ = trace;
+}
+
+// If the machine is in the state of the checkpoint after `frame`, continues as the trace did to its end and returns
+// true. Otherwise changes nothing and returns false. The rules are evaluated on the trace's RAM.
+bool Environment::resume(const ResetTrace& trace, int frame) {
+    const ResetTrace::Checkpoint& then = trace.checkpoints[frame];
+    console_->settle_latches();
+    const Machine a = essence(console_->machine()), b = essence(then.machine);
+    if (std::memcmp(&a, &b, sizeof a) != 0) return false;
+    if (!then.framebuffers.empty() && then.framebuffers != both_framebuffers()) return false;
+    const bool swapped = console_->machine().tia.current != then.machine.tia.current;
+    while (++frame < ResetTrace::kFrames) {
+        console_->set_ram(trace.ram[frame]);
+        evaluate_step();
+    }
+    static_cast<FastConsole&>(*console_).resume(*trace.end, swapped);
+    return true;
+}
+
+int Environment::act(int action, float strength) {
+    int64_t total = 0;
+    for (int i = 0; i < settings_.frame_skip; ++i) {
+        // ALE draws two words a frame, one for each player, also where it needs neither.
+        const double draw = state_.random.next() / 4294967296.0;
+        state_.random.next();
+        if (draw >= settings_.repeat_action_probability) {
+            state_.held_action = action;
+            state_.held_strength = strength;
+        }
+        if (game_over() || truncated()) continue;
+        const int held = state_.held_action;
+        const bool legal = held < 18 && (game_->legal_actions >> held & 1);
+        emulate(legal ? held : 0, state_.held_strength, 1);
+        count_frame();
+        total += state_.variables[game_->reward];
+    }
+    if (settings_.sound) console_->make_samples(state_.audio);
+    return static_cast<int>(std::clamp<int64_t>(total, INT32_MIN, INT32_MAX));
+}
+
+// Runs frames with an action held, and evaluates the rules after each.
+void Environment::emulate(int action, float strength, int frames) {
+    for (int i = 0; i < frames; ++i) {
+        press(action, strength);
+        console_->run_frame();
+        evaluate_step();
+    }
+    console_->read_ram(0xff);  // ALE reads all of RAM here; the last byte read stays on the bus
+}
+
+void Environment::release_all() {
+    Inputs& inputs = console_->inputs();
+    inputs.stick[0] = inputs.stick[1] = 0;
+    inputs.fire[0] = inputs.fire[1] = false;
+    inputs.paddle_fire[0] = inputs.paddle_fire[1] = false;
+    // Colour switch on, RESET and SELECT up, the difficulty switches as set.
+    inputs.switches = static_cast<uint8_t>(0x3f | (state_.difficulty & 3) << 6);
+}
+
+void Environment::press(int action, float strength) {
+    release_all();
+    Inputs& inputs = console_->inputs();
+    if (action == kReset) inputs.switches &= 0xfe;
+    if (game_->console.paddles[0] || game_->console.paddles[1]) {
+        move_paddle(0, action, strength);
+        for (int player : {0, 1}) inputs.resistance[player] = state_.paddle[player];
+        inputs.paddle_fire[0] = motion(action).fire;
+    } else {
+        inputs.stick[0] = motion(action).stick;
+        inputs.fire[0] = motion(action).fire;
+    }
+}
+
+void Environment::move_paddle(int player, int action, float strength) {
+    const int delta = static_cast<int>(23000.0 * std::abs(static_cast<double>(strength)));
+    const uint8_t stick = motion(action).stick;
+    const int direction = stick & 8 ? -1 : stick & 4 ? 1 : 0;
+    state_.paddle[player] = std::clamp(state_.paddle[player] + direction * delta, game_->paddle_min, game_->paddle_max);
+}
+
+void Environment::soft_reset() {
+    emulate(kReset, 1.0f, kResetFrames);
+    state_.held_action = 0;
+}
+
+// Holds SELECT for `frames` frames, in which the rules are not evaluated, then releases it for one frame.
+void Environment::press_select(int frames) {
+    release_all();
+    console_->inputs().switches &= 0xfd;
+    for (int i = 0; i < frames; ++i) console_->run_frame();
+    emulate(0, 1.0f, 1);
+    count_frame();
+}
+
+// Unsigned, so that the counters wrap after 2^31 frames instead of overflowing.
+void Environment::count_frame() {
+    for (int32_t* counter : {&state_.frame, &state_.episode_frame})
+        *counter = static_cast<int32_t>(static_cast<uint32_t>(*counter) + 1);
+}
+
+// Takes frames from the budget of a mode selection. Under the rules of another game, a ROM may never reach the mode.
+// Throws std::runtime_error when the budget is used up.
+void Environment::spend(int frames) {
+    if (frames < 0 || frames > select_budget_)
+        throw std::runtime_error("the mode cannot be selected: the game never reaches it (is this ROM of this game?)");
+    select_budget_ -= frames;
+}
+
+void Environment::run(const Program& program) {
+    int64_t stack[kMaxStack];
+    int64_t* top = stack;  // one past the last value
+    const Instruction* const first = program.begin();
+    const auto byte = [&](int64_t address) { return int64_t{console_->read_ram(static_cast<uint8_t>(address))}; };
+    const auto xbyte = [&](int64_t address) -> int64_t {
+        return console_->cartridge_ram_size() >= 128 ? console_->cartridge_ram()[address & 0x7f] : 0;
+    };
+    const auto signed8 = [](int64_t value) { return int64_t{static_cast<int8_t>(value)}; };
+    const auto wrap = [](uint64_t value) { return static_cast<int64_t>(value); };
+    // The sum of `term` over the bytes lo..hi of RAM.
+    const auto sum = [&](int64_t low, int64_t high, auto&& term) {
+        int64_t total = 0;
+        for (int64_t address = low & 0xff; address <= (high & 0xff); ++address) total += term(byte(address));
+        return total;
+    };
+    for (const Instruction* next = first;;) {
+        const auto [op, argument] = *next++;
+        const auto binary = [&](auto&& operation) {
+            --top;
+            top[-1] = operation(top[-1], top[0]);
+        };
+        switch (op) {
+            case Op::kPush: *top++ = argument; break;
+            case Op::kLoad: *top++ = state_.variables[argument]; break;
+            case Op::kStore: state_.variables[argument] = static_cast<int32_t>(*--top); break;
+            case Op::kRam: top[-1] = byte(top[-1]); break;
+            case Op::kXram: top[-1] = xbyte(top[-1]); break;
+            case Op::kAdd: binary([&](int64_t a, int64_t b) { return wrap(uint64_t(a) + uint64_t(b)); }); break;
+            case Op::kSubtract: binary([&](int64_t a, int64_t b) { return wrap(uint64_t(a) - uint64_t(b)); }); break;
+            case Op::kMultiply: binary([&](int64_t a, int64_t b) { return wrap(uint64_t(a) * uint64_t(b)); }); break;
+            case Op::kDivide: binary([](int64_t a, int64_t b) { return b > 0 ? a / b - (a % b < 0) : 0; }); break;
+            case Op::kModulo: binary([](int64_t a, int64_t b) { return b > 0 ? a % b + (a % b < 0 ? b : 0) : 0; }); break;
+            case Op::kAnd: binary([](int64_t a, int64_t b) { return a & b; }); break;
+            case Op::kOr: binary([](int64_t a, int64_t b) { return a | b; }); break;
+            case Op::kXor: binary([](int64_t a, int64_t b) { return a ^ b; }); break;
+            case Op::kShiftLeft: binary([&](int64_t a, int64_t b) { return wrap(uint64_t(a) << (b & 31)); }); break;
+            case Op::kShiftRight: binary([](int64_t a, int64_t b) { return a >> (b & 31); }); break;
+            case Op::kEqual: binary([](int64_t a, int64_t b) -> int64_t { return a == b; }); break;
+            case Op::kNotEqual: binary([](int64_t a, int64_t b) -> int64_t { return a != b; }); break;
+            case Op::kLess: binary([](int64_t a, int64_t b) -> int64_t { return a < b; }); break;
+            case Op::kLessEqual: binary([](int64_t a, int64_t b) -> int64_t { return a <= b; }); break;
+            case Op::kGreater: binary([](int64_t a, int64_t b) -> int64_t { return a > b; }); break;
+            case Op::kGreaterEqual: binary([](int64_t a, int64_t b) -> int64_t { return a >= b; }); break;
+            case Op::kNegate: top[-1] = wrap(0 - uint64_t(top[-1])); break;
+            case Op::kInvert: top[-1] = ~top[-1]; break;
+            case Op::kNot: top[-1] = top[-1] == 0; break;
+            case Op::kJump:
+                // A jump backwards is a loop. It costs a frame and one more for every 64 instructions of its body, so
+                // that the budget ends it.
+                if (first + argument < next) spend(1 + static_cast<int>(next - first - argument) / 64);
+                next = first + argument;
+                break;
+            case Op::kJumpIfZero:
+                if (*--top == 0) next = first + argument;
+                break;
+            case Op::kJumpIfZeroElsePop:
+                if (top[-1] == 0) next = first + argument;
+                else --top;
+                break;
+            case Op::kJumpIfNotZeroElsePop:
+                if (top[-1] != 0) next = first + argument;
+                else --top;
+                break;
+            case Op::kBcd: {
+                int64_t value = 0;
+                for (int i = 0; i < argument; ++i) {  // the most significant byte is on top
+                    const int64_t digits = byte(*--top);
+                    value = 100 * value + 10 * (digits >> 4) + (digits & 15);
+                }
+                *top++ = value;
+                break;
+            }
+            case Op::kSigned8: top[-1] = signed8(top[-1]); break;
+            case Op::kCount: {
+                top -= argument;
+                const int64_t *values = top + 2, *end = top + argument;
+                const int64_t found =
+                    sum(top[0], top[1], [&](int64_t b) { return int64_t{std::find(values, end, b) != end}; });
+                *top++ = found;
+                break;
+            }
+            case Op::kSame:
+                binary([&](int64_t low, int64_t high) { return int64_t{sum(low, high, [&](int64_t b) { return int64_t{b != byte(low)}; }) == 0}; });
+                break;
+            case Op::kPositiveSum:
+                binary([&](int64_t low, int64_t high) { return sum(low, high, [&](int64_t b) { return std::max<int64_t>(signed8(b), 0); }); });
+                break;
+            case Op::kNegativeSum:
+                binary([&](int64_t low, int64_t high) { return sum(low, high, [&](int64_t b) { return std::max<int64_t>(-signed8(b), 0); }); });
+                break;
+            case Op::kRandom: *top++ = state_.random.next(); break;
+            case Op::kPressSelect: {
+                const int frames = static_cast<int>(std::clamp<int64_t>(*--top, 0, kSelectFrames));
+                spend(frames + 1);
+                press_select(frames);
+                break;
+            }
+            case Op::kSoftReset:
+                spend(4);
+                soft_reset();
+                break;
+            case Op::kAct:
+                spend(settings_.frame_skip);
+                act(argument, 1.0f);
+                break;
+            case Op::kFail: spend(-1); break;
+            case Op::kEnd: return;
+        }
+    }
+}
+
+const std::vector<uint8_t>& Environment::blended() {
+    averaged_.resize(static_cast<size_t>(height()) * kScreenWidth);
+    average_framebuffers(console_->framebuffer(), console_->previous_framebuffer(), averaged_.size(), *game_->palette,
+                         averaged_.data());
+    return averaged_;
+}
+
+void Environment::screen(uint8_t* out) {
+    const uint8_t* pixels = settings_.colour_averaging ? blended().data() : console_->framebuffer();
+    std::memcpy(out, pixels, static_cast<size_t>(height()) * kScreenWidth);
+}
+
+void Environment::screen_rgb(uint8_t* out) {
+    const uint8_t* pixels = settings_.colour_averaging ? blended().data() : console_->framebuffer();
+    to_rgb(pixels, height(), *game_->palette, out);
+}
+
+void Environment::screen_gray(uint8_t* out) {
+    const uint8_t* pixels = settings_.colour_averaging ? blended().data() : console_->framebuffer();
+    to_gray(pixels, height(), *game_->palette, out);
+}
+
+void Environment::save(uint8_t* out) {
+    std::memcpy(out, &state_, sizeof state_);
+    console_->save(out + sizeof state_);
+}
+
+bool Environment::load(const uint8_t* in) {
+    EnvironmentState state;
+    std::memcpy(&state, in, sizeof state);
+    bool good = state.random.position <= 624 && std::abs(state.held_strength) <= 1000.0f;
+    good &= state.held_action >= 0 && state.held_action <= kReset;
+    for (int32_t position : state.paddle) good &= position >= 0 && position <= 1 << 24;
+    if (!good || !console_->load(in + sizeof state)) return false;
+    state_ = state;
+    return true;
+}
+
+EnvironmentSnapshot Environment::snapshot() const { return {state_, settings_.plain, console_->snapshot()}; }
+
+bool Environment::restore(const EnvironmentSnapshot& snapshot) {
+    if (snapshot.plain != settings_.plain) return false;
+    state_ = snapshot.state;
+    console_->restore(*snapshot.console);
+    return true;
+}
+
+}  // namespace atari

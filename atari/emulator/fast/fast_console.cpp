@@ -1,0 +1,284 @@
+#include "fast_console.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "machine/tia_registers.hpp"
+
+namespace atari {
+
+FastConsole::FastConsole(std::shared_ptr<const FastCartridge> cartridge, const ConsoleConfig& config)
+    : Console(cartridge, config), program_(*cartridge), first_record_(program_.code()), base_record_(first_record_) {
+    for (unsigned page = 0; page < 256; ++page)
+        if (const unsigned address = 64 * page; (address & 0x1280) == 0x80) pages_[page] = m_.riot.ram + (address & 0x7f);
+    map_cartridge_ram();
+    for (unsigned segment = 0; segment < 4; ++segment)
+        if (plain_.from < 1024 * (segment + 1) && 1024 * segment < plain_.from + plain_.size)
+            code_segments_ |= 0x1010u << segment;
+    std::fill(std::begin(ram_code_), std::end(ram_code_), DecodedInstruction{code_of(kRamCode), kRamCode, 0, 0, 0, Loop::kNone});
+}
+
+void FastConsole::reset() {
+    Console::reset();
+    break_off_history();
+    history_.clear();
+}
+
+void FastConsole::map_segments() {
+    Console::map_segments();
+    bank_ = image_ + segment_[12];
+    map_pages();
+    remapped_ = true;
+}
+
+// A page that is only partly plain image is none.
+void FastConsole::map_pages() {
+    const unsigned first = (plain_.from + 63) / 64, last = (plain_.from + plain_.size) / 64;
+    for (const unsigned half : {4u, 12u}) {
+        const uint32_t* const starts = segment_ + half;
+        const uint8_t** const pages = pages_ + 16 * half;
+        const auto map = [&](unsigned from, unsigned to, uint32_t start) {
+            const uint8_t* const* const shown = program_.pages() + start / 64;
+            if (from < to) std::copy(shown, shown + (to - from), pages + from);
+        };
+        bool one_bank = true;
+        for (uint32_t i = 1; i < 4; ++i) one_bank &= starts[i] == starts[0] + 1024 * i;
+        if (one_bank) map(first, last, starts[0] + 64 * first);
+        else
+            for (unsigned i = 0; i < 4; ++i) {
+                const unsigned from = std::max(first, 16 * i);
+                map(from, std::min(last, 16 * i + 16), starts[i] + 64 * (from - 16 * i));
+            }
+    }
+}
+
+// The RAM of cartridges that always show it at the same place.
+void FastConsole::map_cartridge_ram() {
+    using Type = CartridgeType;
+    unsigned first = 2, count = 2;
+    switch (cartridge_->type()) {
+        case Type::kF8SC: case Type::kF6SC: case Type::kF4SC: break;
+        case Type::kFASC: first = count = 4; break;
+        default: return;
+    }
+    for (unsigned i = 0; i < count; ++i) pages_[64 + first + i] = pages_[192 + first + i] = cart_ram_.data() + 64 * i;
+}
+
+// --- frames ---
+
+void FastConsole::emulate_frame(bool whole) {
+    if (whole && run_deferred()) return;
+    rendered(m_.tia.current);
+    settle_latches();
+    break_off_history();
+    touch_all();
+    run_counted();
+    catch_up();
+}
+
+// Returns false and changes nothing if this frame cannot be deferred: it may meet the limit of instructions, which are not
+// counted here, or an illegal opcode stops the processor and no write ends the frame.
+bool FastConsole::run_deferred() {
+    machine_before_ = m_;
+    cart_ram_before_ = cart_ram_;
+    const FrameHistory::Marks marks_before = history_.marks();
+    m_.cpu.stop = false;
+    begin_log();
+    deferred_ = true;
+    const bool ended = run_fast();
+    deferred_ = false;
+    if (!ended) {
+        m_ = machine_before_;
+        std::copy(cart_ram_before_.begin(), cart_ram_before_.end(), cart_ram_.begin());
+        map_segments();
+        history_.give_up_frame(marks_before);
+        collision_cache_.forget();
+        return false;
+    }
+    end_log();
+    return true;
+}
+
+void FastConsole::begin_log() {
+    Tia& t = m_.tia;
+    FrameLog& log = history_.begin_frame(t, line_cache_.log());
+    log_end_ = log.writes;
+    applied_ = collisions_from_ = log.writes;
+    first_cycle_ = static_cast<uint32_t>(t.frame_start / 3);
+    overlong_ = first_cycle_ + static_cast<uint32_t>(kCyclesPerLine * (last_line(config_.pal) + 1));
+    collider_.begin(history_.watched());
+    collision_cache_.begin(log.writes, history_.watched());
+
+    shadow_.fill(t);
+}
+
+void FastConsole::end_log() {
+    Tia& t = m_.tia;
+    FrameLog& log = history_.current();
+    log.size = static_cast<int>(log_end_ - log.writes);
+    // A frame that is too long ends at a write, which may show a little later.
+    apply_log(log.size > 0 ? std::max(end_clock_, shown_at(log_end_[-1], first_cycle_)) : end_clock_);
+    collider_.finish();
+    for (int i = 0; i < 4; ++i) t.colour[i] = colour_of(shadow_.reg[COLUP0 + i], config_.pal, t);
+    t.ctrlpf = shadow_.reg[CTRLPF];
+    for (int object = kP0; object <= kBL; ++object) t.hm[object] = shadow_.reg[HMP0 + object] >> 4;
+    log.reached = t.pending;
+    log.replaced = t.write_pos;
+    // Before the last line a blank may reach further.
+    log.extent = t.write_pos + (t.hmove_blank && t.drawn_to < t.draw_stop ? kScreenWidth : 0);
+    if (!history_.cleared()) settle_latches();  // or latches would be pending over more and more logs
+    // An older frame that is still owed would show where it reaches further.
+    const FrameLog* const owed = history_.owed(t.current);
+    if (owed && owed->extent > t.write_pos) rendered(t.current);
+    history_.end_frame(t.current);
+}
+
+// Brings the state of the TIA up to an access at a clock.
+void FastConsole::apply_log(int32_t clock) {
+    collision_cache_.apply(applied_, log_end_, collisions_from_, clock);
+    applied_ = log_end_;
+}
+
+void FastConsole::end_frame() {
+    Console::end_frame();
+    end_clock_ = clock();
+}
+
+// --- collision latches ---
+
+void FastConsole::before_tia_read(int reg) {
+    if (!deferred_) return Console::before_tia_read(reg);
+    if (reg < 8) update_latches(reg);
+}
+
+// Brings the two latches of a read register up to date.
+void FastConsole::update_latches(int reg) {
+    apply_log(clock());
+    const unsigned latches = 3u << (14 - 2 * reg);
+    history_.note_read(latches);
+    if (!(latches & ~history_.watched())) return;
+    find_pending_latches();
+    history_.watch(latches);
+    collider_.watch(history_.watched());
+    collision_cache_.forget();
+}
+
+void FastConsole::settle_latches() {
+    find_pending_latches();
+    history_.settled();
+}
+
+void FastConsole::find_pending_latches() {
+    const unsigned found = history_.find_pending(config_, deferred_ ? log_end_ : nullptr, m_.tia.pending);
+    m_.tia.collisions = static_cast<uint16_t>(m_.tia.collisions | found);
+}
+
+// --- the state ---
+
+bool FastConsole::load(const uint8_t* in) {
+    if (!Console::load(in)) return false;
+    break_off_history();
+    history_.clear();
+    return true;
+}
+
+std::unique_ptr<ConsoleSnapshot> FastConsole::snapshot() const {
+    auto snapshot = std::make_unique<FastConsoleSnapshot>();
+    const int whole = kScreenWidth * config_.height;
+    std::size_t skipped[2];
+    for (int buffer : {0, 1}) {
+        const FrameLog* const owed = history_.owed(buffer);
+        snapshot->replaced[buffer] = owed && owed->replaced >= whole;
+        skipped[buffer] = snapshot->replaced[buffer] ? static_cast<std::size_t>(whole) : 0;
+    }
+    snapshot_into(*snapshot, skipped);
+    history_.snapshot(snapshot->history);
+    return snapshot;
+}
+
+void FastConsole::restore_all(const ConsoleSnapshot& snapshot, bool swapped) {
+    Console::restore_from(snapshot, swapped);
+    history_.restore(static_cast<const FastConsoleSnapshot&>(snapshot).history, swapped);
+    collision_cache_.forget();
+    line_cache_.forget();
+}
+
+void FastConsole::resume(const ConsoleSnapshot& snapshot, bool swapped) {
+    const uint64_t words = m_.random_words;
+    const Sound sound = m_.sound;
+    const unsigned latches = history_.marks().read;
+    restore_all(snapshot, swapped);
+    m_.random_words = words;
+    m_.sound.keep_generator_of(sound);
+    history_.note_read(latches);
+}
+
+// From here on frames are rendered as they are run, or the state is another.
+void FastConsole::break_off_history() {
+    history_.break_off();
+    collision_cache_.forget();
+    line_cache_.forget();
+}
+
+// --- TIA writes ---
+
+// A write that the fast interpreter does not log itself. Each is logged that could delay a later one.
+void FastConsole::log_write(uint8_t reg, uint8_t value) {
+    if (m_.cycles >= overlong_) end_frame();
+    TiaShadow& shadow = shadow_;
+    uint16_t beside = 0;
+    uint8_t kind;
+    switch (kTiaRegisters[reg].store) {
+        case TiaStore::kNone: return;
+        case TiaStore::kVsync: return write_vsync(value);
+        case TiaStore::kWsync: return halt_until_line_start();
+        case TiaStore::kSound: return m_.sound.write(reg, value);
+        case TiaStore::kHmclr: return shadow.clear_motions();
+        case TiaStore::kMotion:
+            if (!shadow.write_motion(reg, value)) return;
+            break;
+        case TiaStore::kVblank:
+            if (switch_dump(shadow.reg[VBLANK], value)) time_inputs();
+            shadow.reg[VBLANK] = value;
+            break;
+        case TiaStore::kValue: shadow.write_value(reg, value); break;
+        case TiaStore::kNusiz: shadow.write_nusiz(reg, value); break;
+        case TiaStore::kCtrlpf: shadow.write_ctrlpf(value, m_.cycles - first_cycle_, kind); break;
+        case TiaStore::kGrp0:
+            shadow.write_grp0(value);
+            beside = shadow.beside_grp0();
+            break;
+        case TiaStore::kGrp1:
+            shadow.write_grp1(value);
+            beside = shadow.beside_grp1();
+            break;
+        case TiaStore::kStrobe: shadow.reg[reg] = 1; break;
+        case TiaStore::kHmove: case TiaStore::kCxclr: break;
+    }
+    // JSR and BRK push two or three bytes at the same time, into the TIA if the stack is there.
+    if (log_end_ != history_.current().writes && log_end_[-1].cycle == m_.cycles) *log_end_++ = {m_.cycles, SAME_TIME, 0, 0};
+    if (reg == HMOVE) return log_hmove(m_.cycles);
+    if (reg == CXCLR) return log_cxclr(m_.cycles);
+    *log_end_++ = {m_.cycles, reg, value, beside};
+}
+
+void FastConsole::log_hmove(uint32_t cycles) {
+    *log_end_++ = {cycles, HMOVE, shadow_.ball_motion(), shadow_.beside_hmove()};
+}
+
+void FastConsole::log_cxclr(uint32_t cycles) {
+    collisions_from_ = log_end_;
+    history_.clear_latches(log_end_);
+    *log_end_++ = {cycles, CXCLR, 0, 0};
+}
+
+void FastConsole::time_inputs() {
+    for (int port = 0; port < 6; ++port) inputs_from_[port] = input_from(port);
+}
+
+const uint8_t* FastConsole::rendered(int buffer) {
+    if (const FrameLog* const owed = history_.pay(buffer)) line_cache_.draw(*owed, framebuffers_, buffer);
+    return framebuffers_[buffer];
+}
+
+}  // namespace atari

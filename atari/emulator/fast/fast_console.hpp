@@ -1,0 +1,129 @@
+// The console at speed: the same machine as `Console`, run by decoded instructions or translated code, with deferred
+// rendering and deferred collisions.
+//
+// While a frame is run its TIA writes go to a write log. The TIA's state is brought up to date from the log when a
+// program reads a collision latch and at the frame's end; the framebuffer is rendered from the log when it is read.
+// A frame that cannot be run so is run again as it goes, every instruction counted.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "fast/tia/collider.hpp"
+#include "fast/tia/collision_cache.hpp"
+#include "machine/console.hpp"
+#include "fast_cartridge.hpp"
+#include "frame_history.hpp"
+#include "fast/tia/line_cache.hpp"
+#include "fast/tia/tia_shadow.hpp"
+
+namespace atari {
+
+// So many cycles are at least 25000 instructions: up to here a frame cannot have met its limit of instructions.
+inline constexpr uint32_t kCyclesBelowLimit = 2 * kInstructionLimit;
+
+struct FastConsoleSnapshot final : ConsoleSnapshot {
+    FrameHistory::Snapshot history;
+    bool replaced[2];  // by framebuffer: what it is owed replaces all of it
+
+    bool replaces_framebuffers() const { return replaced[0] && replaced[1]; }
+};
+
+class FastConsole final : public Console {
+  public:
+    FastConsole(std::shared_ptr<const FastCartridge> cartridge, const ConsoleConfig& config);
+
+    void reset() override;
+    void settle_latches() override;
+    bool load(const uint8_t* in) override;
+    std::unique_ptr<ConsoleSnapshot> snapshot() const override;
+    void restore(const ConsoleSnapshot& snapshot) override { restore_all(snapshot, false); }
+    // `restore` for a reset trace: this console has come by another way to the state in which the trace began. It keeps
+    // its position in the machine's random words and its sound generator; `swapped`, its framebuffers change places.
+    void resume(const ConsoleSnapshot& snapshot, bool swapped);
+
+    const FastCartridge& cartridge() const { return program_; }
+
+  private:
+    friend struct Interpreter;  // interpreter.cpp
+    friend struct Offsets;  // offsets.hpp
+
+    void emulate_frame(bool whole) override;
+    void write_tia(uint8_t reg, uint8_t value) override { deferred_ ? log_write(reg, value) : Console::write_tia(reg, value); }
+    void before_tia_read(int reg) override;
+    void end_frame() override;
+    void map_segments() override;
+    const uint8_t* rendered(int buffer) override;
+    const uint32_t* looks_of(int buffer) const override { return line_cache_.looks(buffer); }
+
+    bool run_deferred();
+    bool run_fast();     // interpreter.cpp
+    void run_counted();  // interpreter.cpp
+    void begin_log();
+    void end_log();
+    void log_write(uint8_t reg, uint8_t value);
+    // Not inlined, or the interpreter has a register less.
+    [[gnu::noinline]] void log_hmove(uint32_t cycles);
+    [[gnu::noinline]] void log_cxclr(uint32_t cycles);
+    void apply_log(int32_t clock);
+    void update_latches(int reg);
+    // A read of CXM0P .. CXPPMM while a frame is deferred: bits 7 and 6.
+    uint32_t read_latches(uint32_t reg) {
+        update_latches(static_cast<int>(reg));
+        return (m_.tia.collisions >> (14 - 2 * reg) & 3u) << 6;
+    }
+    void find_pending_latches();
+    void time_inputs();
+    void map_pages();
+    void map_cartridge_ram();
+    void restore_all(const ConsoleSnapshot& snapshot, bool swapped);
+    void break_off_history();
+
+    // What the interpreter and translated code read, derived from the state or from the cartridge.
+    bool deferred_ = false;         // a frame is being run whose TIA writes go to the log
+    bool remapped_ = false;         // segment_ has changed
+    const FastCartridge& program_;  // the same as cartridge_
+    const DecodedInstruction* first_record_;
+    const DecodedInstruction* base_record_;     // the record whose instruction is at `origin_`
+    // In which 1 KiB segments any plain image is, a bit each by bits 10 to 13 of the address. All of such a segment may be
+    // entered: where it is not plain image the record is kStep.
+    uint32_t code_segments_ = 0;
+    uint32_t origin_ = 0;
+    uint32_t overlong_ = 0;         // from this cycle on, a write to the TIA ends the frame
+    uint32_t cycle_limit_ = 0;      // from this cycle on, the limit of instructions may be near
+    uint32_t first_cycle_ = 0;      // of line 0
+    // `input_from` each port, in a frame that is run fast; nothing answers at the last two.
+    uint64_t inputs_from_[8] = {0, 0, 0, 0, 0, 0, ~uint64_t{0}, ~uint64_t{0}};
+    uint8_t overflow_ = 0;          // V is whether it is not 0
+    uint8_t modes_ = 0;             // D and I as in the status, and its two bits that are always set
+    TiaWrite* log_end_ = nullptr;      // of the log of the frame that is being run
+    TiaShadow shadow_{};
+    const uint8_t* bank_ = nullptr;  // the image from segment_[12] on
+    // The bytes of each 64 that can be read without side effects, RAM or plain image, by bits 6 to 13 of the address.
+    const uint8_t* pages_[256] = {};
+
+    // Code in RAM: records, and the bytes they were made from.
+    struct RamCode {
+        std::array<uint8_t, 4> bytes;  // three, and 0
+        uint16_t handler = kHandlers;
+    };
+    DecodedInstruction ram_code_[128 + 3];
+    RamCode ram_known_[128];
+
+    FrameHistory history_;
+    LineCache line_cache_{config_};           // renders logs
+    Collider collider_{m_.tia, config_};
+    CollisionCache collision_cache_{m_.tia, collider_};
+    const TiaWrite* applied_ = nullptr;          // up to here the TIA's state contains the log
+    const TiaWrite* collisions_from_ = nullptr;  // the last CXCLR, or the beginning of the log
+    int32_t end_clock_ = 0;                   // of the write that ended the frame
+
+    // The state before the frame, to run it again where it cannot be deferred.
+    Machine machine_before_;
+    std::vector<uint8_t> cart_ram_before_;
+};
+
+}  // namespace atari

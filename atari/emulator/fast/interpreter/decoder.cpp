@@ -1,0 +1,265 @@
+#include "decoder.hpp"
+
+#include <algorithm>
+#include <array>
+#include <compare>
+#include <cstddef>
+
+#include "machine/cartridge.hpp"
+
+namespace atari {
+namespace {
+
+using Type = CartridgeType;
+using HandlerTable = std::array<std::array<uint16_t, static_cast<size_t>(Operand::kCount)>, 256>;
+
+// The handler of an operation with an operand, kStep where there is none.
+constexpr HandlerTable kSingles = [] {
+    HandlerTable table{};
+#define SINGLE(operation, operand) table[operation][static_cast<size_t>(Operand::operand)] = operation##_##operand;
+#define PAIR(...)
+#include "handlers.def"
+    return table;
+}();
+
+struct PairRow {
+    uint16_t first, second, handler;
+    auto operator<=>(const PairRow&) const = default;
+};
+constexpr auto kPairRows = [] {
+    std::array rows{
+#define SINGLE(...)
+#define PAIR(o1, k1, o2, k2) PairRow{o1##_##k1, o2##_##k2, o1##_##k1##_##o2##_##k2},
+#include "handlers.def"
+        PairRow{kHandlers, kHandlers, kStep},  // behind all others
+    };
+    std::sort(rows.begin(), rows.end());
+    return rows;
+}();
+
+// The handler of two instructions, or of the first alone.
+uint16_t fused(uint16_t first, uint16_t second) {
+    const auto row = std::lower_bound(kPairRows.begin(), kPairRows.end(), PairRow{first, second, 0});
+    return row->first == first && row->second == second ? row->handler : first;
+}
+
+// Whether the whole window is one bank of the image.
+bool one_bank(Type type) {
+    return type != Type::kE0 && type != Type::kE7 && type != Type::kFE && type != Type::k3F && type != Type::k3E &&
+           type != Type::kCV;
+}
+
+// The size of the parts of the image that are switched as a whole: no instruction is decoded across their ends.
+size_t slice_size(Type type) {
+    switch (type) {
+        case Type::kE0: return 1024;
+        case Type::k2K: case Type::kE7: case Type::k3F: case Type::k3E: case Type::kCV: return 2048;
+        default: return 4096;
+    }
+}
+
+bool within(unsigned value, Window window) { return value - window.from < window.size; }
+
+// Whether an image byte is always seen as plain image, whichever part of the window shows it.
+bool plain_in_image(const Cartridge& cartridge, size_t offset) {
+    const Window plain = cartridge.plain_window();
+    switch (cartridge.type()) {
+        case Type::kE0: return offset < 7168 || within(0xc00 + offset % 1024, plain);  // slice 7 is always the last
+        case Type::kE7: return offset >= 14336 && within(0x800 + offset % 2048, plain);
+        case Type::k3F: case Type::k3E: case Type::kCV: return true;  // asked again when the code is entered
+        case Type::k2K: return true;
+        default: return within(offset % 4096, plain);
+    }
+}
+
+bool is_ram(uint16_t address) { return (address & 0x1280) == 0x80; }
+
+bool is_timer(uint16_t address) { return (address & 0x1285) == 0x284; }
+
+Operand absolute(uint16_t address, const Cartridge& cartridge, const uint8_t* bank, uint16_t& value) {
+    if (is_timer(address)) return Operand::Timer;
+    if (is_ram(address)) {
+        value = address & 0x7f;
+        return Operand::RamA;
+    }
+    if (!(address & 0x1000)) return Operand::PortA;
+    if (cartridge.type() == Type::kDPC && (address & 0xfff) < 0x40) return Operand::Dpc;
+    if (cartridge.type() == Type::kFE) {
+        value = cartridge.image()[(address & 0xfff) + (address & 0x2000 ? 0 : 4096)];
+        return Operand::Fixed;
+    }
+    if (!bank || !within(address & 0xfff, cartridge.plain_window())) return Operand::PortA;
+    value = bank[address & (cartridge.type() == Type::k2K ? 0x7ff : 0xfff)];
+    return Operand::Fixed;
+}
+
+// The kind of an indexed operand; `base` becomes an offset in the bank where all it can reach is plain image.
+bool reaches_plain_image(uint16_t& base, const Cartridge& cartridge, const uint8_t* bank) {
+    if (!bank || (base & 0x1fff) < 0x1000) return false;
+    const unsigned offset = base & (cartridge.type() == Type::k2K ? 0x7ff : 0xfff);
+    const unsigned end = cartridge.type() == Type::k2K ? 0x800 : cartridge.plain_window().from + cartridge.plain_window().size;
+    if (offset < cartridge.plain_window().from || offset + 256 > end) return false;
+    base = static_cast<uint16_t>(offset);
+    return true;
+}
+
+bool is_store(Operation operation) { return operation == STA || operation == STX || operation == STY; }
+
+// A store to what is not RAM, by an address of two bytes.
+Operand stored_at(uint16_t& address, const Cartridge& cartridge) {
+    if ((address & 0x1080) || cartridge.watches_tia()) return Operand::PortA;
+    const uint8_t reg = tia_register(address);
+    const Operand kind = stored_in(reg);
+    if (kind != Operand::Tia && kind != Operand::Grp0 && kind != Operand::Grp1) return Operand::PortA;
+    address = reg;
+    return kind == Operand::Tia ? Operand::TiaA : kind == Operand::Grp0 ? Operand::Grp0A : Operand::Grp1A;
+}
+
+Operand operand_of(Opcode opcode, uint16_t& operand, const Cartridge& cartridge, const uint8_t* bank) {
+    switch (opcode.form) {
+        case Imp: return Operand::Imp;
+        case Acc: return Operand::Acc;
+        case Imm: return Operand::Imm;
+        case Rel: return Operand::Rel;
+        case Ind: return Operand::Ind;
+        case Zp:
+            if (operand & 0x80) {
+                operand &= 0x7f;
+                return Operand::Ram;
+            }
+            if (cartridge.watches_tia()) return Operand::PortZ;
+            if (!is_store(opcode.operation)) return operand & 8 ? Operand::Input : Operand::PortZ;
+            if (const Operand kind = stored_in(tia_register(operand)); kind != Operand::PortZ) {
+                operand = tia_register(operand);
+                return kind;
+            }
+            return Operand::PortZ;
+        case ZpX: return Operand::RamX;
+        case ZpY: return Operand::RamY;
+        case Abs:
+            if (opcode.operation == JMP || opcode.operation == JSR)
+                return bank && cartridge.type() != Type::k2K && (operand & 0x1000) &&
+                               within(operand & 0xfff, cartridge.plain_window())
+                           ? Operand::Near
+                           : Operand::Far;
+            if (is_store(opcode.operation) && !is_ram(operand)) return stored_at(operand, cartridge);
+            return absolute(operand, cartridge, bank, operand);
+        case AbsX:
+        case AbsY: {
+            const bool plain = !is_store(opcode.operation) && reaches_plain_image(operand, cartridge, bank);
+            if (opcode.form == AbsX) return plain ? Operand::RomX : Operand::AnyX;
+            return plain ? Operand::RomY : Operand::AnyY;
+        }
+        case IndX: return Operand::IndX;
+        default: return Operand::IndY;
+    }
+}
+
+bool is_expiry(uint16_t address) { return (address & 0x1285) == 0x285; }
+
+// The loop that begins with these records, which are of instructions one behind the other.
+Loop loop_of(const DecodedInstruction& first, const DecodedInstruction& second, const DecodedInstruction& third) {
+    const auto either = [](uint16_t handler, auto... of) { return ((handler == of) || ...); };
+    const auto counts = [&](const DecodedInstruction& step, const DecodedInstruction& branch) {
+        return either(step.handler, DEX_Imp, DEY_Imp) && either(branch.handler, BNE_Rel, BPL_Rel);
+    };
+    if (counts(first, second) && second.jump == -1) return first.handler == DEX_Imp ? Loop::kCountX : Loop::kCountY;
+    if (either(first.handler, STA_Wsync, STX_Wsync, STY_Wsync) && counts(second, third) && third.jump == -3)
+        return second.handler == DEX_Imp ? Loop::kLinesX : Loop::kLinesY;
+    if (first.handler == SBC_Imm && second.handler == BCS_Rel && second.jump == -2) return Loop::kDivide;
+    if (second.jump != -3) return Loop::kNone;
+    if (either(first.handler, LDA_Timer, LDX_Timer, LDY_Timer) && either(second.handler, BNE_Rel, BPL_Rel, BMI_Rel))
+        return Loop::kTimer;
+    const bool reads_expiry = either(first.handler, LDA_PortA, LDX_PortA, LDY_PortA, BIT_PortA) && is_expiry(first.operand);
+    return reads_expiry && second.handler == BPL_Rel ? Loop::kExpiry : Loop::kNone;
+}
+
+// How many cycles one round takes; behind a WSYNC, what follows it.
+int round_cycles(Loop loop, const DecodedInstruction& second, const DecodedInstruction& third) {
+    switch (loop) {
+        case Loop::kLinesX: case Loop::kLinesY: return 2 + third.taken;
+        case Loop::kTimer: case Loop::kExpiry: return 4 + second.taken;
+        default: return 2 + second.taken;
+    }
+}
+
+}  // namespace
+
+bool is_branch(uint16_t handler) {
+    return handler == BCC_Rel || handler == BCS_Rel || handler == BEQ_Rel || handler == BMI_Rel || handler == BNE_Rel ||
+           handler == BPL_Rel || handler == BVC_Rel || handler == BVS_Rel;
+}
+
+DecodedInstruction decode(const uint8_t* bytes, int available, const Cartridge& cartridge, const uint8_t* bank) {
+    DecodedInstruction record{nullptr, kStep, 0, 0, 0, Loop::kNone};
+    const Opcode opcode = kOpcodes[bytes[0]];
+    const int length = length_of(opcode.form);
+    if (length > available) return record;
+    uint16_t operand = length > 1 ? bytes[1] : 0;
+    if (length > 2) operand = static_cast<uint16_t>(operand | bytes[2] << 8);
+    if (opcode.form == Rel) {
+        const int distance = static_cast<int8_t>(bytes[1]);
+        record.jump = static_cast<int16_t>(2 + distance);
+        // The caller says by `bytes` only where in a bank this is; crossing a page depends on the low eight bits.
+        record.operand = static_cast<uint16_t>(distance & 0xff);
+        record.handler = kSingles[opcode.operation][static_cast<size_t>(Operand::Rel)];
+        return record;
+    }
+    const Operand kind = operand_of(opcode, operand, cartridge, bank);
+    if (kind == Operand::IndY) {
+        if (!pointer_in_ram(operand)) return record;
+        operand &= 0x7f;
+    }
+    record.operand = operand;
+    record.handler = kSingles[opcode.operation][static_cast<size_t>(kind)];
+    return record;
+}
+
+std::vector<DecodedInstruction> decode_image(const Cartridge& cartridge) {
+    const size_t size = cartridge.size(), slice = slice_size(cartridge.type());
+    const uint8_t* image = cartridge.image();
+    std::vector<DecodedInstruction> records(size + 1, DecodedInstruction{nullptr, kStep, 0, 0, 0, Loop::kNone});
+    const auto decodable = [&](size_t first, size_t from, size_t to) {
+        // An instruction that ends a slice is not: behind it is another slice, or the TIA, where programs see the bus.
+        if (to >= first + slice || first + slice > size) return false;
+        for (size_t i = from; i < to; ++i)
+            if (!plain_in_image(cartridge, i)) return false;
+        return true;
+    };
+    for (size_t i = 0; i < size; ++i) {
+        const size_t first = i - i % slice;
+        const int length = length_of(kOpcodes[image[i]].form);
+        if (!decodable(first, i, i + static_cast<size_t>(length))) continue;
+        DecodedInstruction record = decode(image + i, 3, cartridge, one_bank(cartridge.type()) ? image + first : nullptr);
+        const size_t next = i + static_cast<size_t>(length);
+        if (is_branch(record.handler)) {
+            const auto target = static_cast<std::ptrdiff_t>(i) + record.jump;
+            if (target < static_cast<std::ptrdiff_t>(first) ||
+                !decodable(first, static_cast<size_t>(target), static_cast<size_t>(target) + 1))
+                continue;
+            record.taken = ((static_cast<size_t>(target) ^ next) & 0xff00) ? 4 : 3;
+        } else if (record.handler == JMP_Near || record.handler == JSR_Near) {
+            record.jump = static_cast<int16_t>(static_cast<int>(record.operand & 0xfff) - static_cast<int>(i - first));
+        }
+        records[i] = record;
+    }
+    // Loops and pairs. What the second instruction of a pair does is in its own record, fused or not.
+    const std::vector<DecodedInstruction> plain = records;
+    const auto behind = [&](size_t i) { return i + static_cast<size_t>(length_of(kOpcodes[image[i]].form)); };
+    for (size_t i = 0; i < size; ++i) {
+        if (plain[i].handler == kStep) continue;
+        const size_t second = behind(i), third = plain[second].handler == kStep ? size : behind(second);
+        const uint16_t handler = fused(plain[i].handler, plain[second].handler);
+        const Loop loop = loop_of(plain[i], plain[second], plain[third]);
+        records[i].handler = handler;
+        if (loop == Loop::kNone) continue;
+        records[i].handler = kLoop;
+        records[i].loop = loop;
+        records[i].jump = static_cast<int16_t>(handler);
+        records[i].taken = static_cast<uint8_t>(round_cycles(loop, plain[second], plain[third]));
+    }
+    for (DecodedInstruction& record : records) record.code = code_of(record.handler);
+    return records;
+}
+
+}  // namespace atari

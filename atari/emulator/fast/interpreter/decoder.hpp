@@ -1,0 +1,150 @@
+// A cartridge's code, decoded once: a record for every byte of the image at which an instruction might begin.
+//
+// A record names the handler that runs the instruction, chosen by operation and by what its operand is, so that a
+// handler decides nothing that could be known here. Jumps into the middle of an instruction find a record of their own,
+// so no analysis of the program is needed. What is not worth a handler, or could touch what only the bus knows, gets
+// the handler `kStep`, which runs the plain interpreter for one instruction.
+// Records never change, so all machines with the cartridge share them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "machine/opcodes.hpp"
+#include "machine/state.hpp"
+#include "machine/tia_registers.hpp"
+
+namespace atari {
+
+class Cartridge;
+
+// What an operand is, as far as the bytes of the instruction tell.
+enum class Operand : uint8_t {
+    Imp, Acc, Imm, Rel,
+    Near, Far, Ind,    // jumps: within the 4 KiB bank, anywhere, through a pointer
+    Ram, RamX, RamY,   // zero page: RAM, and indexed (RAM or TIA, as the index says)
+    RamA,              // RAM by an address of two bytes
+    Fixed,             // a byte of the image that this code always sees at this address: a constant
+    Timer,             // INTIM
+    Input,             // INPT0 .. INPT5 and the two addresses behind them, in the zero page
+    Dpc,               // the registers of the DPC chip
+    RomX, RomY,        // indexed, the whole reach plain image
+    AnyX, AnyY,        // indexed, anywhere
+    IndX, IndY,
+    PortZ, PortA,      // anything else, by an address of one byte or two
+    Tia,               // stores: a register whose value can be written again without effect
+    Strobe,            //         one that acts at every write
+    Motion,            //         HMP0 .. HMBL, which act when HMOVE is written
+    Nusiz, Hmove, Ctrlpf, Grp0, Grp1, Wsync, Sound, Hmclr, Cxclr,
+    TiaA, Grp0A, Grp1A,  // the same by an address of two bytes
+    kCount
+};
+
+// The kind of operand that a register of the TIA is to a store.
+constexpr Operand stored_in(uint8_t reg) {
+    switch (kTiaRegisters[reg].store) {
+        case TiaStore::kWsync: return Operand::Wsync;
+        case TiaStore::kValue: return Operand::Tia;
+        case TiaStore::kNusiz: return Operand::Nusiz;
+        case TiaStore::kCtrlpf: return Operand::Ctrlpf;
+        case TiaStore::kGrp0: return Operand::Grp0;
+        case TiaStore::kGrp1: return Operand::Grp1;
+        case TiaStore::kStrobe: return Operand::Strobe;
+        case TiaStore::kMotion: return Operand::Motion;
+        case TiaStore::kHmove: return Operand::Hmove;
+        case TiaStore::kHmclr: return Operand::Hmclr;
+        case TiaStore::kCxclr: return Operand::Cxclr;
+        case TiaStore::kSound: return Operand::Sound;
+        default: return Operand::PortZ;
+    }
+}
+
+constexpr auto kStoredIn = [] {
+    std::array<Operand, 64> table{};
+    for (uint8_t reg = 0; reg < 64; ++reg) table[reg] = stored_in(reg);
+    return table;
+}();
+
+// Bytes of an instruction with such an operand.
+constexpr int length_of(Operand operand) {
+    switch (operand) {
+        case Operand::Imp: case Operand::Acc: return 1;
+        case Operand::Fixed: case Operand::RamA: case Operand::Timer: case Operand::Dpc: case Operand::RomX:
+        case Operand::RomY: case Operand::AnyX: case Operand::AnyY: case Operand::PortA: case Operand::TiaA:
+        case Operand::Grp0A: case Operand::Grp1A: case Operand::Near:
+        case Operand::Far: case Operand::Ind: return 3;
+        default: return 2;
+    }
+}
+
+// Base cost of a read, a store and a read-modify-write.
+constexpr uint32_t read_cost(Operand operand) {
+    switch (operand) {
+        case Operand::Imm: return 2;
+        case Operand::Ram: case Operand::Input: case Operand::PortZ: return 3;
+        case Operand::IndY: return 5;
+        case Operand::IndX: return 6;
+        default: return 4;
+    }
+}
+constexpr uint32_t store_cost(Operand operand) {
+    switch (operand) {
+        case Operand::RamX: case Operand::RamY: case Operand::RamA: case Operand::PortA: case Operand::TiaA:
+        case Operand::Grp0A: case Operand::Grp1A: return 4;
+        case Operand::AnyX: case Operand::AnyY: return 5;
+        case Operand::IndX: case Operand::IndY: return 6;
+        default: return 3;
+    }
+}
+constexpr uint32_t modify_cost(Operand operand) {
+    return operand == Operand::Acc ? 2 : operand == Operand::Ram ? 5 : 6;
+}
+
+enum Handler : uint16_t {
+    kStep,     // one instruction by the plain interpreter
+    kLoop,     // a loop whose rounds, but for the last, can be skipped (loops.hpp)
+    kRamCode,  // an instruction in RAM, which may have changed since it was decoded
+    kTranslated,  // only reached through `code`: translated code begins here (translated_code.hpp)
+#define SINGLE(operation, operand) operation##_##operand,
+#define PAIR(o1, k1, o2, k2) o1##_##k1##_##o2##_##k2,
+#include "handlers.def"
+    kHandlers
+};
+
+// Loops that only wait, count, or divide.
+enum class Loop : uint8_t {
+    kNone,
+    kTimer,   // LDA, LDX or LDY of INTIM; BNE, BPL or BMI
+    kExpiry,  // LDA, LDX, LDY or BIT of TIMINT; BPL
+    kCountX, kCountY,  // DEX or DEY; BNE or BPL
+    kLinesX, kLinesY,  // the same behind a WSYNC
+    kDivide,  // SBC of a constant; BCS
+};
+
+struct DecodedInstruction {
+    const void* code;  // where the handler begins, see `code_of`
+    uint16_t handler;
+    uint16_t operand;  // index into RAM, address, constant or register
+    int16_t jump;      // records to the target of a branch or near jump; under kLoop, what is the handler otherwise
+    uint8_t taken;     // cycles of the branch when it is taken; under kLoop, of one round
+    Loop loop;         // under kLoop
+};
+
+// The label of a handler in the fast interpreter, so that one jump through the record gets there (interpreter.cpp). Null
+// where handlers are chosen by a switch.
+const void* code_of(uint16_t handler);
+
+bool is_branch(uint16_t handler);
+
+// Whether both bytes of a pointer in the zero page are in RAM, and the second is not the TIA's $0100.
+constexpr bool pointer_in_ram(uint32_t zero_page) { return zero_page - 0x80 < 0x7f; }
+
+// The record of the instruction that begins at `bytes`, of which `available` can be read. `bank` is the image of the
+// window it runs in if that window is one bank, and null if the operand's bytes cannot be foreseen.
+DecodedInstruction decode(const uint8_t* bytes, int available, const Cartridge& cartridge, const uint8_t* bank);
+
+// One record for each byte of the image, and a last one that leaves it.
+std::vector<DecodedInstruction> decode_image(const Cartridge& cartridge);
+
+}  // namespace atari

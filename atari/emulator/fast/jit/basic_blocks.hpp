@@ -1,0 +1,96 @@
+// The basic blocks of a cartridge's code, for the JIT translator (translator.hpp), with the block-entry state of each
+// instruction.
+//
+// A block is a straight line of 6502 instructions that jumps enter at its first one only (its leader). It is an extended
+// basic block: a branch leaves it when taken, and the block goes on where it is not. What the instructions of a block
+// may leave to each other is decided here, before any code is emitted, and stands in one struct: `EntryState`.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "fast/interpreter/decoder.hpp"
+
+namespace atari {
+
+// What an instruction is, by its handler: of a superinstruction or a loop, what the first instruction is.
+struct Kind {
+    Operation operation;
+    Operand operand;
+};
+inline constexpr auto kKinds = [] {
+    std::array<Kind, kHandlers> table{};
+#define SINGLE(o, k) table[o##_##k] = {o, Operand::k};
+#define PAIR(o1, k1, o2, k2) table[o1##_##k1##_##o2##_##k2] = {o1, Operand::k1};
+#include "fast/interpreter/handlers.def"
+    return table;
+}();
+
+// The handler of a decoded instruction, also where it begins a loop.
+inline uint16_t handler_of(const DecodedInstruction& record) {
+    return record.handler == kLoop ? static_cast<uint16_t>(record.jump) : record.handler;
+}
+inline Kind kind_of(const DecodedInstruction& record) { return kKinds[handler_of(record)]; }
+
+enum class CpuRegister : uint8_t { A, X, Y };
+
+// The block-entry state: what holds when an instruction is reached from the instruction before it in its block. At a
+// leader it is empty. Code that enters the block elsewhere has to establish it (`Translator::emit_entry`).
+struct EntryState {
+    // Cycles of earlier instructions of the block that have not been added to the cycle counter.
+    int32_t cycles = 0;
+    // N and Z are those of this register; the register of the flags is out of date.
+    std::optional<CpuRegister> nz;
+    // The known carry, if this instruction or a later one of the block relies on it.
+    std::optional<bool> carry;
+
+    // Whether only the instructions before it in the block can establish this state.
+    bool needs_block() const { return nz || carry; }
+    bool empty() const { return !cycles && !needs_block(); }
+};
+
+struct BlockInstruction {
+    std::size_t place;   // of its first byte in the image
+    Operation operation;
+    Operand operand;
+    uint16_t given;      // the operand's value, as in the decoded instruction
+    bool loops;          // begins a loop, of which all rounds but the last are skipped
+    bool is_inlined;     // translated code runs it; otherwise translated code calls its handler
+
+    EntryState entry;
+    int32_t cycles_after = 0;    // not yet added after it: `entry.cycles` of the next instruction
+    bool omits_nz = false;       // N and Z are replaced before anything reads them
+};
+
+struct Block {
+    std::vector<BlockInstruction> instructions;  // at least one
+    std::size_t next = 0;        // the place after the last instruction
+    bool ends_in_jump = false;   // JMP or RTS: `next` is not reached
+    bool falls_through = false;  // the block that begins at `next` is the one that follows in the list
+};
+
+inline bool is_jump(Operation operation) { return operation == JMP || operation == JSR || operation == RTS; }
+
+std::size_t next_place(const std::vector<DecodedInstruction>& records, std::size_t place);
+// Where a branch or a near jump leads.
+std::size_t target_place(const std::vector<DecodedInstruction>& records, std::size_t place);
+
+// Whether translated code stores there, in the likely case.
+constexpr bool is_stored_inline(Operand operand) {
+    switch (operand) {
+        case Operand::Ram: case Operand::RamA: case Operand::RamX: case Operand::RamY:
+        case Operand::AnyX: case Operand::AnyY: case Operand::IndY:
+            return true;
+        default:
+            return operand >= Operand::Tia && operand != Operand::Cxclr;
+    }
+}
+
+// All blocks of an image, each with the states of its instructions. Every instruction that can be decoded and that the
+// search finds is in one block. `records` has one more element than the image has bytes.
+std::vector<Block> find_blocks(const uint8_t* image, const std::vector<DecodedInstruction>& records);
+
+}  // namespace atari

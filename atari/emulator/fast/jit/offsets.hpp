@@ -1,0 +1,109 @@
+// Byte offsets of the fields that translated code uses, from the start of the console, of the registers and of the
+// write log's entries. All that translated code assumes of their sizes and values is asserted here.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "fast/interpreter/handlers.hpp"
+
+namespace atari {
+
+// Translated code is for x86-64 with the calling convention of Unix. Its block entries are reached through the labels of
+// the decoded instructions (interpreter.cpp).
+#if defined(__x86_64__) && defined(__LP64__) && defined(__GNUC__) && !defined(_WIN32) && !defined(ATARI_NO_COMPUTED_GOTO)
+inline constexpr bool kTranslates = true;
+#else
+inline constexpr bool kTranslates = false;
+#endif
+
+// GCC and Clang, the only compilers whose builds translate, define offsetof for structs like these.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Winvalid-offsetof"
+
+struct Offsets {
+    // A field of `size` bytes, as wide as the accesses of translated code; ELEMENTS is an array of such.
+#define OFFSET(name, type, member, size)                                                              \
+    static constexpr int32_t name() { return static_cast<int32_t>(offsetof(type, member)); }          \
+    static_assert(!kTranslates || sizeof(type::member) == (size), "translated code accesses it by as many bytes");
+#define ELEMENTS(name, type, member, size, count)                                                     \
+    OFFSET(name, type, member, (size) * (count))                                                      \
+    static_assert(sizeof(type::member[0]) == (size), "translated code indexes it by as many bytes");
+
+    OFFSET(at, Registers, at, 8)
+    OFFSET(cycles, Registers, cycles, 4)
+    OFFSET(a, Registers, a, 4)
+    OFFSET(x, Registers, x, 4)
+    OFFSET(y, Registers, y, 4)
+    OFFSET(nz, Registers, nz, 4)
+    OFFSET(carry, Registers, carry, 4)
+
+    ELEMENTS(ram, FastConsole, m_.riot.ram, 1, 128)
+    OFFSET(sp, FastConsole, m_.cpu.sp, 1)
+    OFFSET(decimal, FastConsole, m_.cpu.d, 1)
+    OFFSET(overflow, FastConsole, overflow_, 1)
+    OFFSET(modes, FastConsole, modes_, 1)
+    OFFSET(sound, FastConsole, m_.sound, 12)
+    ELEMENTS(inputs, FastConsole, inputs_from_, 8, 8)
+    OFFSET(timer, FastConsole, m_.riot.timer, 1)
+    OFFSET(timer_shift, FastConsole, m_.riot.shift, 1)
+    OFFSET(timer_set_at, FastConsole, m_.riot.set_at, 4)
+    OFFSET(overlong, FastConsole, overlong_, 4)
+    OFFSET(cycle_limit, FastConsole, cycle_limit_, 4)
+    OFFSET(first_cycle, FastConsole, first_cycle_, 4)
+    OFFSET(log_end, FastConsole, log_end_, 8)
+    OFFSET(first_record, FastConsole, first_record_, 8)
+    OFFSET(base_record, FastConsole, base_record_, 8)
+    OFFSET(origin, FastConsole, origin_, 4)
+    OFFSET(code_segments, FastConsole, code_segments_, 4)
+    ELEMENTS(segments, FastConsole, segment_, 4, 16)
+    OFFSET(bank, FastConsole, bank_, 8)
+    ELEMENTS(pages, FastConsole, pages_, 8, 256)
+    ELEMENTS(shadow, FastConsole, shadow_.reg, 1, 64)
+    OFFSET(old_grp0, FastConsole, shadow_.old_grp0, 1)
+    OFFSET(old_grp1, FastConsole, shadow_.old_grp1, 1)
+    OFFSET(old_enabl, FastConsole, shadow_.old_enabl, 1)
+    OFFSET(late_reflect, FastConsole, shadow_.late_reflect, 1)
+    OFFSET(ark, FastConsole, shadow_.ark, 1)
+    OFFSET(watches_tia, FastConsole, watches_tia_, 1)
+
+    // A decoded instruction, and an entry of the write log.
+    OFFSET(record_operand, DecodedInstruction, operand, 2)
+    OFFSET(write_cycle, TiaWrite, cycle, 4)
+    OFFSET(write_reg, TiaWrite, reg, 1)
+    OFFSET(write_value, TiaWrite, value, 1)
+    OFFSET(write_beside, TiaWrite, beside, 2)
+#undef ELEMENTS
+#undef OFFSET
+
+    // The sound registers from AUDC0 on, in their order.
+    static_assert(offsetof(Sound, audc) == 0 && offsetof(Sound, audf) == AUDF0 - AUDC0 && offsetof(Sound, audv) == AUDV0 - AUDC0);
+    static_assert(sizeof(Sound::audc[0]) == 1 && AUDC1 == AUDC0 + 1 && AUDF1 == AUDF0 + 1 && AUDV1 == AUDV0 + 1);
+};
+
+#pragma GCC diagnostic pop
+
+// Indexes of decoded instructions become pointers by a shift.
+inline constexpr uint8_t kInstructionShift = 4;
+static_assert(!kTranslates || sizeof(DecodedInstruction) == std::size_t{1} << kInstructionShift);
+
+// An entry of the table that translated code begins with: where an instruction's code is.
+using TableEntry = int32_t;
+inline constexpr uint8_t kTableShift = 2;
+static_assert(sizeof(TableEntry) == std::size_t{1} << kTableShift && kTableShift <= kInstructionShift);
+
+// A log entry's register, value and `beside` are written together, as one number of 32 bits.
+inline constexpr int32_t kWriteSize = 8;
+static_assert(sizeof(TiaWrite) == kWriteSize);
+static_assert(Offsets::write_value() == Offsets::write_reg() + 1 && Offsets::write_beside() == Offsets::write_reg() + 2);
+
+// HMOVE reads the motions of players and missiles as one number, the ball's beside it.
+static_assert(HMP1 == HMP0 + 1 && HMM0 == HMP0 + 2 && HMM1 == HMP0 + 3 && HMBL == HMP0 + 4);
+static_assert(RESP1 - NUSIZ1 == RESP0 - NUSIZ0);
+
+// Translated code tests what a handler returns against 0, as a number of 32 bits.
+static_assert(kNext == 0 && sizeof(Exit) == 4);
+// It stores 0 and 1 in flags, and reads them as bytes.
+static_assert(sizeof(bool) == 1 && sizeof(Flag) == 1);
+
+}  // namespace atari

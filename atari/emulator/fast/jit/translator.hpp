@@ -1,0 +1,138 @@
+// The JIT translator: makes translated code of a cartridge's basic blocks (basic_blocks.hpp) when the cartridge is loaded.
+//
+// Translated code keeps A, X, Y, the flags and the cycles in registers, as well as the end of the write log and the
+// frame's deadline for TIA writes. Cycles are added where something may read them: at jumps and at the end of blocks.
+// Between, each instruction's block-entry state (`EntryState`) says how many are missing. What is unlikely stands in slow
+// paths, out of line after all blocks.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "assembler.hpp"
+#include "basic_blocks.hpp"
+#include "fast/interpreter/handlers.hpp"
+
+namespace atari {
+
+// The registers of translated code. Of the rest, r8 to r11 are for any use.
+inline constexpr Reg kA = rax, kX = rcx, kY = rdx, kNz = rsi, kCarry = rdi;
+inline constexpr Reg kConsole = rbx, kRam = rbp, kRegisters = r12, kCycles = r13, kOverlong = r14, kLog = r15;
+
+inline Mem in_console(int32_t offset) { return {kConsole, offset}; }
+inline Mem in_registers(int32_t offset) { return {kRegisters, offset}; }
+inline Mem in_ram(int32_t offset) { return {kRam, offset}; }
+inline Mem in_log(int32_t offset) { return {kLog, offset}; }  // from the next entry on
+
+constexpr Reg reg_of(CpuRegister reg) { return reg == CpuRegister::A ? kA : reg == CpuRegister::X ? kX : kY; }
+
+// The register that an indexed operand is indexed by.
+inline Reg index_of(Operand operand) {
+    return operand == Operand::RamX || operand == Operand::RomX || operand == Operand::AnyX ? kX : kY;
+}
+
+class Translator {
+  public:
+    Translator(const uint8_t* image, const std::vector<DecodedInstruction>& records);
+
+    // The translated code, after a table: for each decoded instruction where it is entered, from the beginning of the
+    // table, or 0. `start` is where to call it, with such an entry as third argument.
+    std::vector<uint8_t> translate(std::size_t& start);
+
+  private:
+    // translator.cpp: blocks, their entries and slow paths, and the code that they share
+    void emit_block(const Block& block);
+    void emit_entry(const BlockInstruction& instruction);
+    void emit_slow_paths();
+    void emit_common();
+    void emit_call(Label& label, Interpreter::Step function);
+    void emit_routine(uint16_t handler);
+    void emit_push_status(Label& slow);
+    void emit_read_input(Operand operand, Label& slow);
+    void emit_pull_input(Label& slow);
+    void emit_input(int32_t cost);
+    void emit_far(Label& label, uint16_t handler);
+    void find_target(uint16_t handler, Label& slow);
+    void find_entry(Label& slow);
+    void push_return_address();
+    void find_record();
+    void load_operand();
+    void save_registers();
+    void load_registers();
+    std::vector<uint8_t> finish(std::size_t& start);
+
+    void add_cycles(int32_t cycles);
+    void call_handler(std::size_t place);
+    void go_to(std::size_t target, int32_t cycles, bool backward);
+    int32_t table_size() const { return static_cast<int32_t>((sizeof(int32_t) * (size_ + 1) + 15) / 16 * 16); }
+
+    // translator_instructions.cpp: one instruction
+    struct Source {  // of a byte
+        std::optional<uint8_t> constant;
+        std::optional<Mem> memory;
+        Reg reg;  // otherwise
+    };
+    void emit(const BlockInstruction& instruction);
+    void emit_inline();
+    void skip_rounds();
+    void emit_branch();
+    void emit_jump();
+    void emit_read();
+    Source paged();
+    void indexed_ram();
+    void add_page_crossing(Reg index);
+    void read_into(Reg to, const Source& source);
+    void combine(Alu what, Reg to, const Source& source);
+    void operate(const Source& source);
+    void set_nz(Reg of);
+    void emit_modify();
+    void emit_implied();
+
+    // translator_stores.cpp
+    void emit_store();
+    void store_in_ram(Reg value);
+    void emit_tia_store(Reg value);
+    void check_deadline();
+    void write_graphics(Reg value);
+    void write_hmove();
+    void keep(Reg value);
+    void wait_for_line();
+    void whole_lines(Reg cycles);
+    void cycle_in_line(Reg to, int32_t later = 0);
+
+    // An out-of-line stub for what is unlikely.
+    struct SlowPath {
+        Label from;
+        enum {
+            kHandler,        // the handler runs the instruction, and its block goes on at `back`
+            kJumpByHandler,  // the handler jumps
+            kBranchTaken,    // to `place`
+            kLimit,          // the limit of instructions may be near: translated code ends at `place`
+        } what;
+        std::size_t place;
+        int32_t cycles, cycles_after;   // not yet added at `from`, and at `back`
+        std::optional<CpuRegister> nz;  // of which N and Z have to be made
+        Label back;
+    };
+
+    const std::vector<DecodedInstruction>& records_;
+    const std::size_t size_;
+    const std::vector<Block> blocks_;
+    std::vector<const BlockInstruction*> instructions_;  // by place, null where there is none
+    std::vector<int32_t> code_at_;      // by place: the code of an instruction, reached with its block-entry state
+    std::vector<Label> entries_;        // by place: where it is entered from elsewhere
+    std::vector<Label> handlers_;       // routines that call them
+    std::vector<SlowPath> slow_paths_;
+    Assembler a_;
+    Label start_, skip_, dispatch_, return_, call_far_, jump_far_, jump_indirect_, leave_, left_, limit_, exit_;
+
+    // The instruction that is being translated.
+    const BlockInstruction* at_ = nullptr;
+    int32_t cycles_ = 0;    // missing in kCycles while it runs
+    int32_t write_at_ = 0;  // its TIA write comes so much later than kCycles
+    Label slow_;            // to its slow path
+};
+
+}  // namespace atari

@@ -1,0 +1,253 @@
+// Translated code of stores: to RAM, and to registers of the TIA as `Interpreter::write_tia` does it.
+#include "offsets.hpp"
+#include "translator.hpp"
+
+namespace atari {
+namespace {
+
+// Multiplied by this and shifted by so many bits, a number of cycles in a frame is divided by those of a line.
+constexpr uint32_t kInverse76 = 55189, kInverseShift = 22;
+constexpr bool divides_by_76() {
+    for (uint32_t n = 0; n < 30000; ++n)
+        if ((n * kInverse76) >> kInverseShift != n / kCyclesPerLine) return false;
+    return true;
+}
+static_assert(divides_by_76());
+
+// A register's byte in the TIA's shadow.
+Mem shadow(uint32_t reg) { return in_console(Offsets::shadow() + static_cast<int32_t>(reg)); }
+
+Reg stored_by(Operation operation) { return operation == STX ? kX : operation == STY ? kY : kA; }
+
+}  // namespace
+
+void Translator::emit_store() {
+    const Reg value = stored_by(at_->operation);
+    switch (at_->operand) {
+        case Operand::Ram: case Operand::RamA:
+            a_.store8(in_ram(at_->given), value);
+            break;
+        case Operand::RamX: case Operand::RamY:
+            indexed_ram();
+            a_.store8(Mem{kRam, 0, r8}, value);
+            break;
+        case Operand::AnyX: case Operand::AnyY:
+            a_.address(r8, Mem{index_of(at_->operand), at_->given});
+            store_in_ram(value);
+            break;
+        case Operand::IndY:
+            a_.load16(r8, in_ram(at_->given));
+            a_.alu(Alu::add, r8, kY);
+            store_in_ram(value);
+            break;
+        default:
+            emit_tia_store(value);
+    }
+}
+
+// Stores to the address in r8, if that is in RAM.
+void Translator::store_in_ram(Reg value) {
+    a_.move(r9, r8);
+    a_.alu(Alu::and_, r9, 0x1280);
+    a_.alu(Alu::cmp, r9, 0x80);
+    a_.jump(If::not_zero, slow_);
+    a_.alu(Alu::and_, r8, 0x7f);
+    a_.store8(Mem{kRam, 0, r8}, value);
+}
+
+// The deadline check: a TIA write that no longer belongs to this frame takes the slow path. The cycle of the write stays in
+// r8.
+void Translator::check_deadline() {
+    a_.address(r8, Mem{kCycles, write_at_});
+    a_.alu(Alu::cmp, r8, kOverlong);
+    a_.jump(If::not_below, slow_);
+}
+
+// A store to the TIA, as `Interpreter::write_tia` does it.
+void Translator::emit_tia_store(Reg value) {
+    const auto cost = static_cast<int32_t>(store_cost(at_->operand));
+    const uint32_t reg = at_->given;
+    write_at_ = cycles_ + cost;
+    check_deadline();
+    switch (at_->operand) {
+        case Operand::Tia: case Operand::TiaA: {
+            a_.alu8(Alu::cmp, shadow(reg), value);
+            const ShortJump same = a_.jump_short(If::zero);
+            a_.store8(shadow(reg), value);
+            keep(value);
+            a_.bind_short(same);
+            break;
+        }
+        case Operand::Nusiz: {
+            const Mem strobed = shadow(reg + (RESP0 - NUSIZ0));
+            a_.alu8(Alu::cmp, shadow(reg), value);
+            const ShortJump changed = a_.jump_short(If::not_zero);
+            a_.alu8(Alu::cmp, strobed, uint8_t{0});
+            const ShortJump acts = a_.jump_short(If::not_zero);
+            a_.alu8(Alu::cmp, in_console(Offsets::ark()), uint8_t{0});
+            const ShortJump same = a_.jump_short(If::zero);
+            a_.bind_short(changed);
+            a_.bind_short(acts);
+            a_.store8(shadow(reg), value);
+            a_.store8(strobed, uint8_t{0});
+            keep(value);
+            a_.bind_short(same);
+            break;
+        }
+        case Operand::Ctrlpf: {
+            a_.load8(r9, shadow(reg));
+            a_.load8(r10, in_console(Offsets::late_reflect()));
+            a_.alu(Alu::xor_, r9, value);
+            a_.alu(Alu::or_, r9, r10);  // bit 0 is the reflect bit
+            const ShortJump same = a_.jump_short(If::zero);
+            a_.store8(shadow(reg), value);
+            a_.test(r9, uint32_t{kReflects});
+            const ShortJump kept = a_.jump_short(If::zero);
+            cycle_in_line(r10);
+            a_.alu(Alu::cmp, r10, int32_t{kLateReflect});
+            a_.set(If::not_below, r10);
+            a_.store8(in_console(Offsets::late_reflect()), r10);
+            a_.bind_short(kept);
+            keep(value);
+            a_.test(r9, uint32_t{kShapesOfCtrlpf});
+            const ShortJump shows = a_.jump_short(If::not_zero);
+            a_.store8(in_log(Offsets::write_reg() - kWriteSize), uint8_t{PRIORITY});
+            a_.bind_short(shows);
+            a_.bind_short(same);
+            break;
+        }
+        case Operand::Hmove:
+            write_hmove();
+            break;
+        case Operand::Strobe:
+            a_.store8(shadow(reg), uint8_t{1});
+            keep(value);
+            break;
+        case Operand::Motion:
+            if (reg == HMM0) {  // perhaps Cosmic Ark's trick
+                a_.load8(r9, shadow(reg));
+                a_.shift(Shift::right, r9, 4);
+                a_.alu(Alu::cmp, r9, int32_t{kArkMotion});
+                a_.jump(If::zero, slow_);
+            }
+            a_.store8(shadow(reg), value);
+            break;
+        case Operand::Grp0: case Operand::Grp0A: case Operand::Grp1: case Operand::Grp1A:
+            write_graphics(value);
+            break;
+        case Operand::Sound: {
+            a_.move(r9, value);
+            a_.alu(Alu::and_, r9, int32_t{bits_of(static_cast<uint8_t>(reg))});
+            a_.store8(in_console(Offsets::sound() + static_cast<int32_t>(reg - AUDC0)), r9);
+            break;
+        }
+        case Operand::Hmclr:
+            a_.store(shadow(HMP0), uint32_t{0});
+            a_.store8(shadow(HMBL), uint8_t{0});
+            break;
+        default:
+            wait_for_line();
+    }
+}
+
+void Translator::wait_for_line() {
+    a_.load(r9, in_console(Offsets::first_cycle()));
+    a_.address(r8, Mem{kCycles, write_at_ + kCyclesPerLine - 1});
+    a_.alu(Alu::sub, r8, r9);
+    whole_lines(r8);
+    a_.address(kCycles, Mem{r8, 0, r9});
+}
+
+// Rounds a number of cycles down to whole lines.
+void Translator::whole_lines(Reg cycles) {
+    a_.multiply(cycles, cycles, kInverse76);
+    a_.shift(Shift::right, cycles, kInverseShift);
+    a_.multiply(cycles, cycles, kCyclesPerLine);
+}
+
+// The cycle in its line, so many cycles after the write. Uses r11.
+void Translator::cycle_in_line(Reg to, int32_t later) {
+    a_.address(to, Mem{kCycles, write_at_ + later});
+    a_.alu(Alu::sub, to, in_console(Offsets::first_cycle()));
+    a_.move(r11, to);
+    whole_lines(r11);
+    a_.alu(Alu::sub, to, r11);
+}
+
+// GRP0 and GRP1 also renew the delayed copy of the other, and GRP1 that of ENABL.
+void Translator::write_graphics(Reg value) {
+    const bool first = at_->given == GRP0;
+    const Mem mine = shadow(at_->given), other = shadow(first ? GRP1 : GRP0);
+    const Mem old = in_console(first ? Offsets::old_grp1() : Offsets::old_grp0());
+    a_.load8(r9, other);
+    a_.alu8(Alu::cmp, mine, value);
+    const ShortJump changed = a_.jump_short(If::not_zero);
+    a_.alu8(Alu::cmp, old, r9);
+    std::optional<ShortJump> ball_changed;
+    if (!first) {
+        ball_changed = a_.jump_short(If::not_zero);
+        a_.load8(r10, shadow(ENABL));
+        a_.alu8(Alu::cmp, in_console(Offsets::old_enabl()), r10);
+    }
+    const ShortJump same = a_.jump_short(If::zero);
+    a_.bind_short(changed);
+    if (ball_changed) a_.bind_short(*ball_changed);
+    a_.store8(mine, value);
+    a_.store8(old, r9);
+    if (!first) {
+        a_.load8(r10, shadow(ENABL));
+        a_.store8(in_console(Offsets::old_enabl()), r10);
+        a_.alu(Alu::and_, r10, int32_t{bits_of(ENABL)});
+        a_.shift(Shift::left, r10, 7);
+        a_.alu(Alu::or_, r9, r10);
+    }
+    keep(value);
+    a_.store16(in_log(Offsets::write_beside() - kWriteSize), r9);
+    a_.bind_short(same);
+}
+
+// The log's HMOVE has all motions with it. An HMOVE at its ordinary time that moves nothing is logged as STILL.
+void Translator::write_hmove() {
+    a_.load(r9, shadow(HMP0));
+    a_.load8(r10, shadow(HMBL));
+    a_.move(r11, r9);
+    a_.alu(Alu::or_, r11, r10);
+    a_.test(r11, 0xf0f0f0f0u);
+    const ShortJump moves = a_.jump_short(If::not_zero);
+    cycle_in_line(r10, 1);
+    a_.alu(Alu::cmp, r10, int32_t{kOrdinaryHmoveCycles});
+    a_.move(r10, uint32_t{0});
+    const ShortJump late = a_.jump_short(If::above);
+    a_.store(in_log(Offsets::write_cycle()), r8);
+    a_.store(in_log(Offsets::write_reg()), uint32_t{STILL});
+    Label done;
+    a_.jump(done);
+    a_.bind_short(moves);
+    a_.bind_short(late);
+    a_.shift(Shift::right, r9, 4);
+    a_.alu(Alu::and_, r9, 0x0f0f0f0f);
+    a_.move(r11, r9);
+    a_.shift(Shift::right, r11, 4);
+    a_.alu(Alu::or_, r9, r11);
+    a_.alu(Alu::and_, r9, 0x00ff00ff);
+    a_.move(r11, r9);
+    a_.shift(Shift::right, r11, 8);
+    a_.alu(Alu::or_, r9, r11);
+    a_.store(in_log(Offsets::write_cycle()), r8);
+    a_.store8(in_log(Offsets::write_reg()), uint8_t{HMOVE});
+    a_.shift(Shift::right, r10, 4);
+    a_.store8(in_log(Offsets::write_value()), r10);
+    a_.store16(in_log(Offsets::write_beside()), r9);
+    a_.bind(done);
+    a_.address64(kLog, in_log(kWriteSize));
+}
+
+// Appends the write, whose cycle is in r8, to the write log.
+void Translator::keep(Reg value) {
+    a_.store(in_log(Offsets::write_cycle()), r8);
+    a_.store(in_log(Offsets::write_reg()), uint32_t{at_->given});
+    a_.store8(in_log(Offsets::write_value()), value);
+    a_.address64(kLog, in_log(kWriteSize));
+}
+
+}  // namespace atari

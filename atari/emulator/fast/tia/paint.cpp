@@ -1,0 +1,95 @@
+#include "paint.hpp"
+
+#include <array>
+#include <bit>
+#include <cstring>
+
+#include "machine/state.hpp"
+
+namespace atari {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "eight pixels are handled as one little-endian word");
+
+// Each entry expands eight bits to eight bytes of 0x00 or 0xff, lowest bit first.
+constexpr auto kByteMasks = [] {
+    std::array<uint64_t, 256> table{};
+    for (uint64_t byte = 0; byte < 256; ++byte)
+        for (int bit = 0; bit < 8; ++bit)
+            if (byte & (1u << bit)) table[byte] |= uint64_t{0xff} << (8 * bit);
+    return table;
+}();
+
+constexpr uint64_t repeated(uint8_t byte) { return byte * 0x0101010101010101ull; }
+
+#if ATARI_X86_SIMD
+// The 32 pixels of a block, as bytes of 0x00 or 0xff. A 32-bit read lets one instruction broadcast it from memory.
+TARGET_AVX2 inline __m256i bytes_of(const Mask& mask, int block) {
+    const __m256i which = _mm256_setr_epi64x(0, 0x0101010101010101, 0x0202020202020202, 0x0303030303030303);
+    const __m256i bit = _mm256_set1_epi64x(static_cast<int64_t>(0x8040201008040201));
+    int bits;
+    std::memcpy(&bits, reinterpret_cast<const char*>(mask.word) + 4 * block, sizeof bits);
+    const __m256i spread = _mm256_shuffle_epi8(_mm256_set1_epi32(bits), which);
+    return _mm256_cmpeq_epi8(_mm256_and_si256(spread, bit), bit);
+}
+
+TARGET_AVX2 void paint_avx2(uint8_t* row, const Layers& layers, const uint8_t colours[4], int first, int last) {
+    const __m256i colour0 = _mm256_set1_epi8(static_cast<char>(colours[0]));
+    const __m256i colour1 = _mm256_set1_epi8(static_cast<char>(colours[1]));
+    const __m256i colour_pf = _mm256_set1_epi8(static_cast<char>(colours[2]));
+    const __m256i background = _mm256_set1_epi8(static_cast<char>(colours[3]));
+    const bool whole = first == 0 && last == kScreenWidth;
+    const Mask span = whole ? Mask{} : Mask::range(first, last);
+    for (int block = first / 32; block <= (last - 1) / 32; ++block) {
+        auto* pixels = reinterpret_cast<__m256i*>(row + 32 * block);
+        __m256i line = _mm256_blendv_epi8(background, colour_pf, bytes_of(layers.playfield, block));
+        line = _mm256_blendv_epi8(line, colour1, bytes_of(layers.player1, block));
+        line = _mm256_blendv_epi8(line, colour0, bytes_of(layers.player0, block));
+        if (!whole) line = _mm256_blendv_epi8(_mm256_loadu_si256(pixels), line, bytes_of(span, block));
+        _mm256_storeu_si256(pixels, line);
+    }
+}
+
+// The pixel sets serve directly as mask registers.
+TARGET_AVX512 void paint_avx512(uint8_t* row, const Layers& layers, const uint8_t colours[4], int first, int last) {
+    const __m512i colour0 = _mm512_set1_epi8(static_cast<char>(colours[0]));
+    const __m512i colour1 = _mm512_set1_epi8(static_cast<char>(colours[1]));
+    const __m512i colour_pf = _mm512_set1_epi8(static_cast<char>(colours[2]));
+    const __m512i background = _mm512_set1_epi8(static_cast<char>(colours[3]));
+    const Mask span = Mask::range(first, last);
+    for (int word = first / 64; word <= (last - 1) / 64; ++word) {
+        __m512i line = _mm512_mask_mov_epi8(background, layers.playfield.word[word], colour_pf);
+        line = _mm512_mask_mov_epi8(line, layers.player1.word[word], colour1);
+        line = _mm512_mask_mov_epi8(line, layers.player0.word[word], colour0);
+        _mm512_mask_storeu_epi8(row + 64 * word, span.word[word], line);
+    }
+}
+
+#endif
+
+}  // namespace
+
+void paint_scalar(uint8_t* row, const Layers& layers, const uint8_t colours[4], int first, int last) {
+    uint64_t line[kScreenWidth / 8];
+    const uint64_t c0 = repeated(colours[0]), c1 = repeated(colours[1]);
+    const uint64_t cf = repeated(colours[2]), cb = repeated(colours[3]);
+    for (int group = first / 8; group <= (last - 1) / 8; ++group) {
+        const auto eight = [&](const Mask& mask) { return kByteMasks[mask.word[group / 8] >> (group % 8 * 8) & 0xff]; };
+        const uint64_t m0 = eight(layers.player0), m1 = eight(layers.player1), mf = eight(layers.playfield);
+        line[group] = (m0 & c0) | (m1 & c1) | (mf & cf) | (~(m0 | m1 | mf) & cb);
+    }
+    std::memcpy(row + first, reinterpret_cast<const uint8_t*>(line) + first, static_cast<size_t>(last - first));
+}
+
+std::vector<Painter> painters() {
+    std::vector<Painter> found = {paint_scalar};
+#if ATARI_X86_SIMD
+    if (best_simd_level() >= SimdLevel::kAvx2) found.push_back(paint_avx2);
+    if (best_simd_level() >= SimdLevel::kAvx512) found.push_back(paint_avx512);
+#endif
+    return found;
+}
+
+Painter best_painter() { return painters().back(); }
+
+}  // namespace atari

@@ -1,0 +1,169 @@
+#include "console.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+namespace atari {
+
+Console::Console(std::shared_ptr<const Cartridge> cartridge, const ConsoleConfig& config)
+    : plain_(cartridge->plain_window()), image_(cartridge->image()), cart_ram_(cartridge->ram_size()),
+      cartridge_(std::move(cartridge)), config_(config) {
+    watches_tia_ = cartridge_->watches_tia();
+}
+
+void Console::construct() {
+    m_ = Machine{};
+    std::fill(cart_ram_.begin(), cart_ram_.end(), uint8_t{0});
+    for (uint8_t& byte : m_.riot.ram) byte = static_cast<uint8_t>(machine_word());
+    m_.random_words += 1;  // the timer's first value, which the reset replaces
+    m_.cart.random = 1;
+    for (int k : {0, 1}) m_.sound.p4[k] = m_.sound.p5[k] = 1;
+    m_.inputs.switches = 0x3f;
+}
+
+void Console::reset() {
+    rebase_cycles();
+    Riot& riot = m_.riot;
+    riot.timer = static_cast<uint8_t>(25 + machine_word() % 75);
+    riot.shift = 6;
+    riot.set_at = riot.irq_at = 0;
+    riot.read_after_expiry = false;
+    riot.ddr_a = 0;
+    reset_tia();
+    reset_cartridge();
+    m_.cpu = Cpu{};
+    m_.cpu.sp = 0xff;
+    m_.cpu.last_access_was_read = true;
+    const uint8_t low = read(0xfffc);
+    m_.cpu.pc = static_cast<uint16_t>(low | read(0xfffd) << 8);
+}
+
+// Makes the current cycle number 0 and moves all time stamps by the same amount. Nothing else changes.
+void Console::rebase_cycles() {
+    const uint32_t cycles = m_.cycles, clocks = 3 * m_.cycles;
+    const auto move = [](int32_t& stamp, uint32_t by) { stamp = static_cast<int32_t>(static_cast<uint32_t>(stamp) - by); };
+    // A stamp without a further use is set to 0, so that states with the same future compare equal.
+    move(m_.riot.set_at, cycles);
+    if (m_.riot.read_after_expiry) move(m_.riot.irq_at, cycles);
+    else m_.riot.irq_at = 0;
+    Tia& t = m_.tia;
+    for (int32_t* stamp : {&t.frame_start, &t.draw_start, &t.draw_stop, &t.drawn_to, &t.pending, &t.vsync_done, &t.last_hmove})
+        move(*stamp, clocks);
+    if (config_.paddles[0] || config_.paddles[1]) move(t.dump_off_cycle, cycles);
+    if (cartridge_->type() == CartridgeType::kDPC) move(m_.cart.stamp, cycles);
+    m_.cycles = 0;
+}
+
+int Console::scan_lines() const { return static_cast<int>(clocks_since(m_.tia.frame_start) / kClocksPerLine); }
+
+void Console::run_frame() {
+    Tia& t = m_.tia;
+    const bool whole = !t.partial;
+    if (whole) start_frame();
+    t.partial = true;  // until a write ends the frame
+    emulate_frame(whole);
+    t.current_line = scan_lines();
+    if (t.partial) {
+        if (!t.greyed) grey_rest();
+        t.greyed = true;
+    } else {
+        t.last_line_count = t.current_line;
+        t.greyed = false;
+    }
+}
+
+void Console::emulate_frame(bool) {
+    run_cpu();
+    catch_up();
+}
+
+size_t Console::state_size() const { return sizeof(Machine) + cart_ram_.size() + 2 * kFrameBytes; }
+
+void Console::save(uint8_t* out) {
+    for (int buffer : {0, 1}) rendered(buffer);
+    settle_latches();
+    std::memcpy(out, &m_, sizeof m_);
+    out += sizeof m_;
+    std::copy(cart_ram_.begin(), cart_ram_.end(), out);
+    out += cart_ram_.size();
+    for (int buffer : {0, 1}) {
+        framebuffers_.save(buffer, out);
+        out += kFrameBytes;
+    }
+}
+
+namespace {
+
+// Whether every index in a machine is within its array. No other value can cause undefined behaviour.
+bool sound_indices(const Machine& m, const Cartridge& cartridge) {
+    const Tia& t = m.tia;
+    const size_t banks = cartridge.type() == CartridgeType::k3F || cartridge.type() == CartridgeType::k3E
+                             ? cartridge.size() / 2048
+                             : std::max<size_t>(1, cartridge.size() / 4096);
+    bool good = m.cart.bank < banks;
+    for (uint8_t slice : m.cart.slice) good &= slice < (cartridge.type() == CartridgeType::k3E ? 32 : 8);
+    for (uint16_t counter : m.cart.counter) good &= counter < 2048;
+    for (uint8_t position : t.pos) good &= position < kScreenWidth;
+    good &= t.current <= 1 && t.m0_variant <= kOff && t.ark_counter < 4;
+    good &= t.to_line_end >= 0 && t.to_line_end <= kClocksPerLine && t.write_pos >= 0 && t.write_pos <= kFrameBytes;
+    good &= t.playfield < 1u << 20;
+    good &= m.riot.shift <= 10;
+    good &= m.random_words < MachineRandom::kFurthest;
+    for (int32_t resistance : m.inputs.resistance) good &= resistance >= 0;
+    good &= std::abs(m.cart.fraction) <= 1.0;
+    for (uint8_t nibble : t.hm) good &= nibble < 16;
+    // `pending` may be any clock if a program never ends a frame. It needs no check, as rendering stops at draw_stop.
+    for (int32_t clock : {t.draw_start, t.draw_stop, t.drawn_to}) good &= clock > -(1 << 30) && clock < 1 << 30;
+    if (!good) return false;
+    // The pixels still to be rendered must fit into the framebuffer.
+    const int32_t left = t.draw_stop - t.drawn_to;
+    const int32_t lines_behind = left > t.to_line_end ? (left - t.to_line_end + kClocksPerLine - 1) / kClocksPerLine : 0;
+    return left <= 0 || t.write_pos + std::min(kScreenWidth, t.to_line_end) + lines_behind * kScreenWidth <= kFrameBytes;
+}
+
+}  // namespace
+
+bool Console::load(const uint8_t* in) {
+    Machine machine;
+    std::memcpy(&machine, in, sizeof machine);
+    if (!sound_indices(machine, *cartridge_)) return false;
+    m_ = machine;
+    in += sizeof machine;
+    std::copy_n(in, cart_ram_.size(), cart_ram_.begin());
+    in += cart_ram_.size();
+    for (int buffer : {0, 1}) {
+        std::memcpy(framebuffers_.use(buffer, Framebuffers::kMost), in, kFrameBytes);
+        in += kFrameBytes;
+    }
+    touch_all();
+    map_segments();
+    return true;
+}
+
+std::unique_ptr<ConsoleSnapshot> Console::snapshot() const {
+    auto snapshot = std::make_unique<ConsoleSnapshot>();
+    snapshot_into(*snapshot, {0, 0});
+    return snapshot;
+}
+
+void Console::snapshot_into(ConsoleSnapshot& snapshot, const std::size_t (&skipped)[2]) const {
+    snapshot.machine = m_;
+    snapshot.cart_ram = cart_ram_;
+    const std::size_t size = config_.framebuffer_bytes();
+    for (int buffer : {0, 1})
+        snapshot.framebuffers[buffer].assign(framebuffers_[buffer] + skipped[buffer], framebuffers_[buffer] + size);
+}
+
+void Console::restore_from(const ConsoleSnapshot& snapshot, bool swapped) {
+    m_ = snapshot.machine;
+    m_.tia.current ^= static_cast<uint8_t>(swapped);
+    cart_ram_ = snapshot.cart_ram;
+    for (int buffer : {0, 1})
+        framebuffers_.restore(buffer, snapshot.framebuffers[buffer ^ static_cast<int>(swapped)], config_.framebuffer_bytes());
+    touch_all();
+    map_segments();
+}
+
+}  // namespace atari

@@ -1,0 +1,208 @@
+#include "area_resize.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+
+// `run` is inlined into functions for higher SIMD levels, so that all its loops use their instructions.
+#if ATARI_X86_SIMD
+#define INLINED __attribute__((always_inline)) inline
+#else
+#define INLINED inline
+#endif
+
+namespace atari {
+namespace {
+
+constexpr int kMostResults = 8 * 21;  // places for results: more than 21 windows of eight are never needed, or 10 of 16
+
+// Results that are made at once, in a window of so many pixels.
+constexpr int lanes_of(SimdLevel level) { return level == SimdLevel::kAvx512 ? 16 : 8; }
+constexpr unsigned reach_of(SimdLevel level) { return level == SimdLevel::kAvx512 ? 64u : 16u; }
+
+// Neighbouring results of a row. The sums are float32, each product rounded before it is added, in the order of the
+// pixels: in ties, of which games have many, the last bit of the sum decides.
+void across_scalar(const uint8_t* pixels, const AreaResize::Taps* taps, int depth, float* __restrict results) {
+    constexpr int lanes = lanes_of(SimdLevel::kScalar);
+    float sums[lanes] = {};
+    for (int n = 0; n < depth; ++n)
+        for (int i = 0; i < lanes; ++i) {
+            const float value = pixels[taps[n].pixel[i] % reach_of(SimdLevel::kScalar)];  // of what is unused, the first
+            sums[i] += value * taps[n].weight[i];
+        }
+    std::memcpy(results, sums, sizeof sums);
+}
+
+INLINED void scale(const float* __restrict line, float weight, int count, float* __restrict sum) {
+    for (int i = 0; i < count; ++i) sum[i] = weight * line[i];
+}
+
+INLINED void add(const float* __restrict line, float weight, int count, float* __restrict sum) {
+    for (int i = 0; i < count; ++i) sum[i] += weight * line[i];
+}
+
+// To nearest, ties to even: the last bit of so large a number is worth one.
+INLINED void round(const float* __restrict sum, int count, uint8_t* __restrict bytes) {
+    for (int i = 0; i < count; ++i) bytes[i] = static_cast<uint8_t>(std::bit_cast<uint32_t>(sum[i] + 12582912.0f));
+}
+
+#if ATARI_X86_SIMD
+TARGET_AVX2 inline __m256i load(const void* from) { return _mm256_loadu_si256(static_cast<const __m256i*>(from)); }
+
+TARGET_AVX2 inline void across_avx2(const uint8_t* pixels, const AreaResize::Taps* taps, int depth, float* results) {
+    const __m256i window = _mm256_broadcastsi128_si256(_mm_loadu_si128(reinterpret_cast<const __m128i*>(pixels)));
+    __m256 sums = _mm256_setzero_ps();
+    for (int n = 0; n < depth; ++n) {
+        const __m256 values = _mm256_cvtepi32_ps(_mm256_shuffle_epi8(window, load(taps[n].pixel)));
+        sums = _mm256_add_ps(sums, _mm256_mul_ps(values, _mm256_loadu_ps(taps[n].weight)));
+    }
+    _mm256_storeu_ps(results, sums);
+}
+
+TARGET_AVX512 inline void across_avx512(const uint8_t* pixels, const AreaResize::Taps* taps, int depth, float* results) {
+    const __m512i window = _mm512_loadu_si512(pixels);
+    __m512 sums = _mm512_setzero_ps();
+    for (int n = 0; n < depth; ++n) {
+        const __m512i chosen = _mm512_maskz_permutexvar_epi8(0x1111111111111111, _mm512_loadu_si512(taps[n].pixel), window);
+        sums = _mm512_add_ps(sums, _mm512_mul_ps(_mm512_cvtepi32_ps(chosen), _mm512_loadu_ps(taps[n].weight)));
+    }
+    _mm512_storeu_ps(results, sums);
+}
+
+#endif
+
+}  // namespace
+
+AreaResize::AreaResize(int rows, int height, int width, SimdLevel level)
+    : rows_(rows), height_(height), width_(width), level_(level) {
+    if (height < 1 || height > rows || width < 11 || width > kScreenWidth)
+        throw std::invalid_argument("a frame is only made smaller here, and no narrower than 11");
+    if (rows % height == 0 && kScreenWidth % width == 0)
+        throw std::invalid_argument("the size must not divide that of the frame in both directions");
+    down_ = taps(rows, height);
+    std::stable_sort(down_.begin(), down_.end(), [](const Tap& a, const Tap& b) { return a.source < b.source; });
+    for (size_t i = 0; i < down_.size(); ++i) {
+        if (down_[i].first) {
+            sources_.push_back({down_[i].source, down_[i].source});
+            first_taps_.push_back(i);
+        }
+        sources_.back().last = down_[i].source;
+    }
+    make_windows(taps(kScreenWidth, width));
+}
+
+// OpenCV's weights: worked out in doubles, slivers left out, rounded to float.
+std::vector<AreaResize::Tap> AreaResize::taps(int source, int target) {
+    std::vector<Tap> all;
+    const double scale = static_cast<double>(source) / target;
+    for (int i = 0; i < target; ++i) {
+        const double start = i * scale, end = start + scale, extent = std::min(scale, source - start);
+        const int whole_end = std::min(static_cast<int>(std::floor(end)), source - 1);
+        const int whole_start = std::min(static_cast<int>(std::ceil(start)), whole_end);
+        const size_t first = all.size();
+        const auto add = [&](int pixel, double part) {
+            all.push_back({pixel, i, static_cast<float>(part / extent), false, false});
+        };
+        if (whole_start - start > 1e-3) add(whole_start - 1, whole_start - start);
+        for (int pixel = whole_start; pixel < whole_end; ++pixel) add(pixel, 1.0);
+        if (end - whole_end > 1e-3) add(whole_end, std::min({end - whole_end, 1.0, extent}));
+        all[first].first = all.back().last = true;
+    }
+    return all;
+}
+
+void AreaResize::make_windows(const std::vector<Tap>& across) {
+    const int lanes = lanes_of(level_), reach = static_cast<int>(reach_of(level_));
+    for (auto tap = across.begin(); tap != across.end();) {
+        const auto last = std::find_if(tap, across.end(), [](const Tap& t) { return t.last; });
+        if (windows_.empty() || windows_.back().count == lanes || last->source >= windows_.back().source + reach)
+            windows_.push_back({std::min(tap->source, kScreenWidth - reach), tap->result, 0});
+        ++windows_.back().count;
+        depth_ = std::max(depth_, static_cast<int>(last - tap) + 1);
+        tap = last + 1;
+    }
+    Taps unused{};
+    std::fill_n(unused.pixel, 16, 0x80808080u);
+    for (size_t k = 0; k < windows_.size(); ++k) {
+        const int last = std::min(windows_[k].source + reach, kScreenWidth) - 1;
+        for (int column = windows_[k].source / 8; column <= last / 8; ++column) windows_with_[column] |= 1u << k;
+    }
+    across_.assign(windows_.size() * static_cast<size_t>(depth_), unused);
+    Taps* place = across_.data();
+    for (const Window& window : windows_) {
+        Taps* taps = place;
+        for (const Tap& tap : across) {
+            const int i = tap.result - window.result;
+            if (i < 0 || i >= window.count) continue;
+            if (tap.first) taps = place;
+            taps->pixel[i] = 0x80808000u | static_cast<uint32_t>(tap.source - window.source);
+            taps->weight[i] = tap.weight;
+            ++taps;
+        }
+        place += depth_;
+    }
+}
+
+// The windows that reach into columns which have changed.
+INLINED uint32_t AreaResize::changed_windows(uint32_t changes) const {
+    uint32_t windows = 0;
+    for (; changes != 0; changes &= changes - 1) windows |= windows_with_[std::countr_zero(changes)];
+    return windows;
+}
+
+// Each row's results are made once, where they change, and then go into the sums of the one or two rows below that have a
+// share in it.
+template <auto across, int lanes>
+INLINED void AreaResize::run(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first, int last) const {
+    float line[kMostResults], sum[kMostResults];
+    uint8_t bytes[kMostResults];
+    const Window* const windows = windows_.data();
+    const Taps* const taps = across_.data();
+    const int count = static_cast<int>(windows_.size()), depth = depth_;
+    const uint32_t all = (1u << count) - 1;
+    int row = sources(first).first - 1;  // that `line` is of
+    for (size_t i = first_taps_[static_cast<size_t>(first)]; i < down_.size() && down_[i].result < last; ++i) {
+        const Tap& tap = down_[i];
+        while (row < tap.source) {
+            const uint8_t* const pixels = frame + kScreenWidth * ++row;
+            for (uint32_t left = changes ? changed_windows(changes[row]) : all; left != 0; left &= left - 1) {
+                const int k = std::countr_zero(left);
+                across(pixels + windows[k].source, taps + depth * k, depth, line + lanes * k);
+            }
+        }
+        if (tap.first) scale(line, tap.weight, lanes * count, sum);
+        else add(line, tap.weight, lanes * count, sum);
+        if (!tap.last) continue;
+        round(sum, lanes * count, bytes);
+        uint8_t* const results = out + width_ * tap.result;
+        const bool more = tap.result < last - 1;
+        // All lanes at once; what is no window's result is overwritten by the next window or the next row.
+        for (int k = 0; k < count; ++k)
+            if (more) std::memcpy(results + windows[k].result, bytes + lanes * k, lanes);
+            else std::copy_n(bytes + lanes * k, windows[k].count, results + windows[k].result);
+    }
+}
+
+#if ATARI_X86_SIMD
+TARGET_AVX2 void AreaResize::run_avx2(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first,
+                               int last) const {
+    run<across_avx2, lanes_of(SimdLevel::kAvx2)>(frame, changes, out, first, last);
+}
+
+TARGET_AVX512 void AreaResize::run_avx512(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first,
+                                 int last) const {
+    run<across_avx512, lanes_of(SimdLevel::kAvx512)>(frame, changes, out, first, last);
+}
+#endif
+
+void AreaResize::make_rows(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first, int last) const {
+#if ATARI_X86_SIMD
+    if (level_ == SimdLevel::kAvx512) return run_avx512(frame, changes, out, first, last);
+    if (level_ == SimdLevel::kAvx2) return run_avx2(frame, changes, out, first, last);
+#endif
+    run<across_scalar, lanes_of(SimdLevel::kScalar)>(frame, changes, out, first, last);
+}
+
+}  // namespace atari

@@ -1,0 +1,80 @@
+// `AreaResize`: reduces a gray frame, equal to OpenCV's INTER_AREA in every byte.
+//
+// A `SimdLevel` other than the best is for tests: the results are the same.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "fast/simd.hpp"
+#include "machine/state.hpp"
+
+namespace atari {
+
+// Reduces a gray frame, rows x 160, to height x width. Each result is the mean of the area that it covers. Immutable, so
+// threads may share one.
+//
+// Serves heights 1..rows and widths 11..160, except sizes that divide the frame's in both directions (105 x 80 of
+// 210 x 160): for those OpenCV rounds differently. For sizes larger than the frame, INTER_AREA interpolates.
+class AreaResize {
+  public:
+    // Throws std::invalid_argument if the size is not served.
+    AreaResize(int rows, int height, int width, SimdLevel level = best_simd_level());
+
+    int rows() const { return rows_; }
+    int height() const { return height_; }
+    int width() const { return width_; }
+
+    // `changes` as `pool_gray` writes them; null if every row is new.
+    void operator()(const uint8_t* frame, const uint32_t* changes, uint8_t* out) const {
+        make_rows(frame, changes, out, 0, height_);
+    }
+
+    // Rows first .. last-1 of the result. They depend on the frame's rows from `sources(first).first` to
+    // `sources(last - 1).last`; if there are `changes`, all are set for the first of these.
+    void make_rows(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first, int last) const;
+
+    struct Sources {
+        int first, last;
+    };
+    Sources sources(int result) const { return sources_[static_cast<size_t>(result)]; }
+
+    // The n-th tap of each of eight or sixteen neighbouring results. `pixel` is counted from where the results' window begins; its
+    // upper bytes are 0x80, with which a shuffle of bytes makes zeros. What is unused weighs nothing.
+    struct Taps {
+        uint32_t pixel[16];
+        float weight[16];
+    };
+
+  private:
+    struct Tap {  // a source pixel's share in a result
+        int source, result;
+        float weight;
+        bool first, last;  // of the result's taps
+    };
+    // Neighbouring results, at most as many as are made at once, that depend on pixels close together.
+    struct Window {
+        int source, result, count;
+    };
+
+    static std::vector<Tap> taps(int source, int target);
+    void make_windows(const std::vector<Tap>& across);
+    uint32_t changed_windows(uint32_t changes) const;
+    template <auto across, int lanes>
+    void run(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first, int last) const;
+    void run_avx2(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first, int last) const;
+    void run_avx512(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first, int last) const;
+
+    int rows_, height_, width_;
+    SimdLevel level_;
+    std::vector<Tap> down_;  // ordered by source, and so by result
+    std::vector<Sources> sources_;
+    std::vector<size_t> first_taps_;  // of each result, in down_
+    std::vector<Window> windows_;     // 21 at most
+    uint32_t windows_with_[kScreenWidth / 8] = {};  // those that reach into columns 8k .. 8k+7, a bit each
+    std::vector<Taps> across_;  // depth_ for each window
+    int depth_ = 0;             // the most taps that a result has in its row
+};
+
+}  // namespace atari

@@ -1,0 +1,290 @@
+#include "observation_stack.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "ale/colour_conversion.hpp"
+#include "pooling.hpp"
+
+namespace atari {
+namespace {
+
+// Scratch memory of the calling thread, valid until the next call for the same type. Environments share it.
+template <typename Value>
+Value* working_memory(size_t size) {
+    thread_local std::vector<Value> memory;
+    if (memory.size() < size) memory.resize(size);
+    return memory.data();
+}
+
+// Frees the memory too, which an assignment of {} keeps.
+void release(std::vector<uint8_t>& values) { std::vector<uint8_t>().swap(values); }
+
+}  // namespace
+
+ObservationStack::ObservationStack(Environment& environment, const ObservationSettings& settings,
+                                   std::shared_ptr<const Resizer> resizer,
+                                   std::shared_ptr<const GrayOfPairs> gray_of_pairs)
+    : environment_(environment), settings_(settings), resizer_(std::move(resizer)),
+      gray_of_pairs_(std::move(gray_of_pairs)),
+      planes_(settings.pixels == PixelFormat::kNone ? 0 : settings.pixels == PixelFormat::kRgb ? 3 : 1),
+      pools_last_again_(settings.max_pool && settings.end_frames == EndFrames::kGymnasium && !is_screen_rgb()) {
+    const Palette& palette = *environment.game()->palette;
+    tables_[0] = settings_.pixels == PixelFormat::kGrayOfRgb ? gray_of_pairs_->values.data() : palette.gray;
+    if (settings_.pixels == PixelFormat::kRgb) {
+        for (int plane = 0; plane < 3; ++plane)
+            for (int i = 0; i < 256; ++i) colours_.push_back(static_cast<uint8_t>(palette.rgb[i] >> (16 - 8 * plane)));
+        for (int plane = 0; plane < 3; ++plane) tables_[plane] = colours_.data() + 256 * plane;
+    }
+    const auto planes = static_cast<size_t>(planes_);
+    if (planes && settings_.end_frames == EndFrames::kBaselines) late_.resize(plane_size());
+    frame_size_ = planes * static_cast<size_t>(settings_.height) * static_cast<size_t>(settings_.width);
+    ring_.resize(frame_size_ * static_cast<size_t>(settings_.stack));
+}
+
+void ObservationStack::begin(bool new_stack) {
+    if (!planes_) return;
+    early_noted_ = false;
+    drop_last();
+    std::fill(late_.begin(), late_.end(), uint8_t{0});
+    add(current(), current());
+    if (new_stack) repeat(true);
+}
+
+void ObservationStack::repeat(bool new_stack) {
+    if (!planes_) return;
+    if (!new_stack) {
+        const uint8_t* const last = newest_slot();
+        uint8_t* const slot = next_slot();
+        if (slot != last) std::memcpy(slot, last, frame_size_);
+        return;
+    }
+    const uint8_t* const last = newest_slot();
+    for (uint8_t* slot = ring_.data(); slot != ring_.data() + ring_.size(); slot += frame_size_) {
+        if (slot == last) continue;
+        if (settings_.pads_zero) std::memset(slot, 0, frame_size_);
+        else std::memcpy(slot, last, frame_size_);
+    }
+}
+
+// The console renders the next frame into its other framebuffer, except after a partial frame, which it continues.
+void ObservationStack::frame_played(int left, bool ended) {
+    if (left != 1 || !planes_ || !settings_.max_pool || (ended && settings_.end_frames == EndFrames::kGymnasium)) return;
+    early_noted_ = true;
+    early_copied_ = environment_.console().machine().tia.partial;
+    if (early_copied_) early_.assign(current().pixels, current().pixels + plane_size());
+    else release(early_);
+}
+
+void ObservationStack::skip_ended(int left, bool ended) {
+    if (!planes_) return;
+    const bool pools = std::exchange(early_noted_, false);
+    if (left == 0 && !(ended && settings_.end_frames == EndFrames::kGymnasium)) {
+        drop_last();
+        // In the order in which they were played: consecutive frames share more lines, which are not rendered again.
+        const Frame first = pools ? early() : current(), last = current();
+        if (!late_.empty()) std::copy_n(last.pixels, late_.size(), late_.begin());
+        return add(first, last);
+    }
+    switch (settings_.end_frames) {
+        case EndFrames::kLast:
+            return add(current(), current());
+        case EndFrames::kGymnasium:  // without the frame that ended the episode; with the frame before, if it was noted
+            if (!pools) break;
+            return add_pooled_with_last();
+        case EndFrames::kBaselines:
+            if (!pools) break;
+            return add(current(), {late_.data(), nullptr});
+        case EndFrames::kEnvpool:
+            if (!pools) break;
+            return add(current(), current());
+    }
+    repeat(false);
+}
+
+void ObservationStack::add(Frame early, Frame late) {
+    if (is_screen_rgb()) return add_rgb(early, late);
+    if (const AreaResize* resize = resizer_->area_resize(); resize && planes_ == 1) {
+        add_changed_rows(early, late, *resize);
+    } else {
+        const size_t rows = static_cast<size_t>(planes_ * environment_.height());
+        auto* const pooled = working_memory<uint8_t>(rows * kScreenWidth);
+        auto* const changes = working_memory<uint32_t>(rows);
+        pool_all(early, late, pooled, changes);
+        resize_and_add(pooled, changes);
+    }
+    if (pools_last_again_) keep_last(early, late);
+}
+
+// Pools all planes of two frames, with what changes from row to row.
+void ObservationStack::pool_all(Frame early, Frame late, uint8_t* out, uint32_t* changes) const {
+    const int height = environment_.height();
+    for (int plane = 0; plane < planes_; ++plane, out += plane_size(), changes += height)
+        pool_plane(early, late, plane, 0, height, out, changes);
+}
+
+// Keeps what the newest resized frame was pooled from, instead of what was kept before.
+void ObservationStack::keep_last(Frame early, Frame late) {
+    last_[0] = early.framebuffer;
+    last_[1] = late.framebuffer;
+    if (early.framebuffer >= 0) return environment_.console().framebuffers().hold();
+    pooled_.resize(pooled_size());
+    pool_all(early, late, pooled_.data(), working_memory<uint32_t>(pooled_size() / kScreenWidth));
+}
+
+// To be called before the frames of the next resized frame are rendered.
+void ObservationStack::drop_last() {
+    environment_.console().framebuffers().let_go();
+    last_[0] = last_[1] = -1;
+    release(pooled_);
+}
+
+// Writes the planes of the newest resized frame before it was resized.
+void ObservationStack::pool_last(uint8_t* out) const {
+    if (!pooled_.empty()) {
+        std::copy(pooled_.begin(), pooled_.end(), out);
+    } else if (last_[0] < 0) {  // none is kept
+        std::fill_n(out, pooled_size(), uint8_t{0});
+    } else {
+        const Framebuffers& framebuffers = environment_.console().framebuffers();
+        auto* const changes = working_memory<uint32_t>(pooled_size() / kScreenWidth);
+        pool_all({framebuffers.held(last_[0]), nullptr}, {framebuffers.held(last_[1]), nullptr}, out, changes);
+    }
+}
+
+// Sets `changed` for each row whose looks differ from those of the newest resized frame, or are unknown.
+void ObservationStack::find_changed_rows(Frame early, Frame late, uint8_t* changed) {
+    static constexpr uint32_t kUnknown[kFrameRows] = {};
+    const auto height = static_cast<size_t>(environment_.height());
+    for (std::vector<uint32_t>& looks : looks_) looks.resize(height);
+    const uint32_t* const first = early.looks ? early.looks : kUnknown;
+    const uint32_t* const second = late.looks ? late.looks : kUnknown;
+    uint32_t *const first_before = looks_[0].data(), *const second_before = looks_[1].data();
+    for (size_t row = 0; row < height; ++row) {  // without a branch: the compiler makes vectors of this
+        const bool same = (first[row] == first_before[row]) & (second[row] == second_before[row]);
+        changed[row] = !(same & (first[row] != 0) & (second[row] != 0));
+    }
+    std::copy_n(first, height, first_before);
+    std::copy_n(second, height, second_before);
+}
+
+// Rows of the result whose source rows have not changed are copied from the newest resized frame.
+// (tests/vector/test_equals_ale_py.py and test_presets.py compare every byte)
+void ObservationStack::add_changed_rows(Frame early, Frame late, const AreaResize& resize) {
+    const int height = environment_.height(), results = settings_.height;
+    auto* const changed = working_memory<uint8_t>(static_cast<size_t>(height) + plane_size());
+    uint8_t* const pooled = changed + height;
+    auto* const changes = working_memory<uint32_t>(static_cast<size_t>(height));
+    find_changed_rows(early, late, changed);
+    const auto width = static_cast<size_t>(settings_.width);
+    const auto is_new = [&](int result) {
+        const auto [first, last] = resize.sources(result);
+        return std::find(changed + first, changed + last + 1, uint8_t{1}) != changed + last + 1;
+    };
+    const uint8_t* const before = newest_slot();
+    uint8_t* const slot = next_slot();
+    for (int first = 0, end; first < results; first = end) {
+        const bool make = is_new(first);
+        for (end = first + 1; end < results && is_new(end) == make;) ++end;
+        if (make) {
+            const int from = resize.sources(first).first, count = resize.sources(end - 1).last + 1 - from;
+            pool_plane(early, late, 0, from, count, pooled, changes);
+            resize.make_rows(pooled, changes, slot, first, end);
+        } else if (slot != before) {
+            const size_t offset = width * static_cast<size_t>(first), size = width * static_cast<size_t>(end - first);
+            std::memcpy(slot + offset, before + offset, size);
+        }
+    }
+}
+
+// Pools rows first .. first+count-1 of a plane, to the same rows of `out` and `changes`.
+void ObservationStack::pool_plane(Frame early, Frame late, int plane, int first, int count, uint8_t* out, uint32_t* changes) const {
+    const auto offset = kScreenWidth * first;
+    const auto pooling = [&](auto function) {
+        function(early.pixels + offset, late.pixels + offset, count, tables_[plane], out + offset, changes + first);
+    };
+    if (settings_.pixels == PixelFormat::kGrayOfRgb) pooling([](auto... arguments) { pool_pairs(arguments...); });
+    else pooling([](auto... arguments) { pool_gray(arguments...); });
+}
+
+void ObservationStack::add_rgb(Frame early, Frame late) {
+    uint8_t* const slot = next_slot();
+    to_rgb(late.pixels, environment_.height(), *environment_.game()->palette, slot);
+    if (early.pixels != late.pixels) pool_rgb(early, slot);
+}
+
+// Raises `colours` to the maximum of itself and of a frame, channel by channel.
+void ObservationStack::pool_rgb(Frame frame, uint8_t* colours) const {
+    const size_t size = frame_size_;
+    auto* const others = working_memory<uint8_t>(size);
+    to_rgb(frame.pixels, environment_.height(), *environment_.game()->palette, others);
+    for (size_t i = 0; i < size; ++i) colours[i] = std::max(colours[i], others[i]);
+}
+
+// Adds the skip's last frame but one, pooled with what the newest resized frame was pooled from.
+void ObservationStack::add_pooled_with_last() {
+    if (is_screen_rgb()) {
+        repeat(false);
+        return pool_rgb(early(), newest_slot());
+    }
+    const Frame frame = early();
+    std::vector<uint8_t> pooled(pooled_size());
+    pool_last(pooled.data());
+    auto* const others = working_memory<uint8_t>(pooled.size());
+    pool_all(frame, frame, others, working_memory<uint32_t>(pooled.size() / kScreenWidth));
+    for (size_t i = 0; i < pooled.size(); ++i) pooled[i] = std::max(pooled[i], others[i]);
+    resize_and_add(pooled.data(), nullptr);
+    drop_last();
+    pooled_ = std::move(pooled);
+    forget_looks();
+}
+
+uint8_t* ObservationStack::next_slot() {
+    newest_ = (newest_ + 1) % settings_.stack;
+    return newest_slot();
+}
+
+// `changes` has an entry for each row of each plane; null if they are unknown.
+void ObservationStack::resize_and_add(const uint8_t* pooled, const uint32_t* changes) {
+    uint8_t* const slot = next_slot();
+    if (planes_ == 1) return (*resizer_)(pooled, changes, slot);
+    const size_t count = frame_size_ / 3;
+    std::vector<uint8_t> resized(count);
+    for (int k = 0; k < 3; ++k, pooled += plane_size()) {
+        (*resizer_)(pooled, changes ? changes + environment_.height() * k : nullptr, resized.data());
+        for (size_t i = 0; i < count; ++i) slot[3 * i + static_cast<size_t>(k)] = resized[i];
+    }
+}
+
+void ObservationStack::write(uint8_t* out) const {
+    const size_t oldest = frame_size_ * static_cast<size_t>((newest_ + 1) % settings_.stack);
+    std::memcpy(out, ring_.data() + oldest, ring_.size() - oldest);
+    std::memcpy(out + (ring_.size() - oldest), ring_.data(), oldest);
+}
+
+size_t ObservationStack::state_size() const { return pooled_size() + late_.size() + ring_.size() + sizeof newest_; }
+
+uint8_t* ObservationStack::save(uint8_t* out) const {
+    if (pools_last_again_) pool_last(out);
+    out += pooled_size();
+    for (const std::vector<uint8_t>* part : {&late_, &ring_}) out = std::copy(part->begin(), part->end(), out);
+    std::memcpy(out, &newest_, sizeof newest_);
+    return out + sizeof newest_;
+}
+
+const uint8_t* ObservationStack::load(const uint8_t* in) {
+    drop_last();
+    pooled_.assign(in, in + pooled_size());
+    in += pooled_size();
+    for (std::vector<uint8_t>* part : {&late_, &ring_}) {
+        std::copy_n(in, part->size(), part->begin());
+        in += part->size();
+    }
+    std::memcpy(&newest_, in, sizeof newest_);
+    newest_ = std::clamp(newest_, 0, settings_.stack - 1);
+    forget_looks();
+    return in + sizeof newest_;
+}
+
+}  // namespace atari

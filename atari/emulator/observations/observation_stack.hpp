@@ -1,0 +1,120 @@
+// `ObservationStack`: what an agent sees of an environment, the last frames of each skip pooled, resized and stacked.
+//
+// Frames are rendered only when this class reads them. Implementations of the preprocessing differ in what they show when
+// an episode ends inside a skip: see `EndFrames`. atari/wrappers/dqn_preprocessing.py does the same in Python.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "ale/environment.hpp"
+#include "resizer.hpp"
+
+namespace atari {
+
+// kGrayOfRgb pools the colours of two frames and converts the result to gray, by a table of pairs of colours.
+enum class PixelFormat { kNone, kGray, kRgb, kGrayOfRgb };
+enum class EndFrames { kLast, kGymnasium, kBaselines, kEnvpool };
+
+// For kGrayOfRgb: the gray value of the maximum of two colours, by early palette index * 256 + late palette index.
+struct GrayOfPairs {
+    static constexpr size_t kSize = 65536;
+    std::vector<uint8_t> values;  // kSize
+};
+
+struct ObservationSettings {
+    PixelFormat pixels = PixelFormat::kGray;
+    int height = 84, width = 84, stack = 4;
+    bool max_pool = true;
+    EndFrames end_frames = EndFrames::kGymnasium;
+    bool pads_zero = true;  // Fill a new stack with zeros; otherwise with the first frame of the episode.
+};
+
+// Owns a ring of resized frames. The environment must outlive it.
+class ObservationStack {
+  public:
+    // `gray_of_pairs` is needed for kGrayOfRgb only, `resizer` for all formats but kNone.
+    ObservationStack(Environment& environment, const ObservationSettings& settings,
+                     std::shared_ptr<const Resizer> resizer, std::shared_ptr<const GrayOfPairs> gray_of_pairs);
+
+    void begin(bool new_stack);   // adds the current screen
+    void repeat(bool new_stack);  // adds the last resized frame again
+    // To be called after each frame of a skip: `left` frames of the skip remain; whether the episode has ended.
+    void frame_played(int left, bool ended);
+    // Adds the resized frame of a skip. If the episode ended inside the skip, `left` frames were not played.
+    void skip_ended(int left, bool ended);
+
+    size_t size() const { return ring_.size(); }
+    void write(uint8_t* out) const;  // (stack, height, width), for kRgb (stack, height, width, 3); the oldest first
+
+    size_t state_size() const;
+    uint8_t* save(uint8_t* out) const;  // Returns the end of what was written; `load` of what was read.
+    const uint8_t* load(const uint8_t* in);
+
+  private:
+    // A frame of palette indices. `looks` are those of its rows (LineCache::looks), or null; `framebuffer` is the number of
+    // the console's framebuffer that holds it, or -1.
+    struct Frame {
+        const uint8_t* pixels;
+        const uint32_t* looks;
+        int framebuffer = -1;
+    };
+    void add(Frame early, Frame late);
+    void find_changed_rows(Frame early, Frame late, uint8_t* changed);
+    void forget_looks() {
+        for (std::vector<uint32_t>& looks : looks_) looks.clear();
+    }
+    void add_changed_rows(Frame early, Frame late, const AreaResize& resize);
+    void add_rgb(Frame early, Frame late);
+    void pool_rgb(Frame frame, uint8_t* colours) const;
+    void add_pooled_with_last();
+    void keep_last(Frame early, Frame late);
+    void drop_last();
+    void pool_last(uint8_t* out) const;
+    void pool_all(Frame early, Frame late, uint8_t* out, uint32_t* changes) const;
+    size_t pooled_size() const { return pools_last_again_ ? static_cast<size_t>(planes_) * plane_size() : 0; }
+    void pool_plane(Frame early, Frame late, int plane, int first, int count, uint8_t* out, uint32_t* changes) const;
+    void resize_and_add(const uint8_t* pooled, const uint32_t* changes);
+    uint8_t* next_slot();
+    uint8_t* newest_slot() { return ring_.data() + frame_size_ * static_cast<size_t>(newest_); }
+    Frame early() {
+        if (early_copied_) return {early_.data(), nullptr};
+        Console& console = environment_.console();
+        const uint8_t* const pixels = console.previous_framebuffer();
+        return {pixels, console.previous_looks(), console.machine().tia.current ^ 1};
+    }
+    Frame current() {
+        Console& console = environment_.console();
+        const uint8_t* const pixels = console.framebuffer();
+        return {pixels, console.looks(), console.machine().tia.current};
+    }
+    // Whether frames are RGB of the screen's size. They are then pooled in the ring, all colours at once.
+    bool is_screen_rgb() const {
+        return planes_ == 3 && settings_.height == environment_.height() && settings_.width == kScreenWidth;
+    }
+    size_t plane_size() const { return static_cast<size_t>(environment_.height()) * kScreenWidth; }
+
+    Environment& environment_;
+    const ObservationSettings settings_;
+    const std::shared_ptr<const Resizer> resizer_;
+    const std::shared_ptr<const GrayOfPairs> gray_of_pairs_;
+    const int planes_;
+    const uint8_t* tables_[3];           // by plane, of 256 values; for kGrayOfRgb `gray_of_pairs_`
+    std::vector<uint8_t> colours_;       // for kRgb: the memory of `tables_`
+    // With EndFrames::kGymnasium, an episode may end with the last frame pooled once more. The console holds the two
+    // framebuffers, with the numbers `last_`, that the last frame was pooled from. Where it cannot, `pooled_` holds the
+    // planes of that frame before it was resized. At most one of the two is in use.
+    const bool pools_last_again_;
+    int last_[2] = {-1, -1};
+    std::vector<uint8_t> pooled_;
+    std::vector<uint8_t> late_;          // for kBaselines: the last frame of the last whole skip
+    std::vector<uint8_t> early_;         // a copy of the skip's last frame but one, where the console overwrites it
+    bool early_noted_ = false, early_copied_ = false;
+    std::vector<uint32_t> looks_[2];     // by row, of both frames that the newest resized frame was made of; 0 is unknown
+    std::vector<uint8_t> ring_;          // of `stack` resized frames
+    size_t frame_size_;                  // bytes of a resized frame
+    int newest_ = 0;                     // slot of the newest resized frame
+};
+
+}  // namespace atari

@@ -1,0 +1,159 @@
+#include "pooling.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+#include "machine/state.hpp"
+
+// `pool` is inlined into functions for higher SIMD levels, so that all its loops use their instructions.
+#if ATARI_X86_SIMD
+#define INLINED __attribute__((always_inline)) inline
+#else
+#define INLINED inline
+#endif
+
+namespace atari {
+namespace {
+
+constexpr uint32_t kWholeRow = (1u << kScreenWidth / 8) - 1;
+
+// Bit k is set if either frame differs from its row above in columns 8k .. 8k+7.
+uint32_t changes_scalar(const uint8_t* early, const uint8_t* late) {
+    uint8_t differences = 0;  // all of them, without a branch: the compiler makes vectors of this
+    for (int x = 0; x < kScreenWidth; ++x)
+        differences |= static_cast<uint8_t>((early[x] ^ early[x - kScreenWidth]) | (late[x] ^ late[x - kScreenWidth]));
+    if (differences == 0) return 0;
+    uint32_t found = 0;
+    for (int k = 0; k < kScreenWidth / 8; ++k, early += 8, late += 8) {
+        const auto differs = [](const uint8_t* row) { return std::memcmp(row, row - kScreenWidth, 8) != 0; };
+        found |= uint32_t{differs(early) || differs(late)} << k;
+    }
+    return found;
+}
+
+void pool_eight(const uint8_t* early, const uint8_t* late, const uint8_t* table, uint8_t* out) {
+    uint64_t early_word, late_word;
+    std::memcpy(&early_word, early, 8);
+    std::memcpy(&late_word, late, 8);
+    if (early_word != late_word)
+        for (int i = 0; i < 8; ++i) out[i] = std::max(table[early[i]], table[late[i]]);
+    else if (early_word != std::rotl(early_word, 8))
+        for (int i = 0; i < 8; ++i) out[i] = table[early[i]];
+    else
+        std::memset(out, table[early[0]], 8);
+}
+
+void pool_eight_pairs(const uint8_t* early, const uint8_t* late, const uint8_t* table, uint8_t* out) {
+    uint64_t early_word, late_word;
+    std::memcpy(&early_word, early, 8);
+    std::memcpy(&late_word, late, 8);
+    if (early_word != std::rotl(early_word, 8) || late_word != std::rotl(late_word, 8))
+        for (int i = 0; i < 8; ++i) out[i] = table[early[i] << 8 | late[i]];
+    else
+        std::memset(out, table[early[0] << 8 | late[0]], 8);
+}
+
+template <auto changes_of, auto eight>
+INLINED void pool(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
+                  uint32_t* changes) {
+    for (int row = 0; row < rows; ++row) {
+        uint32_t left = kWholeRow;
+        if (row > 0) {
+            left = changes_of(early, late);
+            std::memcpy(out, out - kScreenWidth, kScreenWidth);
+        }
+        changes[row] = left;
+        for (; left != 0; left &= left - 1) {
+            const int column = 8 * std::countr_zero(left);
+            eight(early + column, late + column, table, out + column);
+        }
+        early += kScreenWidth;
+        late += kScreenWidth;
+        out += kScreenWidth;
+    }
+}
+
+#if ATARI_X86_SIMD
+TARGET_AVX2 inline __m256i load(const void* from) { return _mm256_loadu_si256(static_cast<const __m256i*>(from)); }
+
+TARGET_AVX2 inline uint32_t changes_avx2(const uint8_t* early, const uint8_t* late) {
+    uint32_t same = 0;
+    for (int k = 0; k < kScreenWidth / 8; k += 4, early += 32, late += 32) {
+        const __m256i equal = _mm256_and_si256(_mm256_cmpeq_epi64(load(early), load(early - kScreenWidth)),
+                                               _mm256_cmpeq_epi64(load(late), load(late - kScreenWidth)));
+        same |= static_cast<uint32_t>(_mm256_movemask_pd(_mm256_castsi256_pd(equal))) << k;
+    }
+    return same ^ kWholeRow;
+}
+
+// A row as two vectors of 64 pixels and half a one.
+struct Avx512Row {
+    __m512i part[3];
+};
+
+TARGET_AVX512 inline Avx512Row load_row(const uint8_t* from) {
+    const __m256i rest = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from + 128));
+    return {{_mm512_loadu_si512(from), _mm512_loadu_si512(from + 64), _mm512_castsi256_si512(rest)}};
+}
+
+TARGET_AVX512 inline void store_row(uint8_t* to, const Avx512Row& row) {
+    _mm512_storeu_si512(to, row.part[0]);
+    _mm512_storeu_si512(to + 64, row.part[1]);
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(to + 128), _mm512_castsi512_si256(row.part[2]));
+}
+
+TARGET_AVX512 inline uint32_t changes_avx512(const Avx512Row& a, const Avx512Row& b) {
+    uint32_t changes = 0;
+    for (int part = 0; part < 3; ++part)
+        changes |= uint32_t{_mm512_cmpneq_epi64_mask(a.part[part], b.part[part])} << (8 * part);
+    return changes & kWholeRow;  // the last part is half a one
+}
+
+TARGET_AVX512 void pool_avx512(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
+                      uint32_t* changes) {
+    const Avx512Table grays = avx512_table(table);
+    Avx512Row early_above{}, late_above{}, pooled{};
+    for (int row = 0; row < rows; ++row, early += kScreenWidth, late += kScreenWidth, out += kScreenWidth) {
+        const Avx512Row early_row = load_row(early), late_row = load_row(late);
+        changes[row] = row > 0 ? changes_avx512(early_row, early_above) | changes_avx512(late_row, late_above) : kWholeRow;
+        if (changes[row])
+            for (int part = 0; part < 3; ++part)
+                pooled.part[part] = _mm512_max_epu8(look_up(grays, early_row.part[part]), look_up(grays, late_row.part[part]));
+        store_row(out, pooled);
+        early_above = early_row;
+        late_above = late_row;
+    }
+}
+
+TARGET_AVX2 void pool_avx2(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
+                    uint32_t* changes) {
+    pool<changes_avx2, pool_eight>(early, late, rows, table, out, changes);
+}
+
+TARGET_AVX2 void pool_pairs_avx2(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
+                    uint32_t* changes) {
+    pool<changes_avx2, pool_eight_pairs>(early, late, rows, table, out, changes);
+}
+#endif
+
+}  // namespace
+
+void pool_gray(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
+               uint32_t* changes, [[maybe_unused]] SimdLevel level) {
+#if ATARI_X86_SIMD
+    if (level == SimdLevel::kAvx512) return pool_avx512(early, late, rows, table, out, changes);
+    if (level == SimdLevel::kAvx2) return pool_avx2(early, late, rows, table, out, changes);
+#endif
+    pool<changes_scalar, pool_eight>(early, late, rows, table, out, changes);
+}
+
+void pool_pairs(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
+                uint32_t* changes, [[maybe_unused]] SimdLevel level) {
+#if ATARI_X86_SIMD
+    if (level != SimdLevel::kScalar) return pool_pairs_avx2(early, late, rows, table, out, changes);
+#endif
+    pool<changes_scalar, pool_eight_pairs>(early, late, rows, table, out, changes);
+}
+
+}  // namespace atari

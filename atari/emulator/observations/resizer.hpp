@@ -1,0 +1,32 @@
+// `Resizer`: reduces a frame to any size for which OpenCV's INTER_AREA takes means, equal to OpenCV in every byte.
+//
+// `AreaResize` serves most sizes. This class adds the sizes that divide the frame's, for which OpenCV sums whole blocks
+// of pixels, and the frame's own size.
+#pragma once
+
+#include <optional>
+
+#include "area_resize.hpp"
+
+namespace atari {
+
+class Resizer {
+  public:
+    // From rows x 160. Throws std::invalid_argument if the size is not served: larger than the frame, or narrower than 11
+    // without dividing it.
+    Resizer(int rows, int height, int width);
+
+    // `changes` as `pool_gray` writes them; null if every row is new.
+    void operator()(const uint8_t* frame, const uint32_t* changes, uint8_t* out) const;
+
+    // For making single rows of the result; null if this size is served by sums of blocks or a copy.
+    const AreaResize* area_resize() const { return resize_ ? &*resize_ : nullptr; }
+
+  private:
+    void sum_blocks(const uint8_t* frame, uint8_t* out) const;
+
+    int rows_, height_, width_;
+    std::optional<AreaResize> resize_;
+};
+
+}  // namespace atari

@@ -1,0 +1,324 @@
+// The extension module atari._emulator: thin bindings of `Environment`. Python validates the options
+// (atari/cores/native.py). This file also validates arguments that could cause undefined behaviour.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <stdexcept>
+
+#include "ale/environment.hpp"
+#include "observations/area_resize.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace atari {
+namespace {
+
+using Array = nb::ndarray<nb::numpy, uint8_t, nb::c_contig, nb::device::cpu>;
+
+std::shared_ptr<Game> make_game(nb::bytes image, const std::string& cartridge, const std::string& format,
+                                bool detect_format, int first_line, int height, bool hmove_blanks,
+                                std::pair<bool, bool> paddles, bool swap_ports, bool swap_paddles,
+                                std::pair<int, int> paddle_range, int power_on_switches,
+                                const std::vector<int>& legal_actions, const std::vector<int>& starting_actions,
+                                int default_mode, int variables, const std::vector<int32_t>& initial,
+                                const std::vector<bool>& kept, std::vector<int> outputs,
+                                const std::vector<int32_t>& step, const std::vector<int32_t>& select_mode) {
+    auto game = std::make_shared<Game>();
+    const auto* bytes = static_cast<const uint8_t*>(image.data());
+    game->cartridge = std::make_shared<const FastCartridge>(std::vector<uint8_t>(bytes, bytes + image.size()), cartridge);
+    game->console.first_line = first_line;
+    game->console.height = height;
+    game->console.pal = format == "PAL";
+    game->console.hmove_blanks = hmove_blanks;
+    game->console.paddles[0] = paddles.first;
+    game->console.paddles[1] = paddles.second;
+    game->console.swap_ports = swap_ports;
+    game->console.swap_paddles = swap_paddles;
+    game->palette = &palette_of(format);
+    game->detect_format = detect_format;
+    game->power_on_switches = static_cast<uint8_t>(power_on_switches);
+    game->paddle_min = paddle_range.first;
+    game->paddle_max = paddle_range.second;
+    game->legal_actions = 0;
+    for (int action : legal_actions) game->legal_actions |= action >= 0 && action < 18 ? 1u << action : 0u;
+    game->starting_actions = starting_actions;
+    game->default_mode = default_mode;
+    if (outputs.size() != 4) throw std::invalid_argument("a game's outputs are reward, terminal, lives and mode");
+    game->variables = variables;
+    game->initial = initial;
+    for (bool keep : kept) game->kept.push_back(keep);
+    game->reward = outputs[0];
+    game->terminal = outputs[1];
+    game->lives = outputs[2];
+    game->mode_variable = outputs[3];
+    game->step = Program(step, variables, false);
+    game->select_mode = Program(select_mode, variables, true);
+    game->check();
+    return game;
+}
+
+std::string shown(nb::handle value) { return nb::repr(value).c_str(); }
+
+int action_number(nb::handle action) {
+    const Py_ssize_t number = PyNumber_AsSsize_t(action.ptr(), nullptr);
+    if (number == -1 && PyErr_Occurred()) {
+        PyErr_Clear();
+        throw nb::type_error(("an action is an integer 0..17, got " + shown(action)).c_str());
+    }
+    if (number < 0 || number > 17)
+        throw nb::value_error(("an ALE action number is within 0..17, got " + shown(action)).c_str());
+    return static_cast<int>(number);
+}
+
+double strength_factor(nb::handle strength) {
+    const double factor = PyFloat_AsDouble(strength.ptr());
+    if (factor == -1.0 && PyErr_Occurred()) {
+        PyErr_Clear();
+        throw nb::type_error(("strength must be a number, got " + shown(strength)).c_str());
+    }
+    if (!(std::abs(factor) <= 1000.0))  // negated, so that NaN fails too
+        throw nb::value_error(
+            ("strength must be finite and at most 1000 in magnitude, got " + shown(strength)).c_str());
+    return factor;
+}
+
+bool same_cartridge(const Game& a, const Game& b) {
+    if (&a == &b) return true;
+    const Cartridge &first = *a.cartridge, &second = *b.cartridge;
+    return first.type() == second.type() && first.size() == second.size() &&
+           std::equal(first.image(), first.image() + first.size(), second.image());
+}
+
+// The result of clone_state.
+struct State {
+    std::shared_ptr<const Game> game;
+    bool include_rng;
+    EnvironmentSnapshot snapshot;
+};
+
+// The core of a game. Every method that emulates or copies framebuffers releases the GIL and holds the core's own lock,
+// so threads may share a core: their calls run one at a time.
+class Emulator {
+  public:
+    Emulator(std::shared_ptr<Game> game, double probability, int frame_skip, int max_frames, bool sound,
+             bool colour_averaging, uint32_t seed, bool plain) {
+        if (frame_skip < 1) throw std::invalid_argument("frame_skip must be at least 1");
+        const Settings settings{probability, frame_skip, max_frames, sound, colour_averaging, plain};
+        environment_ = std::make_unique<Environment>(std::move(game), settings, seed);
+    }
+
+    template <typename Work>
+    auto locked(Work&& work) {
+        nb::gil_scoped_release release;
+        return briefly(work);
+    }
+
+    // As `locked`, but keeps the GIL, for work that takes less time than releasing it. A thread with the core's lock
+    // never waits for the GIL, so waiting for the lock here cannot deadlock.
+    template <typename Work>
+    auto briefly(Work&& work) {
+        const std::lock_guard lock(mutex_);
+        if (!environment_) throw std::runtime_error("this core is closed; make a new one");
+        return work(*environment_);
+    }
+
+    void close() {
+        nb::gil_scoped_release release;
+        const std::lock_guard lock(mutex_);
+        environment_.reset();
+    }
+
+    nb::bytes save() {
+        std::vector<uint8_t> state;
+        locked([&](Environment& e) {
+            state.resize(e.state_size());
+            e.save(state.data());
+            return 0;
+        });
+        return nb::bytes(state.data(), state.size());
+    }
+
+    void load(nb::bytes state) {
+        const auto* bytes = static_cast<const uint8_t*>(state.data());
+        const size_t size = state.size();
+        const bool good = locked([&](Environment& e) { return size == e.state_size() && e.load(bytes); });
+        if (!good) throw nb::value_error("the state is damaged, or of another game or version");
+    }
+
+    State clone_state(bool include_rng) {
+        return locked([&](Environment& e) {
+            return State{e.game(), include_rng, e.snapshot()};
+        });
+    }
+
+    void restore_state(const State& state) {
+        const bool good = locked([&](Environment& e) {
+            const MersenneTwister generator = e.generator();
+            if (!same_cartridge(*state.game, *e.game()) || !e.restore(state.snapshot)) return false;
+            if (!state.include_rng) e.set_generator(generator);
+            return true;
+        });
+        if (!good) throw nb::value_error("the state is of another game than this core, or of another kind of core");
+    }
+
+    // Returns a new array, or `out`, filled by `fill(environment, pointer)`.
+    template <typename Fill>
+    nb::object filled(const std::vector<size_t>& shape, nb::object out, Fill&& fill) {
+        size_t size = 1;
+        for (size_t extent : shape) size *= extent;
+        if (!out.is_none()) {
+            nb::ndarray<uint8_t, nb::c_contig, nb::device::cpu> array;
+            bool good = nb::try_cast(out, array, false) && array.ndim() == shape.size();
+            for (size_t i = 0; good && i < shape.size(); ++i) good = array.shape(i) == shape[i];
+            if (!good) throw nb::value_error(expectation(shape).c_str());
+            locked([&](Environment& e) { fill(e, array.data()); return 0; });
+            return out;
+        }
+        auto* bytes = new uint8_t[size];
+        nb::capsule owner(bytes, [](void* memory) noexcept { delete[] static_cast<uint8_t*>(memory); });
+        locked([&](Environment& e) { fill(e, bytes); return 0; });
+        return nb::cast(Array(bytes, shape.size(), shape.data(), owner));
+    }
+
+    static std::string expectation(const std::vector<size_t>& shape) {
+        std::string text = "out must be a writable C-contiguous uint8 array of shape (";
+        for (size_t i = 0; i < shape.size(); ++i) text += (i ? ", " : "") + std::to_string(shape[i]);
+        return text + (shape.size() == 1 ? ",)" : ")");
+    }
+
+    size_t height() {
+        return briefly([](Environment& e) { return static_cast<size_t>(e.height()); });
+    }
+
+    // Converts the action without nanobind's casters, for less time a frame and for readable errors.
+    int act(nb::handle action, nb::handle strength) {
+        const int number = action_number(action);
+        const double factor = strength_factor(strength);
+        return locked([&](Environment& e) { return e.act(number, static_cast<float>(factor)); });
+    }
+
+  private:
+    std::mutex mutex_;
+    std::unique_ptr<Environment> environment_;
+};
+
+}  // namespace
+
+void register_inspection(nb::module_& m);  // inspect.cpp
+void register_vector(nb::module_& m);      // binding_vector.cpp
+
+}  // namespace atari
+
+#define ARRAY "numpy.typing.NDArray[numpy.uint8]"
+#define RETURNS_ARRAY(name) "def " name "(self, out: " ARRAY " | None = None) -> " ARRAY
+
+NB_MODULE(_emulator, m) {
+    using namespace atari;
+    m.attr("END") = static_cast<int>(Op::kEnd);
+    m.doc() = "The native emulator, bound. Use it through atari.cores.NativeCore, which checks options and finds ROMs.";
+
+    nb::class_<Game>(m, "Game", "A game, compiled: cartridge, console, rules. Immutable; emulators share it.")
+        .def_prop_ro("cartridge_type", [](const Game& game) { return game.cartridge->type_name(); },
+                     "The bank switching that was given or recognised, for example \"F8\".");
+
+    m.def("make_game", &make_game, nb::kw_only(), "image"_a, "cartridge"_a, "format"_a, "detect_format"_a, "first_line"_a,
+          "height"_a, "hmove_blanks"_a, "paddles"_a, "swap_ports"_a, "swap_paddles"_a, "paddle_range"_a,
+          "power_on_switches"_a, "legal_actions"_a, "starting_actions"_a, "default_mode"_a, "variables"_a, "initial"_a,
+          "kept"_a, "outputs"_a, "step"_a, "select_mode"_a,
+          "Check and assemble a game; raises ValueError if the image or a rule program is not sound.");
+
+    nb::class_<State>(m, "State", "A state in memory, as `Emulator.clone_state` returned it.");
+
+    const auto array = [](auto method, bool colour) {
+        return [method, colour](Emulator& emulator, nb::object out) {
+            const size_t height = emulator.height();
+            const auto shape = colour ? std::vector<size_t>{height, kScreenWidth, 3} : std::vector<size_t>{height, kScreenWidth};
+            return emulator.filled(shape, out, [method](Environment& e, uint8_t* to) { (e.*method)(to); });
+        };
+    };
+    const auto number = [](auto getter) {
+        return [getter](Emulator& emulator) {
+            return emulator.briefly([getter](Environment& e) { return (e.*getter)(); });
+        };
+    };
+
+    nb::class_<Emulator>(m, "Emulator", "A running game. The lock of the interpreter is released while it emulates.")
+        .def(nb::init<std::shared_ptr<Game>, double, int, int, bool, bool, uint32_t, bool>(), nb::kw_only(), "game"_a,
+             "repeat_action_probability"_a, "frame_skip"_a, "max_num_frames_per_episode"_a, "sound"_a,
+             "color_averaging"_a, "seed"_a, "plain"_a = false,
+             "`plain`: by the plain interpreter and TIA, which are slower and give the same.")
+        .def("seed", [](Emulator& x, uint32_t seed) { x.locked([&](Environment& e) { e.seed(seed); return 0; }); }, "seed"_a)
+        .def("reset", [](Emulator& x) { x.locked([](Environment& e) { e.reset(); return 0; }); })
+        .def("act", &Emulator::act, "action"_a.none(), "strength"_a.none() = 1.0,
+             nb::sig("def act(self, action: int, strength: float = 1.0) -> int"))
+        .def("set_mode", [](Emulator& x, int mode) { x.locked([&](Environment& e) { e.set_mode(mode); return 0; }); }, "mode"_a)
+        .def("set_difficulty",
+             [](Emulator& x, int difficulty) { x.locked([&](Environment& e) { e.set_difficulty(difficulty); return 0; }); },
+             "difficulty"_a)
+        .def_prop_ro("lives", number(&Environment::lives))
+        .def_prop_ro("game_over", number(&Environment::game_over))
+        .def_prop_ro("truncated", number(&Environment::truncated))
+        .def_prop_ro("frame_number", number(&Environment::frame_number))
+        .def_prop_ro("episode_frame_number", number(&Environment::episode_frame_number))
+        .def("ram",
+             [](Emulator& x, nb::object out) {
+                 return x.filled({128}, out, [](Environment& e, uint8_t* to) { std::copy_n(e.ram(), 128, to); });
+             }, "out"_a = nb::none(), nb::sig(RETURNS_ARRAY("ram")))
+        .def("audio",
+             [](Emulator& x, nb::object out) {
+                 return x.filled({kAudioSamples}, out,
+                                 [](Environment& e, uint8_t* to) { std::copy_n(e.audio(), kAudioSamples, to); });
+             }, "out"_a = nb::none(), nb::sig(RETURNS_ARRAY("audio")))
+        .def("screen", array(&Environment::screen, false), "out"_a = nb::none(), nb::sig(RETURNS_ARRAY("screen")))
+        .def("screen_rgb", array(&Environment::screen_rgb, true), "out"_a = nb::none(), nb::sig(RETURNS_ARRAY("screen_rgb")))
+        .def("screen_grayscale", array(&Environment::screen_gray, false), "out"_a = nb::none(), nb::sig(RETURNS_ARRAY("screen_grayscale")))
+        .def("set_ram",
+             [](Emulator& x, int index, int value) {
+                 if (index < 0 || index > 127) throw nb::value_error("index must be within 0..127");
+                 if (value < 0 || value > 255) throw nb::value_error("value must be within 0..255");
+                 x.locked([&](Environment& e) { e.set_ram(index, value); return 0; });
+             }, "index"_a, "value"_a)
+        .def("save", &Emulator::save, "The whole state as bytes, of the layout of this build.")
+        .def("load", &Emulator::load, "state"_a, "Continue from `save`; ValueError if the bytes cannot be a state.")
+        .def("clone_state", &Emulator::clone_state, "include_rng"_a = false,
+             "The whole state in memory; `include_rng` says whether restoring it takes the generator along.")
+        .def("restore_state", &Emulator::restore_state, "state"_a,
+             "Continue from a state of `clone_state`; ValueError if it is of another game or core.")
+        .def("close", &Emulator::close);
+
+    using Picture = nb::ndarray<const uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+    using Small = nb::ndarray<uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+    nb::class_<AreaResize>(m, "AreaResize",
+                           "Scales a gray picture, (rows, 160), down to (height, width) as OpenCV's INTER_AREA does, to the byte.\n\n"
+                           "Raises ValueError if the size is not served: larger than the picture, narrower than 11, or\n"
+                           "dividing the picture's in both directions.")
+        .def(nb::init<int, int, int>(), "rows"_a, "height"_a, "width"_a)
+        .def("__call__",
+             [](const AreaResize& resize, Picture picture, Small out) {
+                 if (static_cast<int>(picture.shape(0)) != resize.rows() || picture.shape(1) != kScreenWidth ||
+                     static_cast<int>(out.shape(0)) != resize.height() || static_cast<int>(out.shape(1)) != resize.width())
+                     throw nb::value_error("the picture or `out` is not of the shape that this was made for");
+                 resize(picture.data(), nullptr, out.data());
+             },
+             "picture"_a, "out"_a,
+             nb::sig("def __call__(self, picture: " ARRAY ", out: " ARRAY ") -> None"))
+        .def("__getstate__",
+             [](const AreaResize& resize) { return std::tuple(resize.rows(), resize.height(), resize.width()); })
+        .def("__setstate__", [](AreaResize& resize, const std::tuple<int, int, int>& size) {
+            const auto [rows, height, width] = size;
+            new (&resize) AreaResize(rows, height, width);
+        });
+
+    register_inspection(m);
+    register_vector(m);
+}

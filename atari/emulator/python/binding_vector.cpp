@@ -1,0 +1,472 @@
+// `_emulator.VectorEngine` and `_emulator.Batch`: the vector environment, bound for atari/vector, which validates
+// options.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <memory>
+#include <mutex>
+#include <numeric>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "vector/members.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace atari {
+namespace {
+
+template <typename T>
+using Rows = nb::ndarray<T, nb::c_contig, nb::device::cpu>;
+template <typename T>
+using List = nb::ndarray<const T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Seeds = nb::ndarray<const uint32_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
+SeedWords words_of(const Seeds& seeds, size_t i) {
+    SeedWords words;
+    for (size_t word = 0; word < words.size(); ++word) words[word] = seeds(i, word);
+    return words;
+}
+
+// Arrays for the results of a batch, with the pointers to their parts.
+struct BoundBatch {
+    Batch batch;
+    std::vector<nb::object> arrays;
+    size_t rows = 0;
+};
+
+// A digest of a game's image (FNV-1a): a pickled snapshot fits environments of games with the same digest.
+uint64_t image_digest(const Game& game) {
+    uint64_t digest = 0xcbf29ce484222325ull;
+    const uint8_t* const image = game.cartridge->image();
+    for (size_t i = 0; i < game.cartridge->size(); ++i) digest = (digest ^ image[i]) * 0x100000001b3ull;
+    return digest;
+}
+
+// A member's state in memory. After unpickling it consists of bytes, and `snapshot` is null.
+struct BoundSnapshot {
+    VectorEngine::Snapshot snapshot;
+    std::vector<uint8_t> bytes;
+    uint64_t image;
+
+    // Returns the snapshot for one environment; null if it does not fit.
+    VectorEngine::Snapshot within(VectorEngine& engine, int environment) const {
+        if (snapshot) return engine.fits(environment, *snapshot) ? snapshot : nullptr;
+        const bool same = bytes.size() == engine.state_size(environment) && image == image_digest(engine.game(environment));
+        return same ? engine.parse(environment, bytes.data()) : nullptr;
+    }
+};
+
+// The engine with a lock: Python threads may share it, and one call runs at a time. The GIL is released while
+// environments are played or waited for.
+class BoundEngine {
+  public:
+    BoundEngine(std::vector<VectorEngine::Member> members, const VectorSettings& settings)
+        : engine_(std::make_unique<VectorEngine>(std::move(members), settings)) {
+        recent_.resize(static_cast<size_t>(settings.batch_size));
+        std::iota(recent_.begin(), recent_.end(), 0);
+    }
+
+    void start(List<int64_t> actions, std::optional<List<float>> strengths, nb::object batch) {
+        const auto lock = acquire();
+        if (sent_) throw std::runtime_error("a step has been started; receive it first");
+        const size_t count = actions.shape(0);
+        if (count != recent_.size() || (strengths && strengths->shape(0) != count))
+            throw nb::value_error("there must be an action for each environment of the batch");
+        for (size_t i = 0; i < count; ++i) {
+            const int most = engine_->actions_of(recent_[i]) - 1;
+            if (actions(i) < 0 || actions(i) > most)
+                throw nb::value_error(("action " + std::to_string(actions(i)) + " in row " + std::to_string(i) +
+                                       " is not within 0.." + std::to_string(most)).c_str());
+        }
+        const Batch* target = hold(batch);
+        sent_ = true;
+        const nb::gil_scoped_release release;
+        engine_->step(recent_.data(), actions.data(), strengths ? strengths->data() : nullptr, static_cast<int>(count),
+                      target);
+    }
+
+    void reset(List<bool> mask, List<bool> seeded, Seeds seeds, nb::object batch) {
+        const auto lock = acquire();
+        const auto size = static_cast<size_t>(engine_->size());
+        if (mask.shape(0) != size || seeded.shape(0) != size || seeds.shape(0) != size || seeds.shape(1) != SeedWords{}.size())
+            throw nb::value_error("there must be an entry for each environment");
+        {
+            const nb::gil_scoped_release release;
+            engine_->drain();
+        }
+        const Batch* target = hold(batch);
+        std::vector<Seed> values(size);
+        std::vector<const Seed*> given(size);
+        std::vector<bool> which(size);
+        for (size_t i = 0; i < size; ++i) {
+            values[i] = seed_of(words_of(seeds, i));
+            given[i] = seeded(i) ? &values[i] : nullptr;
+            which[i] = mask(i);
+        }
+        sent_ = true;
+        const nb::gil_scoped_release release;
+        engine_->reset(which, given, target);
+    }
+
+    void receive(const BoundBatch& batch) {
+        const auto lock = acquire();
+        if (!sent_) throw std::runtime_error("no step has been started");
+        if (batch.rows != recent_.size()) throw nb::value_error("the batch has another number of rows");
+        sent_ = false;
+        const nb::gil_scoped_release release;
+        engine_->receive(batch.batch);
+        std::copy_n(batch.batch.environment, recent_.size(), recent_.begin());
+    }
+
+    // Calls `work(engine)` while no environment is being played. Throws if one is, or if an index is out of range.
+    template <typename Work>
+    auto while_idle(const std::vector<int>& environments, Work&& work) {
+        const auto lock = acquire();
+        if (sent_ || engine_->pending()) throw std::runtime_error("environments are being played; call recv() first");
+        for (int environment : environments)
+            if (environment < 0 || environment >= engine_->size())
+                throw nb::index_error(("there is no environment " + std::to_string(environment)).c_str());
+        return work(*engine_);
+    }
+
+    std::vector<BoundSnapshot> snapshot(const std::vector<int>& environments) {
+        return while_idle(environments, [&](VectorEngine& engine) {
+            const nb::gil_scoped_release release;
+            std::vector<BoundSnapshot> states;
+            for (int environment : environments) states.push_back({engine.snapshot(environment), {}, 0});
+            return states;
+        });
+    }
+
+    void restore(const std::vector<int>& environments, const std::vector<const BoundSnapshot*>& states) {
+        if (environments.size() != states.size()) throw nb::value_error("there must be a snapshot for each environment");
+        while_idle(environments, [&](VectorEngine& engine) {
+            std::vector<VectorEngine::Snapshot> snapshots;
+            for (size_t i = 0; i < states.size(); ++i) {
+                snapshots.push_back(states[i] ? states[i]->within(engine, environments[i]) : nullptr);
+                if (!snapshots[i])
+                    throw nb::value_error(("snapshot " + std::to_string(i) + " is of another game than environment " +
+                                           std::to_string(environments[i]) + ", or was taken with other options").c_str());
+            }
+            for (size_t i = 0; i < states.size(); ++i) engine.restore(environments[i], std::move(snapshots[i]));
+            return 0;
+        });
+    }
+
+    void fork(int source, const std::vector<int>& targets) {
+        const BoundSnapshot state = snapshot({source})[0];
+        restore(targets, std::vector<const BoundSnapshot*>(targets.size(), &state));
+    }
+
+    nb::bytes save(int environment) {
+        const auto state = while_idle({environment}, [&](VectorEngine& engine) {
+            std::vector<uint8_t> bytes(engine.state_size(environment));
+            engine.save(environment, bytes.data());
+            return bytes;
+        });
+        return nb::bytes(state.data(), state.size());
+    }
+
+    nb::bytes save_emulator(int environment) {
+        const auto state = while_idle({environment}, [&](VectorEngine& engine) {
+            std::vector<uint8_t> bytes(engine.emulator_state_size(environment));
+            engine.save_emulator(environment, bytes.data());
+            return bytes;
+        });
+        return nb::bytes(state.data(), state.size());
+    }
+
+    void load(int environment, nb::bytes state) {
+        const bool good = while_idle({environment}, [&](VectorEngine& engine) {
+            return state.size() == engine.state_size(environment) &&
+                   engine.load(environment, static_cast<const uint8_t*>(state.data()));
+        });
+        if (!good) throw nb::value_error("the state is damaged, or of another game or version");
+    }
+
+    template <typename Value, typename Get>
+    Value get(int environment, Get&& get) {
+        return while_idle({environment}, [&](VectorEngine& engine) { return Value(get(engine.episode(environment).environment())); });
+    }
+
+    VectorEngine& engine() { return *engine_; }
+
+  private:
+    // Releases the GIL while it waits, so that the thread that holds the lock can take the GIL.
+    std::unique_lock<std::mutex> acquire() {
+        if (std::unique_lock lock(mutex_, std::try_to_lock); lock) return lock;
+        const nb::gil_scoped_release release;
+        return std::unique_lock(mutex_);
+    }
+
+    const Batch* hold(nb::object batch) {
+        current_ = batch;
+        return batch.is_none() ? nullptr : &nb::cast<BoundBatch&>(batch).batch;
+    }
+
+    std::mutex mutex_;
+    nb::object current_;       // The threads write to this batch, so it must outlive `engine_`.
+    std::vector<int> recent_;  // the environments of the last batch, by row
+    bool sent_ = false;        // whether a batch has been sent and not received
+    std::unique_ptr<VectorEngine> engine_;
+};
+
+template <typename T>
+T* rows_of(BoundBatch& batch, nb::object array, size_t size, const char* what) {
+    if (array.is_none()) return nullptr;
+    Rows<T> rows;
+    if (!nb::try_cast(array, rows, false) || rows.size() != size)
+        throw nb::value_error((std::string(what) + " must be a writable C-contiguous array of " + std::to_string(size) +
+                               " values").c_str());
+    batch.arrays.push_back(array);
+    return rows.data();
+}
+
+void make_batch(BoundBatch* self, BoundEngine& engine, nb::object pixels, nb::object ram, nb::object final_pixels,
+                       nb::object final_ram, nb::object numbers, nb::object flags) {
+    auto bound = BoundBatch{};
+    const auto rows = static_cast<size_t>(engine.engine().batch_size());
+    bound.rows = rows;
+    Batch& batch = bound.batch;
+    const size_t size = rows * engine.engine().pixels();
+    batch.observation = {rows_of<uint8_t>(bound, pixels, size, "pixels"), rows_of<uint8_t>(bound, ram, 128 * rows, "ram")};
+    batch.final_observation = {rows_of<uint8_t>(bound, final_pixels, size, "final_pixels"),
+                               rows_of<uint8_t>(bound, final_ram, 128 * rows, "final_ram")};
+    int32_t* const number = rows_of<int32_t>(bound, numbers, 8 * rows, "numbers");
+    uint8_t* const flag = reinterpret_cast<uint8_t*>(rows_of<bool>(bound, flags, 3 * rows, "flags"));
+    if (!number || !flag) throw nb::value_error("numbers and flags are needed");
+    batch.reward = number;
+    batch.environment = number + rows;
+    batch.numbers = {number + 2 * rows, number + 3 * rows, number + 4 * rows};
+    batch.final_numbers = {number + 5 * rows, number + 6 * rows, number + 7 * rows};
+    batch.terminated = flag;
+    batch.truncated = flag + rows;
+    batch.ended = flag + 2 * rows;
+    new (self) BoundBatch(std::move(bound));
+}
+
+// A share in the memory of an array. It exports that memory by the buffer protocol, so a NumPy array made of it owns
+// the share, and so do the array's views and tensors. Making an array this way takes a third of the time of nb::ndarray
+// with a capsule as its owner, which matters in steps of one environment.
+struct Loan {
+    std::shared_ptr<Rows<uint8_t>> array;
+};
+
+int export_loan(PyObject* object, Py_buffer* view, int flags) {
+    const Loan& loan = *nb::inst_ptr<Loan>(object);
+    return PyBuffer_FillInfo(view, object, loan.array->data(), static_cast<Py_ssize_t>(loan.array->size()), 0, flags);
+}
+
+PyType_Slot kLoanSlots[] = {{Py_bf_getbuffer, reinterpret_cast<void*>(export_loan)}, {0, nullptr}};
+
+// Lends the memory of an array without a copy. After all loans have ended, the memory may be written again. A loan
+// keeps the memory alive after the lender is destroyed. Loans end with the GIL held.
+class ArrayLender {
+  public:
+    explicit ArrayLender(Rows<uint8_t> array) : array_(std::make_shared<Rows<uint8_t>>(std::move(array))) {}
+    Loan lend() const { return {array_}; }
+    bool lent() const { return array_.use_count() > 1; }
+
+  private:
+    std::shared_ptr<Rows<uint8_t>> array_;
+};
+
+void make_engine(BoundEngine* self, const std::vector<const MemberSpec*>& members, const EpisodeSettings& episode,
+                 const ObservationSettings& observation, const VectorSettings& settings) {
+    std::vector<MemberSpec> specs;
+    for (const MemberSpec* member : members) specs.push_back(member ? *member : MemberSpec{});
+    const nb::gil_scoped_release release;
+    if (settings.batch_size < 1 || static_cast<size_t>(settings.batch_size) > specs.size() || settings.threads < 1)
+        throw std::invalid_argument("batch_size or threads is out of range");
+    new (self) BoundEngine(make_members(specs, episode, observation), settings);
+}
+
+void make_gray_of_pairs(GrayOfPairs* self, nb::bytes values) {
+    if (values.size() != GrayOfPairs::kSize) throw nb::value_error("the gray values of pairs of colours are 65536 bytes");
+    const auto* data = static_cast<const uint8_t*>(values.data());
+    new (self) GrayOfPairs{{data, data + values.size()}};
+}
+
+nb::object screen_of(BoundEngine& engine, int environment) {
+    const auto height = engine.get<size_t>(environment, [](Environment& e) { return e.height(); });
+    auto* bytes = new uint8_t[height * kScreenWidth * 3];
+    nb::capsule owner(bytes, [](void* memory) noexcept { delete[] static_cast<uint8_t*>(memory); });
+    engine.get<int>(environment, [&](Environment& e) {
+        e.screen_rgb(bytes);
+        return 0;
+    });
+    const size_t shape[3] = {height, kScreenWidth, 3};
+    return nb::cast(nb::ndarray<nb::numpy, uint8_t, nb::c_contig, nb::device::cpu>(bytes, 3, shape, owner));
+}
+
+}  // namespace
+
+#define ARRAY(type) "numpy.typing.NDArray[numpy." type "]"
+
+void register_settings(nb::module_& m) {
+    nb::enum_<EpisodeKind>(m, "EpisodeKind", 
+                           "In which order no-ops, FIRE, lost lives and the frame skip are applied: as in ale-py's AtariVectorEnv,\n"
+                           "as by wrappers of single frames inside of the frame skip, or as in OpenAI's Baselines.")
+        .value("ALE", EpisodeKind::kAle)
+        .value("FRAMES", EpisodeKind::kFrames)
+        .value("BASELINES", EpisodeKind::kBaselines);
+    nb::enum_<FirePress>(m, "FirePress", "When FIRE is pressed at the start of an episode.")
+        .value("NEVER", FirePress::kNever)
+        .value("BEFORE_NOOPS", FirePress::kBeforeNoops)
+        .value("AFTER_NOOPS", FirePress::kAfterNoops);
+    nb::enum_<OnReset>(m, "OnReset", "What a reset does after a lost life.")
+        .value("NOOP", OnReset::kNoop)
+        .value("CONTINUE", OnReset::kContinue)
+        .value("NEW_GAME", OnReset::kNewGame);
+    nb::enum_<PixelFormat>(m, "PixelFormat", "Of observations; GRAY_OF_RGB pools colours and makes the result gray.")
+        .value("NONE", PixelFormat::kNone)
+        .value("GRAY", PixelFormat::kGray)
+        .value("RGB", PixelFormat::kRgb)
+        .value("GRAY_OF_RGB", PixelFormat::kGrayOfRgb);
+    nb::enum_<EndFrames>(m, "EndFrames", "What is observed when an episode ends inside a skip.")
+        .value("LAST", EndFrames::kLast)
+        .value("GYMNASIUM", EndFrames::kGymnasium)
+        .value("BASELINES", EndFrames::kBaselines)
+        .value("ENVPOOL", EndFrames::kEnvpool);
+    nb::enum_<Autoreset>(m, "Autoreset", "As gymnasium.vector.AutoresetMode.")
+        .value("NEXT_STEP", Autoreset::kNextStep)
+        .value("SAME_STEP", Autoreset::kSameStep)
+        .value("DISABLED", Autoreset::kDisabled);
+
+    nb::class_<EpisodeSettings>(m, "EpisodeSettings", "How episodes begin, are played, and end.")
+        .def(nb::init<>())
+        .def_rw("kind", &EpisodeSettings::kind)
+        .def_rw("repeat_action_probability", &EpisodeSettings::repeat_action_probability)
+        .def_rw("max_num_frames_per_episode", &EpisodeSettings::max_num_frames_per_episode)
+        .def_rw("frame_skip", &EpisodeSettings::frame_skip)
+        .def_rw("noops", &EpisodeSettings::noops)
+        .def_rw("fire_counts", &EpisodeSettings::fire_counts)
+        .def_rw("fire", &EpisodeSettings::fire)
+        .def_rw("episodic_life", &EpisodeSettings::episodic_life)
+        .def_rw("life_loss_info", &EpisodeSettings::life_loss_info)
+        .def_rw("on_reset", &EpisodeSettings::on_reset)
+        .def_rw("last_life", &EpisodeSettings::last_life)
+        .def_rw("seamless_lives", &EpisodeSettings::seamless_lives)
+        .def_rw("clip_reward", &EpisodeSettings::clip_reward)
+        .def_rw("max_frames", &EpisodeSettings::max_frames);
+    nb::class_<ObservationSettings>(m, "ObservationSettings", "How frames are pooled, resized and stacked.")
+        .def(nb::init<>())
+        .def_rw("pixels", &ObservationSettings::pixels)
+        .def_rw("height", &ObservationSettings::height)
+        .def_rw("width", &ObservationSettings::width)
+        .def_rw("stack", &ObservationSettings::stack)
+        .def_rw("max_pool", &ObservationSettings::max_pool)
+        .def_rw("end_frames", &ObservationSettings::end_frames)
+        .def_rw("pads_zero", &ObservationSettings::pads_zero);
+    nb::class_<VectorSettings>(m, "VectorSettings", "How many results make a batch, and which threads work on them.")
+        .def(nb::init<>())
+        .def_rw("batch_size", &VectorSettings::batch_size)
+        .def_rw("threads", &VectorSettings::threads)
+        .def_rw("first_core", &VectorSettings::first_core)
+        .def_rw("autoreset", &VectorSettings::autoreset);
+    nb::class_<GrayOfPairs>(m, "GrayOfPairs", "For GRAY_OF_RGB: the gray value of the maximum of two colours, 256 x 256.")
+        .def("__init__", &make_gray_of_pairs, "values"_a);
+    nb::class_<MemberSpec>(m, "MemberSpec",
+                           "What differs between the environments of a vector. `seed` is nine words: the emulator's, and\n"
+                           "eight of the episode's generator.")
+        .def(nb::init<>())
+        .def_prop_rw("game", [](const MemberSpec& x) { return std::const_pointer_cast<Game>(x.game); },
+                     [](MemberSpec& x, std::shared_ptr<Game> game) { x.game = std::move(game); })
+        .def_rw("actions", &MemberSpec::actions)
+        .def_rw("action_set", &MemberSpec::action_set)
+        .def_rw("mode", &MemberSpec::mode, nb::arg().none())
+        .def_rw("difficulty", &MemberSpec::difficulty, nb::arg().none())
+        .def_rw("seed", &MemberSpec::seed)
+        .def_prop_rw("gray_of_pairs",
+                     [](const MemberSpec& x) { return std::const_pointer_cast<GrayOfPairs>(x.gray_of_pairs); },
+                     [](MemberSpec& x, std::shared_ptr<GrayOfPairs> table) { x.gray_of_pairs = std::move(table); },
+                     nb::for_setter(nb::arg("table").none()));
+}
+
+void register_vector(nb::module_& m) {
+    register_settings(m);
+    nb::class_<BoundBatch>(m, "Batch", "Arrays for the results of a batch. Threads write to them between start and receive.")
+        .def("__init__", &make_batch, "engine"_a, nb::kw_only(), "pixels"_a.none(), "ram"_a.none(), "final_pixels"_a.none(),
+             "final_ram"_a.none(), "numbers"_a, "flags"_a,
+             nb::sig("def __init__(self, engine: VectorEngine, *, pixels: " ARRAY("uint8") " | None, ram: " ARRAY("uint8")
+                     " | None, final_pixels: " ARRAY("uint8") " | None, final_ram: " ARRAY("uint8")
+                     " | None, numbers: " ARRAY("int32") ", flags: " ARRAY("bool") ") -> None"),
+             "`numbers` is int32 (8, rows): reward, environment, lives, frame and episode frame number, and the last three\n"
+             "of the final observation; `flags` bool (3, rows): terminated, truncated, has a final observation.");
+    nb::class_<BoundSnapshot>(m, "MemberSnapshot", "The state of an environment of a vector, in memory. It can be pickled.")
+        .def("__getstate__",
+             [](const BoundSnapshot& state) {
+                 if (!state.snapshot) return std::tuple(nb::bytes(state.bytes.data(), state.bytes.size()), state.image);
+                 const std::vector<uint8_t> bytes = state.snapshot->bytes();
+                 return std::tuple(nb::bytes(bytes.data(), bytes.size()), image_digest(*state.snapshot->game));
+             })
+        .def("__setstate__", [](BoundSnapshot& state, const std::tuple<nb::bytes, uint64_t>& pickled) {
+            const auto& [bytes, image] = pickled;
+            const auto* data = reinterpret_cast<const uint8_t*>(bytes.c_str());
+            new (&state) BoundSnapshot{nullptr, {data, data + bytes.size()}, image};
+        });
+    nb::class_<Loan>(m, "Loan", nb::type_slots(kLoanSlots), "A share in an array's memory, for `numpy.ndarray(buffer=)`.");
+    nb::class_<ArrayLender>(m, "ArrayLender", "Lends the memory of a uint8 array, without a copy.")
+        .def(nb::init<Rows<uint8_t>>(), "array"_a.noconvert(),
+             nb::sig("def __init__(self, array: " ARRAY("uint8") ") -> None"))
+        .def("lend", &ArrayLender::lend)
+        .def_prop_ro("lent", &ArrayLender::lent, "Whether a loan exists: an array made of one, or a view or tensor of that.");
+    nb::class_<BoundEngine>(m, "VectorEngine", "Environments played by a pool of threads. Use it through atari.AtariVectorEnv.")
+        .def("__init__", &make_engine, "members"_a, "episode"_a, "observation"_a, "settings"_a)
+        .def("start", &BoundEngine::start, "actions"_a, "strengths"_a.none(), "batch"_a.none(),
+             nb::sig("def start(self, actions: " ARRAY("int64") ", strengths: " ARRAY("float32")
+                     " | None, batch: Batch | None) -> None"),
+             "Begin a step of the environments of the last batch; the batch is where results go if it is of all of them.")
+        .def("reset", &BoundEngine::reset, "mask"_a, "seeded"_a, "seeds"_a, "batch"_a.none(),
+             nb::sig("def reset(self, mask: " ARRAY("bool") ", seeded: " ARRAY("bool") ", seeds: " ARRAY("uint32")
+                     ", batch: Batch | None) -> None"),
+             "Begin a reset of the environments in `mask`; `seeds` as above.")
+        .def("receive", &BoundEngine::receive, "batch"_a, "Wait for a batch of results.")
+        .def("snapshot", &BoundEngine::snapshot, "environments"_a)
+        .def("restore", &BoundEngine::restore, "environments"_a, "states"_a)
+        .def("fork", &BoundEngine::fork, "source"_a, "targets"_a)
+        .def("save", &BoundEngine::save, "environment"_a, "The state of one environment as bytes.")
+        .def("save_emulator", &BoundEngine::save_emulator, "environment"_a,
+             "The state of one environment's emulator as bytes, for Emulator.load.")
+        .def("load", &BoundEngine::load, "environment"_a, "state"_a)
+        .def("screen_rgb", &screen_of, "environment"_a,
+             nb::sig("def screen_rgb(self, environment: int) -> " ARRAY("uint8")))
+        .def("ram", [](BoundEngine& x, int i) {
+                 const auto ram = x.get<std::vector<uint8_t>>(i, [](Environment& e) {
+                     return std::vector<uint8_t>(e.ram(), e.ram() + 128);
+                 });
+                 return nb::bytes(ram.data(), ram.size());
+             }, "environment"_a)
+        .def("set_ram", [](BoundEngine& x, int i, int index, int value) {
+                 x.get<int>(i, [&](Environment& e) { e.set_ram(index & 127, value & 255); return 0; });
+             }, "environment"_a, "index"_a, "value"_a)
+        .def("numbers", [](BoundEngine& x, int i) {
+                 return x.get<std::vector<int>>(i, [](Environment& e) {
+                     return std::vector<int>{e.lives(), e.frame_number(), e.episode_frame_number()};
+                 });
+             }, "environment"_a, "Lives, frame number, episode frame number.")
+        .def("mode", [](BoundEngine& x, int i) { return x.get<int>(i, [](Environment& e) { return e.mode(); }); },
+             "environment"_a)
+        .def("difficulty",
+             [](BoundEngine& x, int i) { return x.get<int>(i, [](Environment& e) { return e.difficulty(); }); },
+             "environment"_a)
+        .def("set_mode", [](BoundEngine& x, int i, int mode) {
+                 x.get<int>(i, [&](Environment& e) { e.set_mode(mode); return 0; });
+             }, "environment"_a, "mode"_a)
+        .def("set_difficulty", [](BoundEngine& x, int i, int difficulty) {
+                 x.get<int>(i, [&](Environment& e) { e.set_difficulty(difficulty); return 0; });
+             }, "environment"_a, "difficulty"_a);
+}
+
+}  // namespace atari

@@ -1,0 +1,225 @@
+#include "engine.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+#include <utility>
+
+#if defined(_WIN32)
+#include <process.h>
+#else
+#include <unistd.h>
+#endif
+
+namespace atari {
+namespace {
+
+long process_number() {
+#if defined(_WIN32)
+    return _getpid();
+#else
+    return getpid();
+#endif
+}
+
+}  // namespace
+
+VectorEngine::VectorEngine(std::vector<Member> members, const VectorSettings& settings)
+    : settings_(settings), process_(process_number()) {
+    slots_.resize(members.size());
+    for (size_t i = 0; i < members.size(); ++i) slots_[i].member = std::move(members[i]);
+    pool_ = std::make_unique<ThreadPool>(size(), settings.threads, queued(), settings.first_core,
+                                         [this](int environment) { run_task(environment); });
+}
+
+// A forked child process has none of the threads, and cannot join them.
+VectorEngine::~VectorEngine() {
+    if (process_ != process_number()) static_cast<void>(pool_.release());
+}
+
+void VectorEngine::reset(const std::vector<bool>& chosen, const std::vector<const Seed*>& seeds, const Batch* batch) {
+    for (size_t i = 0; i < slots_.size(); ++i) {
+        Slot& slot = slots_[i];
+        slot.task = chosen[i] ? Task::kReset : Task::kObserve;
+        if (seeds[i]) slot.seed_value = *seeds[i];
+        slot.seed = seeds[i] ? &slot.seed_value : nullptr;
+    }
+    batch_ = batch;
+    if (!queued()) return pool_->submit_all();
+    std::vector<int> all(slots_.size());
+    std::iota(all.begin(), all.end(), 0);
+    pool_->submit(all.data(), size());
+}
+
+void VectorEngine::step(const int* environments, const int64_t* actions, const float* strengths, int count,
+                  const Batch* batch) {
+    for (int i = 0; i < count; ++i) {
+        Slot& slot = slots_[static_cast<size_t>(environments[i])];
+        slot.task = Task::kStep;
+        slot.action = slot.member.actions[static_cast<size_t>(actions[i])];
+        slot.strength = strengths ? strengths[i] : 1.0f;
+    }
+    batch_ = batch;
+    if (queued()) pool_->submit(environments, count);
+    else pool_->submit_all();
+}
+
+void VectorEngine::receive(const Batch& batch) {
+    pool_->wait(settings_.batch_size);
+    if (!queued()) return;
+    const std::vector<int> environments = pool_->take(settings_.batch_size);
+    for (int row = 0; row < settings_.batch_size; ++row) {
+        const int environment = environments[static_cast<size_t>(row)];
+        write_results(slot(environment), environment, row, batch);
+    }
+}
+
+void VectorEngine::drain() {
+    const int left = pool_->pending();
+    try {
+        pool_->wait(left);
+        if (queued()) pool_->take(left);
+    } catch (...) {  // the deferred error of a batch that is dropped
+    }
+}
+
+void VectorEngine::apply_restore(Slot& slot) {
+    if (!slot.pending_restore) return;
+    slot.member.episode->restore(slot.pending_restore->episode);
+    slot.outcome = slot.pending_restore->outcome;
+    slot.pending_restore = nullptr;
+}
+
+void VectorEngine::run_task(int environment) {
+    apply_restore(slot(environment));
+    play(slot(environment), environment);
+    if (!queued()) write_results(slot(environment), environment, environment, *batch_);
+}
+
+void VectorEngine::play(Slot& slot, int environment) {
+    Episode& episode = *slot.member.episode;
+    slot.has_final = false;
+    const bool over = slot.outcome.ended;
+    if (slot.task == Task::kStep && over && settings_.autoreset == Autoreset::kDisabled) {
+        slot.outcome.reward = 0;  // until it is reset
+    } else if (slot.task == Task::kReset || (slot.task == Task::kStep && over)) {
+        episode.reset(slot.task == Task::kReset ? slot.seed : nullptr);
+        slot.outcome = Outcome{};
+    } else if (slot.task == Task::kStep) {
+        slot.outcome = episode.step(slot.action, slot.strength);
+        if (!slot.outcome.ended || settings_.autoreset != Autoreset::kSameStep) return;
+        keep_final(slot, environment);
+        episode.reset(nullptr);
+        slot.outcome.ended = false;
+    }
+}
+
+void VectorEngine::keep_final(Slot& slot, int environment) {
+    slot.has_final = true;
+    Episode& episode = *slot.member.episode;
+    Environment& e = episode.environment();
+    if (queued()) {
+        slot.final_pixels.resize(episode.observation().size());
+        episode.observation().write(slot.final_pixels.data());
+    } else if (batch_->final_observation.pixels) {
+        episode.observation().write(batch_->final_observation.pixels + episode.observation().size() * static_cast<size_t>(environment));
+    }
+    std::copy_n(e.ram(), 128, slot.final_ram);
+    const int32_t numbers[3] = {e.lives(), e.frame_number(), e.episode_frame_number()};
+    std::copy_n(numbers, 3, slot.final_numbers);
+}
+
+void VectorEngine::write_results(Slot& slot, int environment, int row, const Batch& batch) {
+    Episode& episode = *slot.member.episode;
+    Environment& e = episode.environment();
+    const auto at = static_cast<size_t>(row);
+    const Outcome& outcome = slot.outcome;
+    if (batch.observation.pixels) episode.observation().write(batch.observation.pixels + episode.observation().size() * at);
+    if (batch.observation.ram) std::copy_n(e.ram(), 128, batch.observation.ram + 128 * at);
+    batch.environment[at] = environment;
+    batch.reward[at] = outcome.reward;
+    batch.terminated[at] = outcome.terminated;
+    batch.truncated[at] = outcome.truncated;
+    batch.numbers.lives[at] = e.lives();
+    batch.numbers.frame[at] = e.frame_number();
+    batch.numbers.episode_frame[at] = e.episode_frame_number();
+    if (settings_.autoreset == Autoreset::kSameStep) write_final(slot, row, batch);
+}
+
+// A row of the final observations is zero if no episode of its environment ended in this step.
+void VectorEngine::write_final(Slot& slot, int row, const Batch& batch) {
+    const auto at = static_cast<size_t>(row);
+    const size_t size = slot.member.episode->observation().size();
+    uint8_t* const pixels = batch.final_observation.pixels ? batch.final_observation.pixels + size * at : nullptr;
+    uint8_t* const ram = batch.final_observation.ram ? batch.final_observation.ram + 128 * at : nullptr;
+    if (slot.has_final) {
+        if (pixels && queued()) std::copy(slot.final_pixels.begin(), slot.final_pixels.end(), pixels);
+        if (ram) std::copy_n(slot.final_ram, 128, ram);
+    } else if (batch.ended[at]) {  // of an earlier step
+        if (pixels) std::memset(pixels, 0, size);
+        if (ram) std::memset(ram, 0, 128);
+    }
+    batch.ended[at] = slot.has_final;
+    const auto number = [&](int i) { return slot.has_final ? slot.final_numbers[i] : 0; };
+    batch.final_numbers.lives[at] = number(0);
+    batch.final_numbers.frame[at] = number(1);
+    batch.final_numbers.episode_frame[at] = number(2);
+}
+
+namespace {
+
+uint8_t* write_outcome(const Outcome& outcome, uint8_t* out) {
+    *out = static_cast<uint8_t>(outcome.terminated | outcome.truncated << 1 | outcome.ended << 2);
+    return out + 1;
+}
+
+}  // namespace
+
+void VectorEngine::save(int environment, uint8_t* out) {
+    Episode& restored = episode(environment);
+    restored.save(write_outcome(slot(environment).outcome, out));
+}
+
+bool VectorEngine::load(int environment, const uint8_t* in) {
+    if (!episode(environment).load(in + 1)) return false;
+    slot(environment).outcome = {0, (*in & 1) != 0, (*in & 2) != 0, (*in & 4) != 0};
+    return true;
+}
+
+std::vector<uint8_t> VectorEngine::MemberSnapshot::bytes() const {
+    const EnvironmentSnapshot& environment = episode.environment;
+    const auto console = make_console(*game, environment.plain);
+    console->restore(*environment.console);
+    std::vector<uint8_t> bytes(1 + sizeof environment.state + console->state_size() + episode.rest.size());
+    uint8_t* out = write_outcome(outcome, bytes.data());
+    std::memcpy(out, &environment.state, sizeof environment.state);
+    console->save(out + sizeof environment.state);
+    std::copy(episode.rest.begin(), episode.rest.end(), bytes.end() - static_cast<std::ptrdiff_t>(episode.rest.size()));
+    return bytes;
+}
+
+VectorEngine::Snapshot VectorEngine::snapshot(int environment) {
+    const Slot& source = slot(environment);
+    if (source.pending_restore) return source.pending_restore;
+    auto snapshot = std::make_shared<MemberSnapshot>();
+    snapshot->game = source.member.episode->environment().game();
+    source.member.episode->snapshot(snapshot->episode);
+    snapshot->outcome = source.outcome;
+    return snapshot;
+}
+
+VectorEngine::Snapshot VectorEngine::parse(int environment, const uint8_t* in) {
+    Snapshot now = snapshot(environment);
+    if (!load(environment, in)) return nullptr;
+    Snapshot parsed = snapshot(environment);
+    restore(environment, std::move(now));
+    return parsed;
+}
+
+bool VectorEngine::fits(int environment, const MemberSnapshot& snapshot) const {
+    Episode& episode = *slot(environment).member.episode;
+    return snapshot.game == episode.environment().game() &&
+           snapshot.episode.rest.size() + 1 + episode.environment().state_size() == state_size(environment);
+}
+
+}  // namespace atari

@@ -1,0 +1,137 @@
+// `VectorEngine`: plays many environments by a pool of threads, and writes their results straight into the arrays that the
+// user gets.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "episode.hpp"
+#include "thread_pool.hpp"
+
+namespace atari {
+
+enum class Autoreset { kNextStep, kSameStep, kDisabled };
+
+// Where the results of a batch go: arrays with a row for each environment of the batch. Null parts are not written.
+struct Batch {
+    struct Observation {
+        uint8_t* pixels = nullptr;
+        uint8_t* ram = nullptr;  // 128 a row
+    };
+    struct Numbers {
+        int32_t *lives = nullptr, *frame = nullptr, *episode_frame = nullptr;
+    };
+    Observation observation, final_observation;
+    Numbers numbers, final_numbers;
+    int32_t *reward = nullptr, *environment = nullptr;
+    uint8_t *terminated = nullptr, *truncated = nullptr;
+    uint8_t* ended = nullptr;  // whether the row has a final observation; kSameStep only
+};
+
+struct VectorSettings {
+    int batch_size = 1;
+    int threads = 1;
+    int first_core = -1;  // thread i is bound to core first_core + i; -1 binds none
+    Autoreset autoreset = Autoreset::kNextStep;
+};
+
+// Owns the environments and the threads. One call at a time, except that the threads run between a `reset` or `step` and
+// the `receive` of its results.
+class VectorEngine {
+  public:
+    struct Member {
+        std::unique_ptr<Episode> episode;
+        std::vector<int> actions;  // ALE's number of each action index that the user gives
+    };
+
+    VectorEngine(std::vector<Member> members, const VectorSettings& settings);
+    ~VectorEngine();
+
+    int size() const { return static_cast<int>(slots_.size()); }
+    int batch_size() const { return settings_.batch_size; }
+    // The number of environments whose results have not been received.
+    int pending() const { return pool_->pending(); }
+    int actions_of(int environment) const { return static_cast<int>(slot(environment).member.actions.size()); }
+
+    // `reset` and `step` start work on environments; `receive` waits for the results. If a batch has all environments,
+    // the results of environment i go to row i, and `batch` must live until `receive`; otherwise `batch` may be null.
+    // Resets the chosen environments, with `seeds[i]` if it is not null. The others repeat their last observation.
+    void reset(const std::vector<bool>& chosen, const std::vector<const Seed*>& seeds, const Batch* batch);
+    // Row i is for environment `environments[i]`; an action is an index, a strength is a factor for paddles.
+    void step(const int* environments, const int64_t* actions, const float* strengths, int count, const Batch* batch);
+    // Waits for a batch. Rethrows the deferred error of an environment; all environments must then be reset.
+    void receive(const Batch& batch);
+    // Waits for all pending results and drops them, deferred errors included.
+    void drain();
+
+    Episode& episode(int environment) {
+        apply_restore(slot(environment));
+        return *slot(environment).member.episode;
+    }
+    const Game& game(int environment) const { return *slot(environment).member.episode->environment().game(); }
+    size_t pixels() const { return slot(0).member.episode->observation().size(); }  // bytes of an observation
+    // The state of a member as bytes. `load` returns false, and changes nothing, if no such member can have saved them.
+    size_t state_size(int environment) const { return 1 + slot(environment).member.episode->state_size(); }
+    void save(int environment, uint8_t* out);
+    bool load(int environment, const uint8_t* in);
+
+    // The state of the member's emulator alone, as Environment::save writes it.
+    size_t emulator_state_size(int environment) const { return slot(environment).member.episode->environment().state_size(); }
+    void save_emulator(int environment, uint8_t* out) { episode(environment).environment().save(out); }
+
+    // The state of a member in memory, for members of the same game and settings.
+    struct MemberSnapshot {
+        std::shared_ptr<const Game> game;
+        EpisodeSnapshot episode;
+        Outcome outcome;
+        std::vector<uint8_t> bytes() const;  // the bytes that `save` would write
+    };
+    using Snapshot = std::shared_ptr<const MemberSnapshot>;
+    Snapshot snapshot(int environment);
+    // The snapshot of the state that `load` would read; null if `load` would fail. The environment does not change.
+    Snapshot parse(int environment, const uint8_t* in);
+    bool fits(int environment, const MemberSnapshot& snapshot) const;
+    // The state is copied when the environment is next played or read, so mostly by the threads, and not at all if
+    // another restore comes first.
+    void restore(int environment, Snapshot snapshot) { slot(environment).pending_restore = std::move(snapshot); }
+
+  private:
+    enum class Task : uint8_t { kReset, kStep, kObserve };
+
+    // A member with its task and its last results.
+    struct Slot {
+        Member member;
+        Snapshot pending_restore;
+        Task task = Task::kObserve;
+        const Seed* seed = nullptr;
+        Seed seed_value{};
+        int action = 0;
+        float strength = 1.0f;
+        Outcome outcome;  // of the last step
+        bool has_final = false;
+        std::vector<uint8_t> final_pixels;  // if the row of the batch is not known yet
+        uint8_t final_ram[128];
+        int32_t final_numbers[3];
+    };
+
+    Slot& slot(int environment) { return slots_[static_cast<size_t>(environment)]; }
+    const Slot& slot(int environment) const { return slots_[static_cast<size_t>(environment)]; }
+    static void apply_restore(Slot& slot);
+    void run_task(int environment);
+    void play(Slot& slot, int environment);
+    void keep_final(Slot& slot, int environment);
+    void write_results(Slot& slot, int environment, int row, const Batch& batch);
+    void write_final(Slot& slot, int row, const Batch& batch);
+    // Whether results go to rows in the order in which environments finish.
+    bool queued() const { return settings_.batch_size < size(); }
+
+    const VectorSettings settings_;
+    std::vector<Slot> slots_;
+    const Batch* batch_ = nullptr;  // of all environments: the threads write to it
+    std::unique_ptr<ThreadPool> pool_;
+    long process_;  // that made the threads
+};
+
+}  // namespace atari

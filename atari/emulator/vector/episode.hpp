@@ -1,0 +1,189 @@
+// `Episode`: plays the episodes of one environment of the vector engine. How an episode begins, how long an action is
+// held, and what ends an episode differ between implementations of the preprocessing; each order is a derived class.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "ale/environment.hpp"
+#include "observations/observation_stack.hpp"
+#include "machine/random.hpp"
+#include "pcg64.hpp"
+
+namespace atari {
+
+struct Seed {
+    uint32_t emulator;  // of the emulator's generator: sticky actions
+    uint32_t own[8];    // of the episode's generator: the state of NumPy's PCG64; for ALE one word, a seed
+};
+
+struct Outcome {
+    int reward = 0;
+    bool terminated = false, truncated = false;
+    bool ended = false;  // The next step resets. With `life_loss_info`, a lost life sets `terminated` without this.
+};
+
+enum class EpisodeKind { kAle, kFrames, kBaselines };  // AleEpisode, FrameEpisode, BaselinesEpisode
+enum class FirePress { kNever, kBeforeNoops, kAfterNoops };
+enum class OnReset { kNoop, kContinue, kNewGame };  // what a reset does after a lost life
+
+// How episodes begin, are played, and end. The names are those of the wrappers' arguments.
+struct EpisodeSettings {
+    EpisodeKind kind = EpisodeKind::kAle;
+    double repeat_action_probability = 0.0;
+    int max_num_frames_per_episode = 0;  // of the emulator: no-ops count, 0 is no limit
+    std::pair<int, int> frame_skip{4, 5};  // each step draws from first .. second-1
+    std::pair<int, int> noops{0, 29};      // an episode begins with first .. second no-ops
+    bool fire_counts = true;               // whether FIRE is one of the no-ops
+    FirePress fire = FirePress::kBeforeNoops;  // in games that have FIRE
+    bool episodic_life = false, life_loss_info = false;
+    OnReset on_reset = OnReset::kNewGame;
+    bool last_life = false;       // whether losing the last life counts, where the game goes on after it
+    bool seamless_lives = false;  // a lost life does not cut the skip and its reset does not clear the stack
+    bool clip_reward = true;
+    int max_frames = 108000;      // of an episode, without the no-ops and FIRE that begin it
+
+    Settings emulator() const { return {repeat_action_probability, 1, max_num_frames_per_episode, false, false}; }
+};
+
+// Which of the game's actions can begin an episode.
+struct StartActions {
+    bool has_noop, has_fire;
+    int third;  // ALE's number of the action with index 2
+};
+
+// The state of an episode in memory, for episodes of the same game and settings.
+struct EpisodeSnapshot {
+    EnvironmentSnapshot environment;
+    std::vector<uint8_t> rest;  // observation and own state, as `save` writes them
+};
+
+// Owns the environment that it plays and the stack of frames that the agent sees.
+class Episode {
+  public:
+    Episode(std::unique_ptr<Environment> environment, std::unique_ptr<ObservationStack> observation,
+            const EpisodeSettings& settings, const StartActions& start)
+        : settings_(settings), start_(start), environment_(std::move(environment)), observation_(std::move(observation)) {}
+    virtual ~Episode() = default;
+
+    // Begins an episode, after seeding all generators if `seed` is not null. Throws as Environment::reset does.
+    virtual void reset(const Seed* seed) = 0;
+    // Plays one action, an ALE number, until the skip or the episode ends.
+    virtual Outcome step(int action, float strength) = 0;
+
+    Environment& environment() { return *environment_; }
+    const ObservationStack& observation() const { return *observation_; }
+
+    size_t state_size() const { return environment_->state_size() + observation_->state_size() + own_state_size(); }
+    void save(uint8_t* out);
+    bool load(const uint8_t* in);  // Returns false, and changes nothing, if no `save` can have written these bytes.
+    void snapshot(EpisodeSnapshot& snapshot) const;
+    void restore(const EpisodeSnapshot& snapshot);
+
+  protected:
+    // The state of the derived class, as bytes.
+    virtual size_t own_state_size() const = 0;
+    virtual void save_own(uint8_t* out) const = 0;
+    virtual void load_own(const uint8_t* in) = 0;
+
+    const EpisodeSettings settings_;
+    const StartActions start_;
+    std::unique_ptr<Environment> environment_;
+    std::unique_ptr<ObservationStack> observation_;  // reads `environment_`
+};
+
+// ale-py's AtariVectorEnv (0.12), to the byte.
+class AleEpisode final : public Episode {
+  public:
+    AleEpisode(std::unique_ptr<Environment> environment, std::unique_ptr<ObservationStack> observation,
+               const EpisodeSettings& settings, const StartActions& start, const Seed& seed)
+        : Episode(std::move(environment), std::move(observation), settings, start) {
+        state_.random.seed(seed.own[0]);
+    }
+
+    void reset(const Seed* seed) override;
+    Outcome step(int action, float strength) override;
+
+  private:
+    size_t own_state_size() const override { return sizeof state_; }
+    void save_own(uint8_t* out) const override;
+    void load_own(const uint8_t* in) override;
+
+    struct {
+        MersenneTwister random;
+        int elapsed;
+        int lives;  // after the last step
+    } state_{};
+};
+
+// The wrappers of atari/wrappers in C++, to the byte: what they share. The classes below are the two orders in which the
+// presets apply them.
+class WrappedEpisode : public Episode {
+  public:
+    WrappedEpisode(std::unique_ptr<Environment> environment, std::unique_ptr<ObservationStack> observation,
+                   const EpisodeSettings& settings, const StartActions& start, const Seed& seed)
+        : Episode(std::move(environment), std::move(observation), settings, start) {
+        state_.random.set(seed.own);
+    }
+
+  protected:
+    struct Ends {
+        bool terminated, truncated;
+        bool any() const { return terminated || truncated; }
+    };
+
+    void start_game(const Seed* seed);
+    Ends play(int action, float strength, int64_t& reward);
+    bool lose_life(const Ends& ends);
+    int draw_noops();
+    int clipped(int64_t reward) const;
+
+    struct {
+        Pcg64 random;
+        int lives;
+        int frames_played;
+        int frame_number;  // after the last step
+        uint8_t life_lost, same_game;
+    } state_{};
+
+  private:
+    size_t own_state_size() const override { return sizeof state_; }
+    void save_own(uint8_t* out) const override;
+    void load_own(const uint8_t* in) override;
+};
+
+// EpisodicLife, NoopReset and FireReset see single frames; DqnPreprocessing is outside of them.
+class FrameEpisode final : public WrappedEpisode {
+  public:
+    using WrappedEpisode::WrappedEpisode;
+    void reset(const Seed* seed) override;
+    Outcome step(int action, float strength) override;
+
+  private:
+    struct Request {
+        const Seed* seed;
+        bool new_game;
+    };
+    void reset_life(const Request& request);
+    void reset_with_fire(const Request& request);
+    void reset_with_noops(const Request& request);
+    Ends frame(int action, float strength, int64_t& reward);
+};
+
+// OpenAI's Baselines: NoopReset is inside of DqnPreprocessing; EpisodicLife and FireReset are outside and see whole skips.
+class BaselinesEpisode final : public WrappedEpisode {
+  public:
+    using WrappedEpisode::WrappedEpisode;
+    void reset(const Seed* seed) override;
+    Outcome step(int action, float strength) override;
+
+  private:
+    void reset_life(const Seed* seed);
+    void reset_game(const Seed* seed);
+    Ends skip(int action, float strength, int64_t& reward);
+    Ends skip_with_lives(int action, float strength, int64_t& reward);
+};
+
+}  // namespace atari

@@ -1,0 +1,30 @@
+// `make_members`: the environments of a vector engine, made from what Python declares about each.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "engine.hpp"
+
+namespace atari {
+
+using SeedWords = std::array<uint32_t, 9>;  // the emulator's, then those of `Seed::own`
+Seed seed_of(const SeedWords& words);
+
+// What differs between the environments of a vector.
+struct MemberSpec {
+    std::shared_ptr<const Game> game;
+    std::vector<int> actions;     // ALE's number of each action index that the user gives
+    std::vector<int> action_set;  // the actions that the game uses
+    std::optional<int> mode, difficulty;
+    SeedWords seed{};
+    std::shared_ptr<const GrayOfPairs> gray_of_pairs;  // for PixelFormat::kGrayOfRgb
+};
+
+// Throws std::invalid_argument if a setting is out of range or a size cannot be made.
+std::vector<VectorEngine::Member> make_members(const std::vector<MemberSpec>& specs, const EpisodeSettings& episode,
+                                               const ObservationSettings& observation);
+
+}  // namespace atari

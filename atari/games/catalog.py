@@ -1,0 +1,87 @@
+"""`Games`, the mapping from game id to game definition; a game's file is read at its first use."""
+
+import difflib
+from collections.abc import Iterator, Mapping
+from functools import cache
+from os import PathLike
+from pathlib import Path
+
+from atari.games.game import Game, load_game
+
+_FOLDER = Path(__file__).parent / "data"
+_IDS = tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
+
+
+class Games(Mapping[str, Game]):
+    """A read-only mapping from game id (`"ms_pacman"`) to `Game`, in alphabetical order.
+
+    Instances have no state of their own: `games` here and the package `atari.games` are equal.
+    """
+
+    def __getitem__(self, game_id: str) -> Game:
+        if game_id not in _IDS:
+            raise KeyError(self.unknown(game_id))
+        return _load(game_id)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(_IDS)
+
+    def __len__(self) -> int:
+        return len(_IDS)
+
+    def __contains__(self, game_id: object) -> bool:
+        return game_id in _IDS
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} games: {_IDS[0]} ... {_IDS[-1]}>"
+
+    def playable(self) -> Iterator[Game]:
+        """The games that can be made into an environment: those with single-player rules."""
+        return (game for game in self.values() if game.single_player)
+
+    def resolve(self, game: "str | PathLike[str] | Game") -> Game:
+        """The game of an argument: an id, a game definition of your own (a path that ends in .toml), or a `Game`.
+
+        Raises:
+            TypeError: `game` is none of these.
+            ValueError: there is no such game (the nearest id is suggested), or the file is not a game definition.
+            FileNotFoundError: there is no such file.
+        """
+        if isinstance(game, Game):
+            return game
+        if isinstance(game, PathLike) or (isinstance(game, str) and game.endswith(".toml")):
+            return load_game(Path(game))
+        if not isinstance(game, str):
+            raise TypeError(f"a game is named by a string such as 'breakout', got {game!r}")
+        if game not in _IDS:
+            raise ValueError(self.unknown(game))
+        return self[game]
+
+    def find(self, game: "str | PathLike[str] | Game") -> Game:
+        """The game of an argument, as `resolve`, if it has single-player rules.
+
+        Raises:
+            TypeError, ValueError, FileNotFoundError: as `resolve`; ValueError also without single-player rules.
+        """
+        found = self.resolve(game)
+        if not found.single_player:
+            raise ValueError(
+                f"{found.id!r} is a two-player cartridge without single-player rules, so there is no environment of it"
+            )
+        return found
+
+    def unknown(self, game_id: str) -> str:
+        """The error message for an unknown game id, with the nearest known one."""
+        compact = {name.replace("_", ""): name for name in _IDS}
+        wanted = "".join(letter for letter in str(game_id).lower() if letter.isalnum())
+        near = difflib.get_close_matches(wanted, compact, n=1, cutoff=0.5)
+        hint = f"did you mean {compact[near[0]]!r}?" if near else "see `atari list` for all of them"
+        return f"there is no game {game_id!r}; {hint}"
+
+
+@cache
+def _load(game_id: str) -> Game:
+    return load_game(_FOLDER / f"{game_id}.toml")
+
+
+games = Games()

@@ -1,0 +1,294 @@
+"""`Game`, a game definition: the content of a file of `atari/games/data/`, parsed and checked.
+
+`atari/games/SCHEMA.md` documents the files. No code depends on the name of a game: a new game is a new file.
+"""
+
+import re
+import sys
+from collections.abc import Iterable, Mapping
+from dataclasses import MISSING, dataclass, fields
+from pathlib import Path
+from types import MappingProxyType, UnionType
+from typing import Any, Literal, TypeVar, get_args, get_origin
+
+from atari.actions import PLAYER_ACTIONS, Action
+from atari.games.frozen import FrozenDict
+from atari.games.rules import LABEL_ADDRESSES, Rules, check_expression, parse_rules
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+TV_FRAME_RATES = MappingProxyType({"NTSC": 60.0, "PAL": 50.0, "SECAM": 50.0})
+"""Nominal frames a second by TV format."""
+
+
+@dataclass(frozen=True)
+class Rom:
+    """The identity of a cartridge image: hashes of the file, its size in bytes, its bank switching.
+
+    All are optional in a game of your own. Without a hash, any image is accepted; without `cartridge`, the bank
+    switching is detected from the image.
+    """
+
+    md5: str = ""
+    sha256: str = ""
+    size: int = 0
+    cartridge: str = ""
+
+
+@dataclass(frozen=True)
+class Screen:
+    """The screen of a game.
+
+    `height` is in rows (the width is always 160), `first_line` the scan line of row 0, `format` the TV format.
+    `format_detected` is False where the format comes from a table, not from detection in the first frames.
+    """
+
+    format: Literal["NTSC", "PAL", "SECAM"]
+    height: int
+    first_line: int
+    format_detected: bool = True
+    hmove_blanks: bool = True
+    width: int = 160
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(rows, columns) of the screen."""
+        return self.height, self.width
+
+    @property
+    def frame_rate(self) -> float:
+        """Nominal frames a second."""
+        return TV_FRAME_RATES[self.format]
+
+
+@dataclass(frozen=True)
+class Controllers:
+    """The controllers in the two ports, and the positions of the console's difficulty switches at power-on."""
+
+    left: Literal["joystick", "paddles", "none"]
+    right: Literal["joystick", "paddles", "none"]
+    swap_ports: bool = False
+    swap_paddles: bool = False
+    paddle_range: tuple[int, int] | None = None
+    left_difficulty: Literal["A", "B"] = "B"
+    right_difficulty: Literal["A", "B"] = "B"
+
+    @property
+    def paddles(self) -> bool:
+        """Whether the game is played with paddles."""
+        return "paddles" in (self.left, self.right)
+
+
+@dataclass(frozen=True)
+class RamLabel:
+    """The meaning of one byte of RAM.
+
+    `index` is 0..127 into the RAM observation. `transform` and `visible` are expressions over `v` (this byte) and
+    `ram` (all of them). `sources` are documents that have the label, `evidence` is the result of a check against the
+    running game.
+    """
+
+    name: str
+    index: int
+    kind: str
+    sources: tuple[str, ...]
+    evidence: str
+    mask: int | None = None
+    encoding: str | None = None
+    weight: int | None = None
+    start: int | None = None
+    transform: str | None = None
+    visible: str | None = None
+    note: str | None = None
+
+
+@dataclass(frozen=True, repr=False)
+class Game:
+    """One game: its ROM, screen, controllers, actions, modes, rules and the names of its RAM bytes.
+
+    `rules` is None for the four two-player cartridges, which have no single-player rules in ALE: the native core runs
+    them, but there are no environments of them. Their action and mode tuples are empty.
+    """
+
+    id: str
+    title: str
+    players: int
+    rom: Rom
+    screen: Screen
+    controllers: Controllers
+    minimal_actions: tuple[Action, ...]
+    legal_actions: tuple[Action, ...]
+    starting_actions: tuple[Action, ...]
+    modes: tuple[int, ...]
+    default_mode: int
+    difficulties: tuple[int, ...]
+    rules: Rules | None
+    ram_labels: Mapping[str, RamLabel]
+    notes: tuple[str, ...]
+
+    @property
+    def single_player(self) -> bool:
+        """Whether the game has single-player rules, which an environment needs."""
+        return self.rules is not None
+
+    def __repr__(self) -> str:
+        if not self.single_player:
+            return f"Game({self.id!r}, {self.title!r}, {self.players} players, no single-player rules)"
+        return (
+            f"Game({self.id!r}, {self.title!r}, {len(self.minimal_actions)} actions, {len(self.modes)} modes, "
+            f"{len(self.difficulties)} difficulties, {self.screen.format} 160x{self.screen.height})"
+        )
+
+
+def load_game(path: Path) -> Game:
+    """Read a game definition; the file's name without the suffix is the game's id.
+
+    Raises:
+        ValueError: the file is not valid TOML or not a game definition; the message names the file and the fault.
+    """
+    try:
+        return parse_game(path.stem, tomllib.loads(path.read_text(encoding="utf-8")))
+    except (ValueError, TypeError, AttributeError) as error:
+        raise ValueError(f"{path}: {error}") from error
+
+
+def parse_game(game_id: str, table: Mapping[str, Any]) -> Game:
+    """A `Game` from the parsed content of a game definition.
+
+    Raises:
+        ValueError: the content is not a game definition; the message says where, and what is expected.
+    """
+    playing = ("actions", "settings", "rules")
+    needed = playing if any(key in table for key in playing) else ()
+    _check_keys(table, "the file", ("title", "players", "notes", "screen", "controllers", *needed), ("rom", "ram"))
+    _check_value("title", table["title"], str)
+    _check_value("players", table["players"], int)
+    _check_value("notes", table["notes"], tuple[str, ...])
+    return Game(
+        id=game_id,
+        title=table["title"],
+        players=table["players"],
+        rom=_rom(table.get("rom", {})),
+        screen=_screen(table["screen"]),
+        controllers=_build(Controllers, table["controllers"], "[controllers]"),
+        **_play(table) if "rules" in table else _NO_PLAY,
+        ram_labels=FrozenDict((name, _ram_label(name, label)) for name, label in table.get("ram", {}).items()),
+        notes=tuple(table["notes"]),
+    )
+
+
+# The fields from [actions], [settings] and [rules], for a game without single-player rules.
+_NO_PLAY: Mapping[str, Any] = {
+    "minimal_actions": (),
+    "legal_actions": (),
+    "starting_actions": (),
+    "modes": (),
+    "default_mode": 0,
+    "difficulties": (),
+    "rules": None,
+}
+
+
+def _play(table: Mapping[str, Any]) -> dict[str, Any]:
+    """The fields of a `Game` that come from [actions], [settings] and [rules]."""
+    actions, settings = table["actions"], table["settings"]
+    _check_keys(actions, "[actions]", ("minimal", "legal", "starting"))
+    minimal, legal, starting = (_actions(actions[key]) for key in ("minimal", "legal", "starting"))
+    if not set(minimal) <= set(legal):
+        raise ValueError("[actions] a minimal action is not legal")
+    _check_keys(settings, "[settings]", ("modes", "default_mode", "difficulties"))
+    for key in ("modes", "difficulties"):
+        _check_value(f"[settings] {key}", settings[key], tuple[int, ...])
+    if settings["default_mode"] not in settings["modes"]:
+        raise ValueError(f"[settings] default_mode {settings['default_mode']} is not one of the modes")
+    if not settings["difficulties"] or not set(settings["difficulties"]) <= {0, 1, 2, 3}:
+        raise ValueError(f"[settings] difficulties {settings['difficulties']} are not among 0, 1, 2, 3")
+    return {
+        "minimal_actions": minimal,
+        "legal_actions": legal,
+        "starting_actions": starting,
+        "modes": tuple(settings["modes"]),
+        "default_mode": settings["default_mode"],
+        "difficulties": tuple(settings["difficulties"]),
+        "rules": parse_rules(table["rules"]),
+    }
+
+
+def _rom(table: Mapping[str, Any]) -> Rom:
+    rom = _build(Rom, table, "[rom]")
+    for name, value, digits in (("md5", rom.md5, 32), ("sha256", rom.sha256, 64)):
+        if value and not re.fullmatch(f"[0-9a-f]{{{digits}}}", value):
+            raise ValueError(f"[rom] {name} must be {digits} hexadecimal digits in lower case, got {value!r}")
+    return rom
+
+
+def _screen(table: Mapping[str, Any]) -> Screen:
+    screen = _build(Screen, table, "[screen]")
+    if not 1 <= screen.height <= 256:
+        raise ValueError(f"[screen] height {screen.height} is not within 1..256")
+    return screen
+
+
+def _actions(names: "Literal['all'] | list[str]") -> tuple[Action, ...]:
+    if names == "all":
+        return PLAYER_ACTIONS
+    unknown = [name for name in names if name not in Action.__members__]
+    if unknown:
+        raise ValueError(f"[actions] unknown action {unknown[0]!r}")
+    return tuple(Action[name] for name in names)
+
+
+def _ram_label(name: str, table: Mapping[str, Any]) -> RamLabel:
+    where = f"[ram] {name}"
+    label = _build(RamLabel, {"name": name, **table}, where)
+    if label.index not in LABEL_ADDRESSES:
+        raise ValueError(f"{where}: index {label.index} is not within 0..127")
+    for expression in (label.transform, label.visible):
+        if expression is not None:
+            check_expression(expression, {"v"}, where, LABEL_ADDRESSES)
+    return label
+
+
+T = TypeVar("T")
+
+
+def _build(kind: type[T], table: Mapping[str, Any], where: str) -> T:
+    """An instance of a dataclass from a table whose keys are its fields, after checking keys and types."""
+    required = [field.name for field in fields(kind) if field.default is MISSING]  # type: ignore[arg-type]
+    optional = [field.name for field in fields(kind) if field.default is not MISSING]  # type: ignore[arg-type]
+    _check_keys(table, where, required, optional)
+    for field in fields(kind):  # type: ignore[arg-type]
+        if field.name in table:
+            _check_value(f"{where} {field.name}", table[field.name], field.type)
+    return kind(**{key: tuple(value) if isinstance(value, list) else value for key, value in table.items()})
+
+
+def _check_keys(table: Mapping[str, Any], where: str, required: Iterable[str], optional: Iterable[str] = ()) -> None:
+    allowed = (*required, *optional)
+    for key in table:
+        if key not in allowed:
+            raise ValueError(f"{where} has no key {key!r} (expected {', '.join(allowed)})")
+    for key in required:
+        if key not in table:
+            raise ValueError(f"{where} needs the key {key!r}")
+
+
+def _check_value(where: str, value: Any, kind: Any) -> None:
+    if not _fits(value, kind):
+        text = kind.__name__ if isinstance(kind, type) else str(kind).replace("typing.", "")
+        raise ValueError(f"{where} must be {text}, got {value!r}")
+
+
+def _fits(value: Any, kind: Any) -> bool:
+    """Whether a TOML value is of the type that a field is annotated with."""
+    if get_origin(kind) is Literal:
+        return value in get_args(kind)
+    if isinstance(kind, UnionType):
+        return any(_fits(value, option) for option in get_args(kind))
+    if get_origin(kind) is tuple:
+        kinds = get_args(kind) if get_args(kind)[-1] is not ... else get_args(kind)[:1] * len(value)
+        return isinstance(value, list) and len(value) == len(kinds) and all(map(_fits, value, kinds))
+    return type(value) is kind

@@ -1,0 +1,230 @@
+"""The language of game rules: how reward, lives and the end of a game follow from RAM.
+
+A rule is a small expression over the 128 bytes of the console's RAM, written in the syntax of Python and
+restricted to integers; `atari/games/SCHEMA.md` documents the grammar. This module parses the `[rules]` table of a
+game definition and checks every expression against the grammar; a core evaluates them.
+"""
+
+import ast
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
+
+from atari.actions import PLAYER_ACTIONS
+from atari.games.frozen import FrozenDict
+
+
+class Helper(NamedTuple):
+    """A function of the language: how many arguments it takes, and how many of them (from the first) are addresses."""
+
+    fewest: int
+    most: int
+    addresses: int
+
+
+HELPERS: Mapping[str, Helper] = {
+    "bcd": Helper(1, 8, 8),  # binary-coded decimal digits at these addresses, least significant first
+    "s8": Helper(1, 1, 0),  # the low eight bits as a signed number
+    "count": Helper(3, 16, 2),  # how many of the bytes lo..hi equal one of the values
+    "same": Helper(2, 2, 2),  # whether all bytes lo..hi are equal
+    "pos_sum": Helper(2, 2, 2),  # sum of the positive (signed) bytes lo..hi
+    "neg_sum": Helper(2, 2, 2),  # sum of the magnitudes of the negative bytes lo..hi
+    "rng": Helper(0, 0, 0),  # the next 32-bit word of the environment's generator
+}
+MEMORIES = ("ram", "xram")
+OUTPUTS = ("reward", "terminal", "lives")
+RULE_ADDRESSES = range(0x80, 0x100)
+LABEL_ADDRESSES = range(128)
+"""Addresses of the bytes of RAM: rules use addresses on the console's bus, RAM labels indices into `ram()`."""
+
+_OPERATORS = (
+    ast.BinOp, ast.UnaryOp, ast.BoolOp, ast.Compare, ast.IfExp,
+    ast.Add, ast.Sub, ast.Mult, ast.FloorDiv, ast.Mod, ast.BitAnd, ast.BitOr, ast.BitXor, ast.LShift, ast.RShift,
+    ast.USub, ast.Invert, ast.Not, ast.And, ast.Or,
+    ast.Eq, ast.NotEq, ast.Lt, ast.LtE, ast.Gt, ast.GtE,
+    ast.Load, ast.Expression,
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Operation:
+    """One step of selecting a mode at reset, such as pressing SELECT until a byte of RAM equals the mode."""
+
+    op: Literal["set", "press_select", "press_select_until", "soft_reset", "act", "act_until", "repeat_until", "repeat"]
+    var: str | None = None
+    value: str | None = None
+    frames: str | None = None
+    until: str | None = None
+    max: int | None = None
+    action: str | None = None
+    times: str | None = None
+    do: tuple["Operation", ...] = ()
+
+
+@dataclass(frozen=True)
+class Rules:
+    """How reward, lives and the end of a game follow from RAM, and how a reset selects the mode.
+
+    `step` holds `(name, expression)` pairs, evaluated from first to last after every emulated frame; the names in
+    `state` persist from frame to frame, all others live for one evaluation; `reward`, `terminal` and `lives` are
+    the outputs. Where `mode_select` plays until a condition holds, `selection_frames` is how many frames that may
+    take.
+    """
+
+    lives_initial: int
+    state: Mapping[str, int]
+    step: tuple[tuple[str, str], ...]
+    mode_select: tuple[Operation, ...] = ()
+    kept_over_reset: tuple[str, ...] = ()
+    selection_frames: int = 0
+
+    def expression(self, name: str) -> str:
+        """The last expression assigned to `name`, for example `expression("reward")`."""
+        return next((source for target, source in reversed(self.step) if target == name), name)
+
+
+# The keys of each mode_select operation: those it needs, and those it may have.
+_OPERATION_KEYS: Mapping[str, tuple[set[str], set[str]]] = {
+    "set": ({"var", "value"}, set()),
+    "press_select": ({"frames"}, set()),
+    "press_select_until": ({"frames", "until"}, {"max"}),
+    "soft_reset": (set(), set()),
+    "act": ({"action", "times"}, set()),
+    "act_until": ({"action", "until"}, set()),
+    "repeat_until": ({"do", "until"}, set()),
+    "repeat": ({"do", "times"}, set()),
+}
+
+
+def parse_rules(table: Mapping[str, Any]) -> Rules:
+    """Read and check a `[rules]` table.
+
+    Raises:
+        ValueError: a key is missing or unknown, or an expression is outside the grammar; the message says which.
+    """
+    optional = {"mode_select", "kept_over_reset", "selection_frames"}
+    unknown = set(table) - {"lives_initial", "state", "step"} - optional
+    if unknown:
+        raise ValueError(f"[rules] has no key {sorted(unknown)[0]!r}")
+    missing = {"lives_initial", "state", "step"} - set(table)
+    if missing:
+        raise ValueError(f"[rules] needs the key {sorted(missing)[0]!r}")
+    state = FrozenDict(table["state"])
+    numbers = {"lives_initial": table["lives_initial"], "selection_frames": table.get("selection_frames", 0)}
+    for name, value in {**state, **numbers}.items():
+        if type(value) is not int:
+            raise ValueError(f"[rules] {name} must be an integer, got {value!r}")
+    step = _parse_step(table["step"], state)
+    for name in OUTPUTS:
+        if name not in dict(step):
+            raise ValueError(f"[rules] step never assigns {name!r}")
+    kept = tuple(table.get("kept_over_reset", ()))
+    for name in kept:
+        if name not in state:
+            raise ValueError(f"[rules] kept_over_reset names {name!r}, which is not in state")
+    return Rules(
+        **numbers,
+        state=state,
+        step=step,
+        mode_select=_parse_operations(table.get("mode_select", ()), {*state, "mode"}),
+        kept_over_reset=kept,
+    )
+
+
+def check_expression(
+    source: str, names: Iterable[str], where: str, addresses: range = RULE_ADDRESSES
+) -> ast.Expression:
+    """Parse one expression and check it against the grammar.
+
+    Args:
+        source: the expression.
+        names: the variables in scope.
+        where: the expression's place in the file, for error messages.
+        addresses: those that `ram[...]` and the helpers accept.
+
+    Raises:
+        ValueError: `source` is not an expression of this language; the message says where and what is wrong.
+    """
+    try:
+        tree = ast.parse(source.strip(), mode="eval")
+    except SyntaxError as error:
+        raise ValueError(f"{where}: {source!r} is not an expression: {error.msg}") from None
+    scope = set(names)
+    indexed = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Subscript)}
+    called = {id(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
+    for node in ast.walk(tree):
+        problem = None if id(node) in indexed | called else _problem(node, scope, addresses)
+        if problem:
+            raise ValueError(f"{where}: in {source!r}, {problem}")
+    return tree
+
+
+def _problem(node: ast.AST, scope: set[str], addresses: range) -> str | None:
+    """What is wrong with one node of an expression, or None."""
+    if isinstance(node, ast.Constant):
+        good = type(node.value) is int and node.value < 2**31
+        return None if good else f"{node.value!r} is not an integer of 32 bits"
+    if isinstance(node, ast.Name):
+        return None if node.id in scope else f"the name {node.id!r} is not defined before this line"
+    if isinstance(node, ast.Subscript):
+        if not (isinstance(node.value, ast.Name) and node.value.id in MEMORIES):
+            return "only ram[...] and xram[...] can be indexed"
+        return _address_problem([node.slice], addresses)
+    if isinstance(node, ast.Call):
+        if not isinstance(node.func, ast.Name) or node.func.id not in HELPERS or node.keywords:
+            return f"{ast.unparse(node.func)}() is not one of the helpers {', '.join(HELPERS)}"
+        helper = HELPERS[node.func.id]
+        if not helper.fewest <= len(node.args) <= helper.most:
+            return f"{node.func.id}() has {len(node.args)} arguments"
+        return _address_problem(node.args[: helper.addresses], addresses)
+    return None if isinstance(node, _OPERATORS) else f"{type(node).__name__} is not part of the language"
+
+
+def _address_problem(nodes: Iterable[ast.AST], addresses: range) -> str | None:
+    for node in nodes:
+        if not (isinstance(node, ast.Constant) and type(node.value) is int and node.value in addresses):
+            return f"an address is a number within {addresses[0]:#x}..{addresses[-1]:#x}, not {ast.unparse(node)}"
+    return None
+
+
+def _parse_step(text: str, state: Mapping[str, int]) -> tuple[tuple[str, str], ...]:
+    """Split `name = expression` lines, checking each expression with the names defined before it."""
+    if not isinstance(text, str):
+        raise ValueError(f"[rules] step must be a text of 'name = expression' lines, got {text!r}")
+    lines = []
+    scope = set(state)
+    for number, line in enumerate(text.strip().splitlines(), 1):
+        where = f"[rules] step, line {number}"
+        name, equals, source = (part.strip() for part in line.partition("="))
+        if not equals or not name.isidentifier():
+            raise ValueError(f"{where}: expected 'name = expression', got {line!r}")
+        if name in HELPERS or name in MEMORIES:
+            raise ValueError(f"{where}: {name!r} has a meaning in the language and cannot be assigned")
+        check_expression(source, scope, where)
+        scope.add(name)
+        lines.append((name, source))
+    return tuple(lines)
+
+
+def _parse_operations(tables: Iterable[Mapping[str, Any]], scope: set[str]) -> tuple[Operation, ...]:
+    operations = []
+    for table in tables:
+        keys = dict(table)
+        op = keys.pop("op", None)
+        if op not in _OPERATION_KEYS:
+            raise ValueError(f"[rules] mode_select: unknown operation {op!r}")
+        required, optional = _OPERATION_KEYS[op]
+        if not required <= set(keys) <= required | optional:
+            raise ValueError(f"[rules] mode_select: {op} takes the keys {sorted(required | optional)}")
+        for key in ("value", "frames", "until", "times"):
+            if key in keys:
+                keys[key] = str(keys[key])
+                check_expression(keys[key], scope, f"[rules] mode_select, {op} {key}")
+        if "action" in keys and keys["action"] not in {action.name for action in PLAYER_ACTIONS}:
+            raise ValueError(f"[rules] mode_select: unknown action {keys['action']!r}")
+        if "do" in keys:
+            keys["do"] = _parse_operations(keys["do"], scope)
+        if op == "set":
+            scope.add(keys["var"])
+        operations.append(Operation(op=op, **keys))
+    return tuple(operations)

@@ -1,0 +1,58 @@
+"""NumPy arrays as PyTorch's and JAX's, without a copy (DLPack). Each library is imported at the first call."""
+
+from typing import Any
+
+import gymnasium
+
+
+def to_torch(arrays: Any, device: Any = None, pin_memory: bool = False) -> Any:
+    """An array, or a dict, list or tuple of them, as PyTorch tensors.
+
+    On the CPU, tensors share the memory of the arrays, which environments do not overwrite while a tensor exists. On
+    another device they are copies.
+
+    Args:
+        arrays: to be converted.
+        device: as PyTorch names it, such as "cuda"; None is the CPU.
+        pin_memory: copy to page-locked memory first, from which a GPU copies asynchronously. Without CUDA it has no
+            effect.
+
+    Raises:
+        gymnasium.error.DependencyNotInstalled: PyTorch is not installed.
+    """
+    try:
+        import torch
+    except ImportError:
+        raise gymnasium.error.DependencyNotInstalled("atari.to_torch needs PyTorch: pip install torch") from None
+
+    pins = pin_memory and torch.cuda.is_available()
+
+    def convert(array: Any) -> Any:
+        tensor = torch.from_dlpack(array) if array.flags.writeable else torch.tensor(array)
+        tensor = tensor.pin_memory() if pins else tensor
+        return tensor if device is None else tensor.to(device, non_blocking=pins)
+
+    return _mapped(convert, arrays)
+
+
+def to_jax(arrays: Any) -> Any:
+    """An array, or a dict, list or tuple of them, as JAX arrays.
+
+    They may share the memory of the NumPy arrays, which environments do not overwrite while a JAX array exists.
+
+    Raises:
+        gymnasium.error.DependencyNotInstalled: JAX is not installed.
+    """
+    try:
+        import jax.numpy
+    except ImportError:
+        raise gymnasium.error.DependencyNotInstalled("atari.to_jax needs JAX: pip install jax") from None
+    return _mapped(jax.numpy.from_dlpack, arrays)
+
+
+def _mapped(convert: Any, arrays: Any) -> Any:
+    if isinstance(arrays, dict):
+        return {name: _mapped(convert, array) for name, array in arrays.items()}
+    if isinstance(arrays, (list, tuple)):
+        return type(arrays)(_mapped(convert, array) for array in arrays)
+    return convert(arrays)

@@ -1,0 +1,197 @@
+"""`AtariVecEnv`: the vector environment for Stable-Baselines3.
+
+Its `VecEnv` came before Gymnasium's and differs: an episode's end and the next one's start are one step, images have
+their channels first, and `infos` has a dict for each environment. `AtariVectorEnv` with SAME_STEP does most of this;
+`AtariVecEnv` adds the rest, and the episode statistics of Stable-Baselines3's `Monitor`.
+"""
+
+import time
+from collections.abc import Sequence
+from os import PathLike
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from gymnasium.vector import AutoresetMode
+
+from atari.games.game import Game
+from atari.vector.env import AtariVectorEnv
+from atari.vector.seeds import SEED_LIMIT
+from atari.wrappers import PRESETS
+
+try:
+    from stable_baselines3.common.monitor import Monitor
+    from stable_baselines3.common.vec_env import VecEnv
+except ImportError:
+    raise gymnasium.error.DependencyNotInstalled(
+        "atari.sb3 needs Stable-Baselines3: pip install 'atari-envs[sb3]'"
+    ) from None
+
+Indices = int | Sequence[int] | None
+
+
+class AtariVecEnv(VecEnv):  # type: ignore[misc]
+    """Many Atari games for Stable-Baselines3, played in C++.
+
+    With `preset="baselines"` it returns what `make_atari_env` with `VecFrameStack(..., 4)` does, for equal seeds, to
+    the byte. Observations are uint8: (num_envs, stack_num, img_height, img_width), in RGB with 3 * stack_num channels
+    in place of stack_num, RAM (num_envs, 128), or a dict of both; rewards are float32.
+
+    The `info` of each environment has `lives`, `frame_number`, `episode_frame_number`, `TimeLimit.truncated`, and when
+    its episode ends `terminal_observation`. When a whole game ends, with all its lives, it also has `episode`: `r`, the
+    sum of its rewards as the game gives them, not clipped; `l`, its length in frames; `t`, the seconds since the
+    environments were made. So a `VecMonitor` is not needed, and would record clipped rewards of single lives. Rewards
+    during the no-ops and the FIRE of a reset are not returned, and not part of it.
+
+    `vector` is the `AtariVectorEnv`; `get_attr`, `set_attr` and `env_method` are about its `members`.
+
+    Args:
+        game, num_envs: as of `AtariVectorEnv`.
+        options: those of `AtariVectorEnv`, but for `autoreset_mode` and `batch_size`.
+
+    Raises:
+        TypeError, ValueError, FileNotFoundError: as `AtariVectorEnv`.
+    """
+
+    def __init__(
+        self,
+        game: str | PathLike[str] | Game | Sequence[str | PathLike[str] | Game],
+        num_envs: int | None = None,
+        **options: Any,
+    ) -> None:
+        for name in {"autoreset_mode", "batch_size"} & set(options):
+            raise TypeError(f"Stable-Baselines3 decides about {name}; leave it out")
+        clips = options.pop("reward_clipping", None)
+        same_step = AutoresetMode.SAME_STEP
+        self.vector = AtariVectorEnv(game, num_envs, **options, reward_clipping=False, autoreset_mode=same_step)
+        preset = options.get("preset")
+        self._clips = bool(clips) if clips is not None else preset is None or PRESETS[preset].clip_reward
+        super().__init__(
+            self.vector.num_envs, _channels_first(self.vector.single_observation_space), self.vector.single_action_space
+        )
+        self._made_at = time.time()
+        self._returns = np.zeros(self.num_envs, np.int64)
+        self._game_began = np.zeros(self.num_envs, np.int64)
+
+    def reset(self) -> Any:
+        """Begin new games, with the seeds of `seed` if it was called."""
+        observation, info = self.vector.reset(seed=self._seeds)
+        self._reset_seeds()
+        self._reset_options()
+        self._returns[:] = 0
+        self._game_began = _game_began(info)
+        self.reset_infos = _split(info)
+        return _shown(observation)
+
+    def step_async(self, actions: Any) -> None:
+        """Begin a step; the errors are those of `AtariVectorEnv.send`."""
+        self.vector.send(actions)
+
+    def step_wait(self) -> tuple[Any, Any, Any, list[dict[str, Any]]]:
+        """Wait for the step's observations, rewards, ends of episodes, and infos."""
+        observation, rewards, terminations, truncations, info = self.vector.recv()
+        dones = terminations | truncations
+        shown, infos = _shown(observation), _split(info)
+        for one, truncated in zip(infos, (truncations & ~terminations).tolist(), strict=True):
+            one["TimeLimit.truncated"] = truncated
+        self._returns += rewards
+        if dones.any():
+            self._note_ends(dones, info, shown, infos)
+        return shown, np.float32(np.sign(rewards) if self._clips else rewards), dones, infos
+
+    def _note_ends(self, dones: Any, info: dict[str, Any], shown: Any, infos: list[dict[str, Any]]) -> None:
+        final = _shown(info["final_obs"])
+        began = _game_began(info)
+        for index in np.flatnonzero(dones).tolist():
+            # With `life_loss_info` an episode goes on after a termination.
+            source = final if info["_final_obs"][index] else shown
+            infos[index]["terminal_observation"] = _row(source, index)
+            if began[index] == self._game_began[index]:
+                continue  # a life was lost, the game goes on
+            frames = int(info["final_info"]["episode_frame_number"][index])
+            seconds = round(time.time() - self._made_at, 6)
+            infos[index]["episode"] = {"r": float(self._returns[index]), "l": frames, "t": seconds}
+            self._returns[index] = 0
+        self._game_began = began
+
+    def seed(self, seed: int | None = None) -> Sequence[int | None]:
+        """Seed environment i with seed + i, at the next reset; None draws one.
+
+        Raises:
+            ValueError: one is not within 0..2**31 - 1.
+        """
+        most = SEED_LIMIT - self.num_envs
+        if seed is None:
+            seed = int(np.random.randint(most))
+        if not 0 <= seed <= most:
+            raise ValueError(f"seed must be within 0..2**31 - num_envs, got {seed}")
+        seeds: Sequence[int | None] = super().seed(seed)
+        return seeds
+
+    def close(self) -> None:
+        """Join the threads and release the environments."""
+        self.vector.close()
+
+    def get_images(self) -> Sequence[Any]:
+        """The screens, (height, 160, 3) uint8 each."""
+        return self.env_method("screen_rgb")
+
+    def get_attr(self, attr_name: str, indices: Indices = None) -> list[Any]:
+        """An attribute of each environment, or else of all of them together."""
+        owners = [self.vector.members[index] for index in self._get_indices(indices)]
+        return [getattr(owner if hasattr(owner, attr_name) else self.vector, attr_name) for owner in owners]
+
+    def set_attr(self, attr_name: str, value: Any, indices: Indices = None) -> None:
+        """Set `mode` or `difficulty`; the errors are those of `AtariVectorEnv.set_attr`."""
+        chosen = set(self._get_indices(indices))
+        now = self.get_attr(attr_name)
+        self.vector.set_attr(attr_name, [value if index in chosen else old for index, old in enumerate(now)])
+
+    def env_method(self, method_name: str, *args: Any, indices: Indices = None, **kwargs: Any) -> list[Any]:
+        """What a method of each environment returns."""
+        members = self.vector.members
+        return [getattr(members[index], method_name)(*args, **kwargs) for index in self._get_indices(indices)]
+
+    def env_is_wrapped(self, wrapper_class: type[Any], indices: Indices = None) -> list[bool]:
+        """True for `Monitor`, whose work is done here, so that `evaluate_policy` counts whole games."""
+        return [issubclass(wrapper_class, Monitor) for _ in self._get_indices(indices)]
+
+
+def _game_began(info: dict[str, Any]) -> Any:
+    """The frame in which each game began, which differs from game to game."""
+    return info["frame_number"] - info["episode_frame_number"]
+
+
+def _split(info: dict[str, Any]) -> list[dict[str, Any]]:
+    """The info of each environment."""
+    names = [name for name in ("lives", "frame_number", "episode_frame_number", "action_mask") if name in info]
+    columns = [list(info[name]) if name == "action_mask" else info[name].tolist() for name in names]
+    return [dict(zip(names, values, strict=True)) for values in zip(*columns, strict=True)]
+
+
+def _channels_first(space: spaces.Space[Any]) -> spaces.Space[Any]:
+    """The space of what `_shown` makes."""
+    if isinstance(space, spaces.Dict):
+        return spaces.Dict({name: _channels_first(part) for name, part in space.spaces.items()})
+    shape = space.shape or ()
+    if len(shape) != 4:
+        return space
+    stack, height, width, colours = shape
+    return spaces.Box(0, 255, (stack * colours, height, width), np.uint8)
+
+
+def _shown(observation: Any) -> Any:
+    """Of colours a copy, with stack and channels in one axis, first; all else as it is."""
+    if isinstance(observation, dict):
+        return {name: _shown(part) for name, part in observation.items()}
+    if observation.ndim != 5:
+        return observation
+    count, stack, height, width, colours = observation.shape
+    return observation.transpose(0, 1, 4, 2, 3).reshape(count, stack * colours, height, width)
+
+
+def _row(observation: Any, index: int) -> Any:
+    if isinstance(observation, dict):
+        return {name: part[index] for name, part in observation.items()}
+    return observation[index]

@@ -1,0 +1,399 @@
+"""`Replay`: a recorded game that can be played again, verified, searched and rendered to a video.
+
+The file has the calls of the core and hashes, so half an hour takes tens of kilobytes. Playing a replay emulates the
+game again: screens, RAM, sound and rewards are the same on each core and on any machine.
+"""
+
+import warnings
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from itertools import chain
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from atari.cores import CORES, ByteArray, Core, snapshot
+from atari.env import AtariEnv
+from atari.games.catalog import games
+from atari.games.game import Game
+from atari.recording.replay import file_format
+from atari.recording.replay.events import Event, Kind, unpack
+from atari.recording.replay.file_format import FRAMES_PER_FULL_HASH, Corrupt
+from atari.recording.replay.recorder import rom_md5
+from atari.recording.replay.runner import Call, Checkpoint, ReplayRunner
+from atari.recording.video.formats import has_sound
+from atari.recording.video.writer import VideoWriter, frame_rate
+from atari.validation import check_integer, check_name
+
+_CHUNKS_PER_CHECKPOINT = 4
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One emulated frame of a replay.
+
+    `index` counts from 0 over all episodes, `episode` from 0. `action` is ALE's number 0..17 and `strength` the
+    paddle's; with sticky actions the core may have repeated the previous action. `ends_step` is True for the last
+    frame of a step of the environment. `ram` is (128,) and `screen` (height, 160, 3), uint8. `audio` is (512,) uint8
+    samples, all zero without sound=True.
+    """
+
+    index: int
+    episode: int
+    action: int
+    strength: float
+    ends_step: bool
+    reward: int
+    lives: int
+    terminated: bool
+    truncated: bool
+    ram: ByteArray
+    screen: ByteArray
+    audio: ByteArray
+
+
+@dataclass(frozen=True)
+class Episode:
+    """Frames and score of an episode, and how it ended: "game over", "truncated", or "open" if it did not."""
+
+    frames: int
+    score: int
+    end: str
+
+
+@dataclass(frozen=True)
+class Divergence:
+    """The first difference between a replay and the recorded game.
+
+    `frame` is the first frame whose hashes differ, counted from 0. The frames before `since` are equal. A difference in
+    RAM changes the hash of its frame with a probability of 3/4; otherwise a later frame reports it.
+    """
+
+    frame: int
+    since: int
+    what: str
+
+    def __str__(self) -> str:
+        first = f"; it may have begun at frame {self.since}" if self.since < self.frame else ""
+        return f"frame {self.frame} differs in {self.what}{first}"
+
+
+@dataclass(frozen=True)
+class Verification:
+    """The result of `Replay.verify`: the core, the number of compared frames, and the divergence, or None."""
+
+    core: str
+    frames: int
+    divergence: Divergence | None
+
+    def __bool__(self) -> bool:
+        return self.divergence is None
+
+
+class Replay:
+    """A recorded game. `Replay.load` reads one from a file.
+
+    Attributes:
+        path: the file.
+        header: the file's header: game, ROM, core, options, release.
+        game: the game.
+        seeds: the seeds of the core, in order.
+        complete: whether the recording was closed. If not, the replay has the chunks that were written.
+        frames_total: emulated frames.
+    """
+
+    def __init__(
+        self, path: Path, content: file_format.ReplayContent, game: Game, rom: str | PathLike[str] | None = None
+    ) -> None:
+        self.path = path
+        self.header: Mapping[str, Any] = content.header
+        self.game = game
+        self.complete = content.end is not None
+        self.frames_total = content.frames
+        self._content = content
+        self.rom = rom
+        self._uses: Counter[int] = Counter()  # by snapshot: how often it is restored
+        seeds = []
+        for event in chain.from_iterable(map(self._events, range(len(content.plays)))):  # raises now if one is damaged
+            if event.kind == Kind.RESTORE:
+                self._uses[event.numbers[0]] += 1
+            elif event.kind == Kind.SEED:
+                seeds.append(event.numbers[0])
+        self.seeds = tuple(seeds)
+        self._checkpoints: dict[tuple[str, bool], list[Checkpoint]] = {}
+
+    @classmethod
+    def load(
+        cls,
+        path: str | PathLike[str],
+        *,
+        game: "str | PathLike[str] | Game | None" = None,
+        rom: str | PathLike[str] | None = None,
+    ) -> "Replay":
+        """Read a file that `RecordReplay` wrote. If the file was cut, return its complete chunks and warn.
+
+        Args:
+            path: the file.
+            game: the game file, for a game of your own; None is the game that the replay names.
+            rom: path of the ROM file; None searches (see `atari.roms`).
+
+        Raises:
+            ValueError: the file is not a replay, of another version, damaged (the message has the offset), or of
+                another ROM.
+            FileNotFoundError: there is no such file, or no ROM of the game.
+        """
+        path = Path(path)
+        content = file_format.read(path)
+        header = content.header
+        if not isinstance(header.get("game"), str) or not isinstance(header.get("options"), dict):
+            raise Corrupt("the replay is damaged: its header has no game, or no options")
+        found = games.find(header["game"] if game is None else game)
+        md5 = rom_md5(found, rom)
+        if md5 != header.get("rom"):
+            raise ValueError(
+                f"the replay was recorded with a ROM of MD5 {header.get('rom')}, but the one of {found.id} here has "
+                f"{md5}; pass the right one as rom="
+            )
+        if content.end is None:
+            warnings.warn(
+                f"{path} was cut while it was recorded; its first {content.frames:,} frames are whole", stacklevel=2
+            )
+        return cls(path, content, found, rom)
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """The options of the environment that was recorded, as `AtariEnv` takes them."""
+        skip = self.header["options"].get("frameskip")
+        return {**self.header["options"], **({"frameskip": tuple(skip)} if isinstance(skip, list) else {})}
+
+    @property
+    def episodes(self) -> tuple[Episode, ...]:
+        """The episodes. If the recording was cut, the replay is played to count them.
+
+        Raises:
+            Corrupt: the end chunk of the file has no episodes.
+        """
+        end = self._content.end
+        try:
+            return tuple(Episode(**episode) for episode in (end["episodes"] if end else self._play_for_episodes()))
+        except (KeyError, TypeError):
+            raise Corrupt(f"the replay is damaged: the end of {self.path} has no episodes") from None
+
+    def __repr__(self) -> str:
+        cut = "" if self.complete else ", cut"
+        return f"Replay({str(self.path)!r}, {self.game.id}, {self.frames_total} frames{cut})"
+
+    def frames(
+        self, start: int = 0, stop: int | None = None, *, core: str = "native", sound: bool = False
+    ) -> Iterator[Frame]:
+        """Play the replay and yield each frame.
+
+        The first call plays the frames before `start` too and keeps checkpoints. Later calls resume from a checkpoint.
+
+        Args:
+            start: the first frame, 0 or more.
+            stop: the frame after the last; None is the end.
+            core: the core to play on.
+            sound: whether `audio` is filled.
+
+        Raises:
+            TypeError, ValueError: there is no such frame or core, or the replay cannot be played on this core.
+        """
+        start = check_integer("start", start, 0, max(self.frames_total, 0))
+        stop = self.frames_total if stop is None else min(check_integer("stop", stop, 0, 2**62), self.frames_total)
+        for runner, call in self._calls(core, sound=sound, start=start):
+            if runner.frame > stop or start >= stop:
+                break
+            if call.played and runner.frame > start:
+                yield _frame(runner, call)
+
+    def seek(self, frame: int, *, core: str = "native", sound: bool = False) -> Core:
+        """Return a new core in the state after the first `frame` frames, for inspection or for playing on.
+
+        After 0 frames the first reset has not happened yet.
+
+        Raises:
+            TypeError, ValueError: see `frames`.
+        """
+        frame = check_integer("frame", frame, 0, self.frames_total)
+        runner, calls = self._runner_at(core, sound=sound, start=frame)
+        while runner.frame < frame:
+            next(calls)
+        return runner.core  # type: ignore[no-any-return]
+
+    def verify(self, core: str = "native", *, progress: Callable[[int], object] | None = None) -> Verification:
+        """Play the replay and compare it with the hashes in the file.
+
+        Args:
+            core: the core to play on, "native", "plain" or "ale".
+            progress: called after each chunk with the number of its frames.
+
+        Raises:
+            ValueError: there is no such core, or the replay cannot be played on it.
+        """
+        since = 0
+        runner = self._new_runner(core, sound=False)
+        try:
+            for number, play in enumerate(self._content.plays):
+                for call in chain.from_iterable(map(runner.run, self._events(number))):
+                    if not call.played:
+                        continue
+                    what = _difference(runner, play)
+                    if what:
+                        return Verification(core, runner.frame, Divergence(runner.frame - 1, since, what))
+                    if runner.frame % FRAMES_PER_FULL_HASH == 0:
+                        since = runner.frame
+                if runner.frame < play.first + len(play.short_hashes):
+                    return Verification(core, runner.frame, Divergence(runner.frame, since, "that the game is over"))
+                if progress is not None:
+                    progress(len(play.short_hashes))
+            runner.end_episode()
+            end = self._content.end
+            check = file_format.full_hash(runner.core, runner.score)
+            if end is not None and end != {"episodes": runner.episodes, "check": check}:
+                last = max(runner.frame - 1, 0)
+                return Verification(core, runner.frame, Divergence(last, min(since, last), "how it ends"))
+            return Verification(core, runner.frame, None)
+        finally:
+            runner.core.close()
+
+    def render(
+        self,
+        path: str | PathLike[str],
+        *,
+        scale: int = 2,
+        sound: bool = True,
+        start: int = 0,
+        stop: int | None = None,
+        core: str = "native",
+        progress: Callable[[int], object] | None = None,
+    ) -> Path:
+        """Write a video of the replay or of a part, with each emulated frame, at the console's speed.
+
+        Args:
+            path: the video; see `VideoWriter` for the formats.
+            scale: a pixel becomes `2 * scale` columns and `scale` rows.
+            sound: write the game's sound, if the format has sound.
+            start, stop, core: see `frames`.
+            progress: called with 1 after each frame.
+
+        Raises:
+            TypeError, ValueError: see `frames` and `VideoWriter`.
+            OSError: the file cannot be written.
+            gymnasium.error.DependencyNotInstalled: PyAV is not installed.
+        """
+        audible = sound and has_sound(path)
+        with VideoWriter(path, self.game.screen.shape, frame_rate(self.game), scale=scale, sound=audible) as video:
+            for frame in self.frames(start, stop, core=core, sound=video.sound):
+                video.write(frame.screen, frame.audio)
+                if progress is not None:
+                    progress(1)
+        return video.path
+
+    def make_env(self, *, core: str = "native", **options: Any) -> AtariEnv:
+        """Return an environment with the options of the recorded one; `options` override them.
+
+        Raises:
+            TypeError, ValueError: see `AtariEnv`.
+        """
+        check_name("core", core, CORES)
+        return AtariEnv(self.game, **{**self.options, **options}, core=core, rom=self.rom)
+
+    def walk(self, core: Core) -> Iterator[tuple[Event, Iterator[Call]]]:
+        """Yield each event with an iterator that makes its calls on `core`; exhaust it before the next event.
+
+        Raises:
+            ValueError: an event is not possible on this core.
+        """
+        runner = ReplayRunner(core, self._content.snapshots, self._uses)
+        for number in range(len(self._content.plays)):
+            for event in self._events(number):
+                yield event, runner.run(event)
+
+    def _events(self, number: int) -> list[Event]:
+        play = self._content.plays[number]
+        try:
+            return unpack(play.events)
+        except ValueError as error:
+            raise Corrupt(f"the replay is damaged at offset {play.offset}: {error}") from None
+
+    def _new_runner(self, core: str, *, sound: bool) -> ReplayRunner:
+        check_name("core", core, CORES)
+        options = self.options
+        if core == "ale" and self._content.snapshots:  # they need the sound setting of the recorded core
+            sound = bool(snapshot.unpack(self._content.snapshots[0])[0].get("sound"))
+        names = ("repeat_action_probability", "mode", "difficulty")
+        made = CORES[core](
+            self.game,
+            max_num_frames_per_episode=options.get("max_num_frames_per_episode") or 0,
+            sound=sound,
+            rom=self.rom,
+            **{name: options[name] for name in names if name in options},
+        )
+        return ReplayRunner(made, self._content.snapshots, self._uses)
+
+    def _runner_at(self, core: str, *, sound: bool, start: int) -> tuple[ReplayRunner, Iterator[Call]]:
+        runner = self._new_runner(core, sound=sound)
+        checkpoints = self._checkpoints.setdefault((core, sound), [])
+        known = [checkpoint for checkpoint in checkpoints if checkpoint.frame <= start]
+        if known:
+            runner.resume(known[-1])
+        return runner, self._run_chunks(runner, checkpoints)
+
+    def _run_chunks(self, runner: ReplayRunner, checkpoints: list[Checkpoint]) -> Iterator[Call]:
+        for number in range(runner.chunk, len(self._content.plays)):
+            known = checkpoints[-1].chunk if checkpoints else 0
+            # Restoring ale-py's snapshot plays the game again from its start, so a checkpoint saves no time.
+            if number % _CHUNKS_PER_CHECKPOINT == 0 and number > known and runner.core.name != "ale":
+                checkpoints.append(runner.checkpoint())
+            for event in self._events(number):
+                yield from runner.run(event)
+            runner.chunk += 1
+
+    def _calls(self, core: str, *, sound: bool, start: int = 0) -> Iterator[tuple[ReplayRunner, Call]]:
+        runner, calls = self._runner_at(core, sound=sound, start=start)
+        try:
+            for call in calls:
+                yield runner, call
+        finally:
+            runner.core.close()
+
+    def _play_for_episodes(self) -> list[dict[str, Any]]:
+        runner, calls = self._runner_at("native", sound=False, start=0)
+        for _ in calls:
+            pass
+        runner.end_episode()
+        return runner.episodes
+
+
+def _frame(runner: ReplayRunner, call: Call) -> Frame:
+    core, (_, numbers, floats, ends_step) = runner.core, call.event
+    return Frame(
+        index=runner.frame - 1,
+        episode=runner.episode,
+        action=numbers[0],
+        strength=floats[0] if floats else 1.0,
+        ends_step=ends_step,
+        reward=call.reward,
+        lives=core.lives,
+        terminated=core.game_over,
+        truncated=core.truncated,
+        ram=core.ram(),
+        screen=core.screen_rgb(),
+        audio=core.audio(),
+    )
+
+
+def _difference(runner: ReplayRunner, play: file_format.PlayChunk) -> str:
+    """Return what differs between the last frame and the hashes in the file, or ""."""
+    place = runner.frame - play.first - 1
+    if place >= len(play.short_hashes):
+        return "that the game goes on"
+    if file_format.short_hash(runner.core) != play.short_hashes[place]:
+        return "RAM"
+    if runner.frame % FRAMES_PER_FULL_HASH == 0:
+        number = runner.frame // FRAMES_PER_FULL_HASH - play.first // FRAMES_PER_FULL_HASH - 1
+        if file_format.full_hash(runner.core, runner.score) != play.full_hashes[number]:
+            return "RAM, screen, reward, lives or end"
+    return ""

@@ -1,0 +1,1 @@
+"""Videos of games: the encoders, the writer of video files, and the wrappers that record environments."""

@@ -1,0 +1,120 @@
+"""The encoders of frames and sound: a file written by FFmpeg, or a sequence of PNG files."""
+
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import cv2
+import gymnasium
+
+from atari.cores import ByteArray
+from atari.recording.video.audio import AudioEncoder
+from atari.recording.video.images import Palette
+from atari.recording.video.options import VideoOptions
+
+# FFmpeg's colour constants. The matrix is standard definition's, because some programs assume it without reading it.
+_BT709_PRIMARIES = _BT709_TRANSFER = 1
+_BT601_MATRIX = 6
+_LIMITED_RANGE = 1
+
+
+class FFmpegEncoder:
+    """A container of FFmpeg with a video stream and, with sound, an audio stream.
+
+    Raises:
+        gymnasium.error.DependencyNotInstalled: PyAV is not installed.
+        OSError: the file cannot be written.
+    """
+
+    def __init__(self, options: VideoOptions) -> None:
+        format, rate = options.format, options.rate
+        self._path = path = options.path
+        self._av = av = import_av()
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.open("wb").close()  # PyAV reports an unwritable file only at the first frame
+        self._container = av.open(f"file:{path}", "w", format=format.container, options=dict(format.container_options))
+        shown = rate if format.max_rate is None else Fraction(format.max_rate)
+        self._ticks_per_frame = shown / rate
+        self._stream = self._container.add_stream(format.codec, rate=shown, options=dict(format.codec_options))
+        self._stream.width, self._stream.height = options.width, options.height
+        self._stream.pix_fmt = format.pixels
+        if format.pixels == "yuv420p":
+            context = self._stream.codec_context
+            context.color_range, context.colorspace = _LIMITED_RANGE, _BT601_MATRIX
+            context.color_primaries, context.color_trc = _BT709_PRIMARIES, _BT709_TRANSFER
+        self._palette = Palette() if format.pixels == "pal8" else None
+        self._sound: AudioEncoder | None = None
+        if options.sound and format.sound is not None:
+            self._sound = AudioEncoder(av, self._container, format, rate)
+        self._frames = 0
+        self._last_tick = -1
+
+    def write(self, image: ByteArray, samples: ByteArray | None) -> None:
+        """Append an image, (height, width, 3) or smaller for a format that enlarges, and its sound.
+
+        Raises:
+            OSError: the file cannot be written. The only valid call after that is `close(broken=True)`.
+        """
+        tick = int(self._frames * self._ticks_per_frame)
+        self._frames += 1
+        if tick > self._last_tick:
+            frame = self._encodable(image)
+            frame.pts = self._last_tick = tick
+            self._container.mux(self._stream.encode(frame))
+        if self._sound is not None:
+            self._container.mux(self._sound.write(samples))
+
+    def _encodable(self, image: ByteArray) -> Any:
+        if self._palette is not None:
+            indices = self._palette.indices(image)
+            return self._av.VideoFrame.from_ndarray((indices, self._palette.colours), format="pal8")
+        stream = self._stream
+        frame = self._av.VideoFrame.from_ndarray(image, format="rgb24")
+        return frame.reformat(
+            stream.width, stream.height, stream.pix_fmt, dst_colorspace="ITU601", interpolation="POINT"
+        )
+
+    def close(self, *, broken: bool = False) -> None:
+        """Complete the file. A broken one is closed without flushing, because FFmpeg can crash after a failed write."""
+        try:
+            if self._frames and not broken:
+                self._container.mux(self._stream.encode(None))
+                if self._sound is not None:
+                    self._container.mux(self._sound.finish())
+        finally:
+            self._container.close()
+            if not self._frames:
+                self._path.unlink()
+
+
+class PngEncoder:
+    """Files "...000000.png", "...000001.png", ...: `path` has a placeholder for the number, such as "%06d"."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._frames = 0
+        path.parent.mkdir(parents=True, exist_ok=True)
+
+    def write(self, image: ByteArray, samples: ByteArray | None) -> None:
+        """Write the next file."""
+        _, data = cv2.imencode(".png", cv2.cvtColor(image, cv2.COLOR_RGB2BGR))
+        self._path.with_name(self._path.name % self._frames).write_bytes(data.tobytes())
+        self._frames += 1
+
+    def close(self, *, broken: bool = False) -> None:
+        """Do nothing: each file is complete when it is written."""
+
+
+def import_av() -> Any:
+    """Import and return the module `av`.
+
+    Raises:
+        gymnasium.error.DependencyNotInstalled: PyAV is not installed.
+    """
+    try:
+        import av
+    except ImportError:
+        raise gymnasium.error.DependencyNotInstalled(
+            "writing a video needs PyAV: pip install 'atari-envs[video]'"
+        ) from None
+    return av

@@ -1,0 +1,195 @@
+"""`RecordVectorVideo`: videos of a vector environment, of one of its environments or of all in a mosaic.
+
+An `AtariVectorEnv` plays its games in C++ and returns only the last frame of a frame skip. So each recorded environment
+has a `ShadowCore`: a second core that starts from the same state and plays the same action frame by frame, with the
+same result to the byte. The frames of a reset (no-ops, FIRE) are not repeated; the video continues with the screen
+after the reset.
+"""
+
+import math
+import os
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from gymnasium.utils import RecordConstructorArgs
+from gymnasium.vector import AutoresetMode, VectorWrapper
+
+from atari.recording.video.record_video_base import RecordVideoBase, make_folder
+from atari.recording.video.recorder import VideoSettings
+from atari.recording.video.schedule import Schedule, Trigger
+from atari.recording.video.shadow_core import ShadowCore
+from atari.recording.video.writer import frame_rate
+from atari.rendering import tile
+from atari.validation import check_integer
+from atari.vector import AtariVectorEnv
+
+
+class RecordVectorVideo(RecordVideoBase, VectorWrapper[Any, Any, Any, Any, Any], RecordConstructorArgs):
+    """Record videos of a vector environment.
+
+    The arguments, the file names and the recorded episodes are those of `gymnasium.wrappers.vector.RecordVideo`. The
+    videos have every emulated frame, as those of `atari.recording.RecordVideo`, which documents the details. In a
+    mosaic, an environment whose episode ends inside a frame skip shows its last frame until the skip is over.
+
+    Args:
+        env: an `AtariVectorEnv` with batches of all environments, in any wrappers that do not change actions.
+        video_folder: the folder of the videos; it is created.
+        record_first_only: record only environment `index`, instead of a mosaic of all.
+        video_aspect_ratio: (width, height), the approximate ratio of the mosaic's sides.
+        episode_trigger, step_trigger, video_length, name_prefix, fps, disable_logger, gc_trigger: see `RecordVideo`.
+            Episodes are those of environment `index`; a step is one of all environments.
+        index: the environment whose episodes are counted and whose sound and overlay are recorded.
+        format, scale, sound, overlay: see `RecordVideo`.
+
+    Raises:
+        TypeError: the environment is not an `AtariVectorEnv`, or an argument has the wrong type.
+        ValueError: an argument is out of range, or batches are smaller than the number of environments.
+        OSError: the folder cannot be created or written to.
+        RuntimeError: raised by `step` if a wrapper inside this one has changed the actions.
+    """
+
+    def __init__(
+        self,
+        env: Any,
+        video_folder: str | os.PathLike[str],
+        record_first_only: bool = False,
+        video_aspect_ratio: tuple[int, int] = (1, 1),
+        episode_trigger: Trigger | None = None,
+        step_trigger: Trigger | None = None,
+        video_length: int = 0,
+        name_prefix: str = "rl-video",
+        fps: float | None = None,
+        disable_logger: bool = True,
+        gc_trigger: Callable[[int], bool] | None = None,
+        *,
+        index: int = 0,
+        format: str = "mp4",
+        scale: int = 2,
+        sound: bool = True,
+        overlay: tuple[str, ...] | None = None,
+    ) -> None:
+        RecordConstructorArgs.__init__(
+            self,
+            video_folder=video_folder,
+            record_first_only=record_first_only,
+            video_aspect_ratio=video_aspect_ratio,
+            episode_trigger=episode_trigger,
+            step_trigger=step_trigger,
+            video_length=video_length,
+            name_prefix=name_prefix,
+            fps=fps,
+            disable_logger=disable_logger,
+            gc_trigger=gc_trigger,
+            index=index,
+            format=format,
+            scale=scale,
+            sound=sound,
+            overlay=overlay,
+        )
+        inner = getattr(env, "unwrapped", env)
+        if not isinstance(inner, AtariVectorEnv):
+            raise TypeError(f"RecordVectorVideo records an atari.AtariVectorEnv, got {type(inner).__name__}")
+        if inner.batch_size != inner.num_envs:
+            raise ValueError(f"RecordVectorVideo needs batches of all environments, got batch_size={inner.batch_size}")
+        super().__init__(env)
+        self._vector = inner
+        self._index = check_integer("index", index, 0, inner.num_envs - 1)
+        filmed = [self._index] if record_first_only else list(range(inner.num_envs))
+        self._columns = _columns([inner.games[i].screen.shape for i in filmed], video_aspect_ratio)
+        rate = frame_rate(inner.games[self._index]) if fps is None else fps
+        size = tile([np.zeros((*inner.games[i].screen.shape, 3), np.uint8) for i in filmed], self._columns).shape
+        self._settings = VideoSettings(format, (size[0], size[1]), rate, scale, sound, overlay)
+        self._schedule = Schedule(episode_trigger, step_trigger, video_length, name_prefix)
+        self.video_folder = make_folder(video_folder)
+        self._make_recorder()
+        self._shadows = [ShadowCore(inner, i) for i in filmed]
+        self._sound_shadow = next(shadow for shadow in self._shadows if shadow.index == self._index)
+        self._done = np.zeros(inner.num_envs, np.bool_)
+
+    def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Reset the environments; if environment `index` is among them, its episode ends."""
+        self._recorder.raise_deferred_error()
+        mask = (options or {}).get("reset_mask")
+        chosen = np.ones(self.num_envs, np.bool_) if mask is None else mask
+        ends = bool(chosen[self._index])
+        if ends:
+            self._before_episode()
+        result = self.env.reset(seed=seed, options=options)
+        self._done = self._done & ~chosen
+        if ends:
+            self._schedule.episode_id += 1
+            self._record_resets()
+        self._count()
+        return result
+
+    def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """Play a step of all environments and record their frames."""
+        self._recorder.raise_deferred_error()
+        mode = self._vector.metadata["autoreset_mode"]
+        resets = self._done if mode == AutoresetMode.NEXT_STEP else np.zeros(self.num_envs, np.bool_)
+        begins = bool(resets[self._index])
+        if begins:
+            self._before_episode()
+        self._before_step()
+        if self.recording:
+            self._synchronize(self._shadows)
+        result = self.env.step(actions)
+        _, _, terminations, truncations, info = result
+        self._done = terminations | truncations
+        self._record_step(actions, resets, info)
+        if mode == AutoresetMode.SAME_STEP and self._done[self._index]:
+            begins = True
+            self._before_episode()
+            self._record_resets()
+        self._schedule.step_id += 1
+        self._schedule.episode_id += begins
+        self._count()
+        return result
+
+    def _record_step(self, actions: Any, resets: npt.NDArray[np.bool_], info: dict[str, Any]) -> None:
+        """Repeat the environments' step on the shadow cores and record each frame."""
+        if not self.recording:
+            return
+        repeats = [shadow.action_repeat(actions, bool(resets[shadow.index]), info) for shadow in self._shadows]
+        self._synchronize(shadow for shadow, repeat in zip(self._shadows, repeats, strict=True) if not repeat.frames)
+        for frame in range(max(int(resets.any()), *(repeat.frames for repeat in repeats))):
+            for shadow, repeat in zip(self._shadows, repeats, strict=True):
+                shadow.play(repeat, frame)
+            self._write_frame(self._sound_shadow.played)
+        for shadow in self._shadows:
+            shadow.check()
+        self._synchronize(self._shadows)
+
+    def _record_resets(self) -> None:
+        """Record one frame of the environments after a reset."""
+        if self.recording:
+            self._synchronize(self._shadows)
+            self._write_frame(None)
+
+    def _write_frame(self, played: tuple[int, int] | None) -> None:
+        action, reward = (None, 0) if played is None else played
+        image = tile([shadow.screen for shadow in self._shadows], self._columns)
+        self._recorder.write_frame(self._sound_shadow.core, action, reward, image)
+
+    def _synchronize(self, shadows: Iterable[ShadowCore]) -> None:
+        for shadow in shadows:
+            if shadow.synchronize() and shadow is self._sound_shadow:
+                self._recorder.begin_game()
+
+
+def _columns(shapes: Sequence[tuple[int, int]], aspect_ratio: Any) -> int:
+    """Return the number of columns whose mosaic of these screens is nearest to the aspect ratio."""
+    try:
+        wanted = float(aspect_ratio[0]) / float(aspect_ratio[1])
+    except (TypeError, IndexError, ValueError, ZeroDivisionError):
+        wanted = 0.0
+    if not 0.0 < wanted < math.inf:
+        raise ValueError(f"video_aspect_ratio is (width, height), two numbers above 0, got {aspect_ratio!r}")
+    count, height, width = len(shapes), max(shape[0] for shape in shapes), 2 * shapes[0][1]
+
+    def distance(columns: int) -> float:
+        return abs(math.log(columns * width / (math.ceil(count / columns) * height) / wanted))
+
+    return min(range(1, count + 1), key=distance)

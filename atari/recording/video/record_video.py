@@ -1,0 +1,148 @@
+"""`RecordVideo`: Gymnasium's wrapper of this name, with every emulated frame, the console's frame rate and sound."""
+
+import os
+from collections.abc import Callable
+from typing import Any
+
+import gymnasium
+from gymnasium.utils import RecordConstructorArgs
+from gymnasium.vector import VectorEnv
+
+from atari.env import AtariEnv
+from atari.recording.video.record_video_base import RecordVideoBase, make_folder
+from atari.recording.video.recorder import VideoRecorder, VideoSettings
+from atari.recording.video.schedule import Schedule, Trigger
+from atari.recording.video.writer import frame_rate
+
+
+class RecordVideo(RecordVideoBase, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+    """Record videos of chosen episodes.
+
+    The arguments, the file names and the recorded episodes are those of `gymnasium.wrappers.RecordVideo`. The videos
+    differ: they have every emulated frame, including those inside a frame skip and the no-ops of a reset, whichever
+    wrapper plays them. They have the console's frame rate, its 2:1 pixels and its sound. Frames are written while they
+    are played, and `render_mode` has no effect.
+
+    The environment's results do not change. For sound, the environment's core is replaced by a core with sound. A
+    snapshot of an environment with sound fits only environments with sound: call `make_sound` of the other
+    environment, or pass sound=False here.
+
+    Args:
+        env: an `AtariEnv`, in any wrappers.
+        video_folder: the folder of the videos; it is created.
+        episode_trigger: returns whether to record an episode, by its number from 0. Without triggers it is
+            Gymnasium's: episodes 0, 1, 8, 27, ... 1000, and every 1000th.
+        step_trigger: returns whether to begin a video at a step, by its number over all episodes.
+        video_length: steps in a video, which may span episodes; 0 ends the video with the episode.
+        name_prefix: the start of the names "{name_prefix}-episode-{number}.mp4" and "{name_prefix}-step-{number}.mp4".
+        fps: frames a second; None is the console's. A lower number gives slow motion and lower sound, a higher number
+            fast motion and higher sound.
+        disable_logger, gc_trigger: accepted for code that was written for Gymnasium's wrapper, without effect.
+        format: "mp4", "mkv", "webm", "gif" or "png", see `VideoWriter`. With "png" a video is a folder.
+        scale: a pixel becomes `2 * scale` x `scale` pixels of the video.
+        sound: record the sound, if the format has it. Each frame costs some microseconds more, recorded or not.
+        overlay: the values written below the frame: some of "score", "action" and "ram".
+
+    Raises:
+        TypeError: the environment is not an `AtariEnv`, or an argument has the wrong type.
+        ValueError: an argument is out of range.
+        OSError: the folder cannot be created or written to.
+
+    If a video cannot be written any more, for example because the disk is full, the video ends. The error is deferred:
+    the *next* call of `step`, `reset` or `close` raises it as an `OSError` before it changes anything. The environment
+    can continue from there.
+    """
+
+    def __init__(
+        self,
+        env: gymnasium.Env[Any, Any],
+        video_folder: str | os.PathLike[str],
+        episode_trigger: Trigger | None = None,
+        step_trigger: Trigger | None = None,
+        video_length: int = 0,
+        name_prefix: str = "rl-video",
+        fps: float | None = None,
+        disable_logger: bool = True,
+        gc_trigger: Callable[[int], bool] | None = None,
+        *,
+        format: str = "mp4",
+        scale: int = 2,
+        sound: bool = True,
+        overlay: tuple[str, ...] | None = None,
+    ) -> None:
+        RecordConstructorArgs.__init__(
+            self,
+            video_folder=video_folder,
+            episode_trigger=episode_trigger,
+            step_trigger=step_trigger,
+            video_length=video_length,
+            name_prefix=name_prefix,
+            fps=fps,
+            disable_logger=disable_logger,
+            gc_trigger=gc_trigger,
+            format=format,
+            scale=scale,
+            sound=sound,
+            overlay=overlay,
+        )
+        inner = getattr(env, "unwrapped", env)
+        if not isinstance(inner, AtariEnv):
+            other = "RecordVectorVideo" if isinstance(inner, VectorEnv) else "gymnasium.wrappers.RecordVideo"
+            raise TypeError(f"RecordVideo records an atari.AtariEnv, got {type(inner).__name__}; for that use {other}")
+        super().__init__(env)
+        self._atari = inner
+        rate = frame_rate(inner.game) if fps is None else fps
+        self._settings = VideoSettings(format, inner.game.screen.shape, rate, scale, sound, overlay)
+        self._schedule = Schedule(episode_trigger, step_trigger, video_length, name_prefix)
+        self.video_folder = make_folder(video_folder)
+        if self._settings.sound:
+            inner.make_sound()
+        self._watch()
+
+    def _watch(self) -> None:
+        self._make_recorder()
+        self._atari.observers.append(FrameObserver(self._atari, self._recorder))
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Reset the environment, end the last episode's video, and begin one if the trigger says so."""
+        self._recorder.raise_deferred_error()
+        self._before_episode()
+        result = self.env.reset(seed=seed, options=options)
+        self._schedule.episode_id += 1
+        if self.recording and not self._recorder.frames:  # the reset played nothing, as after a lost life
+            self._recorder.write_frame(self._atari.core)
+        self._count()
+        return result
+
+    def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+        """Play a step and record its frames."""
+        self._recorder.raise_deferred_error()
+        self._before_step()
+        result = self.env.step(action)
+        self._schedule.step_id += 1
+        self._count()
+        return result
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave out the open video: a copy keeps the counters and records from its next trigger on."""
+        return {name: value for name, value in vars(self).items() if name not in ("_recorder", "_finalizer")}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._watch()
+
+
+class FrameObserver:
+    """An observer of an environment that writes each frame to a `VideoRecorder`."""
+
+    def __init__(self, env: AtariEnv, recorder: VideoRecorder) -> None:
+        self._env, self._recorder = env, recorder
+
+    def game_begun(self) -> None:
+        """Record the first screen of a game."""
+        self._recorder.begin_game()
+        self._recorder.write_frame(self._env.core)
+
+    def frame_played(self, action: int, reward: int) -> None:
+        """Record a frame."""
+        self._recorder.write_frame(self._env.core, action, reward)

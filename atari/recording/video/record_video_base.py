@@ -1,0 +1,98 @@
+"""`RecordVideoBase`: the common base of `RecordVideo` and `RecordVectorVideo`.
+
+It begins and ends videos and counts episodes and steps. The subclasses record the frames of a step.
+"""
+
+import os
+import weakref
+from typing import Any
+
+from gymnasium import logger
+
+from atari.recording.video.recorder import VideoRecorder, VideoSettings
+from atari.recording.video.schedule import Schedule
+
+
+class RecordVideoBase:
+    """The first base class of a recording wrapper.
+
+    The wrapper calls `_before_episode`, `_before_step` and `_count`, and writes its frames to `_recorder`.
+    """
+
+    video_folder: str
+    _settings: VideoSettings
+    _schedule: Schedule
+
+    def _make_recorder(self) -> None:
+        self._recorder = VideoRecorder(self._settings)
+        self._finalizer = weakref.finalize(self, self._recorder.stop)  # without a call of close
+
+    @property
+    def recording(self) -> bool:
+        """Whether a video is being written."""
+        return self._recorder.recording
+
+    @property
+    def episode_id(self) -> int:
+        """The number of this episode (in a vector, of environment `index`), from 0; -1 before the first."""
+        return self._schedule.episode_id
+
+    @property
+    def step_id(self) -> int:
+        """The number of the last step over all episodes, from 0; -1 before the first."""
+        return self._schedule.step_id
+
+    def start_recording(self, video_name: str) -> None:
+        """Complete the current video and begin one of this name, which has no suffix.
+
+        Raises:
+            OSError: a file cannot be written.
+        """
+        self.stop_recording()
+        self._recorder.start(self._settings.path(self.video_folder, video_name))
+        self._schedule.start_video()
+
+    def stop_recording(self) -> None:
+        """Complete the video; without one, do nothing.
+
+        Raises:
+            OSError: the rest of the file cannot be written.
+        """
+        self._recorder.stop()
+
+    def _before_episode(self) -> None:
+        if self.recording and self._schedule.by_episode:
+            self.stop_recording()
+        if (name := self._schedule.episode_video()) is not None:
+            self.start_recording(name)
+
+    def _before_step(self) -> None:
+        if (name := self._schedule.step_video()) is not None:
+            self.start_recording(name)
+
+    def _count(self) -> None:
+        if self.recording and self._schedule.count_step():
+            self.stop_recording()
+
+    def close(self, **kwargs: Any) -> None:
+        """Complete the video and close the environment."""
+        try:
+            self._recorder.raise_deferred_error()
+            self.stop_recording()
+        finally:
+            super().close(**kwargs)  # type: ignore[misc]  # the wrapper's
+
+
+def make_folder(video_folder: str | os.PathLike[str]) -> str:
+    """Create the folder of the videos, warn if it exists, and return its absolute path.
+
+    Raises:
+        OSError: the folder cannot be created or written to.
+    """
+    folder = os.path.abspath(video_folder)
+    if os.path.isdir(folder):
+        logger.warn(f"videos of the same names in {folder} will be replaced; choose another video_folder to keep them")
+    os.makedirs(folder, exist_ok=True)
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise PermissionError(f"videos cannot be written into {folder}; choose another video_folder")
+    return folder

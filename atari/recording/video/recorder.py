@@ -1,0 +1,145 @@
+"""`VideoRecorder`: writes the frames of a core to video files, and defers the errors of writing."""
+
+import errno
+import os
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from atari.actions import Action
+from atari.cores import ByteArray, Core
+from atari.recording.deferred_error import DeferredErrorMixin
+from atari.recording.video.encoder import import_av
+from atari.recording.video.formats import FORMATS
+from atari.recording.video.options import VideoOptions
+from atari.recording.video.writer import VideoWriter
+from atari.validation import check_name
+
+OVERLAYS = ("score", "action", "ram")
+_RAM_LINES = 8
+
+
+class VideoSettings:
+    """The settings of all videos of a wrapper.
+
+    Args:
+        format: name of a format, such as "mp4".
+        size: (rows, columns) of the frames.
+        fps: frames a second.
+        scale: a pixel becomes `2 * scale` x `scale` pixels of the video.
+        sound: whether to record sound, if the format has it.
+        overlay: the values written below the frame, from `OVERLAYS`.
+
+    Raises:
+        TypeError, ValueError: an argument has the wrong type or is out of range.
+        gymnasium.error.DependencyNotInstalled: PyAV is not installed.
+    """
+
+    def __init__(
+        self,
+        format: str,
+        size: tuple[int, int],
+        fps: Fraction | float,
+        scale: int,
+        sound: bool,
+        overlay: tuple[str, ...] | None,
+    ) -> None:
+        check_name("format", format, [suffix[1:] for suffix in FORMATS])
+        if isinstance(overlay, str) or not set(overlay or ()) <= set(OVERLAYS):
+            raise ValueError(f"overlay is a tuple of some of {', '.join(map(repr, OVERLAYS))}, got {overlay!r}")
+        self.format, self.size, self.fps, self.scale = format, size, fps, scale
+        self.sound = bool(sound) and FORMATS[f".{format}"].sound is not None
+        self.overlay = tuple(overlay or ())
+        self.caption_lines = bool({"score", "action"} & set(self.overlay)) + _RAM_LINES * ("ram" in self.overlay)
+        VideoOptions.check(self.path("", "x"), size, fps, **self._options())
+        if FORMATS[f".{format}"].container:
+            import_av()
+
+    def _options(self) -> dict[str, Any]:
+        return {"scale": self.scale, "sound": self.sound, "caption_lines": self.caption_lines}
+
+    def path(self, folder: str | os.PathLike[str], name: str) -> Path:
+        """Return the path of a video of this name."""
+        return Path(folder, name, "%06d.png") if self.format == "png" else Path(folder, f"{name}.{self.format}")
+
+    def writer(self, path: Path) -> VideoWriter:
+        """Open a new file."""
+        return VideoWriter(path, self.size, self.fps, **self._options())
+
+
+class VideoRecorder(DeferredErrorMixin):
+    """The writer of the frames of an environment's core. It owns the open video file, at most one."""
+
+    def __init__(self, settings: VideoSettings) -> None:
+        self._settings = settings
+        self._writer: VideoWriter | None = None
+        self._score = 0
+
+    @property
+    def recording(self) -> bool:
+        """Whether a video is being written."""
+        return self._writer is not None
+
+    @property
+    def frames(self) -> int:
+        """Frames in the current video; 0 without one."""
+        return 0 if self._writer is None else self._writer.frames
+
+    def start(self, path: Path) -> None:
+        """Begin a video.
+
+        Raises:
+            OSError: the file cannot be written.
+        """
+        self._writer = self._settings.writer(path)
+
+    def stop(self) -> None:
+        """Complete the video.
+
+        Raises:
+            OSError: the last of it cannot be written.
+        """
+        writer, self._writer = self._writer, None
+        if writer is not None:
+            writer.close()
+
+    def begin_game(self) -> None:
+        """Set the score in the overlay to 0."""
+        self._score = 0
+
+    def write_frame(
+        self, core: Core, action: int | None = None, reward: int = 0, image: ByteArray | None = None
+    ) -> None:
+        """Append a frame. It defers errors, because it is called in the middle of steps.
+
+        Args:
+            core: the core whose screen, sound and overlay values are recorded.
+            action: ALE's number of the action of the frame; None is no action and silence.
+            reward: the reward of the frame.
+            image: recorded in place of the core's screen.
+        """
+        self._score += reward
+        writer = self._writer
+        if writer is None:
+            return
+        samples = core.audio() if self._settings.sound and action is not None else None
+        caption = self._caption(core, action) if self._settings.overlay else ""
+        try:
+            writer.write(core.screen_rgb() if image is None else image, samples, caption)
+        except Exception as error:
+            self._writer = None
+            text = f"the recording has ended after {writer.frames} frames: {getattr(error, 'strerror', error)}"
+            self._deferred_error = OSError(getattr(error, "errno", None) or errno.EIO, text, str(writer.path))
+            self._deferred_error.__cause__ = error
+
+    def _caption(self, core: Core, action: int | None) -> str:
+        words = []
+        if "score" in self._settings.overlay:
+            words.append(f"score {self._score}")
+        if "action" in self._settings.overlay:
+            words.append(f"action {'-' if action is None else Action(action).name}")
+        lines = ["   ".join(words)] if words else []
+        if "ram" in self._settings.overlay:
+            rows = core.ram().reshape(_RAM_LINES, 16)
+            lines += [f"{128 + 16 * i:02X}:  {rows[i].tobytes().hex(' ').upper()}" for i in range(_RAM_LINES)]
+        return "\n".join(lines)

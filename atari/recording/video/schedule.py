@@ -1,0 +1,78 @@
+"""`Schedule`: the episodes and steps that Gymnasium's `RecordVideo` would record, with the same file names.
+
+Gymnasium decides after a reset or a step and records the frame after it. `Schedule` decides before the reset or step,
+so that the video includes the frames inside it. The recorded episodes and steps are the same.
+"""
+
+from collections.abc import Callable
+from math import inf
+
+from atari.validation import check_integer
+
+Trigger = Callable[[int], bool]
+
+
+def capped_cubic_video_schedule(episode_id: int) -> bool:
+    """Return whether Gymnasium's default records an episode: 0, 1, 8, 27, ... 729, 1000, then every 1000th."""
+    if episode_id < 1000:
+        return bool(round(episode_id ** (1.0 / 3)) ** 3 == episode_id)
+    return episode_id % 1000 == 0
+
+
+class Schedule:
+    """The counters of episodes and steps, and the names of the videos that begin with the next one.
+
+    Args:
+        episode_trigger: returns whether to record an episode, by its number; without any trigger, Gymnasium's default.
+        step_trigger: returns whether to begin a video at a step, by its number over all episodes.
+        video_length: steps after which a video ends, counting resets; 0 ends it with the episode.
+        name_prefix: the start of the file names.
+
+    Raises:
+        TypeError, ValueError: a trigger is not a function, or the length is not an integer of 0 or more.
+    """
+
+    def __init__(
+        self, episode_trigger: Trigger | None, step_trigger: Trigger | None, video_length: int, name_prefix: str
+    ) -> None:
+        if episode_trigger is None and step_trigger is None:
+            episode_trigger = capped_cubic_video_schedule
+        for name, trigger in (("episode_trigger", episode_trigger), ("step_trigger", step_trigger)):
+            if trigger is not None and not callable(trigger):
+                raise TypeError(f"{name} is a function of a number, got {trigger!r}")
+        self.episode_trigger, self.step_trigger = episode_trigger, step_trigger
+        self.video_length: float = check_integer("video_length", video_length, 0, 2**31) or inf
+        self.name_prefix = name_prefix
+        self.episode_id = self.step_id = -1
+        self._checked_episode = self._checked_step = -1
+        self._counted = 0
+
+    @property
+    def by_episode(self) -> bool:
+        """Whether videos end with their episode."""
+        return self.video_length == inf
+
+    def episode_video(self) -> str | None:
+        """Return the name of the video that begins with the next episode, or None. Each trigger is called once."""
+        number = self.episode_id + 1
+        if self.episode_trigger is None or number == self._checked_episode:
+            return None
+        self._checked_episode = number
+        return f"{self.name_prefix}-episode-{number}" if self.episode_trigger(number) else None
+
+    def step_video(self) -> str | None:
+        """Return the name of the video that begins with the next step, or None. Each trigger is called once."""
+        number = self.step_id + 1
+        if self.step_trigger is None or number == self._checked_step:
+            return None
+        self._checked_step = number
+        return f"{self.name_prefix}-step-{number}" if self.step_trigger(number) else None
+
+    def start_video(self) -> None:
+        """Reset the counter of the steps in a video."""
+        self._counted = 0
+
+    def count_step(self) -> bool:
+        """Count a recorded step or reset and return whether it is the video's last one."""
+        self._counted += 1
+        return self._counted > self.video_length

@@ -1,0 +1,90 @@
+"""`ShadowCore`: a core that repeats the actions of one environment of a vector, frame by frame."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from atari.cores import ByteArray, NativeCore
+from atari.vector import AtariVectorEnv
+
+
+@dataclass(frozen=True)
+class ActionRepeat:
+    """The frames of one environment in one step: an ALE action, its strength, and how often it was repeated."""
+
+    action: int
+    strength: float
+    frames: int
+
+
+class ShadowCore:
+    """A native core with sound that repeats the frames of environment `index` of a vector.
+
+    `synchronize` before a step copies the environment's state. After the step `action_repeat` returns what the
+    environment has played, `play` repeats it frame by frame, and `check` compares the two states.
+    """
+
+    def __init__(self, vector: AtariVectorEnv, index: int) -> None:
+        self.index = index
+        self._member = vector.members[index]
+        self._options = vector._options
+        self.core = NativeCore(
+            self._member.game,
+            repeat_action_probability=self._options.protocol.repeat_action_probability,
+            max_num_frames_per_episode=self._options.protocol.max_num_frames_per_episode,
+            sound=True,
+            rom=self._options.rom,
+        )
+        self.screen: ByteArray = self.core.screen_rgb()
+        """The core's current screen, (height, 160, 3) uint8."""
+        self.played: tuple[int, int] | None = None
+        """Action and reward of the frame of the last `play`; None if that call played no frame."""
+
+    def synchronize(self) -> bool:
+        """Copy the environment's state if it differs, and return whether the copy is from another episode."""
+        core, member = self.core, self._member
+        if core.frame_number == member.frame_number and (core.ram() == member.ram()).all():
+            return False
+        before = core.episode_frame_number
+        member.copy_to(core)
+        self.screen = core.screen_rgb()
+        return core.episode_frame_number < before
+
+    def check(self) -> None:
+        """Check after a step that the environment has the same RAM as this core.
+
+        Raises:
+            RuntimeError: it differs, because the environment got another action.
+        """
+        core, member = self.core, self._member
+        numbers = (core.frame_number, core.episode_frame_number)
+        if numbers == (member.frame_number, member.episode_frame_number) and (core.ram() != member.ram()).any():
+            raise RuntimeError(
+                f"environment {self.index} was given another action than the recorder; put RecordVectorVideo inside "
+                "the wrappers that change actions"
+            )
+
+    def action_repeat(self, actions: Any, was_reset: bool, info: dict[str, Any]) -> ActionRepeat:
+        """Return what the environment has played since `synchronize`, in a step with these actions and results.
+
+        Args:
+            actions: the actions of all environments, as passed to `step`.
+            was_reset: whether autoreset was due for the environment. With episodic life it may have only continued.
+            info: the infos that `step` returned.
+        """
+        indices, strengths = self._options.moves(actions)
+        action = int(self._options.actions[self.index][int(indices[self.index])])
+        strength = 1.0 if strengths is None else float(strengths[self.index])
+        ended = "_final_info" in info and bool(info["_final_info"][self.index])
+        numbers = info["final_info"] if ended else info
+        frame, episode_frame = (int(numbers[name][self.index]) for name in ("frame_number", "episode_frame_number"))
+        if was_reset and (not self._options.protocol.life_loss_info or episode_frame < self.core.episode_frame_number):
+            return ActionRepeat(action, strength, 0)
+        return ActionRepeat(action, strength, max(0, frame - self.core.frame_number))
+
+    def play(self, repeat: ActionRepeat, frame: int) -> None:
+        """Play frame number `frame` of an action repeat; after its last frame, do nothing."""
+        self.played = None
+        if frame < repeat.frames:
+            reward = self.core.act(repeat.action, repeat.strength)
+            self.played = repeat.action, reward
+            self.screen = self.core.screen_rgb()

@@ -1,0 +1,153 @@
+"""`VideoWriter`: writes frames and their sound to a video file, frame by frame.
+
+A video shows what the console showed on a television. The console's pixels are about twice as wide as high, so each
+becomes a block of 2 x 1 times an integer scale, without blur. The frame rate is exact: it follows from the console's
+colour clock. A frame's sound lasts exactly as long as the frame.
+
+FFmpeg encodes, inside PyAV (extra `video`). `formats.py` has the formats.
+"""
+
+from fractions import Fraction
+from os import PathLike
+from types import MappingProxyType, TracebackType
+from typing import Any
+
+import numpy as np
+
+from atari.cores import ByteArray
+from atari.games.game import Game
+from atari.recording.video.audio import SAMPLES_PER_FRAME
+from atari.recording.video.encoder import FFmpegEncoder, PngEncoder
+from atari.recording.video.images import add_caption, enlarge
+from atari.recording.video.options import VideoOptions
+
+COLOUR_CLOCKS_PER_LINE = 228
+COLOUR_CLOCK_HZ = MappingProxyType(
+    {
+        "NTSC": Fraction(315_000_000, 88),  # the colour subcarrier, 3.579545 MHz
+        "PAL": Fraction(3_546_895),  # four fifths of the colour subcarrier, 4.43361875 MHz
+        "SECAM": Fraction(228 * 15_625),  # the standard's 15,625 lines a second
+    }
+)
+LINES_PER_FRAME = MappingProxyType({"NTSC": 262, "PAL": 312, "SECAM": 312})
+
+
+def frame_rate(game: Game) -> Fraction:
+    """Return the console's frames a second for `game`: 59.92 with NTSC, 49.86 with PAL.
+
+    It is exact for a game that draws the lines of its TV format (262 or 312 of 228 colour clocks each), as nearly all
+    games do. Divide it by the frame skip for a video of one frame a step.
+    """
+    tv = game.screen.format
+    return COLOUR_CLOCK_HZ[tv] / (COLOUR_CLOCKS_PER_LINE * LINES_PER_FRAME[tv])
+
+
+class VideoWriter:
+    """A video file that grows by one frame, with its sound, at each `write`.
+
+    Use it in a `with` statement, or call `close`, which completes the file. A writer that is closed without a frame
+    leaves no file. If the process is killed, the file plays up to its last second.
+
+    The suffix of the file name chooses the format:
+
+    ======= ===================== ===============================================================================
+    .mp4    H.264, AAC            plays nearly everywhere
+    .mkv    FFV1, FLAC            lossless: pixels and samples as they were written, `(samples - 128) * 128`
+    .webm   VP9, Opus             for web pages
+    .gif    exact colours, silent at most 50 frames a second; from 59.92, one frame in six is dropped
+    .png    lossless, silent      a file a frame; the name has a placeholder for the number, such as "pong/%06d.png"
+    ======= ===================== ===============================================================================
+
+    Args:
+        path: the file. Its folder is created, and a file of this name replaced.
+        size: (rows, columns) of the frames, such as `game.screen.shape`.
+        fps: frames a second, such as `frame_rate(game)`.
+        scale: a pixel of the frame becomes `2 * scale` columns and `scale` rows of the video. MP4 and WebM store
+            colours for blocks of 2 x 2, so with an odd scale the colours of neighbouring rows mix at edges.
+        pixel_aspect: (columns, rows) of a pixel at scale 1: (2, 1) on this console; other environments have (1, 1).
+        sound: whether the video has a sound track. A frame's samples last as long as the frame, so `fps` must be the
+            rate of emulated frames, not of steps.
+        caption_lines: lines of text below the frame, `8 * scale` rows each, for the captions passed to `write`.
+
+    Raises:
+        TypeError, ValueError: an argument has the wrong type or is out of range.
+        OSError: the file cannot be written.
+        gymnasium.error.DependencyNotInstalled: PyAV is not installed.
+    """
+
+    frames: int = 0
+    """Frames written so far."""
+
+    def __init__(
+        self,
+        path: str | PathLike[str],
+        size: tuple[int, int],
+        fps: Fraction | float,
+        *,
+        scale: int = 2,
+        pixel_aspect: tuple[int, int] = (2, 1),
+        sound: bool = False,
+        caption_lines: int = 0,
+    ) -> None:
+        options = VideoOptions.check(
+            path, size, fps, scale=scale, pixel_aspect=pixel_aspect, sound=sound, caption_lines=caption_lines
+        )
+        self._options = options
+        self.path = options.path
+        self.sound = options.sound
+        self._encoder: FFmpegEncoder | PngEncoder | None = (
+            FFmpegEncoder(options) if options.format.container else PngEncoder(self.path)
+        )
+
+    def write(self, rgb: ByteArray, samples: ByteArray | None = None, caption: str = "") -> None:
+        """Append one frame and its sound.
+
+        Args:
+            rgb: the frame, (rows, columns, 3) uint8.
+            samples: `core.audio()` after the frame, (512,) uint8; None is silence. Ignored in a video without sound.
+            caption: text below the frame, up to `caption_lines` lines.
+
+        Raises:
+            TypeError, ValueError: an array has another shape or dtype, or the video is closed.
+            OSError: the file cannot be written, for example because the disk is full. The video is then closed.
+        """
+        if self._encoder is None:
+            raise ValueError(f"{self.path} is closed; make a new VideoWriter")
+        _check_array("a screen", rgb, self._options.shape)
+        if samples is not None and self.sound:
+            _check_array("the sound of a screen", samples, (SAMPLES_PER_FRAME,))
+        scale, lines = self._options.scale, self._options.caption_lines
+        image = np.ascontiguousarray(rgb)
+        if lines or not self._options.format.enlarges:
+            image = enlarge(image, *(scale * side for side in self._options.pixel_aspect))
+        if lines:
+            image = add_caption(image, caption, lines, scale)
+        try:
+            self._encoder.write(image, samples)
+        except Exception:
+            encoder, self._encoder = self._encoder, None
+            encoder.close(broken=True)
+            raise
+        self.frames += 1
+
+    def close(self) -> None:
+        """Complete the file. A second call does nothing."""
+        encoder, self._encoder = self._encoder, None
+        if encoder is not None:
+            encoder.close()
+
+    def __enter__(self) -> "VideoWriter":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def _check_array(what: str, array: Any, shape: tuple[int, ...]) -> None:
+    if not isinstance(array, np.ndarray) or array.dtype != np.uint8:
+        kind = array.dtype if isinstance(array, np.ndarray) else type(array).__name__
+        raise TypeError(f"{what} is a uint8 array of shape {shape}, got {kind}")
+    if array.shape != shape:
+        raise ValueError(f"{what} of this video has shape {shape}, got {array.shape}")

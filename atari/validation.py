@@ -1,0 +1,89 @@
+"""Checks of arguments that users pass, for all parts of the package.
+
+Each function returns the checked value. It raises `TypeError` for a value of the wrong kind and `ValueError` for a
+value out of range; the message has the argument's name, what is accepted, and the value.
+"""
+
+import math
+import operator
+from collections.abc import Iterable
+from typing import Any
+
+
+def check_integer(name: str, value: Any, low: int, high: int) -> int:
+    """`value` as an int within low..high; bools are refused, NumPy integers accepted."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        number = None
+    if number is None or isinstance(value, bool):
+        raise TypeError(f"{name} must be an integer within {low}..{high}, got {value!r}")
+    if not low <= number <= high:
+        raise ValueError(f"{name} must be within {low}..{high}, got {number}")
+    return number
+
+
+def check_probability(name: str, value: Any) -> float:
+    """`value` as a float within 0..1."""
+    try:
+        number = math.nan if isinstance(value, (bool, str)) else float(value)
+    except (TypeError, ValueError):
+        number = math.nan
+    if math.isnan(number):
+        raise TypeError(f"{name} must be a number within 0..1, got {value!r}")
+    if not 0.0 <= number <= 1.0:
+        raise ValueError(f"{name} must be within 0..1, got {number}")
+    return number
+
+
+def check_name(name: str, value: Any, choices: Iterable[str]) -> str:
+    """`value`, which must be one of `choices`."""
+    choices = tuple(choices)
+    if value not in choices:
+        raise ValueError(f"{name} must be one of {', '.join(map(repr, choices))}, got {value!r}")
+    return str(value)
+
+
+def check_action(action: Any) -> int:
+    """`action` as an ALE action number 0..17."""
+    try:
+        number = operator.index(action)
+    except TypeError:
+        raise TypeError(f"an action is an integer 0..17, got {action!r}") from None
+    if not 0 <= number <= 17:
+        raise ValueError(f"an ALE action number is within 0..17, got {number}")
+    return number
+
+
+def check_strength(strength: Any) -> float:
+    """`strength` as a finite float that cannot overflow a paddle's position."""
+    try:
+        number = None if isinstance(strength, str) else float(strength)
+    except (TypeError, ValueError):
+        number = None
+    if number is None:
+        raise TypeError(f"strength must be a number, got {strength!r}")
+    if not abs(number) <= 1000.0:  # written so that NaN fails too
+        raise ValueError(f"strength must be finite and at most 1000 in magnitude, got {number}")
+    return number
+
+
+def check_poke(index: Any, value: Any) -> tuple[int, int]:
+    """The arguments of `set_ram` as two ints."""
+    return check_integer("index", index, 0, 127), check_integer("value", value, 0, 255)
+
+
+def check_frameskip(frameskip: Any) -> int | tuple[int, int]:
+    """`frameskip` as a number of frames, or as (low, high).
+
+    Raises:
+        TypeError, ValueError: it is neither, or the range low..high-1 is empty.
+    """
+    if not isinstance(frameskip, (tuple, list)):
+        return check_integer("frameskip", frameskip, 1, 10_000)
+    if len(frameskip) != 2:
+        raise ValueError(f"a frameskip range is (low, high), got {frameskip!r}")
+    low, high = (check_integer("frameskip", bound, 1, 10_000) for bound in frameskip)
+    if low >= high:
+        raise ValueError(f"a frameskip range (low, high) is low..high-1 frames and needs low < high, got {frameskip!r}")
+    return low, high

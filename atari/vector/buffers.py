@@ -1,0 +1,118 @@
+"""The memory of the results of a vector environment's batch.
+
+Observations are lent to the user without a copy: each array that a user gets owns a loan of the memory. When the last
+of these arrays has gone, and with it their views and tensors, the memory can be written again.
+"""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from gymnasium import spaces
+from gymnasium.vector import AutoresetMode
+
+from atari import _emulator
+from atari.vector.options import VectorOptions
+
+_UINT8, _ndarray = np.dtype(np.uint8), np.ndarray  # found once: they are used at every step
+_FINAL_INFO = ("lives", "frame_number", "episode_frame_number")
+
+
+class Results:
+    """The arrays of one batch.
+
+    Args:
+        engine: the engine that writes them.
+        options: its options.
+        out: the user's array, or dict of arrays, for the observations.
+
+    Raises:
+        TypeError, ValueError: `out` does not fit.
+    """
+
+    def __init__(self, engine: _emulator.VectorEngine, options: VectorOptions, out: Any = None) -> None:
+        space, rows = options.observation_space(), options.batch_size
+        parts = space.spaces if isinstance(space, spaces.Dict) else {"": space}
+        self._named = isinstance(space, spaces.Dict)
+        shapes = {name: (rows, *(part.shape or ())) for name, part in parts.items()}
+        self._observation = _checked(out, shapes) if out is not None else _empty(shapes)
+        self._final = _empty(shapes) if options.autoreset_mode == AutoresetMode.SAME_STEP else {}
+        self._numbers, self._flags = np.zeros((8, rows), np.int32), np.zeros((3, rows), np.bool_)
+        # Methods that copy a row, without those of ended episodes.
+        self._copies = tuple(row.copy for row in (*self._numbers[:5], *self._flags[:2]))
+        self._all_rows = np.ones(rows, np.bool_)
+        self._all_rows.flags.writeable = False
+        pixels, ram = options.part_names()
+        self.batch = _emulator.Batch(
+            engine,
+            pixels=self._observation.get(pixels),
+            ram=self._observation.get(ram),
+            final_pixels=self._final.get(pixels),
+            final_ram=self._final.get(ram),
+            numbers=self._numbers,
+            flags=self._flags,
+        )
+        # Arrays of the user's own are returned as they are.
+        self._lenders = {} if out is not None else _lenders(self._observation)
+        self._final_lenders = _lenders(self._final)
+        self._all_lenders = [*self._lenders.values(), *self._final_lenders.values()]
+
+    def lent(self) -> bool:
+        """Whether the user still holds observations in this memory."""
+        for lender in self._all_lenders:  # noqa: SIM110, done at every step: a generator takes twice the time
+            if lender.lent:
+                return True
+        return False
+
+    def read(self, action_masks: npt.NDArray[np.bool_] | None) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """Observations, lent where they are, and copies of all other arrays."""
+        all_rows = self._all_rows
+        of_reward, of_env_id, of_lives, of_frame, of_episode_frame, of_terminated, of_truncated = self._copies
+        env_id, terminated, truncated = of_env_id(), of_terminated(), of_truncated()
+        info: dict[str, Any] = {  # written out, as this is done at every step
+            "env_id": env_id,
+            "_env_id": all_rows,
+            "lives": of_lives(),
+            "_lives": all_rows,
+            "frame_number": of_frame(),
+            "_frame_number": all_rows,
+            "episode_frame_number": of_episode_frame(),
+            "_episode_frame_number": all_rows,
+        }
+        if action_masks is not None:
+            info["action_mask"], info["_action_mask"] = action_masks[env_id], all_rows
+        if self._final and (terminated.any() or truncated.any()):
+            ended = self._flags[2].copy()
+            final_info: dict[str, Any] = {}
+            for name, values in zip(_FINAL_INFO, self._numbers[5:].copy(), strict=True):
+                final_info[name], final_info["_" + name] = values, ended
+            info["final_obs"], info["_final_obs"] = self._lend(self._final, self._final_lenders), ended
+            info["final_info"], info["_final_info"] = final_info, ended
+        return self._lend(self._observation, self._lenders), of_reward(), terminated, truncated, info
+
+    def _lend(self, parts: dict[str, npt.NDArray[np.uint8]], lenders: dict[str, Any]) -> Any:
+        if not lenders:
+            return dict(parts) if self._named else parts[""]
+        if not self._named:
+            return _ndarray(parts[""].shape, _UINT8, lenders[""].lend())
+        return {name: _ndarray(parts[name].shape, _UINT8, lender.lend()) for name, lender in lenders.items()}
+
+
+def _lenders(parts: dict[str, npt.NDArray[np.uint8]]) -> dict[str, _emulator.ArrayLender]:
+    return {name: _emulator.ArrayLender(array) for name, array in parts.items()}
+
+
+def _empty(shapes: dict[str, tuple[int, ...]]) -> dict[str, npt.NDArray[np.uint8]]:
+    return {name: np.zeros(shape, np.uint8) for name, shape in shapes.items()}
+
+
+def _checked(out: Any, shapes: dict[str, tuple[int, ...]]) -> dict[str, npt.NDArray[np.uint8]]:
+    parts = out if isinstance(out, dict) else {"": out}
+    if set(parts) != set(shapes):
+        raise TypeError(f"out must be {'a dict of ' + ' and '.join(shapes) if '' not in shapes else 'an array'}")
+    for name, shape in shapes.items():
+        array = parts[name]
+        good = isinstance(array, np.ndarray) and array.dtype == np.uint8 and array.shape == shape
+        if not (good and array.flags.c_contiguous and array.flags.writeable):
+            raise ValueError(f"out must be a writable C-contiguous uint8 array of shape {shape}")
+    return dict(parts)

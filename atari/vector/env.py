@@ -1,0 +1,397 @@
+"""`AtariVectorEnv`: many Atari games as one Gymnasium vector environment, played in C++ by a pool of threads.
+
+Frame skip, pooling, scaling and stacking happen where the games are played, and results are written straight into the
+arrays that the user gets. Options, their defaults and what they do are those of ale-py's environment of the same name;
+equality to the byte is a test. What is added is marked below.
+"""
+
+import copy
+import math
+import operator
+import os
+from collections.abc import Iterable, Sequence
+from functools import cached_property
+from os import PathLike
+from typing import Any, Literal
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+from gymnasium import spaces
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from atari import _emulator
+from atari.cores import ByteArray
+from atari.games.game import Game
+from atari.rendering import tile
+from atari.vector.buffers import Results
+from atari.vector.members import Member
+from atari.vector.options import VectorOptions
+from atari.vector.seeds import seed_words
+
+ObsType = Literal["grayscale", "rgb", "ram", "dict"]
+GameLike = str | PathLike[str] | Game
+IntArray = npt.NDArray[np.int64]
+
+
+class AtariVectorEnv(VectorEnv[Any, Any, Any]):
+    """Environments of one game, or of several, played together.
+
+    Observations are uint8: (batch, stack_num, img_height, img_width), in RGB with a last axis of 3, the oldest frame
+    first; rewards int32, terminations and truncations bool, each (batch,). **Observations stay as they are while you
+    hold them**, or a view or a tensor of them. Their memory is written again, by the step after the next or a later
+    one, when the last reference has gone. A loop that drops them needs two buffers; to keep many, pass `out`. All other
+    arrays are new each time.
+
+    `info` has, (batch,) each, int32: `env_id`, `lives`, `frame_number`, `episode_frame_number`, with Gymnasium's masks
+    (`_lives`, ...). In SAME_STEP, when an episode has ended (or a life was lost, with `life_loss_info`), also
+    `final_obs`, of the shape of the observations and zero where nothing ended, its mask `_final_obs`, and `final_info`,
+    `_final_info`.
+
+    Args:
+        game: id such as "breakout", or the path of a game file of your own; a sequence has one for each environment
+            (added). Games whose actions differ get all 18 as their common action space; `info["action_mask"]`, bool
+            (batch, 18), says which of them a game uses.
+        num_envs: how many environments; may be left out if `game` is a sequence.
+        batch_size: results of so many environments make a batch, 0 is all. With fewer than all, `recv` returns the
+            first that are ready, and `info["env_id"]` says which.
+        num_threads: at most so many, of which the caller's is one; 0 is as many as the machine has cores.
+        thread_affinity_offset: if 0 or more, bind thread i to core offset + i, but not the caller's own (Linux).
+        max_num_frames_per_episode: truncate after so many frames, not counting the no-ops; None is never.
+        repeat_action_probability: of repeating the previous action, drawn each frame ("sticky actions"); None is 0.0,
+            or what the preset has.
+        full_action_space: all legal actions (18 in nearly all games) instead of those the game uses; None is False, or
+            what the preset has.
+        continuous: actions are (batch, 3) float32: radius, angle, fire (Farebrother and Castro 2024, "CALE").
+        continuous_action_threshold: how far the stick must be moved, or fire pressed, to count.
+        autoreset_mode: `gymnasium.vector.AutoresetMode` or its value. With DISABLED (added), environments that are done
+            ignore actions, with reward 0, until `reset(options={"reset_mask": ...})`.
+        img_height, img_width: of the frames; no larger than the game's (210 x 160 in most), and no narrower than 11.
+        grayscale: False is RGB.
+        stack_num: frames in an observation.
+        frameskip: frames for each action; (low, high) draws from low..high-1 each step (added).
+        maxpool: show the maximum of a skip's last two frames; False shows the last one.
+        noop_max: an episode begins with 0 to noop_max-1 frames of NOOP, among which the FIRE below counts as one.
+        episodic_life: a lost life ends the episode. The next one is a new game (in most other implementations it is
+            the same one, going on). None is False, or what the preset has.
+        life_loss_info: a lost life is reported as a termination, but the episode goes on without a reset.
+        reward_clipping: rewards are clipped to -1..1; None is True, or what the preset has.
+        use_fire_reset: an episode begins with FIRE in games that have it.
+        preset: name of a preprocessing, one of `atari.wrappers.PRESETS` (added). Environment i then is
+            `atari.wrappers.preset(env, name)` with seed + i, to the byte: no-ops, FIRE, lost lives, pooling, padding
+            and limits are the preset's, and ale-py's options that shape them must be left out.
+        obs_type: "grayscale", "rgb", "ram" ((batch, 128), no stack), or "dict" of "image" and "ram"; None is what
+            `grayscale` says (added).
+        mode, difficulty: of the game, None the default; a sequence has one for each environment (added).
+        render_mode: "rgb_array" for `render` (added).
+        rom: path of the ROM file; None searches (see `atari.roms`) (added).
+
+    Raises:
+        TypeError, ValueError: an option is of the wrong kind or out of range.
+        FileNotFoundError: no ROM file of a game was found.
+    """
+
+    def __init__(
+        self,
+        game: GameLike | Sequence[GameLike],
+        num_envs: int | None = None,
+        *,
+        batch_size: int = 0,
+        num_threads: int = 0,
+        thread_affinity_offset: int = -1,
+        max_num_frames_per_episode: int | None = 108_000,
+        repeat_action_probability: float | None = None,
+        full_action_space: bool | None = None,
+        continuous: bool = False,
+        continuous_action_threshold: float = 0.5,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        img_height: int = 84,
+        img_width: int = 84,
+        grayscale: bool = True,
+        stack_num: int = 4,
+        frameskip: int | tuple[int, int] = 4,
+        maxpool: bool = True,
+        noop_max: int = 30,
+        episodic_life: bool | None = None,
+        life_loss_info: bool = False,
+        reward_clipping: bool | None = None,
+        use_fire_reset: bool = True,
+        preset: str | None = None,
+        obs_type: ObsType | None = None,
+        mode: int | Sequence[int | None] | None = None,
+        difficulty: int | Sequence[int | None] | None = None,
+        render_mode: Literal["rgb_array"] | None = None,
+        rom: str | PathLike[str] | None = None,
+    ) -> None:
+        given = {key: value for key, value in locals().items() if key not in ("self", "__class__")}
+        self._given = given
+        options = VectorOptions.check(**given)
+        self._options = options
+        self.num_envs = len(options.games)
+        self.batch_size = options.batch_size
+        self.games: tuple[Game, ...] = options.games
+        self.render_mode = render_mode
+        self.metadata = {
+            "autoreset_mode": options.autoreset_mode,
+            "render_modes": ["rgb_array"],
+            "render_fps": options.games[0].screen.frame_rate / (sum(options.protocol.frame_skip) - 1) * 2,
+        }
+        self._engine: _emulator.VectorEngine | None = options.make_engine()
+        self._process = os.getpid()
+        self.single_action_space = options.action_space()
+        self.single_observation_space = options.observation_space()
+        self.action_space = batch_space(self.single_action_space, self.batch_size)
+        self._buffers = [Results(self._engine, options) for _ in range(2)]
+        self._flying: Results | None = None  # what the environments are writing to
+        self._phase: Literal["new", "idle", "sent"] = "new"
+        self._masks = options.action_masks()
+
+    @cached_property
+    def observation_space(self) -> spaces.Space[Any]:  # type: ignore[override]
+        """Of a batch. Made at the first use, because it holds four arrays of its shape."""
+        return batch_space(self.single_observation_space, self.batch_size)
+
+    def reset(
+        self,
+        *,
+        seed: int | Sequence[int | None] | IntArray | None = None,
+        options: dict[str, Any] | None = None,
+    ) -> tuple[Any, dict[str, Any]]:
+        """Reset all environments, or those chosen, and return a batch of first observations.
+
+        Args:
+            seed: environment i gets seed + i; an array has a seed for each environment that is reset, of which negative
+                ones (and None) keep the generator as it is. Below 2**31.
+            options: {"reset_mask": bool (num_envs,)} resets only these; the others are shown as they are.
+
+        Raises:
+            TypeError, ValueError: the seeds or the mask are of the wrong kind or length.
+        """
+        engine = self._open()
+        mask = self._reset_mask(options)
+        seeded, seeds = seed_words(seed, mask, ale=self._options.protocol.order == "ale")
+        self._phase = "new"  # until it has succeeded
+        results = self._take_buffer(None)
+        engine.reset(mask, seeded, seeds, results.batch if self.batch_size == self.num_envs else None)
+        self._flying = results
+        observation, _, _, _, info = self._receive(engine)
+        return observation, info
+
+    def step(self, actions: Any, out: Any = None) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """Play a step of the environments of the last batch.
+
+        Args:
+            actions: integers (batch,), with `continuous` floats (batch, 3); row i is for the environment of row i of
+                the last batch, which is environment i unless `batch_size` is less than `num_envs`.
+            out: where to write the observations, instead of a buffer: a C-contiguous uint8 array of their shape, or
+                with obs_type="dict" a dict of two.
+
+        Returns:
+            Observations, rewards, terminations, truncations and info, see above.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset, or after an error in an environment.
+            TypeError, ValueError: the actions are not in the action space, or `out` does not fit; nothing is played.
+        """
+        engine = self._open()
+        self._send(engine, actions, out)
+        return self._receive(engine)
+
+    def send(self, actions: Any, out: Any = None) -> None:
+        """Begin a step; `recv` returns its results. Arguments and errors are those of `step`.
+
+        With one thread the environments are played in `recv`.
+
+        Raises:
+            gymnasium.error.AlreadyPendingCallError: the last step has not been received.
+        """
+        self._send(self._open(), actions, out)
+
+    def _send(self, engine: _emulator.VectorEngine, actions: Any, out: Any) -> None:
+        if self._phase == "new":
+            raise gymnasium.error.ResetNeeded("call reset() before the first step, and after an error in one")
+        if self._phase == "sent":
+            raise gymnasium.error.AlreadyPendingCallError("call recv() before the next send()", "send")
+        indices, strengths = self._options.moves(actions)
+        results = self._take_buffer(out)
+        engine.start(indices, strengths, results.batch if self.batch_size == self.num_envs else None)
+        self._flying = results
+        self._phase = "sent"
+
+    def recv(self) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """Wait for a batch of results, as `step` returns them.
+
+        Raises:
+            gymnasium.error.NoAsyncCallError: nothing has been sent.
+        """
+        engine = self._open()
+        if self._phase != "sent":
+            raise gymnasium.error.NoAsyncCallError("call send() before recv()", "recv")
+        return self._receive(engine)
+
+    def _receive(self, engine: _emulator.VectorEngine) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        results = self._flying
+        assert results is not None
+        self._phase = "new"  # should an environment have failed
+        engine.receive(results.batch)
+        self._phase = "idle"
+        return results.read(self._masks)
+
+    def observe(self) -> tuple[Any, dict[str, Any]]:
+        """What the environments show now, as `reset` returns it; nothing is played. After `restore` and `fork`."""
+        none = np.zeros(self.num_envs, np.bool_)
+        return self.reset(options={"reset_mask": none})
+
+    def snapshot(self, indices: Iterable[int] | None = None) -> list[_emulator.MemberSnapshot]:
+        """The whole state of some environments, or of all, in memory: game, stack, generators, counters.
+
+        Each can be pickled, and restored in another process.
+
+        Raises:
+            RuntimeError: environments are being played (between `send` and `recv`).
+            IndexError: there is no such environment.
+        """
+        return self._started().snapshot(self._indices(indices))
+
+    def restore(self, indices: Iterable[int] | None, snapshots: Sequence[_emulator.MemberSnapshot]) -> None:
+        """Continue some environments, or all, from snapshots; each may be of any environment of the same game.
+
+        Observations already returned stay as they are; `observe` shows the new ones. The copying is done when an
+        environment is next played or read, by the threads.
+
+        Raises:
+            RuntimeError, IndexError: as `snapshot`.
+            TypeError, ValueError: these are no snapshots, not one for each environment, or of another game or options.
+        """
+        self._started().restore(self._indices(indices), snapshots)
+
+    def fork(self, source: int, targets: Iterable[int]) -> None:
+        """Continue some environments from where another one of the same game is, its generators included.
+
+        Raises:
+            RuntimeError, IndexError, ValueError: as `restore`.
+        """
+        self._started().fork(source, self._indices(targets))
+
+    def render(self) -> tuple[ByteArray, ...] | None:
+        """The screens of all environments, (height, 160, 3) uint8 each; None without a render mode."""
+        if self.render_mode is None:
+            return None
+        engine = self._open()
+        return tuple(engine.screen_rgb(index) for index in range(self.num_envs))
+
+    def mosaic(self) -> ByteArray:
+        """The screens as one image, (height, width, 3) uint8, of as many columns of screens as rows, or one more."""
+        engine = self._open()
+        screens = [engine.screen_rgb(index) for index in range(self.num_envs)]
+        return tile(screens, math.ceil(math.sqrt(len(screens))))
+
+    @property
+    def autoreset_mode(self) -> AutoresetMode:
+        """What happens to environments that are done."""
+        return self._options.autoreset_mode
+
+    @property
+    def members(self) -> tuple[Member, ...]:
+        """The environments one by one: what they are at, their RAM, mode and difficulty."""
+        self._open()
+        return tuple(
+            Member(self._open, index, game, actions)
+            for index, (game, actions) in enumerate(zip(self.games, self._options.action_sets, strict=True))
+        )
+
+    def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
+        """Of each of `members`, the attribute of this name, or what it returns when called with these arguments."""
+        values = [getattr(member, name) for member in self.members]
+        return tuple(value(*args, **kwargs) if callable(value) else value for value in values)
+
+    def get_attr(self, name: str) -> tuple[Any, ...]:
+        """Of each of `members`, the attribute of this name."""
+        return self.call(name)
+
+    def set_attr(self, name: str, values: Any) -> None:
+        """Set an attribute of each of `members`, to one value or to a list or tuple of them.
+
+        Raises:
+            AttributeError: there is none of this name that can be set.
+            TypeError, ValueError: a value is of the wrong kind or out of range; nothing has been set.
+        """
+        if not isinstance(values, (list, tuple)):
+            values = [values] * self.num_envs
+        if len(values) != self.num_envs:
+            raise ValueError(f"there must be a value for each of the {self.num_envs} environments, got {len(values)}")
+        if name not in ("mode", "difficulty"):
+            raise AttributeError(f"'mode' and 'difficulty' can be set, {name!r} cannot")
+        checked = [member.checked(name, value) for member, value in zip(self.members, values, strict=True)]
+        for member, value in zip(self.members, checked, strict=True):
+            setattr(member, name, value)
+        self._given[name] = checked
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickling and copying keep the position in all games; in batches of fewer than all, a reset must follow."""
+        engine = self._open()
+        if self._phase == "sent":
+            raise RuntimeError("environments are being played; call recv() before pickling")
+        states = [engine.save(index) for index in range(self.num_envs)]
+        given = {**self._given, "num_envs": self.num_envs}
+        phase = self._phase if self.batch_size == self.num_envs else "new"
+        return {"given": given, "states": states, "phase": phase, "spec": copy.deepcopy(self.spec)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        AtariVectorEnv.__init__(self, **state["given"])
+        for index, member in enumerate(state["states"]):
+            self._open().load(index, member)
+        self._phase = state["phase"]
+        self.spec = state["spec"]
+
+    def _started(self) -> _emulator.VectorEngine:
+        engine = self._open()
+        if self._phase == "new":
+            raise gymnasium.error.ResetNeeded("call reset() first")
+        return engine
+
+    def _indices(self, indices: Iterable[int] | None) -> list[int]:
+        return list(range(self.num_envs)) if indices is None else [operator.index(index) for index in indices]
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Join the threads and release the environments."""
+        self._engine = None
+        self._flying = None
+        self._buffers = []
+
+    def _open(self) -> _emulator.VectorEngine:
+        if self._engine is None:
+            raise gymnasium.error.ClosedEnvironmentError("this vector environment is closed; make a new one")
+        if self._process != os.getpid():
+            raise RuntimeError(
+                "this vector environment was made before the process was forked, and has no threads here; "
+                "make it in the new process, or start that with the method 'spawn'"
+            )
+        return self._engine
+
+    def _take_buffer(self, out: Any) -> Results:
+        assert self._engine is not None
+        if out is not None:
+            return Results(self._engine, self._options, out)
+        older, newer = self._buffers
+        if not older.lent():
+            older, newer = newer, older
+        elif newer.lent():
+            older, newer = newer, Results(self._engine, self._options)
+        self._buffers = [older, newer]
+        return newer
+
+    def _reset_mask(self, options: dict[str, Any] | None) -> npt.NDArray[np.bool_]:
+        mask = (options or {}).get("reset_mask")
+        if mask is None:
+            return np.ones(self.num_envs, np.bool_)
+        if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
+            raise TypeError(f"reset_mask must be a bool array ({self.num_envs},), got {mask!r}")
+        if mask.shape != (self.num_envs,):
+            raise ValueError(f"reset_mask must have the shape ({self.num_envs},), got {mask.shape}")
+        if self.batch_size != self.num_envs:
+            raise ValueError("reset_mask needs batches of all environments, with batch_size=0")
+        if self._phase == "new" and not mask.all():
+            raise gymnasium.error.ResetNeeded("the first reset must be of all environments, without reset_mask")
+        return np.ascontiguousarray(mask)

@@ -1,0 +1,102 @@
+"""`Member`: one environment of a vector."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from atari import _emulator
+from atari.actions import Action
+from atari.cores import ByteArray, NativeCore
+from atari.games.game import Game
+from atari.validation import check_poke
+
+
+class Member:
+    """The state of environment `index` of a vector: its numbers, RAM, screen, mode and difficulty.
+
+    Not to be used between `send` and `recv` (RuntimeError), nor once the vector is closed (ClosedEnvironmentError).
+    """
+
+    def __init__(
+        self, engine: Callable[[], _emulator.VectorEngine], index: int, game: Game, actions: tuple[Action, ...]
+    ) -> None:
+        self._engine, self.index, self.game, self._actions = engine, index, game, actions
+
+    @property
+    def lives(self) -> int:
+        """Lives left, as the game's rules count them."""
+        return self._engine().numbers(self.index)[0]
+
+    @property
+    def frame_number(self) -> int:
+        """Frames played since the last seed."""
+        return self._engine().numbers(self.index)[1]
+
+    @property
+    def episode_frame_number(self) -> int:
+        """Frames played since the game began."""
+        return self._engine().numbers(self.index)[2]
+
+    @property
+    def mode(self) -> int:
+        """The game's mode; what is set is played from the next reset on."""
+        return self._engine().mode(self.index)
+
+    @mode.setter
+    def mode(self, mode: int) -> None:
+        self._engine().set_mode(self.index, self.checked("mode", mode))
+
+    @property
+    def difficulty(self) -> int:
+        """The game's difficulty; what is set is played from the next frame on."""
+        return self._engine().difficulty(self.index)
+
+    @difficulty.setter
+    def difficulty(self, difficulty: int) -> None:
+        self._engine().set_difficulty(self.index, self.checked("difficulty", difficulty))
+
+    def ram(self) -> ByteArray:
+        """The bytes of RAM, (128,) uint8, a copy."""
+        return np.frombuffer(bytearray(self._engine().ram(self.index)), np.uint8)
+
+    def set_ram(self, index: int, value: int) -> None:
+        """Write one byte of RAM; `index` 0..127, `value` 0..255.
+
+        Raises:
+            TypeError, ValueError: one of them is no such integer.
+        """
+        self._engine().set_ram(self.index, *check_poke(index, value))
+
+    def copy_to(self, core: NativeCore) -> None:
+        """Give a core of the same game the state of this emulator. The core keeps its sticky actions and its limit.
+
+        Raises:
+            ValueError: the core is of another game.
+        """
+        if core.game != self.game:
+            raise ValueError(f"this environment plays {self.game.id}, but the core {core.game.id}; make one of this")
+        core.load(self._engine().save_emulator(self.index))
+
+    def screen_rgb(self) -> ByteArray:
+        """The screen, (height, 160, 3) uint8."""
+        return self._engine().screen_rgb(self.index)
+
+    render = screen_rgb
+
+    def get_action_meanings(self) -> list[str]:
+        """The names of the game's actions, in the order of the action space unless games differ."""
+        return [action.name for action in self._actions]
+
+    def checked(self, name: str, value: Any) -> int:
+        """A mode or difficulty that the game has.
+
+        Raises:
+            TypeError, ValueError: it is none.
+        """
+        choices = {"mode": self.game.modes, "difficulty": self.game.difficulties}[name]
+        if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
+            raise TypeError(f"{name} must be an integer, got {value!r}")
+        if value not in choices:
+            raise ValueError(f"{self.game.id} has no {name} {value}; it has {', '.join(map(str, choices))}")
+        return int(value)

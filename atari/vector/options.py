@@ -1,0 +1,316 @@
+"""The options of a vector environment, checked, and what is made from them: the engine and the spaces."""
+
+import operator
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from os import PathLike
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from gymnasium import spaces
+from gymnasium.vector import AutoresetMode
+
+from atari import _emulator
+from atari.actions import PLAYER_ACTIONS, Action, in_continuous_space, joystick_action, make_action_space
+from atari.cores.native import compiled
+from atari.cores.options import CoreOptions
+from atari.games.catalog import games as catalog
+from atari.games.game import Game
+from atari.protocols import Protocol
+from atari.roms import find
+from atari.roms.image import read_image
+from atari.validation import check_frameskip, check_integer, check_name, check_probability
+from atari.vector.settings import NO_LIMIT, episode_settings, filled, observation_settings
+
+
+@dataclass(frozen=True)
+class VectorOptions:
+    """The options of a vector environment. `check` makes them from the arguments of `AtariVectorEnv`."""
+
+    games: tuple[Game, ...]
+    modes: tuple[int | None, ...]
+    difficulties: tuple[int | None, ...]
+    rom: str | PathLike[str] | None
+    batch_size: int
+    num_threads: int
+    thread_affinity_offset: int
+    continuous: bool
+    threshold: np.float32
+    autoreset_mode: AutoresetMode
+    img_height: int
+    img_width: int
+    obs_type: str
+    grayscale: bool
+    stack_num: int
+    protocol: Protocol
+
+    @classmethod
+    def check(cls, **given: Any) -> "VectorOptions":
+        """The options of `AtariVectorEnv`, checked.
+
+        Raises:
+            TypeError, ValueError: one is of the wrong kind or out of range.
+        """
+        games = _check_games(given["game"], given["num_envs"])
+        threads = check_integer("num_threads", given["num_threads"], -NO_LIMIT, NO_LIMIT)
+        batch_size = check_integer("batch_size", given["batch_size"], 0, len(games)) or len(games)
+        if given["render_mode"] not in (None, "rgb_array"):
+            raise ValueError(f"render_mode must be 'rgb_array' or None, got {given['render_mode']!r}")
+        obs_type, grayscale = _check_obs_type(given["obs_type"], bool(given["grayscale"]))
+        if given["preset"] is not None and obs_type == "rgb":
+            raise ValueError("the presets' pictures are gray; leave obs_type='rgb' out")
+        options = cls(
+            games=games,
+            modes=_spread("mode", given["mode"], len(games)),
+            difficulties=_spread("difficulty", given["difficulty"], len(games)),
+            rom=given["rom"],
+            batch_size=batch_size,
+            num_threads=min(threads if threads > 0 else _cores(), len(games)),
+            thread_affinity_offset=check_integer("thread_affinity_offset", given["thread_affinity_offset"], -1, 10_000),
+            continuous=bool(given["continuous"]),
+            threshold=np.float32(
+                check_probability("continuous_action_threshold", given["continuous_action_threshold"])
+            ),
+            autoreset_mode=_check_autoreset(given["autoreset_mode"]),
+            img_height=check_integer("img_height", given["img_height"], 1, NO_LIMIT),
+            img_width=check_integer("img_width", given["img_width"], 1, NO_LIMIT),
+            obs_type=obs_type,
+            grayscale=grayscale,
+            stack_num=check_integer("stack_num", given["stack_num"], 1, 10_000),
+            protocol=_check_protocol(given),
+        )
+        if options.protocol.third_action:
+            _check_third_actions(options.action_sets, games)
+        for game, mode, difficulty in set(zip(games, options.modes, options.difficulties, strict=True)):
+            CoreOptions.check(
+                game,
+                repeat_action_probability=options.protocol.repeat_action_probability,
+                mode=mode,
+                difficulty=difficulty,
+                frame_skip=1,
+                max_num_frames_per_episode=0,
+                sound=False,
+                color_averaging=False,
+            )
+        return options
+
+    def make_engine(self) -> _emulator.VectorEngine:
+        """The environments and their threads."""
+        games = set(self.games)
+        native = {game: compiled(game, read_image(find(game, self.rom))) for game in games}
+        tables = {game: _gray_of_pairs(game) if self.protocol.pool_rgb else None for game in games}
+        seeds = np.random.SeedSequence().generate_state(9 * len(self.games)).reshape(-1, 9).tolist()
+        members = [
+            filled(
+                _emulator.MemberSpec(),
+                game=native[game],
+                actions=list(map(int, self.actions[index])),
+                action_set=list(map(int, self.action_sets[index])),
+                mode=self.modes[index],
+                difficulty=self.difficulties[index],
+                seed=seeds[index],
+                gray_of_pairs=tables[game],
+            )
+            for index, game in enumerate(self.games)
+        ]
+        threads = filled(
+            _emulator.VectorSettings(),
+            batch_size=self.batch_size,
+            threads=self.num_threads,
+            first_core=self.thread_affinity_offset,
+            autoreset=_emulator.Autoreset[self.autoreset_mode.name],
+        )
+        observation = observation_settings(
+            self.protocol, self._pixel_format(), self.img_height, self.img_width, self.stack_num
+        )
+        return _emulator.VectorEngine(members, episode_settings(self.protocol), observation, threads)
+
+    def _pixel_format(self) -> _emulator.PixelFormat:
+        if self.obs_type == "ram":
+            return _emulator.PixelFormat.NONE
+        if self.protocol.pool_rgb:
+            return _emulator.PixelFormat.GRAY_OF_RGB
+        return _emulator.PixelFormat.GRAY if self.grayscale else _emulator.PixelFormat.RGB
+
+    @cached_property
+    def action_sets(self) -> tuple[tuple[Action, ...], ...]:
+        """By environment, the actions that its game uses."""
+        every = self.protocol.full_action_space or self.continuous
+        return tuple(game.legal_actions if every else game.minimal_actions for game in self.games)
+
+    @property
+    def _mixed(self) -> bool:
+        return len(set(self.action_sets)) > 1
+
+    @property
+    def actions(self) -> tuple[tuple[Action, ...], ...]:
+        """By environment, the action of each index that a user gives."""
+        return (PLAYER_ACTIONS,) * len(self.games) if self.continuous or self._mixed else self.action_sets
+
+    def action_space(self) -> spaces.Space[Any]:
+        """Of one environment."""
+        return make_action_space(self.actions[0], self.continuous)
+
+    def action_masks(self) -> npt.NDArray[np.bool_] | None:
+        """Which actions each game has, (environments, 18) bool; None if all have the same."""
+        if self.continuous or not self._mixed:
+            return None
+        return np.array([[action in actions for action in PLAYER_ACTIONS] for actions in self.action_sets])
+
+    def observation_space(self) -> spaces.Space[Any]:
+        """Of one environment."""
+        colours = () if self.grayscale else (3,)
+        image = spaces.Box(0, 255, (self.stack_num, self.img_height, self.img_width, *colours), np.uint8)
+        ram = spaces.Box(0, 255, (128,), np.uint8)
+        if self.obs_type == "dict":
+            return spaces.Dict({"image": image, "ram": ram})
+        return ram if self.obs_type == "ram" else image
+
+    def part_names(self) -> tuple[str, str]:
+        """The names of image and RAM among the parts of an observation. The part of one that is no dict is named ""."""
+        return {"dict": ("image", "ram"), "ram": ("none", "")}.get(self.obs_type, ("", "none"))
+
+    def moves(self, actions: Any) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float32] | None]:
+        """The indices of actions, (batch,) int64, and the strengths of paddles, (batch,) float32 or None.
+
+        Indices are not checked for their range.
+
+        Raises:
+            TypeError, ValueError: of the wrong kind or shape.
+        """
+        array = np.asarray(actions)
+        shape = (self.batch_size, 3) if self.continuous else (self.batch_size,)
+        kinds = "f" if self.continuous else "iu"
+        if array.dtype.kind not in kinds:
+            kind = "floats (radius, angle, fire)" if self.continuous else "integers"
+            raise TypeError(f"actions must be {kind} of shape {shape}, got {array.dtype}")
+        if array.shape != shape:
+            raise ValueError(f"actions must have the shape {shape}, got {array.shape}")
+        if self.continuous:
+            return self._motions(array)
+        return np.ascontiguousarray(array, np.int64), None
+
+    def _motions(self, actions: npt.NDArray[Any]) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float32]]:
+        """Indices and strengths of continuous actions, computed in float32 as in CALE."""
+        with np.errstate(over="ignore"):
+            radius, angle, fire = np.ascontiguousarray(actions.T, np.float32)
+        good = in_continuous_space(radius, angle, fire)
+        if not good.all():
+            row = int(np.argmin(good))
+            raise ValueError(
+                f"a continuous action is radius 0..1, angle -pi..pi, fire 0..1, got {actions[row]} in row {row}"
+            )
+        return joystick_action(radius, angle, fire, self.threshold), radius
+
+
+_SHAPING = {
+    "max_num_frames_per_episode": 108_000,
+    "continuous": False,
+    "img_height": 84,
+    "img_width": 84,
+    "grayscale": True,
+    "stack_num": 4,
+    "frameskip": 4,
+    "maxpool": True,
+    "noop_max": 30,
+    "life_loss_info": False,
+    "use_fire_reset": True,
+}
+"""The options that a preset decides, with their defaults: another value is an error."""
+
+
+def _check_protocol(given: dict[str, Any]) -> Protocol:
+    probability, full = given["repeat_action_probability"], given["full_action_space"]
+    if probability is not None:
+        probability = check_probability("repeat_action_probability", probability)
+    if given["preset"] is not None:
+        for name, default in _SHAPING.items():
+            if given[name] != default:
+                raise ValueError(f"preset={given['preset']!r} decides about {name}; leave {name}={given[name]!r} out")
+        from atari.wrappers.presets import preset_protocol  # here, because it imports OpenCV
+
+        return preset_protocol(
+            given["preset"],
+            episodic_life=given["episodic_life"],
+            clip_reward=given["reward_clipping"],
+            repeat_action_probability=probability,
+            full_action_space=full,
+        )
+    frameskip = check_frameskip(given["frameskip"])
+    limit = given["max_num_frames_per_episode"]
+    return Protocol(
+        repeat_action_probability=probability or 0.0,
+        full_action_space=bool(full),
+        frame_skip=frameskip if isinstance(frameskip, tuple) else (frameskip, frameskip + 1),
+        noops=(0, max(check_integer("noop_max", given["noop_max"], 0, 1_000_000), 1) - 1),
+        fire="before_noops" if given["use_fire_reset"] else "never",
+        episodic_life=bool(given["episodic_life"]),
+        life_loss_info=bool(given["life_loss_info"]),
+        clip_reward=given["reward_clipping"] is None or bool(given["reward_clipping"]),
+        max_frames=None if limit is None else check_integer("max_num_frames_per_episode", limit, 1, NO_LIMIT),
+        max_pool=bool(given["maxpool"]),
+    )
+
+
+def _check_third_actions(action_sets: tuple[tuple[Action, ...], ...], games: tuple[Game, ...]) -> None:
+    for actions, game in zip(action_sets, games, strict=True):
+        if Action.FIRE in actions and len(actions) < 3:
+            raise ValueError(
+                f"this preset begins with the third action, and {game.id} has only {len(actions)}; "
+                "use full_action_space=True"
+            )
+
+
+def _gray_of_pairs(game: Game) -> _emulator.GrayOfPairs:
+    from atari.wrappers._rgb_pool import gray_of_pairs  # here, because it imports OpenCV
+
+    return _emulator.GrayOfPairs(gray_of_pairs(game.screen.format).tobytes())
+
+
+def _check_games(game: Any, num_envs: Any) -> tuple[Game, ...]:
+    many = isinstance(game, Sequence) and not isinstance(game, str)
+    if num_envs is None and not many:
+        raise TypeError("num_envs is needed: how many environments of the game to make")
+    if many and len(game) == 0:
+        raise ValueError("game must name at least one game")
+    count = len(game) if num_envs is None else check_integer("num_envs", num_envs, 1, 1_000_000)
+    if not many:
+        return (catalog.find(game),) * count
+    if count != len(game):
+        raise ValueError(f"there must be a game for each of the {count} environments, got {len(game)}")
+    return tuple(catalog.find(one) for one in game)
+
+
+def _spread(name: str, value: Any, count: int) -> tuple[int | None, ...]:
+    """One value for each environment."""
+    values = [value] * count if value is None or isinstance(value, (int, np.integer)) else value
+    if not isinstance(values, (Sequence, np.ndarray)) or isinstance(values, str):
+        raise TypeError(f"{name} must be an integer, None, or a sequence of these, got {value!r}")
+    if len(values) != count:
+        raise ValueError(f"there must be a {name} for each of the {count} environments, got {len(values)}")
+    try:
+        return tuple(None if one is None else operator.index(one) for one in values)
+    except TypeError:
+        raise TypeError(f"{name} must be an integer, None, or a sequence of these, got {value!r}") from None
+
+
+def _check_obs_type(obs_type: Any, grayscale: bool) -> tuple[str, bool]:
+    if obs_type is None:
+        return "grayscale" if grayscale else "rgb", grayscale
+    return check_name("obs_type", obs_type, ("grayscale", "rgb", "ram", "dict")), grayscale and obs_type != "rgb"
+
+
+def _check_autoreset(mode: Any) -> AutoresetMode:
+    try:
+        return AutoresetMode(mode)
+    except ValueError:
+        modes = ", ".join(repr(one.value) for one in AutoresetMode)
+        raise ValueError(f"autoreset_mode must be an AutoresetMode or one of {modes}, got {mode!r}") from None
+
+
+def _cores() -> int:
+    """The processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,0 +1,60 @@
+"""Seeds of the environments of a vector, as the engine takes them."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+SEED_LIMIT = 2**31
+"""Seeds are below this, as in ALE."""
+
+
+def seed_words(
+    seed: Any, mask: npt.NDArray[np.bool_], *, ale: bool
+) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.uint32]]:
+    """Whether each environment is seeded, (environments,), and its seed words, (environments, 9) uint32.
+
+    The first word seeds the emulator. The other eight are the state of the episode's generator; with `ale`, which draws
+    no-ops as ale-py does, all words are the seed.
+
+    Args:
+        seed: as of `AtariVectorEnv.reset`.
+        mask: which environments are reset.
+        ale: whether the environments are seeded as by ale-py's vector environment, not as by `AtariEnv.reset`.
+
+    Raises:
+        TypeError, ValueError: the seeds are of the wrong kind, number or range.
+    """
+    chosen = np.flatnonzero(mask)
+    if seed is None:
+        values = np.full(len(chosen), -1, np.int64)
+    elif isinstance(seed, (int, np.integer)) and not isinstance(seed, bool):
+        if not 0 <= seed <= SEED_LIMIT - max(1, len(chosen)):
+            raise ValueError(f"seed must be within 0..2**31 - num_envs, got {seed}")
+        values = int(seed) + np.arange(len(chosen))
+    else:
+        try:
+            values = np.array([-1 if value is None else value for value in seed])
+        except (TypeError, ValueError):
+            values = np.array("")
+        if values.dtype.kind not in "iu" and values.shape != (0,):
+            raise TypeError(f"seed must be an integer, integers for each environment, or None, got {seed!r}")
+        if values.shape != (len(chosen),):
+            raise ValueError(f"there must be a seed for each of the {len(chosen)} environments, got {len(values)}")
+        if (values >= SEED_LIMIT).any():
+            raise ValueError(f"seeds must be below 2**31, got {seed!r}")
+    seeds = np.zeros((len(mask), 9), np.uint32)
+    for environment, value in zip(chosen.tolist(), values.tolist(), strict=True):
+        if value >= 0:
+            seeds[environment] = value if ale else _gymnasium_seed(value)
+    seeded = np.zeros(len(mask), np.bool_)
+    seeded[chosen] = values >= 0
+    return seeded, seeds
+
+
+def _gymnasium_seed(seed: int) -> list[int]:
+    """The emulator's seed and the state of `np_random` that `AtariEnv.reset` makes of a seed."""
+    first, second = (int(word) for word in np.random.SeedSequence(seed).generate_state(2))
+    state: Any = np.random.PCG64(np.random.SeedSequence(first)).state["state"]
+    words = [state[name] >> shift & 0xFFFFFFFF for name in ("state", "inc") for shift in (0, 32, 64, 96)]
+    return [min(second, 2**32 - 2), *words]

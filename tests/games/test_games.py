@@ -1,0 +1,316 @@
+"""`atari.games`: the game files, read and checked. What they say is compared with ale-py in `conformance/`."""
+
+import copy
+import dataclasses
+import pickle
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rules_interpreter import evaluate
+
+import atari
+from atari import Action
+from atari.games.game import Controllers, RamLabel, Rom, Screen, load_game
+from atari.games.rules import _OPERATION_KEYS, HELPERS, Rules
+
+GAME = """
+title = "Example"
+players = 1
+notes = ["A game."]
+
+[rom]
+md5 = "0123456789abcdef0123456789abcdef"
+sha256 = "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef"
+size = 4096
+cartridge = "4K"
+
+[screen]
+format = "NTSC"
+height = 210
+first_line = 34
+
+[controllers]
+left = "paddles"
+right = "joystick"
+paddle_range = [27450, 790196]
+
+[actions]
+minimal = ["NOOP", "FIRE"]
+legal = "all"
+starting = ["RESET", "FIRE"]
+
+[settings]
+modes = [0, 4]
+default_mode = 4
+difficulties = [0, 1]
+
+[rules]
+lives_initial = 3
+state = {score = 0}
+step = '''
+points   = bcd(0x84, 0x83)
+reward   = points - score
+score    = points
+terminal = ram[0x90] == 0
+lives    = 0 if terminal else ram[0x91] & 7
+'''
+mode_select = [{op = "press_select_until", frames = 2, until = "ram[0xBD] == mode"}, {op = "soft_reset"}]
+
+[ram]
+ball_x = {index = 5, kind = "position_x", transform = "v - 7", visible = "ram[6] != 0", sources = ["measured"], evidence = "confirmed"}
+"""
+
+
+def test_there_are_108_games_and_104_can_be_played() -> None:
+    assert len(atari.games) == len(list(atari.games.values())) == 108
+    assert len(list(atari.games.playable())) == 104
+
+
+def test_the_two_player_cartridges_are_marked() -> None:
+    others = {game.id: game.players for game in atari.games.values() if not game.single_player}
+    assert others == {"combat": 2, "joust": 2, "maze_craze": 2, "warlords": 4}
+    for game_id in others:
+        game = atari.games[game_id]
+        assert (game.rules, game.minimal_actions, game.modes, game.difficulties) == (None, (), (), ())
+
+
+def test_games_are_in_alphabetical_order() -> None:
+    assert list(atari.games) == sorted(atari.games)
+    assert next(iter(atari.games)) == "adventure"
+
+
+def test_a_game_is_read_once() -> None:
+    assert atari.games["pong"] is atari.games["pong"]
+
+
+def test_ids_titles_and_roms_are_unique() -> None:
+    for fact in ("id", "title", "rom"):
+        assert len({getattr(game, fact) for game in atari.games.values()}) == 108
+
+
+def test_a_game_states_its_facts() -> None:
+    game = atari.games["ms_pacman"]
+    assert (game.id, game.title, game.players) == ("ms_pacman", "Ms. Pac-Man", 1)
+    assert [action.name for action in game.minimal_actions[:3]] == ["NOOP", "UP", "RIGHT"]
+    assert len(game.legal_actions) == 18
+    assert (game.modes, game.default_mode, game.difficulties) == ((0, 1, 2, 3), 0, (0,))
+    assert game.screen.shape == (210, 160)
+    assert game.screen.frame_rate == 60.0
+    assert game.rules is not None
+    assert game.rules.lives_initial == 3
+
+
+def test_pal_games_run_at_50_frames_a_second() -> None:
+    pal = [game.id for game in atari.games.playable() if game.screen.frame_rate == 50.0]
+    assert {"adventure", "air_raid", "pacman", "sir_lancelot"} <= set(pal)
+    assert all(atari.games[game].screen.height == 250 for game in pal)
+
+
+def test_the_mapping_is_read_only() -> None:
+    assert isinstance(atari.games, Mapping)
+    with pytest.raises(TypeError, match="item assignment"):
+        atari.games["new"] = atari.games["pong"]  # type: ignore[index]
+    with pytest.raises(TypeError, match="item deletion"):
+        del atari.games["pong"]  # type: ignore[attr-defined]
+
+
+def test_a_game_is_frozen() -> None:
+    game = atari.games["breakout"]
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        game.title = "Breakin"  # type: ignore[misc]
+    with pytest.raises(TypeError, match="item assignment"):
+        game.ram_labels["ball_x"] = game.ram_labels["ball_y"]  # type: ignore[index]
+    assert game.rules is not None
+    with pytest.raises(TypeError, match="item assignment"):
+        game.rules.state["score"] = 9  # type: ignore[index]
+
+
+@pytest.mark.parametrize("game", ["breakout", "warlords"])
+def test_a_game_can_be_hashed_copied_and_pickled(game: str) -> None:
+    original = atari.games[game]
+    for other in (pickle.loads(pickle.dumps(original)), copy.deepcopy(original)):
+        assert other == original
+        assert hash(other) == hash(original)
+
+
+def test_repr_says_what_matters() -> None:
+    assert repr(atari.games["breakout"]) == (
+        "Game('breakout', 'Breakout', 4 actions, 12 modes, 2 difficulties, NTSC 160x210)"
+    )
+    assert repr(atari.games["warlords"]) == "Game('warlords', 'Warlords', 4 players, no single-player rules)"
+    assert repr(atari.games) == "<108 games: adventure ... zaxxon>"
+
+
+@pytest.mark.parametrize(
+    ("wrong", "right"),
+    [
+        ("brekout", "breakout"),
+        ("Breakout", "breakout"),
+        ("MsPacman", "ms_pacman"),
+        ("space-invaders", "space_invaders"),
+        ("montezumas_revenge", "montezuma_revenge"),
+        ("tictactoe", "tic_tac_toe_3d"),
+    ],
+)
+def test_an_unknown_game_suggests_the_nearest(wrong: str, right: str) -> None:
+    assert wrong not in atari.games
+    with pytest.raises(KeyError, match=f"there is no game '{wrong}'; did you mean '{right}'?"):
+        atari.games[wrong]
+    with pytest.raises(ValueError, match=f"there is no game '{wrong}'; did you mean '{right}'?"):
+        atari.games.find(wrong)
+
+
+def test_a_game_like_no_other_is_pointed_to_the_list() -> None:
+    with pytest.raises(ValueError, match="there is no game 'qqqq'; see `atari list` for all of them"):
+        atari.games.find("qqqq")
+
+
+def test_the_rules_read_as_expressions() -> None:
+    rules = atari.games["pong"].rules
+    assert rules is not None
+    assert rules.expression("reward") == "points - score"
+    assert rules.expression("points") == "ram[0x8E] - ram[0x8D]"
+
+
+LABELS = [(game.id, label) for game in atari.games.values() for label in game.ram_labels]
+
+
+def test_76_games_have_1410_labels() -> None:
+    assert len(LABELS) == 1410
+    assert len({game for game, _ in LABELS}) == 76
+
+
+@pytest.mark.parametrize("game", sorted({game for game, _ in LABELS}))
+def test_label_expressions_have_a_value_for_any_ram(game: str) -> None:
+    for label in atari.games[game].ram_labels.values():
+        for ram in (bytes(128), bytes(range(128)), b"\xff" * 128):
+            if label.visible is not None:
+                assert evaluate(label.visible, ram, {"v": ram[label.index]}, base=0) in (0, 1), label
+            if label.transform is not None:
+                assert abs(evaluate(label.transform, ram, {"v": ram[label.index]}, base=0)) < 2**31, label
+
+
+def test_a_label_tells_where_and_how() -> None:
+    label = atari.games["breakout"].ram_labels["ball_x"]
+    assert (label.name, label.index, label.kind) == ("ball_x", 99, "position_x")
+    assert (label.transform, label.visible) == ("v - 49", "ram[101] != 0")
+    assert "measured" in atari.games["berzerk"].ram_labels["lives"].sources
+
+
+# Files.
+
+
+def load(folder: Path, text: str) -> atari.Game:
+    file = folder / "example.toml"
+    file.write_text(text)
+    return load_game(file)
+
+
+def test_a_file_becomes_a_game(tmp_path: Path) -> None:
+    game = load(tmp_path, GAME)
+    assert game.id == "example"
+    assert game.minimal_actions == (Action.NOOP, Action.FIRE)
+    assert game.starting_actions == (Action.RESET, Action.FIRE)
+    assert game.controllers.paddles
+    assert game.controllers.paddle_range == (27450, 790196)
+    assert game.screen.format_detected
+    assert game.ram_labels["ball_x"].sources == ("measured",)
+    assert game.rules is not None
+    assert [name for name, _ in game.rules.step] == ["points", "reward", "score", "terminal", "lives"]
+    assert game.rules.mode_select[0].frames == "2"
+
+
+def test_the_rules_may_be_absent(tmp_path: Path) -> None:
+    head, tail = GAME.index("[actions]"), GAME.index("[ram]")
+    game = load(tmp_path, GAME[:head] + GAME[tail:])
+    assert not game.single_player
+    assert list(game.ram_labels) == ["ball_x"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "text"),
+    [
+        # The file and its tables.
+        ('title = "Example"', "", "the file needs the key 'title'"),
+        ('title = "Example"', "title = 3", "title must be str, got 3"),
+        ("players = 1", 'players = "one"', "players must be int, got 'one'"),
+        ('notes = ["A game."]', 'notes = "A game."', "notes must be tuple[str, ...], got 'A game.'"),
+        ("players = 1", "players = 1\nauthor = 'me'", "the file has no key 'author' (expected title, players, notes, "),
+        ("[ram]", "[rams]", "the file has no key 'rams'"),
+        ("[rules]", "[rulez]", "the file has no key 'rulez'"),
+        ('minimal = ["NOOP", "FIRE"]', 'minimal = ["NOOP"', "Unclosed array"),
+        # [rom]
+        ('cartridge = "4K"', 'cartridge = "4K"\nmapper = "4K"', "[rom] has no key 'mapper'"),
+        ("size = 4096", 'size = "4K"', "[rom] size must be int, got '4K'"),
+        ('md5 = "0123', 'md5 = "X123', "[rom] md5 must be 32 hexadecimal digits in lower case, got 'X123"),
+        ('sha256 = "01', 'sha256 = "', "[rom] sha256 must be 64 hexadecimal digits in lower case"),
+        # [screen]
+        ('format = "NTSC"', 'format = "VGA"', "[screen] format must be Literal['NTSC', 'PAL', 'SECAM'], got 'VGA'"),
+        ("height = 210", "height = 0", "[screen] height 0 is not within 1..256"),
+        ("height = 210", "height = true", "[screen] height must be int, got True"),
+        ("first_line = 34", "", "[screen] needs the key 'first_line'"),
+        # [controllers]
+        (
+            'left = "paddles"',
+            'left = "mouse"',
+            "[controllers] left must be Literal['joystick', 'paddles', 'none'], got 'mouse'",
+        ),
+        ("[27450, 790196]", "[27450]", "[controllers] paddle_range must be tuple[int, int] | None, got [27450]"),
+        # [actions]
+        ('"NOOP", "FIRE"]', '"NOOP", "JUMP"]', "[actions] unknown action 'JUMP'"),
+        ('legal = "all"', 'legal = ["NOOP"]', "[actions] a minimal action is not legal"),
+        ('starting = ["RESET", "FIRE"]', "", "[actions] needs the key 'starting'"),
+        # [settings]
+        ("default_mode = 4", "default_mode = 5", "[settings] default_mode 5 is not one of the modes"),
+        ("modes = [0, 4]", 'modes = ["easy"]', "[settings] modes must be tuple[int, ...], got ['easy']"),
+        ("difficulties = [0, 1]", "difficulties = [0, 4]", "[settings] difficulties [0, 4] are not among 0, 1, 2, 3"),
+        ("difficulties = [0, 1]", "difficulties = []", "[settings] difficulties [] are not among 0, 1, 2, 3"),
+        # [ram]
+        ("index = 5", "index = 128", "[ram] ball_x: index 128 is not within 0..127"),
+        ('kind = "position_x", ', "", "[ram] ball_x needs the key 'kind'"),
+        ('kind = "position_x"', 'kind = "position_x", unit = 1', "[ram] ball_x has no key 'unit'"),
+        ('"v - 7"', '"w - 7"', "[ram] ball_x: in 'w - 7', the name 'w' is not defined"),
+        ("ram[6] != 0", "ram[0x80] != 0", "an address is a number within 0x0..0x7f, not 128"),
+    ],
+)
+def test_a_broken_file_is_refused_with_its_name_and_the_fault(tmp_path: Path, old: str, new: str, text: str) -> None:
+    assert GAME.count(old) == 1
+    with pytest.raises(ValueError, match=r"example\.toml: ") as error:
+        load(tmp_path, GAME.replace(old, new))
+    assert text in str(error.value)
+
+
+@pytest.mark.parametrize("table", ["actions", "settings", "rules"])
+def test_what_makes_a_game_playable_comes_together_or_not_at_all(table: str, tmp_path: Path) -> None:
+    broken, inside = [], False
+    for line in GAME.splitlines():
+        inside = line == f"[{table}]" if line.startswith("[") else inside
+        broken += [] if inside else [line]
+    with pytest.raises(ValueError, match=f"the file needs the key '{table}'"):
+        load(tmp_path, "\n".join(broken))
+
+
+def test_a_file_that_is_not_there_raises(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        load_game(tmp_path / "nothing.toml")
+
+
+def test_the_example_of_the_schema_is_a_game(tmp_path: Path) -> None:
+    """The document shows a whole file: the first TOML block that begins with a title."""
+    schema = (Path(atari.__file__).parent / "games" / "SCHEMA.md").read_text(encoding="utf-8")
+    blocks = [block.partition("```")[0] for block in schema.split("```toml\n")[1:]]
+    example = next(block for block in blocks if block.startswith("title"))
+    game = load(tmp_path, example)
+    assert game.single_player
+
+
+def test_the_schema_names_every_key() -> None:
+    schema = (Path(atari.__file__).parent / "games" / "SCHEMA.md").read_text(encoding="utf-8")
+    kinds: list[Any] = [Rom, Screen, Controllers, RamLabel]
+    names = {field.name for kind in kinds for field in dataclasses.fields(kind)} - {"name", "width"}
+    names |= {field.name for field in dataclasses.fields(Rules)}
+    names |= {"minimal", "legal", "starting", "modes", "default_mode", "difficulties", "title", "players", "notes"}
+    names |= set(HELPERS) | set(_OPERATION_KEYS)
+    assert [name for name in sorted(names) if f"`{name}" not in schema] == []

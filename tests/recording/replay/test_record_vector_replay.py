@@ -1,0 +1,162 @@
+"""`RecordVectorReplay`: the replay equals what the environment played, with every option of the vector."""
+
+import itertools
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.vector import SyncVectorEnv
+
+import atari
+from atari import wrappers
+from atari.recording import RecordReplay, RecordVectorReplay, Replay
+
+MODES = ["NextStep", "SameStep", "Disabled"]
+
+
+def play(envs: Any, steps: int, index: int, seed: Any = 3) -> list[np.ndarray[Any, Any]]:
+    """Play at random; the RAM of an environment after each step."""
+    generator = np.random.default_rng(0)
+    count = envs.num_envs
+    continuous = isinstance(envs.single_action_space, gymnasium.spaces.Box)
+    envs.reset(seed=seed)
+    rams = []
+    for _ in range(steps):
+        if continuous:
+            actions: Any = generator.random((count, 3), np.float32) * np.float32([1, 3, 1])
+        else:
+            actions = generator.integers(0, envs.single_action_space.n, count)
+        _, _, terminated, truncated, _ = envs.step(actions)
+        rams.append(envs.unwrapped.members[index].ram())
+        done = terminated | truncated
+        if done.any() and envs.metadata["autoreset_mode"].value == "Disabled":
+            envs.reset(options={"reset_mask": done})
+    return rams
+
+
+def check(path: Path, rams: list[np.ndarray[Any, Any]], core: str = "ale") -> Replay:
+    """The replay plays as recorded, and has the RAM that was seen, in order."""
+    replay = Replay.load(path)
+    result = replay.verify(core)
+    assert result, result.divergence
+    env = replay.make_env()
+    states = iter([env.core.ram().tobytes() for _, calls in replay.walk(env.core) for _ in calls])
+    for before, after in itertools.pairwise(ram.tobytes() for ram in rams):
+        assert before == after or after in states
+    return replay
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize(
+    ("game", "options"),
+    [
+        ("breakout", {}),
+        ("ms_pacman", {"life_loss_info": True, "repeat_action_probability": 0.25, "frameskip": (2, 5)}),
+        ("breakout", {"episodic_life": True, "noop_max": 1, "use_fire_reset": False}),
+        ("pong", {"max_num_frames_per_episode": 90, "mode": 1, "difficulty": [0, 1, 0]}),
+        ("breakout", {"continuous": True}),
+        (["pong", "breakout", "seaquest"], {"full_action_space": None}),
+    ],
+)
+def test_every_rule_of_ale_py(mode: str, game: Any, options: dict[str, Any], tmp_path: Path) -> None:
+    envs = RecordVectorReplay(
+        atari.AtariVectorEnv(game, 3, autoreset_mode=mode, num_threads=1, **options), tmp_path / "a.a26", index=1
+    )
+    rams = play(envs, 110, 1)
+    envs.close()
+    replay = check(tmp_path / "a.a26", rams)
+    assert replay.header["source"] == "AtariEnv"
+    assert replay.game == envs.env.unwrapped.games[1]
+
+
+@pytest.mark.parametrize("name", wrappers.PRESETS)
+def test_every_preset(name: str, tmp_path: Path) -> None:
+    mode = MODES[len(name) % 3]
+    envs = RecordVectorReplay(
+        atari.AtariVectorEnv("breakout", 2, preset=name, autoreset_mode=mode, num_threads=1), tmp_path / "a.a26", 1
+    )
+    rams = play(envs, 80, 1)
+    envs.close()
+    check(tmp_path / "a.a26", rams)
+
+
+def test_without_a_seed_all_get_random_ones(tmp_path: Path) -> None:
+    seeds = set()
+    for name in ("a.a26", "b.a26"):
+        envs = RecordVectorReplay(atari.AtariVectorEnv("seaquest", 2, num_threads=1), tmp_path / name)
+        rams = play(envs, 40, 0, seed=None)
+        envs.reset()
+        envs.close()
+        seeds.add(check(tmp_path / name, rams).seeds)
+    assert len(seeds) == 2  # not the RAM, which after 40 steps is the same for one pair in thirty
+
+
+def test_several_seeds_and_resets(tmp_path: Path) -> None:
+    envs = RecordVectorReplay(atari.AtariVectorEnv("pong", 2, num_threads=1), tmp_path / "a.a26", 1)
+    for seed in ([1, 2], None, [5, None], 9):
+        play(envs, 10, 1, seed=seed)
+    envs.close()
+    replay = check(tmp_path / "a.a26", [])
+    assert len(replay.episodes) == 4
+
+
+def test_results_are_those_of_the_vector(tmp_path: Path) -> None:
+    plain = atari.AtariVectorEnv("breakout", 2, num_threads=1)
+    envs = RecordVectorReplay(atari.AtariVectorEnv("breakout", 2, num_threads=1), tmp_path / "a.a26")
+    assert np.array_equal(plain.reset(seed=2)[0], envs.reset(seed=2)[0])
+    for _ in range(20):
+        actions = np.array([3, 1])
+        for ours, theirs in zip(envs.step(actions)[:4], plain.step(actions)[:4], strict=True):
+            assert np.array_equal(ours, theirs)
+    envs.close()
+
+
+def test_what_is_changed_from_outside_ends_the_recording(tmp_path: Path) -> None:
+    envs: Any = RecordVectorReplay(atari.AtariVectorEnv("breakout", 2, num_threads=1), tmp_path / "a.a26")
+    play(envs, 10, 0)
+    envs.unwrapped.members[0].set_ram(0, 0)
+    with pytest.raises(RuntimeError, match="environment 0 differs from its recording"):
+        envs.step(np.array([1, 1]))
+    envs.step(np.array([1, 1]))
+    envs.close()
+    assert Replay.load(tmp_path / "a.a26").frames_total >= 40
+
+
+def test_a_vector_that_was_reset_needs_a_seed(tmp_path: Path) -> None:
+    vector = atari.AtariVectorEnv("breakout", 2, num_threads=1)
+    vector.reset()
+    envs = RecordVectorReplay(vector, tmp_path / "a.a26")
+    with pytest.raises(ValueError, match="give this first reset a seed"):
+        envs.reset()
+    play(envs, 10, 0, seed=4)
+    envs.reset()
+    envs.close()
+    assert Replay.load(tmp_path / "a.a26").verify("ale")
+
+
+def test_wrong_uses(tmp_path: Path) -> None:
+    path = tmp_path / "a.a26"
+    with pytest.raises(TypeError, match=r"records an atari\.AtariVectorEnv, got SyncVectorEnv"):
+        RecordVectorReplay(SyncVectorEnv([lambda: atari.make("pong")]), path)
+    with pytest.raises(ValueError, match=r"index must be within 0\.\.1, got 2"):
+        RecordVectorReplay(atari.AtariVectorEnv("pong", 2), path, 2)
+    with pytest.raises(ValueError, match="batches of all environments"):
+        RecordVectorReplay(atari.AtariVectorEnv("pong", 2, batch_size=1), path)
+    with pytest.raises(ValueError, match="all games have the same actions"):
+        RecordVectorReplay(atari.AtariVectorEnv(["pong", "breakout"], preset="dqn2015"), path)
+    envs = RecordVectorReplay(atari.AtariVectorEnv("pong", 2), path)
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        envs.step(np.zeros(2, int))
+    envs.close()
+
+
+def test_single_environments_of_gymnasiums_vectors_are_recorded_by_the_other_wrapper(tmp_path: Path) -> None:
+    makers = [lambda i=i: RecordReplay(atari.make("pong"), tmp_path / f"{i}.a26") for i in range(2)]  # type: ignore[misc]
+    envs = SyncVectorEnv(makers)
+    envs.reset(seed=0)
+    for _ in range(10):
+        envs.step(envs.action_space.sample())
+    envs.close()
+    assert all(Replay.load(tmp_path / f"{i}.a26").verify() for i in range(2))

@@ -1,0 +1,239 @@
+"""The content of files of each format, read back with PyAV and OpenCV."""
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import av
+import cv2
+import numpy as np
+import pytest
+from video_reader import NTSC, PAL, Screen, frame_times, video_frames
+
+from atari.cores import NativeCore
+from atari.recording import FORMATS, VideoWriter
+from atari.recording.video.images import Palette, add_caption, enlarge, line_height
+
+SOUNDING = ["mp4", "mkv", "webm"]
+
+
+def screens(count: int, game: str = "seaquest") -> Iterator[Screen]:
+    core = NativeCore(game, seed=1)
+    core.reset()
+    for i in range(count):
+        core.act([1, 2, 3, 4, 5, 0][i // 5 % 6])
+        yield core.screen_rgb()
+
+
+def enlarged(screen: Screen, scale: int) -> Screen:
+    return screen.repeat(scale, axis=0).repeat(2 * scale, axis=1)
+
+
+@pytest.mark.parametrize(
+    ("suffix", "codec", "pixels"),
+    [("mp4", "h264", "yuv420p"), ("mkv", "ffv1", "bgr0"), ("webm", "vp9", "yuv420p"), ("gif", "gif", "bgra")],
+)
+@pytest.mark.parametrize("fps", [NTSC, PAL])
+def test_codec_size_rate_and_duration(tmp_path: Path, suffix: str, codec: str, pixels: str, fps: Fraction) -> None:
+    with VideoWriter(tmp_path / f"a.{suffix}", (210, 160), fps) as video:
+        for screen in screens(90):
+            video.write(screen)
+    assert video.frames == 90
+    with av.open(str(video.path)) as container:
+        (stream,) = container.streams
+        context = stream.codec_context
+        assert context.name.removeprefix("lib") == codec
+        assert (stream.width, stream.height, context.pix_fmt) == (640, 420, pixels)
+        assert container.duration / av.time_base == pytest.approx(float(90 / fps), abs=0.02)
+        if suffix != "gif":
+            assert stream.average_rate == pytest.approx(float(fps), abs=0.001)
+    times = frame_times(video.path)
+    if suffix == "gif":
+        assert np.diff(times).min() >= 0.0199  # shorter ones are shown at a tenth of the speed
+    else:
+        assert times == pytest.approx([i / fps for i in range(90)], abs=0.001)
+
+
+def test_mkv_loses_no_pixel(tmp_path: Path) -> None:
+    written = list(screens(60))
+    for scale in (1, 2):
+        with VideoWriter(tmp_path / "a.mkv", (210, 160), NTSC, scale=scale) as video:
+            for screen in written:
+                video.write(screen)
+        read = video_frames(video.path)
+        assert all(np.array_equal(a, enlarged(b, scale)) for a, b in zip(read, written, strict=True))
+
+
+def test_webm_is_nearly_what_was_written(tmp_path: Path) -> None:
+    written = list(screens(60))
+    with VideoWriter(tmp_path / "a.webm", (210, 160), NTSC) as video:
+        for screen in written:
+            video.write(screen)
+    for image, screen in zip(video_frames(video.path), written, strict=True):
+        assert np.abs(image.astype(int) - enlarged(screen, 2)).mean() < 3
+
+
+def test_a_gif_has_exact_colours_and_drops_one_frame_in_six(tmp_path: Path) -> None:
+    written = list(screens(120))
+    with VideoWriter(tmp_path / "a.gif", (210, 160), NTSC) as video:
+        for screen in written:
+            video.write(screen)
+    shown = sorted({int(i * 50 / NTSC): i for i in reversed(range(120))}.values())
+    assert len(shown) == 100
+    read = video_frames(video.path)
+    assert len(read) == len(shown)
+    assert all(np.array_equal(a, enlarged(written[i], 2)) for a, i in zip(read, shown, strict=True))
+    assert frame_times(video.path) == pytest.approx([i / 50 for i in range(100)])
+
+
+def test_a_slow_gif_keeps_all_frames_and_their_times(tmp_path: Path) -> None:
+    with VideoWriter(tmp_path / "a.gif", (210, 160), NTSC / 4) as video:
+        for screen in screens(30):
+            video.write(screen)
+    assert frame_times(video.path) == pytest.approx([i * 4 / NTSC for i in range(30)], abs=0.02)
+
+
+def test_a_palette_indexes_colours_and_maps_to_the_nearest_when_full() -> None:
+    palette = Palette()
+    grid = np.stack(np.meshgrid(*[np.arange(16) * 16] * 2, [0], indexing="ij"), axis=-1).reshape(16, 16, 3)
+    image = grid.astype(np.uint8)
+    numbers = palette.indices(image)
+    assert np.array_equal(palette.colours[numbers][..., 1:], image)
+    assert (palette.colours[:, 0] == 255).all()
+    further = palette.indices(np.full((1, 1, 3), (34, 16, 3), np.uint8))
+    assert palette.colours[further].tolist() == [[[255, 32, 16, 0]]]
+    assert np.array_equal(palette.indices(image), numbers)
+
+
+def test_a_png_sequence_is_a_file_a_screen(tmp_path: Path) -> None:
+    written = list(screens(12))
+    with VideoWriter(tmp_path / "new" / "game %03d.png", (210, 160), NTSC, scale=1) as video:
+        for screen in written:
+            video.write(screen)
+    files = sorted((tmp_path / "new").iterdir())
+    assert [file.name for file in files] == [f"game {i:03}.png" for i in range(12)]
+    for file, screen in zip(files, written, strict=True):
+        assert np.array_equal(cv2.imread(str(file))[..., ::-1], enlarged(screen, 1))
+
+
+@pytest.mark.parametrize("name", ["a.png", "%s.png", "%d%d.png", "%.png", "100%/a.png"])
+def test_a_png_sequence_needs_a_place_for_the_number(tmp_path: Path, name: str) -> None:
+    with pytest.raises(ValueError, match=r"must have a place for its number, such as '%06d\.png', got "):
+        VideoWriter(tmp_path / name, (210, 160), NTSC)
+
+
+def test_names_that_mean_something_to_ffmpeg_are_only_names(tmp_path: Path) -> None:
+    for name in ("a:b.mp4", "pipe:1.mkv", "50%d.webm", "ü -.gif"):
+        with VideoWriter(tmp_path / name, (32, 32), NTSC) as video:
+            video.write(np.zeros((32, 32, 3), np.uint8))
+        assert len(video_frames(tmp_path / name)) == 1
+
+
+def test_captions_are_below_the_frame(tmp_path: Path) -> None:
+    with VideoWriter(tmp_path / "a.mkv", (210, 160), NTSC, caption_lines=3) as video:
+        written = list(screens(3))
+        for screen, caption in zip(written, ["", "one", "one\ntwo\nthree\nfour"], strict=True):
+            video.write(screen, caption=caption)
+    none, one, three = video_frames(video.path)
+    assert none.shape == (420 + 3 * line_height(2), 640, 3)
+    assert np.array_equal(three[:420], enlarged(written[2], 2))
+    assert not none[420:].any()
+    lines = [[band.any() for band in np.split(image[420:], 3)] for image in (one, three)]
+    assert lines == [[True, False, False], [True, True, True]]
+
+
+@pytest.mark.parametrize("scale", [1, 2, 3])
+def test_the_characters_of_captions_differ_and_keep_to_their_places(scale: int) -> None:
+    empty = np.zeros((2, 320 * scale, 3), np.uint8)
+    text = "".join(map(chr, range(33, 97)))
+    band = add_caption(empty, text, 1, scale)[2:, :, 0]
+    cells = [cell.tobytes() for cell in np.split(band, 64, axis=1)]
+    assert len(set(cells)) == 64
+    assert add_caption(empty, f" {text[0]}é", 1, scale)[2:, 5 * scale : 10 * scale, 0].tobytes() == cells[0]
+    assert add_caption(empty, "x" * 1000, 1, scale).shape == (2 + 8 * scale, 320 * scale, 3)
+
+
+def test_enlarging_repeats_pixels() -> None:
+    screen = np.random.default_rng(0).integers(0, 256, (7, 5, 3), np.uint8)
+    for scale in (1, 2, 5):
+        assert np.array_equal(enlarge(screen, 2 * scale, scale), enlarged(screen, scale))
+    assert np.array_equal(enlarge(screen[:, ::-1], 4, 2), enlarged(screen[:, ::-1], 2))
+
+
+@pytest.mark.parametrize("suffix", [*SOUNDING, "gif"])
+def test_a_killed_process_leaves_all_but_the_last_second(tmp_path: Path, suffix: str) -> None:
+    program = """if True:
+        import os, sys
+        import numpy as np
+        from atari.recording import VideoWriter
+        video = VideoWriter(sys.argv[1], (210, 160), 50, scale=1, sound=not sys.argv[1].endswith("gif"))
+        screen = np.zeros((210, 160, 3), np.uint8)
+        for i in range(400):
+            screen[:, i % 160] = i % 251
+            video.write(screen, np.random.default_rng(i).integers(128, 248, 512).astype(np.uint8))
+        os.kill(os.getpid(), 9)
+    """
+    path = tmp_path / f"a.{suffix}"
+    result = subprocess.run([sys.executable, "-c", program, str(path)], cwd=tmp_path, timeout=120, check=False)
+    assert result.returncode == -9
+    assert 350 <= len(video_frames(path)) < 400
+    if suffix in SOUNDING:
+        with av.open(str(path)) as container:
+            assert sum(frame.samples / frame.sample_rate for frame in container.decode(audio=0)) >= 7
+
+
+@pytest.mark.parametrize(
+    ("name", "limit"),
+    [("a.mp4", 0), ("a.mp4", 1000), *[(name, 30_000) for name in ("a.mp4", "a.mkv", "a.webm", "a.gif", "%d.png")]],
+)
+def test_a_full_disk_is_an_error_and_no_crash(tmp_path: Path, name: str, limit: int) -> None:
+    program = """if True:
+        import resource, sys
+        import numpy as np
+        from atari.recording import FORMATS, VideoWriter
+        resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]),) * 2)
+        noise = np.random.default_rng(0)
+        try:
+            with VideoWriter(sys.argv[1], (210, 160), 60, sound=sys.argv[1][-3:] not in ("gif", "png")) as video:
+                for _ in range(100):
+                    video.write(noise.integers(0, 255, (210, 160, 3), dtype=np.uint8), np.zeros(512, np.uint8))
+        except OSError as error:
+            print(error.strerror)
+        try:
+            video.write(np.zeros((210, 160, 3), np.uint8))
+        except ValueError as error:
+            print(str(error).rpartition("is closed; ")[2])
+    """
+    words = [sys.executable, "-c", program, str(tmp_path / name), str(limit)]
+    result = subprocess.run(words, capture_output=True, text=True, timeout=120, check=False)
+    expected = "File too large\nmake a new VideoWriter\n"
+    assert (result.returncode, result.stdout, result.stderr) == (0, expected, "")
+
+
+@pytest.mark.parametrize("suffix", SOUNDING)
+def test_memory_does_not_grow(tmp_path: Path, suffix: str) -> None:
+    program = """if True:
+        import resource, sys
+        import numpy as np
+        from atari.recording import VideoWriter
+        noise = np.random.default_rng(0)
+        screens = noise.integers(0, 255, (50, 32, 32, 3), dtype=np.uint8)
+        with VideoWriter(sys.argv[1], (32, 32), 60, scale=1, sound=True) as video:
+            for i in range(1500):
+                video.write(screens[i % 50], noise.integers(128, 248, 512).astype(np.uint8))
+                if i == 400:
+                    early = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - early)
+    """
+    words = [sys.executable, "-c", program, str(tmp_path / f"a.{suffix}")]
+    result = subprocess.run(words, capture_output=True, text=True, timeout=120, check=True)
+    assert int(result.stdout) < 3000  # 1,100 screens alone would be 3.4 MB
+
+
+def test_every_format_is_described() -> None:
+    assert list(FORMATS) == [".mp4", ".mkv", ".webm", ".gif", ".png"]
+    descriptions: Any = VideoWriter.__doc__
+    assert all(f"\n    {suffix} " in descriptions for suffix in FORMATS)

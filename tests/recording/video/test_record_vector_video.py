@@ -1,0 +1,290 @@
+"""`RecordVectorVideo`: shadow cores equal their environments, and videos have every frame."""
+
+import warnings
+from pathlib import Path
+from typing import Any
+
+import av
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import data_equivalence
+from gymnasium.vector import AutoresetMode
+from video_reader import NTSC, sound, video_frames
+
+import atari
+from atari import AtariVectorEnv
+from atari.recording import RecordVectorVideo
+from atari.recording.video.audio import to_16_bit
+from atari.rendering import tile
+
+OPTIONS: list[dict[str, Any]] = [
+    {},
+    {"repeat_action_probability": 0.25, "frameskip": (2, 6), "full_action_space": True},
+    {"episodic_life": True, "noop_max": 5},
+    {"life_loss_info": True, "max_num_frames_per_episode": 70},
+    {"continuous": True, "repeat_action_probability": 0.5},
+    {"preset": "dqn2015"},
+    {"preset": "baselines"},
+    {"preset": "envpool", "episodic_life": True},
+]
+
+
+def record_video(envs: Any, folder: Path, **options: Any) -> RecordVectorVideo:
+    options = {"episode_trigger": lambda episode: True, "format": "mkv", "scale": 1, **options}
+    return RecordVectorVideo(envs, folder / "videos", **options)
+
+
+def play(envs: Any, steps: int) -> list[Any]:
+    """Return copies of the results; reset the environments that are done if autoreset is disabled."""
+    envs.action_space.seed(1)
+    results = [envs.reset(seed=3)]
+    for _ in range(steps):
+        results.append(envs.step(envs.action_space.sample()))
+        done = results[-1][2] | results[-1][3]
+        if envs.metadata["autoreset_mode"] == AutoresetMode.DISABLED and done.any():
+            results.append(envs.reset(options={"reset_mask": done}))
+        results[-1] = (results[-1][0].copy(), *results[-1][1:])
+    return results[1:]
+
+
+@pytest.mark.parametrize(
+    ("mode", "options"),
+    [
+        *[(AutoresetMode.NEXT_STEP, options) for options in OPTIONS],
+        *[(AutoresetMode.SAME_STEP, options) for options in OPTIONS],
+        *[(AutoresetMode.DISABLED, options) for options in OPTIONS[2:4]],
+    ],
+)
+def test_recording_changes_nothing_and_shadows_only_jump_at_resets(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, mode: AutoresetMode, options: dict[str, Any]
+) -> None:
+    plain = play(AtariVectorEnv("breakout", 3, autoreset_mode=mode, **options), 60)
+    envs = record_video(
+        AtariVectorEnv("breakout", 3, autoreset_mode=mode, **options), tmp_path, format="gif", video_length=999
+    )
+    jumps: list[int] = []
+    for shadow in envs._shadows:
+        copy_to = shadow._member.copy_to
+        monkeypatch.setattr(
+            shadow._member,
+            "copy_to",
+            lambda core, index=shadow.index, copy_to=copy_to: (jumps.append(index), copy_to(core)),
+        )
+    assert data_equivalence(play(envs, 60), plain, exact=True)
+    ends = sum(int((result[2] | result[3]).sum()) for result in plain if len(result) == 5)
+    assert 3 <= len(jumps) <= 3 + ends
+    for shadow in envs._shadows:
+        assert np.array_equal(shadow.core.screen_rgb(), shadow._member.screen_rgb())
+    envs.close()
+
+
+@pytest.mark.parametrize("preset", [None, "dqn2015"])
+def test_one_environments_video_is_that_of_its_core(tmp_path: Path, preset: str | None) -> None:
+    options = {"preset": preset} if preset else {"noop_max": 1, "use_fire_reset": False}
+    envs = record_video(AtariVectorEnv("seaquest", 3, **options), tmp_path, record_first_only=True, index=1)
+    envs.reset(seed=5)
+    core = atari.cores.NativeCore("seaquest", repeat_action_probability=0.0, sound=True)
+    envs.unwrapped.members[1].copy_to(core)
+    screens, samples = [core.screen_rgb()], [np.zeros(512, np.int16)]
+    for action in [1, 3, 4, 1, 5, 2] * 3:
+        envs.step(np.array([0, action, 0]))
+        for _ in range(4):
+            core.act(int(core.game.minimal_actions[action]))
+            screens.append(core.screen_rgb())
+            samples.append(to_16_bit(core.audio()))
+    assert np.array_equal(core.ram(), envs.unwrapped.members[1].ram())
+    envs.close()
+    path = tmp_path / "videos" / "rl-video-episode-0.mkv"
+    read = video_frames(path)
+    assert len(read) == len(screens) == 73
+    assert all(np.array_equal(a, b.repeat(2, axis=1)) for a, b in zip(read, screens, strict=True))
+    assert np.array_equal(sound(path)[0], np.concatenate(samples))
+    assert np.abs(samples).max() > 0
+
+
+def test_a_mosaic_shows_all_environments_in_step(tmp_path: Path) -> None:
+    vector = AtariVectorEnv(["breakout", "air_raid", "pong"], render_mode="rgb_array")
+    envs = record_video(vector, tmp_path)
+    envs.reset(seed=0)
+    shown = [tile(vector.render() or (), 2)]
+    for _ in range(10):
+        envs.step(np.full(3, 1))
+        shown.append(tile(vector.render() or (), 2))
+    envs.close()
+    read = video_frames(tmp_path / "videos" / "rl-video-episode-0.mkv")
+    assert len(read) == 1 + 40
+    assert read[0].shape == (500, 640, 3)
+    for i, mosaic in enumerate(shown):
+        assert np.array_equal(read[4 * i], mosaic.repeat(2, axis=1))
+    with av.open(str(tmp_path / "videos" / "rl-video-episode-0.mkv")) as container:
+        assert container.streams.video[0].average_rate == pytest.approx(float(NTSC), abs=0.001)
+        assert container.streams.audio[0].codec_context.name == "flac"
+
+
+@pytest.mark.parametrize("preset", [None, "dqn2015"])
+@pytest.mark.parametrize("first_only", [False, True])
+def test_over_episodes_each_step_ends_with_what_the_environments_show(
+    tmp_path: Path, preset: str | None, first_only: bool
+) -> None:
+    limit = {"preset": preset, "episodic_life": True} if preset else {"max_num_frames_per_episode": 30}
+    vector = AtariVectorEnv("breakout", 3, render_mode="rgb_array", **limit)
+    envs = record_video(
+        vector,
+        tmp_path,
+        record_first_only=first_only,
+        video_length=1000,
+        episode_trigger=lambda episode: episode == 0,
+    )
+    envs.reset(seed=0)
+    expected = {0: vector.render() or ()}
+    ends = 0
+    for i in range(60):
+        _, _, terminations, truncations, _ = envs.step(np.array([1, i % 4, 2]))
+        ends += int((terminations | truncations)[0])
+        expected[envs._recorder.frames - 1] = vector.render() or ()
+    assert ends
+    envs.close()
+    read = video_frames(tmp_path / "videos" / "rl-video-episode-0.mkv")
+    assert len(read) == max(expected) + 1
+    for i, screens in expected.items():
+        image = screens[0] if first_only else tile(screens, envs._columns)
+        assert np.array_equal(read[i], image.repeat(2, axis=1))
+
+
+def test_a_new_episodes_video_begins_with_its_first_screen(tmp_path: Path) -> None:
+    for mode in (AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP):
+        vector = AtariVectorEnv(
+            "seaquest", 2, max_num_frames_per_episode=30, autoreset_mode=mode, render_mode="rgb_array"
+        )
+        envs = record_video(vector, tmp_path / mode.value, record_first_only=True)
+        envs.reset(seed=0)
+        while envs.episode_id == 0:
+            envs.step(np.array([3, 4]))
+        (first, _) = vector.render() or ()
+        envs.step(np.array([3, 4]))
+        envs.close()
+        read = video_frames(tmp_path / mode.value / "videos" / "rl-video-episode-1.mkv")
+        assert len(read) == 5
+        assert np.array_equal(read[0], first.repeat(2, axis=1))
+        assert len(video_frames(tmp_path / mode.value / "videos" / "rl-video-episode-0.mkv")) == 1 + 30
+
+
+def test_ended_environments_that_wait_for_a_reset_are_not_recorded(tmp_path: Path) -> None:
+    vector = AtariVectorEnv("pong", 1, max_num_frames_per_episode=6, autoreset_mode=AutoresetMode.DISABLED)
+    envs = record_video(vector, tmp_path)
+    envs.reset(seed=0)
+    for _ in range(5):
+        envs.step(np.array([2]))
+    envs.close()
+    assert len(video_frames(tmp_path / "videos" / "rl-video-episode-0.mkv")) == 1 + 6
+
+
+@pytest.mark.parametrize(
+    ("count", "ratio", "shape"),
+    [
+        (1, (1, 1), (210, 320)),
+        (4, (1, 1), (420, 640)),
+        (4, (1, 4), (840, 320)),
+        (4, (16, 1), (210, 1280)),
+        (5, (16, 9), (420, 960)),
+    ],
+)
+def test_the_mosaic_has_about_the_wanted_sides(
+    tmp_path: Path, count: int, ratio: tuple[int, int], shape: tuple[int, int]
+) -> None:
+    envs = record_video(AtariVectorEnv("pong", count), tmp_path, video_aspect_ratio=ratio)
+    envs.reset()
+    envs.close()
+    (image,) = video_frames(tmp_path / "videos" / "rl-video-episode-0.mkv")
+    assert image.shape == (*shape, 3)
+
+
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"episode_trigger": lambda episode: episode % 3 == 1},
+        {"step_trigger": lambda step: step in (5, 40), "video_length": 7},
+        {"step_trigger": lambda step: step == 9},
+    ],
+)
+def test_names_and_counts_are_gymnasiums(
+    tmp_path: Path, moviepy: dict[str, int], mode: AutoresetMode, options: dict[str, Any]
+) -> None:
+    def make() -> AtariVectorEnv:
+        return AtariVectorEnv(
+            "breakout", 2, autoreset_mode=mode, max_num_frames_per_episode=60, render_mode="rgb_array"
+        )
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # Gymnasium's lacks an episode's last frame in SAME_STEP
+        theirs = gymnasium.wrappers.vector.RecordVideo(make(), str(tmp_path / "theirs"), **options)
+    play(theirs, 90)
+    theirs.close()
+    ours = RecordVectorVideo(make(), tmp_path / "videos", format="gif", scale=1, **options)
+    play(ours, 90)
+    ours.close()
+    assert sorted(path.stem + ".mp4" for path in (tmp_path / "videos").iterdir()) == sorted(moviepy)
+    assert (ours.episode_id, ours.step_id) == (theirs.episode_id, theirs.step_id)
+
+
+def test_the_overlay_is_of_the_chosen_environment(tmp_path: Path) -> None:
+    envs = record_video(AtariVectorEnv("pong", 2), tmp_path, overlay=("action",), index=1)
+    envs.reset(seed=0)
+    for actions in ([0, 2], [1, 2], [2, 3]):
+        envs.step(np.array(actions))
+    envs.close()
+    bands = [image[420:].tobytes() for image in video_frames(tmp_path / "videos" / "rl-video-episode-0.mkv")]
+    assert bands[1:9] == [bands[1]] * 8
+    assert len({bands[0], bands[1], bands[9]}) == 3
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "text"),
+    [
+        ({"index": 2}, ValueError, "index must be within 0..1, got 2"),
+        ({"video_aspect_ratio": (1, 0)}, ValueError, r"video_aspect_ratio is \(width, height\)"),
+        ({"video_aspect_ratio": 1.5}, ValueError, r"two numbers above 0, got 1\.5"),
+        ({"format": "mov"}, ValueError, "format must be one of"),
+    ],
+)
+def test_wrong_arguments_are_refused(
+    tmp_path: Path, options: dict[str, Any], error: type[Exception], text: str
+) -> None:
+    with pytest.raises(error, match=text):
+        record_video(AtariVectorEnv("pong", 2), tmp_path, **options)
+    assert not list(tmp_path.iterdir())
+
+
+def test_other_environments_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(TypeError, match=r"records an atari\.AtariVectorEnv, got SyncVectorEnv"):
+        record_video(gymnasium.make_vec("CartPole-v1", 2, vectorization_mode="sync"), tmp_path)
+    with pytest.raises(ValueError, match="needs batches of all environments, got batch_size=1"):
+        record_video(AtariVectorEnv("pong", 2, batch_size=1), tmp_path)
+
+
+def test_it_synchronizes_with_environments_that_were_restored_or_changed(tmp_path: Path) -> None:
+    vector = AtariVectorEnv("breakout", 2)
+    envs = record_video(vector, tmp_path, format="gif")
+    envs.reset(seed=0)
+    envs.step(np.array([1, 1]))
+    saved = vector.snapshot()
+    envs.step(np.array([2, 3]))
+    vector.restore(None, saved)
+    vector.members[1].set_ram(3, 7)
+    envs.step(np.array([0, 3]))
+    for shadow in envs._shadows:
+        assert np.array_equal(shadow.core.ram(), vector.members[shadow.index].ram())
+        assert np.array_equal(shadow.screen, vector.members[shadow.index].screen_rgb())
+    envs.close()
+
+
+def test_inner_wrappers_that_change_actions_are_reported(tmp_path: Path) -> None:
+    vector = AtariVectorEnv("pong", 2, noop_max=1, use_fire_reset=False)
+    changed = gymnasium.wrappers.vector.TransformAction(vector, lambda actions: 5 - actions)
+    envs = record_video(changed, tmp_path, format="gif")
+    envs.reset(seed=0)
+    with pytest.raises(RuntimeError, match="environment 0 was given another action than the recorder; put Rec"):
+        play(envs, 30)

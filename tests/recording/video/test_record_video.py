@@ -1,0 +1,477 @@
+"""`RecordVideo`: every frame is recorded, results do not change, and file names are Gymnasium's."""
+
+import copy
+import gc
+import inspect
+import pickle
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import av
+import gymnasium
+import gymnasium.utils
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import data_equivalence
+from video_reader import NTSC, Screen, sound, video_frames
+
+import atari
+from atari.recording import RecordVideo, VideoWriter
+from atari.recording.video.audio import to_16_bit
+from atari.wrappers import DqnPreprocessing, EpisodicLife
+
+Env = gymnasium.Env[Any, Any]
+
+
+def always(number: int) -> bool:
+    return True
+
+
+def record_video(env: Env, folder: Path, **options: Any) -> RecordVideo:
+    return RecordVideo(env, folder / "videos", **{"episode_trigger": always, **options})
+
+
+def play(env: Env, steps: int, seed: int = 0) -> list[Any]:
+    """What an environment returns, over episodes."""
+    results: list[Any] = [env.reset(seed=seed)]
+    env.action_space.seed(seed)
+    for _ in range(steps):
+        results.append(env.step(env.action_space.sample()))
+        if results[-1][2] or results[-1][3]:
+            results.append(env.reset())
+    return results
+
+
+def files(folder: Path) -> list[str]:
+    return sorted(str(path.relative_to(folder / "videos")) for path in (folder / "videos").rglob("*.*"))
+
+
+# What the environment does.
+
+
+@pytest.mark.parametrize("core", ["native", "ale"])
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"frameskip": (2, 5), "sound_obs": True},
+        {"frameskip": 1, "obs_type": "ram", "repeat_action_probability": 0.0},
+        {"continuous": True, "obs_type": "grayscale", "max_num_frames_per_episode": 90},
+        {"preset": "dqn2015"},
+        {"preset": "envpool"},
+    ],
+)
+def test_recording_changes_nothing(tmp_path: Path, core: str, options: dict[str, Any]) -> None:
+    plain = play(atari.make("breakout", core=core, **options), 60)
+    env = record_video(atari.make("breakout", core=core, **options), tmp_path, scale=1)
+    assert data_equivalence(play(env, 60), plain, exact=True)
+    env.close()
+    assert files(tmp_path)
+
+
+def test_the_environment_is_left_as_it_was_when_it_is_closed(tmp_path: Path) -> None:
+    env = record_video(atari.make("pong"), tmp_path)
+    play(env, 3)
+    assert env.recording
+    env.close()
+    assert not env.recording
+    with pytest.raises(RuntimeError, match="closed"):
+        env.reset()
+
+
+def test_a_copy_and_a_pickle_go_on_and_record_from_their_next_episode_on(tmp_path: Path) -> None:
+    env = record_video(atari.make("breakout", frameskip=4), tmp_path)
+    play(env, 5)
+    for other in (copy.deepcopy(env), pickle.loads(pickle.dumps(env))):
+        assert not other.recording
+        assert other.episode_id == 0
+        assert data_equivalence(other.step(1), copy.deepcopy(env).step(1), exact=True)
+        other.reset()
+        assert other.recording
+        other.stop_recording()
+    assert env.recording
+    env.close()
+    assert files(tmp_path) == ["rl-video-episode-0.mp4", "rl-video-episode-1.mp4"]
+
+
+def test_the_spec_makes_it_again(tmp_path: Path) -> None:
+    env = RecordVideo(gymnasium.make("ALE/Breakout-v5"), tmp_path / "videos", format="gif", scale=1)
+    env.close()
+    with pytest.warns(UserWarning, match="will be replaced"):
+        again = gymnasium.make(env.spec)
+    again.reset()
+    again.close()
+    assert files(tmp_path) == ["rl-video-episode-0.gif"]
+
+
+def test_snapshots_fit_environments_that_make_sound_too(tmp_path: Path) -> None:
+    env, plain = record_video(atari.make("breakout"), tmp_path, scale=1), atari.make("breakout")
+    play(env, 5)
+    saved = env.unwrapped.snapshot()  # type: ignore[attr-defined]
+    plain.reset()
+    with pytest.raises(ValueError, match="taken with sound = True"):
+        plain.unwrapped.restore(saved)  # type: ignore[attr-defined]
+    plain.unwrapped.make_sound()  # type: ignore[attr-defined]
+    plain.unwrapped.restore(saved)  # type: ignore[attr-defined]
+    assert data_equivalence(plain.step(2), env.step(2), exact=True)
+    env.close()
+
+
+# What is in the videos.
+
+
+@pytest.mark.parametrize("core", ["native", "ale"])
+@pytest.mark.parametrize("frame_skip", [4, 7])
+def test_every_emulated_frame_is_in_it_with_its_sound(tmp_path: Path, core: str, frame_skip: int) -> None:
+    env = record_video(atari.make("seaquest", frameskip=frame_skip, core=core), tmp_path, format="mkv", scale=1)
+    reference = atari.make("seaquest", frameskip=1, sound_obs=True, core=core)
+    env.reset(seed=2)
+    reference.reset(seed=2)
+    core_of = reference.unwrapped.core  # type: ignore[attr-defined]
+    screens, samples = [core_of.screen_rgb()], [np.zeros(512, np.int16)]
+    for action in [1, 3, 9, 1, 4, 0, 2, 5] * 4:
+        env.step(action)
+        for _ in range(frame_skip):
+            observation, *_ = reference.step(action)
+            screens.append(core_of.screen_rgb())
+            samples.append(to_16_bit(observation["sound"]))
+    env.close()
+    assert np.abs(samples).max() > 0
+    path = tmp_path / "videos" / "rl-video-episode-0.mkv"
+    expected = [screen.repeat(2, axis=1) for screen in screens]
+    assert len(expected) == 1 + 32 * frame_skip
+    assert all(np.array_equal(a, b) for a, b in zip(video_frames(path), expected, strict=True))
+    assert np.array_equal(sound(path)[0], np.concatenate(samples))
+
+
+class Counter:
+    """An observer that counts its calls."""
+
+    def __init__(self) -> None:
+        self.frames = 0
+
+    def game_begun(self) -> None:
+        self.frames = 1
+
+    def frame_played(self, action: int, reward: int) -> None:
+        self.frames += 1
+
+
+@pytest.mark.parametrize("preset", [None, *atari.wrappers.PRESETS])
+def test_under_every_preset_the_video_has_the_frames_that_were_played(tmp_path: Path, preset: str | None) -> None:
+    env = record_video(atari.make("pong", preset=preset), tmp_path, scale=1)
+    counter = Counter()
+    env.unwrapped.observers.append(counter)  # type: ignore[attr-defined]
+    env.reset(seed=1)
+    at_reset = counter.frames
+    for action in (2, 3) * 10:
+        env.step(action)
+    assert counter.frames - at_reset == 80
+    assert (at_reset > 1) == (preset in ("dqn2015", "baselines", "gymnasium", "envpool", "ale_vector"))
+    env.close()
+    path = tmp_path / "videos" / "rl-video-episode-0.mp4"
+    with av.open(str(path)) as container:
+        assert [stream.codec_context.name for stream in container.streams] == ["h264", "aac"]
+        video = container.streams.video[0]
+        assert video.average_rate == NTSC
+        assert video.frames == counter.frames
+        assert video.duration * video.time_base == counter.frames / NTSC
+        assert container.duration / av.time_base == pytest.approx(float(counter.frames / NTSC), abs=1 / 60)
+
+
+def test_it_records_inside_other_wrappers_too(tmp_path: Path) -> None:
+    env = DqnPreprocessing(record_video(atari.AtariEnv("breakout", frameskip=1), tmp_path, format="gif", scale=1))
+    plain = DqnPreprocessing(atari.AtariEnv("breakout", frameskip=1))
+    assert data_equivalence(play(env, 20), play(plain, 20), exact=True)
+    env.close()
+    assert env.get_wrapper_attr("step_id") == 79
+
+
+def test_nothing_is_recorded_after_the_end_of_a_game(tmp_path: Path) -> None:
+    env = record_video(
+        atari.make("breakout", max_num_frames_per_episode=9, frameskip=4), tmp_path, format="mkv", scale=1
+    )
+    env.reset(seed=0)
+    with pytest.warns(UserWarning, match="after the episode had ended"):
+        truncations = [env.step(0)[3] for _ in range(4)]
+    assert truncations == [False, False, True, True]
+    env.close()
+    assert len(video_frames(tmp_path / "videos" / "rl-video-episode-0.mkv")) == 1 + 9
+
+
+def test_after_a_lost_life_the_video_begins_with_the_screen_that_there_is(tmp_path: Path) -> None:
+    env = record_video(
+        EpisodicLife(atari.AtariEnv("breakout", frameskip=1), on_reset="continue"), tmp_path, format="mkv", scale=1
+    )
+    env.reset(seed=0)
+    env.unwrapped.core.set_ram(0x39, 1)  # type: ignore[attr-defined]
+    terminated = False
+    while not terminated:
+        terminated = env.step(1)[2]
+    screen: Screen = env.unwrapped.core.screen_rgb()  # type: ignore[attr-defined]
+    env.reset()
+    env.step(0)
+    env.close()
+    second = video_frames(tmp_path / "videos" / "rl-video-episode-1.mkv")
+    assert len(second) == 2
+    assert np.array_equal(second[0], screen.repeat(2, axis=1))
+
+
+@pytest.mark.parametrize("overlay", [("score",), ("action", "score"), ("ram",), ("score", "action", "ram")])
+def test_the_overlay_is_below_the_frame_and_changes(tmp_path: Path, overlay: tuple[str, ...]) -> None:
+    env = record_video(atari.make("breakout", frameskip=4), tmp_path, overlay=overlay, format="mkv", scale=1)
+    env.reset(seed=1)
+    rewards = [env.step(action)[1] for action in [1, 0, 2, 2, 3, 3] * 8]
+    env.close()
+    frames = video_frames(tmp_path / "videos" / "rl-video-episode-0.mkv")
+    lines = (overlay != ("ram",)) + 8 * ("ram" in overlay)
+    assert frames[0].shape == (210 + 8 * lines, 320, 3)
+    captions = [image[210:].tobytes() for image in frames]
+    different = len(set(captions))
+    if overlay == ("score",):
+        assert different == 1 + np.count_nonzero(rewards)
+    else:
+        assert different > (4 if "ram" not in overlay else 100)
+
+
+def test_captions_say_score_action_and_ram(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    captions: list[str] = []
+    write = VideoWriter.write
+
+    def spy(self: VideoWriter, rgb: Screen, samples: Any, caption: str) -> None:
+        captions.append(caption)
+        write(self, rgb, samples, caption)
+
+    monkeypatch.setattr(VideoWriter, "write", spy)
+    env = record_video(atari.make("breakout", frameskip=2), tmp_path, overlay=("score", "action", "ram"))
+    env.reset(seed=1)
+    env.step(1)
+    core = env.unwrapped.core  # type: ignore[attr-defined]
+    assert [caption.splitlines()[0] for caption in captions] == ["score 0   action -", *["score 0   action FIRE"] * 2]
+    rows = captions[-1].splitlines()[1:]
+    assert [row[:5] for row in rows] == ["80:  ", "90:  ", "A0:  ", "B0:  ", "C0:  ", "D0:  ", "E0:  ", "F0:  "]
+    assert bytes.fromhex("".join(row[5:] for row in rows)) == core.ram().tobytes()
+
+
+@pytest.mark.parametrize(("format", "streams"), [("mp4", 2), ("mkv", 2), ("webm", 2), ("gif", 1)])
+def test_every_format(tmp_path: Path, format: str, streams: int) -> None:
+    env = record_video(atari.make("pong", frameskip=4), tmp_path, format=format, scale=1)
+    play(env, 5)
+    env.close()
+    with av.open(str(tmp_path / "videos" / f"rl-video-episode-0.{format}")) as container:
+        assert len(container.streams) == streams
+
+
+def test_a_png_sequence_is_a_folder(tmp_path: Path) -> None:
+    env = record_video(atari.make("pong", frameskip=2), tmp_path, format="png", scale=1, name_prefix="100%")
+    play(env, 2)
+    env.close()
+    assert files(tmp_path) == [f"100%-episode-0/{i:06}.png" for i in range(5)]
+
+
+def test_without_sound_the_emulator_stays_the_same(tmp_path: Path) -> None:
+    env = atari.make("pong")
+    core = env.unwrapped.core  # type: ignore[attr-defined]
+    silent = record_video(env, tmp_path, sound=False)
+    assert env.unwrapped.core is core  # type: ignore[attr-defined]
+    play(silent, 2)
+    silent.close()
+    with av.open(str(tmp_path / "videos" / "rl-video-episode-0.mp4")) as container:
+        assert not container.streams.audio
+
+
+def test_another_rate_is_slow_motion(tmp_path: Path) -> None:
+    env = record_video(atari.make("pong", frameskip=4), tmp_path, fps=30)
+    play(env, 5)
+    env.close()
+    with av.open(str(tmp_path / "videos" / "rl-video-episode-0.mp4")) as container:
+        assert container.streams.video[0].average_rate == 30
+        assert container.duration / av.time_base == pytest.approx(21 / 30, abs=0.022)
+
+
+# When it records, and under which names.
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"episode_trigger": lambda episode: episode % 2 == 1},
+        {"step_trigger": lambda step: step % 50 == 20},
+        {"step_trigger": lambda step: step in (0, 30), "video_length": 12, "name_prefix": "x"},
+        {"episode_trigger": lambda episode: episode == 1, "video_length": 100},
+        {"episode_trigger": lambda episode: episode < 3, "step_trigger": lambda step: step == 50, "video_length": 1},
+        {"episode_trigger": lambda episode: False},
+    ],
+)
+def test_names_and_lengths_are_gymnasiums(tmp_path: Path, moviepy: dict[str, int], options: dict[str, Any]) -> None:
+    def make() -> Env:
+        return atari.make("breakout", frameskip=1, max_num_frames_per_episode=40, render_mode="rgb_array")
+
+    theirs = gymnasium.wrappers.RecordVideo(make(), str(tmp_path / "theirs"), **options)
+    play(theirs, 400)
+    theirs.close()
+    ours = RecordVideo(make(), tmp_path / "videos", **options, format="gif", fps=15, scale=1, sound=False)
+    play(ours, 400)
+    ours.close()
+    frames = {name.replace(".gif", ".mp4"): len(video_frames(tmp_path / "videos" / name)) for name in files(tmp_path)}
+    assert frames == moviepy
+    assert (ours.episode_id, ours.step_id) == (theirs.episode_id, theirs.step_id)
+
+
+def test_its_arguments_are_gymnasiums(tmp_path: Path) -> None:
+    theirs = list(inspect.signature(gymnasium.wrappers.RecordVideo.__init__).parameters.values())
+    ours = list(inspect.signature(RecordVideo.__init__).parameters.values())
+    assert [parameter.name for parameter in ours[: len(theirs)]] == [parameter.name for parameter in theirs]
+    for our, their in zip(ours[:-4], theirs, strict=True):
+        if our.name != "gc_trigger":
+            assert (our.default, our.kind) == (their.default, their.kind)
+
+
+def test_recordings_can_be_started_and_stopped_by_hand(tmp_path: Path) -> None:
+    env = record_video(atari.make("pong"), tmp_path, episode_trigger=lambda episode: False)
+    play(env, 2)
+    env.start_recording("by hand")
+    assert env.recording
+    env.step(0)
+    env.stop_recording()
+    env.stop_recording()
+    env.close()
+    assert files(tmp_path) == ["by hand.mp4"]
+    assert len(video_frames(tmp_path / "videos" / "by hand.mp4")) == 4
+
+
+def test_a_video_is_completed_without_close(tmp_path: Path) -> None:
+    env = record_video(atari.make("pong", frameskip=1), tmp_path, format="mkv", scale=1)
+    play(env, 9)
+    del env
+    gc.collect()
+    assert len(video_frames(tmp_path / "videos" / "rl-video-episode-0.mkv")) == 10
+
+
+def test_videos_that_will_be_replaced_are_warned_of(tmp_path: Path) -> None:
+    record_video(atari.make("pong"), tmp_path)
+    with pytest.warns(UserWarning, match="will be replaced"):
+        record_video(atari.make("pong"), tmp_path)
+
+
+# Errors.
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "text"),
+    [
+        ({"format": "avi"}, ValueError, "format must be one of 'mp4', 'mkv', 'webm', 'gif', 'png', got 'avi'"),
+        ({"overlay": "score"}, ValueError, "overlay is a tuple of some of 'score', 'action', 'ram', got 'score'"),
+        ({"overlay": ("lives",)}, ValueError, "overlay is a tuple of some"),
+        ({"scale": 0}, ValueError, "scale must be within 1..16"),
+        ({"fps": 0}, ValueError, "fps must be within"),
+        ({"fps": "60"}, TypeError, "fps is a number"),
+        ({"video_length": -1}, ValueError, "video_length must be within"),
+        ({"video_length": 1.5}, TypeError, "video_length must be an integer"),
+        ({"episode_trigger": 5}, TypeError, "episode_trigger is a function of a number, got 5"),
+        ({"step_trigger": "always"}, TypeError, "step_trigger is a function"),
+    ],
+)
+def test_wrong_arguments_are_refused_before_a_folder_is_made(
+    tmp_path: Path, options: dict[str, Any], error: type[Exception], text: str
+) -> None:
+    env = atari.make("pong")
+    core = env.unwrapped.core  # type: ignore[attr-defined]
+    with pytest.raises(error, match=text):
+        record_video(env, tmp_path, **options)
+    assert not list(tmp_path.iterdir())
+    assert env.unwrapped.core is core  # type: ignore[attr-defined]
+    assert not env.unwrapped.observers  # type: ignore[attr-defined]
+
+
+def test_other_environments_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(
+        TypeError, match=r"records an atari\.AtariEnv, got CartPoleEnv; for that use gymnasium\.wrappers"
+    ):
+        record_video(gymnasium.make("CartPole-v1"), tmp_path)
+    with pytest.raises(TypeError, match="got AtariVectorEnv; for that use RecordVectorVideo"):
+        record_video(atari.AtariVectorEnv("pong", 2), tmp_path)  # type: ignore[arg-type]
+
+
+def test_without_pyav_the_error_comes_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "av", None)
+    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"pip install 'atari-envs\[video\]'"):
+        record_video(atari.make("pong"), tmp_path)
+    record_video(atari.make("pong"), tmp_path, format="png").close()
+
+
+def test_a_folder_that_cannot_be_made_is_an_error_at_once(tmp_path: Path) -> None:
+    (tmp_path / "videos").touch()
+    with pytest.raises(OSError, match="videos"):
+        record_video(atari.make("pong"), tmp_path)
+
+
+def test_a_folder_that_cannot_be_written_to_is_an_error_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("os.access", lambda path, mode: False)  # permissions do not bind root
+    with pytest.raises(PermissionError, match=r"videos cannot be written into .*; choose another video_folder"):
+        record_video(atari.make("pong"), tmp_path)
+
+
+@pytest.mark.parametrize("trigger", ["episode_trigger", "step_trigger"])
+def test_a_video_that_cannot_be_begun_is_an_error_and_the_game_goes_on(tmp_path: Path, trigger: str) -> None:
+    plain = atari.make("breakout")
+    env = RecordVideo(atari.make("breakout"), tmp_path / "videos", **{trigger: lambda number: number == 0})
+    name = f"rl-video-{trigger.removesuffix('_trigger')}-0.mp4"
+    (tmp_path / "videos" / name).mkdir()
+    call: Callable[[], Any] = lambda: env.reset(seed=0)  # noqa: E731
+    if trigger == "step_trigger":
+        env.reset(seed=0)
+        call = lambda: env.step(1)  # noqa: E731
+    with pytest.raises(IsADirectoryError, match=name):
+        call()
+    result = call()
+    expected = plain.reset(seed=0)
+    if trigger == "step_trigger":
+        expected = plain.step(1)  # type: ignore[assignment]
+    assert data_equivalence(result, expected, exact=True)
+    assert not env.recording
+    env.close()
+
+
+def test_a_full_disk_ends_the_video_and_the_game_continues(tmp_path: Path) -> None:
+    program = """if True:
+        import resource, sys
+        import gymnasium, numpy as np
+        from gymnasium.utils.env_checker import data_equivalence
+        import atari
+        from atari.recording import RecordVideo
+        plain = atari.make("breakout")
+        env = RecordVideo(atari.make("breakout"), sys.argv[1], format="mkv", episode_trigger=lambda episode: True)
+        expected, results, errors = [plain.reset(seed=1)], [env.reset(seed=1)], []
+        resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, -1))
+        for i in range(40):
+            expected.append(plain.step(i % 4))
+            try:
+                results.append(env.step(i % 4))
+            except OSError as error:
+                errors.append(error)
+                results.append(env.step(i % 4))
+        assert data_equivalence(results, expected, exact=True)
+        assert not env.recording
+        print(len(errors), errors[0].strerror.partition(" after ")[0], errors[0].strerror.partition(": ")[2])
+        print(errors[0].filename)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (-1, -1))
+        env.reset()
+        env.step(0)
+        env.close()
+    """
+    words = [sys.executable, "-W", "ignore", "-c", program, str(tmp_path / "videos")]
+    result = subprocess.run(words, capture_output=True, text=True, timeout=120, check=False)
+    path = tmp_path / "videos" / "rl-video-episode-0.mkv"
+    assert (result.stdout, result.stderr, result.returncode) == (
+        f"1 the recording has ended File too large\n{path}\n",
+        "",
+        0,
+    )
+    assert len(video_frames(tmp_path / "videos" / "rl-video-episode-1.mkv")) == 5

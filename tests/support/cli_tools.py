@@ -1,0 +1,19 @@
+"""What the tests of the command line share: running a command and reading its output."""
+
+import json
+from typing import Any
+
+import pytest
+
+from atari.cli import main
+
+
+def read(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    assert main(words) == 0
+    captured = capsys.readouterr()
+    assert captured.err == ""
+    return captured.out
+
+
+def read_json(capsys: pytest.CaptureFixture[str], *words: str) -> Any:
+    return json.loads(read(capsys, *words, "--json"))

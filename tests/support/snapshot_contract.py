@@ -1,0 +1,189 @@
+"""The part of the contract of cores that concerns snapshots; `CoreContract` includes it."""
+
+import hashlib
+import inspect
+import json
+import random
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from core_tools import ARRAYS, Maker, play, some_actions, unchanged, visible
+
+from atari.cores import snapshot
+
+FIRE, RIGHT = 1, 3
+
+# Games of different kinds: paddles, PAL, a state that ale-py's own saving misses, rules that remember over a reset,
+# a cartridge with RAM, resets that draw random numbers.
+SNAPSHOT_GAMES = ["breakout", "adventure", "qbert", "video_checkers", "klax", "double_dunk"]
+
+
+class SnapshotContract(Maker):
+    """Whatever has happened, a snapshot continues exactly; whatever is no snapshot, is refused and changes nothing."""
+
+    @pytest.mark.parametrize("sound", [False, True])
+    @pytest.mark.parametrize("game", SNAPSHOT_GAMES)
+    def test_a_snapshot_continues_exactly_in_the_same_core_and_in_a_new_one(self, game: str, sound: bool) -> None:
+        core = self.make(game, seed=4, sound=sound)
+        play(core, some_actions(core, 40))
+        core.reset()
+        play(core, some_actions(core, 25, seed=1))
+        saved, seen = core.snapshot(), visible(core)
+        actions = some_actions(core, 30, seed=2)
+        expected = play(core, actions)
+        other = self.make(game, seed=99, sound=sound, reset=False)
+        for target in (core, other):
+            target.restore(saved)
+            assert visible(target) == seen
+            assert target.snapshot() == saved
+            assert play(target, actions) == expected
+
+    def test_a_snapshot_continues_exactly_in_another_process(self, tmp_path: Path) -> None:
+        options: dict[str, Any] = {"sound": True, "mode": 2, "frame_skip": 2}
+        core = self.make("space_invaders", seed=8, **options)
+        play(core, some_actions(core, 50))
+        (tmp_path / "saved").write_bytes(core.snapshot())
+        actions = some_actions(core, 40, seed=1)
+        program = "\n".join(
+            [
+                inspect.getsource(visible),
+                inspect.getsource(play),
+                "core = CORES[sys.argv[1]]('space_invaders', **json.loads(sys.argv[2]))",
+                "core.restore(Path('saved').read_bytes())",
+                "print(hashlib.sha256(repr(play(core, json.loads(sys.argv[3]))).encode()).hexdigest())",
+            ]
+        )
+        header = (
+            "import hashlib, json, sys\nfrom collections.abc import Iterable\nfrom pathlib import Path\n"
+            f"from typing import Any\nfrom atari.cores import CORES, Core\nARRAYS = {ARRAYS}\n"
+        )
+        command = [sys.executable, "-c", header + program, core.name, json.dumps(options), json.dumps(actions)]
+        result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+        assert result.stdout.strip() == hashlib.sha256(repr(play(core, actions)).encode()).hexdigest()
+
+    @pytest.mark.parametrize("moment", ["made", "reset", "poked", "paddle", "truncated", "over"])
+    def test_a_snapshot_of_any_moment_continues_exactly(self, moment: str) -> None:
+        core = self.make(reset=False, max_num_frames_per_episode=60, seed=1)
+        if moment != "made":
+            core.reset()
+        if moment == "poked":
+            core.set_ram(0x39, 3)
+        if moment == "paddle":
+            for _ in range(10):
+                core.act(RIGHT, 0.3)
+        if moment == "truncated":
+            play(core, [0] * 70)
+        if moment == "over":
+            core.set_ram(0x39, 0)
+            play(core, [0] * 5)
+        saved = core.snapshot()
+        expected = play(core, some_actions(core, 20))
+        core.restore(saved)
+        assert play(core, some_actions(core, 20)) == expected
+
+    def test_taking_a_snapshot_does_not_disturb(self) -> None:
+        watched, left_alone = self.make("seaquest"), self.make("seaquest")
+        actions = some_actions(watched, 40)
+        for action in actions:
+            watched.snapshot()
+            watched.act(action)
+        play(left_alone, actions)
+        assert visible(watched) == visible(left_alone)
+
+    def test_a_snapshot_can_be_restored_again_and_again(self) -> None:
+        core = self.make("seaquest")
+        saved = core.snapshot()
+        traces = []
+        for _ in range(3):
+            core.restore(saved)
+            traces.append(play(core, some_actions(core, 20)))
+        assert traces[0] == traces[1] == traces[2]
+
+    def test_after_a_restore_a_reset_is_that_of_the_snapshot(self) -> None:
+        """A reset may depend on what came before it, RAM and generators included."""
+        first, second = self.make("double_dunk", seed=1), self.make("double_dunk", seed=2)
+        play(first, some_actions(first, 30))
+        second.restore(first.snapshot())
+        first.reset()
+        second.reset()
+        assert visible(first) == visible(second)
+
+    @pytest.mark.parametrize("damage", ["empty", "random", "no header", "half", "one byte short", "one byte more"])
+    def test_a_damaged_snapshot_is_refused(self, damage: str) -> None:
+        core = self.make()
+        good = core.snapshot()
+        bad = {
+            "empty": b"",
+            "random": random.Random(0).randbytes(500),
+            "no header": good[8:],
+            "half": good[: len(good) // 2],
+            "one byte short": good[:-1],
+            "one byte more": good + b"\0",
+        }[damage]
+        with unchanged(core), pytest.raises(ValueError, match="snapshot"):
+            core.restore(bad)
+
+    def test_a_snapshot_cut_anywhere_is_refused(self) -> None:
+        core = self.make(reset=False)
+        good = core.snapshot()
+        with unchanged(core):
+            for length in range(len(good)):
+                with pytest.raises(ValueError, match="snapshot"):
+                    core.restore(good[:length])
+
+    def test_a_snapshot_with_any_one_bit_flipped_is_refused(self) -> None:
+        core = self.make(reset=False)
+        core.act(FIRE)
+        good = core.snapshot()
+        with unchanged(core):
+            for place in range(len(good)):
+                bad = bytearray(good)
+                bad[place] ^= 1 << place % 8
+                with pytest.raises(ValueError, match="snapshot"):
+                    core.restore(bytes(bad))
+
+    @pytest.mark.parametrize("data", ["text", bytearray(b"ATARISNP"), memoryview(b"ATARISNP"), None, 3])
+    def test_a_snapshot_that_is_not_bytes_is_refused(self, data: Any) -> None:
+        core = self.make()
+        with unchanged(core), pytest.raises(TypeError, match="a snapshot is bytes as snapshot\\(\\) returned them"):
+            core.restore(data)
+
+    @pytest.mark.parametrize(
+        ("game", "options", "text"),
+        [
+            ("pong", {}, "taken with game = 'pong', but this environment has 'breakout'"),
+            ("breakout", {"mode": 4}, "taken with mode = 4, but this environment has None"),
+            ("breakout", {"difficulty": 1}, "taken with difficulty = 1"),
+            ("breakout", {"frame_skip": 2}, "taken with frame_skip = 2"),
+            ("breakout", {"sound": True}, "taken with sound = True"),
+            ("breakout", {"repeat_action_probability": 0.0}, "taken with repeat_action_probability = 0.0"),
+            ("breakout", {"max_num_frames_per_episode": 99}, "taken with max_num_frames_per_episode = 99"),
+        ],
+    )
+    def test_a_snapshot_of_another_game_or_other_options_is_refused(
+        self, game: str, options: dict[str, Any], text: str
+    ) -> None:
+        core, other = self.make(), self.make(game, **options)
+        with (
+            unchanged(core),
+            pytest.raises(ValueError, match="restore it into one made with the same options") as error,
+        ):
+            core.restore(other.snapshot())
+        assert text in str(error.value)
+
+    def test_a_snapshot_of_another_core_is_refused(self) -> None:
+        core = self.make()
+        facts, blobs = snapshot.unpack(core.snapshot())
+        with unchanged(core), pytest.raises(ValueError, match="taken with core = 'another'"):
+            core.restore(snapshot.pack({**facts, "core": "another"}, blobs))
+
+    def test_a_snapshot_of_another_format_version_is_refused(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        core = self.make()
+        with monkeypatch.context() as patch:
+            patch.setattr(snapshot, "VERSION", 999)
+            future = core.snapshot()
+        with unchanged(core), pytest.raises(ValueError, match=r"format version 999, this release .* reads version 1"):
+            core.restore(future)
