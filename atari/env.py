@@ -5,7 +5,6 @@ Options, defaults, observations, rewards and random streams are those of ale-py'
 """
 
 import copy
-import operator
 from os import PathLike
 from typing import Any, Literal, Protocol, get_args
 
@@ -19,7 +18,7 @@ from atari.cores.ale_interface import AleInterface
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.rendering import Window
-from atari.validation import check_frameskip, check_name, check_probability
+from atari.validation import check_action_index, check_frameskip, check_name, check_probability
 
 ObsType = Literal["rgb", "grayscale", "ram"]
 RenderMode = Literal["human", "rgb_array", "rgb_array_list"]
@@ -162,7 +161,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             gymnasium.error.ResetNeeded: before the first reset.
             TypeError, ValueError: the action is not in the action space.
         """
-        number, strength = self._continuous_action(action) if self.continuous else (self._discrete_action(action), 1.0)
+        number, strength = self._ale_action(action)
         reward = self.play_frames(number, self._draw_frameskip(), strength)
         self._show()
         return self._observation(), reward, self.core.game_over, self.core.truncated, self._info()
@@ -302,14 +301,12 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             return self._frameskip
         return int(self.np_random.integers(*self._frameskip))
 
-    def _discrete_action(self, action: Any) -> int:
-        try:
-            index = operator.index(action)
-        except TypeError:
-            raise TypeError(f"an action is an integer within 0..{len(self._action_set) - 1}, got {action!r}") from None
-        if not 0 <= index < len(self._action_set):
-            raise ValueError(f"action {index} is not within 0..{len(self._action_set) - 1} ({self.game.id})")
-        return int(self._action_set[index])
+    def _ale_action(self, action: Any) -> tuple[int, float]:
+        """The ALE action number and the strength of an action of the action space."""
+        if self.continuous:
+            return self._continuous_action(action)
+        index = check_action_index(action, len(self._action_set), self.game.id)
+        return int(self._action_set[index]), 1.0
 
     def _continuous_action(self, action: Any) -> tuple[int, float]:
         """The ALE action and the strength of (radius, angle, fire), computed in float32 as in CALE."""

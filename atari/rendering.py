@@ -8,7 +8,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 
-from atari.cores.protocol import ByteArray
+from atari.cores.core import ByteArray
 from atari.games.game import Game
 
 _SCALE = 3

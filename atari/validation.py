@@ -55,6 +55,17 @@ def check_action(action: Any) -> int:
     return number
 
 
+def check_action_index(action: Any, count: int, game: str) -> int:
+    """`action` as an index 0..`count`-1 into the action set of an environment of `game`."""
+    try:
+        index = operator.index(action)
+    except TypeError:
+        raise TypeError(f"an action is an integer within 0..{count - 1}, got {action!r}") from None
+    if not 0 <= index < count:
+        raise ValueError(f"action {index} is not within 0..{count - 1} ({game})")
+    return index
+
+
 def check_strength(strength: Any) -> float:
     """`strength` as a finite float that cannot overflow a paddle's position."""
     try:

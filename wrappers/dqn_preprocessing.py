@@ -168,7 +168,7 @@ class DqnPreprocessing(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorA
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Play the action until the skip or the episode ends."""
         play = self._play_direct if self._direct else self._play_through
-        move = self._move(action) if self._direct else action
+        move = self._atari._ale_action(action) if self._direct else action
         seamless = self._seamless_life
         total = 0.0
         left = self.frame_skip
@@ -191,12 +191,6 @@ class DqnPreprocessing(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorA
         info = self._atari._info() if self._direct else self._info
         self._frame_number = info["frame_number"]
         return observation, total, terminated, truncated, info
-
-    def _move(self, action: Any) -> tuple[int, float]:
-        """The ALE action and the strength of an action of the environment."""
-        if self._atari.continuous:
-            return self._atari._continuous_action(action)
-        return self._atari._discrete_action(action), 1.0
 
     def _play_direct(self, move: tuple[int, float]) -> tuple[float, bool, bool]:
         """Play a frame on the emulator."""

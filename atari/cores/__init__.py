@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from atari.cores.ale import AleCore
+from atari.cores.core import ByteArray, Core
 from atari.cores.native import NativeCore, PlainCore
-from atari.cores.protocol import ByteArray, Core
 
 CORES: Mapping[str, type[NativeCore] | type[AleCore]] = MappingProxyType(
     {"native": NativeCore, "ale": AleCore, "plain": PlainCore}

@@ -15,9 +15,9 @@ import numpy as np
 from ale_py import ALEInterface, ALEState, LoggerMode
 
 from atari.cores import snapshot
+from atari.cores.core import ByteArray
 from atari.cores.journal import Journal
 from atari.cores.options import SEED_LIMIT, CoreOptions
-from atari.cores.protocol import ByteArray
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.roms import find

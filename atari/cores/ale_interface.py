@@ -5,7 +5,7 @@ has these methods for every core, with the core's checks.
 """
 
 from atari.actions import Action
-from atari.cores.protocol import ByteArray, Core
+from atari.cores.core import ByteArray, Core
 
 
 class AleInterface:

@@ -1,4 +1,13 @@
-"""The format of snapshots: named blobs and facts, with version and checksum, as one `bytes`.
+"""What a snapshot contains: named blobs and facts, with version and checksum, as one `bytes`.
+
+    snapshot of     facts                                            blobs
+    AtariEnv        phase of the episode, the generator np_random    the core's snapshot
+    NativeCore      core, game, ROM, options, version of the state   the state: machine, RAM of the cartridge, episode,
+                                                                     framebuffer, sound, held action, generators
+    AleCore         the same, and the seed                           ale-py's state after the last reset, the calls
+                                                                     since, a digest of the result
+
+The native core's state is `EnvironmentState` in `emulator/ale/environment.hpp` and what `Console::save` writes.
 
 Layout, all integers little-endian:
 

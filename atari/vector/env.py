@@ -25,9 +25,9 @@ from atari import _emulator
 from atari.cores import ByteArray
 from atari.games.game import Game
 from atari.rendering import tile
-from atari.vector.buffers import Results
 from atari.vector.members import Member
 from atari.vector.options import VectorOptions
+from atari.vector.results import Results
 from atari.vector.seeds import seed_words
 
 ObsType = Literal["grayscale", "rgb", "ram", "dict"]

@@ -1,7 +1,7 @@
 """The contract of `atari.cores.Core` as tests, which every core passes.
 
 A core's own test file subclasses `CoreContract`, names its class in `core_type`, and pytest runs everything below
-and in `snapshot_contract.py` on it. A test here may use nothing that is not in `atari/cores/protocol.py`.
+and in `snapshot_contract.py` on it. A test here may use nothing that is not in `atari/cores/core.py`.
 """
 
 from collections.abc import Callable

@@ -105,7 +105,8 @@ void FastConsole::begin_log() {
     log_end_ = log.writes;
     applied_ = collisions_from_ = log.writes;
     first_cycle_ = static_cast<uint32_t>(t.frame_start / 3);
-    overlong_ = first_cycle_ + static_cast<uint32_t>(kCyclesPerLine * (last_line(config_.pal) + 1));
+    deadline_ = first_cycle_ + static_cast<uint32_t>(kCyclesPerLine * (last_line(config_.pal) + 1));
+    for (uint32_t n = 0; n < kDeadlines; ++n) deadlines_[n] = deadline_ - n;
     collider_.begin(history_.watched());
     collision_cache_.begin(log.writes, history_.watched());
 
@@ -224,7 +225,7 @@ void FastConsole::break_off_history() {
 
 // A write that the fast interpreter does not log itself. Each is logged that could delay a later one.
 void FastConsole::log_write(uint8_t reg, uint8_t value) {
-    if (m_.cycles >= overlong_) end_frame();
+    if (m_.cycles >= deadline_) end_frame();
     TiaShadow& shadow = shadow_;
     uint16_t beside = 0;
     uint8_t kind;

@@ -92,7 +92,11 @@ class FastConsole final : public Console {
     // entered: where it is not plain image the record is kStep.
     uint32_t code_segments_ = 0;
     uint32_t origin_ = 0;
-    uint32_t overlong_ = 0;         // from this cycle on, a write to the TIA ends the frame
+    uint32_t deadline_ = 0;         // from this cycle on, a write to the TIA ends the frame
+    // Element n is the deadline less n cycles: translated code, in which a write comes n cycles after those that have been
+    // added, compares them without a sum.
+    static constexpr int kDeadlines = 80;
+    uint32_t deadlines_[kDeadlines] = {};
     uint32_t cycle_limit_ = 0;      // from this cycle on, the limit of instructions may be near
     uint32_t first_cycle_ = 0;      // of line 0
     // `input_from` each port, in a frame that is run fast; nothing answers at the last two.

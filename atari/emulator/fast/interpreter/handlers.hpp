@@ -290,7 +290,7 @@ struct Interpreter {
         r.at += length_of(operand);
         if constexpr (ram) return kNext;
         constexpr bool direct = operand >= Operand::Tia;
-        if (direct && r.cycles < c.overlong_) [[likely]] {
+        if (direct && r.cycles < c.deadline_) [[likely]] {
             write_tia<operand>(r.cycles, c, given, value);
             return kNext;
         }
@@ -333,7 +333,7 @@ struct Interpreter {
         }
     }
 
-    // WSYNC: the beginning of the next line, or now if a line begins now. Below `overlong_` nothing overflows.
+    // WSYNC: the beginning of the next line, or now if a line begins now. Below `deadline_` nothing overflows.
     INLINE static uint32_t line_start(const FastConsole& c, uint32_t cycles) {
         return c.first_cycle_ + (cycles - c.first_cycle_ + kCyclesPerLine - 1) / kCyclesPerLine * kCyclesPerLine;
     }
@@ -371,7 +371,7 @@ struct Interpreter {
         const uint32_t sp = c.m_.cpu.sp--, reg = tia_register(sp);
         r.cycles += 3;
         r.at += 1;
-        const bool direct = !(sp & 0x80) && r.cycles < c.overlong_ && !c.watches_tia_;
+        const bool direct = !(sp & 0x80) && r.cycles < c.deadline_ && !c.watches_tia_;
         if (direct && kStoredIn[reg] == Operand::Tia) {
             write_tia<Operand::Tia>(r.cycles, c, reg, value);
             return kNext;

@@ -225,7 +225,7 @@ uint16_t Interpreter::decode_ram(FastConsole& c, const DecodedInstruction* at) {
 }
 
 bool Interpreter::write_port(FastConsole& c, uint32_t cycles, uint32_t address, uint32_t value) {
-    const bool plain_tia = !(address & 0x1080) && !c.watches_tia_ && cycles < c.overlong_;
+    const bool plain_tia = !(address & 0x1080) && !c.watches_tia_ && cycles < c.deadline_;
     const bool kept = plain_tia && write_register(cycles, c, tia_register(address), value);
     c.m_.cycles = cycles;
     if (kept) return false;
@@ -248,7 +248,7 @@ bool Interpreter::write_register(uint32_t& cycles, FastConsole& c, uint32_t reg,
 // The whole frame, or what is left of it, with every instruction counted and the TIA drawing as it goes.
 void FastConsole::run_counted() {
     m_.cpu.stop = false;
-    overlong_ = 0;  // no write is kept for later
+    deadline_ = 0;  // no write is kept for later
     cycle_limit_ = 0xffffffff;
     Interpreter::run_counted(*this, kInstructionLimit);
 }

@@ -60,7 +60,7 @@ INLINE void Interpreter::skip_rounds(R& r, const FastConsole& c) {
     uint32_t end = r.cycles + rounds * r.at->taken, limit = c.cycle_limit_;
     if ((loop == Loop::kLinesX || loop == Loop::kLinesY) && rounds > 0) {
         end = line_start(c, r.cycles + 3) + kCyclesPerLine * (rounds - 1) + r.at->taken;
-        limit = c.overlong_ - kCyclesPerLine;  // the first write from `overlong_` on ends the frame
+        limit = c.deadline_ - kCyclesPerLine;  // the first write from `deadline_` on ends the frame
     }
     if (end < limit) r.cycles = end;
     else r = before;

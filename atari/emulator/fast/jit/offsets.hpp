@@ -48,7 +48,8 @@ struct Offsets {
     OFFSET(timer, FastConsole, m_.riot.timer, 1)
     OFFSET(timer_shift, FastConsole, m_.riot.shift, 1)
     OFFSET(timer_set_at, FastConsole, m_.riot.set_at, 4)
-    OFFSET(overlong, FastConsole, overlong_, 4)
+    static constexpr int32_t kDeadlines = FastConsole::kDeadlines;
+    ELEMENTS(deadlines, FastConsole, deadlines_, 4, kDeadlines)
     OFFSET(cycle_limit, FastConsole, cycle_limit_, 4)
     OFFSET(first_cycle, FastConsole, first_cycle_, 4)
     OFFSET(log_end, FastConsole, log_end_, 8)

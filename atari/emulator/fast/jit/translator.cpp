@@ -155,15 +155,13 @@ void Translator::find_record() {
 }
 
 void Translator::emit_common() {
-    static constexpr Reg kSaved[] = {rbx, rbp, r12, r13, r14, r15};
+    static constexpr Reg kSaved[] = {rbx, rbp, r12, r13, r14};  // an odd number: calls find the stack aligned
     a_.bind(start_);  // (registers, console, where to go on)
     for (const Reg reg : kSaved) a_.push(reg);
-    a_.add_to_stack(-8);
     a_.move64(kRegisters, rdi);
     a_.move64(kConsole, rsi);
     a_.move64(r8, rdx);
     a_.address64(kRam, in_console(Offsets::ram()));
-    a_.load(kOverlong, in_console(Offsets::overlong()));
     load_registers();
     a_.jump(r8);
 
@@ -197,8 +195,7 @@ void Translator::emit_common() {
     save_registers();
     a_.move(rax, uint32_t{kNext});
     a_.bind(exit_);
-    a_.add_to_stack(8);
-    for (int i = 5; i >= 0; --i) a_.pop(kSaved[i]);
+    for (int i = 4; i >= 0; --i) a_.pop(kSaved[i]);
     a_.ret();
 }
 
@@ -239,13 +236,12 @@ void Translator::emit_push_status(Label& slow) {
     a_.move64(r11, kValues);
     a_.test_bit64(r11, r9);
     a_.jump(If::not_below, slow);
-    a_.address(r11, Mem{kCycles, 3});
-    a_.alu(Alu::cmp, r11, kOverlong);
-    a_.jump(If::not_below, slow);
+    check_deadline(3, slow);
     a_.alu(Alu::and_, r9, kRegisterMask);
     a_.alu8(Alu::cmp, Mem{kConsole, Offsets::shadow(), r9}, r10);
     const ShortJump same = a_.jump_short(If::zero);
     a_.store8(Mem{kConsole, Offsets::shadow(), r9}, r10);
+    a_.address(r11, Mem{kCycles, 3});
     a_.store(in_log(Offsets::write_cycle()), r11);
     a_.store(in_log(Offsets::write_reg()), r9);
     a_.store8(in_log(Offsets::write_value()), r10);

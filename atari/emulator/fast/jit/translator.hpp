@@ -19,7 +19,7 @@ namespace atari {
 
 // The registers of translated code. Of the rest, r8 to r11 are for any use.
 inline constexpr Reg kA = rax, kX = rcx, kY = rdx, kNz = rsi, kCarry = rdi;
-inline constexpr Reg kConsole = rbx, kRam = rbp, kRegisters = r12, kCycles = r13, kOverlong = r14, kLog = r15;
+inline constexpr Reg kConsole = rbx, kRam = rbp, kRegisters = r12, kCycles = r13, kLog = r14;
 
 inline Mem in_console(int32_t offset) { return {kConsole, offset}; }
 inline Mem in_registers(int32_t offset) { return {kRegisters, offset}; }
@@ -94,7 +94,7 @@ class Translator {
     void emit_store();
     void store_in_ram(Reg value);
     void emit_tia_store(Reg value);
-    void check_deadline();
+    void check_deadline(int32_t later, Label& late);
     void write_graphics(Reg value);
     void write_hmove();
     void keep(Reg value);

@@ -55,12 +55,15 @@ void Translator::store_in_ram(Reg value) {
     a_.store8(Mem{kRam, 0, r8}, value);
 }
 
-// The deadline check: a TIA write that no longer belongs to this frame takes the slow path. The cycle of the write stays in
-// r8.
-void Translator::check_deadline() {
-    a_.address(r8, Mem{kCycles, write_at_});
-    a_.alu(Alu::cmp, r8, kOverlong);
-    a_.jump(If::not_below, slow_);
+// The deadline check: a TIA write so many cycles later that no longer belongs to this frame is left to `late`. Uses r8.
+void Translator::check_deadline(int32_t later, Label& late) {
+    if (later < Offsets::kDeadlines) {
+        a_.alu(Alu::cmp, kCycles, in_console(Offsets::deadlines() + 4 * later));
+    } else {
+        a_.address(r8, Mem{kCycles, later});
+        a_.alu(Alu::cmp, r8, in_console(Offsets::deadlines()));
+    }
+    a_.jump(If::not_below, late);
 }
 
 // A store to the TIA, as `Interpreter::write_tia` does it.
@@ -68,7 +71,7 @@ void Translator::emit_tia_store(Reg value) {
     const auto cost = static_cast<int32_t>(store_cost(at_->operand));
     const uint32_t reg = at_->given;
     write_at_ = cycles_ + cost;
-    check_deadline();
+    check_deadline(write_at_, slow_);
     switch (at_->operand) {
         case Operand::Tia: case Operand::TiaA: {
             a_.alu8(Alu::cmp, shadow(reg), value);
@@ -218,6 +221,7 @@ void Translator::write_hmove() {
     a_.alu(Alu::cmp, r10, int32_t{kOrdinaryHmoveCycles});
     a_.move(r10, uint32_t{0});
     const ShortJump late = a_.jump_short(If::above);
+    a_.address(r8, Mem{kCycles, write_at_});
     a_.store(in_log(Offsets::write_cycle()), r8);
     a_.store(in_log(Offsets::write_reg()), uint32_t{STILL});
     Label done;
@@ -233,6 +237,7 @@ void Translator::write_hmove() {
     a_.move(r11, r9);
     a_.shift(Shift::right, r11, 8);
     a_.alu(Alu::or_, r9, r11);
+    a_.address(r8, Mem{kCycles, write_at_});
     a_.store(in_log(Offsets::write_cycle()), r8);
     a_.store8(in_log(Offsets::write_reg()), uint8_t{HMOVE});
     a_.shift(Shift::right, r10, 4);
@@ -242,8 +247,9 @@ void Translator::write_hmove() {
     a_.address64(kLog, in_log(kWriteSize));
 }
 
-// Appends the write, whose cycle is in r8, to the write log.
+// Appends the write to the write log. Uses r8.
 void Translator::keep(Reg value) {
+    a_.address(r8, Mem{kCycles, write_at_});
     a_.store(in_log(Offsets::write_cycle()), r8);
     a_.store(in_log(Offsets::write_reg()), uint32_t{at_->given});
     a_.store8(in_log(Offsets::write_value()), value);
