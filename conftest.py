@@ -1,4 +1,4 @@
-"""Runs the code blocks of the documentation as tests, in a folder of their own, and forgets what they register."""
+"""Runs the code blocks of the documentation as tests, in an empty folder, and removes the IDs that they register."""
 
 import os
 import shlex
@@ -17,7 +17,7 @@ import atari  # noqa: F401 - registers its IDs before any document does
 
 
 def run_atari_commands(example: Example) -> None:
-    """Run the lines of a shell block that run this package; scripts of set-up and test are what runs these tests."""
+    """Run the lines of a shell block that run this package; other lines, as ./scripts/test, would run these tests."""
     for line in example.parsed.splitlines():
         words = shlex.split(line, comments=True)
         if words and words[0] == "atari":
@@ -37,7 +37,7 @@ def enter_folder(namespace: dict[str, Any]) -> None:
 
 
 def leave_folder(namespace: dict[str, Any]) -> None:
-    """Go back to where the tests run, with the environments that were there."""
+    """Restore the working folder and Gymnasium's registry."""
     for env_id in set(gymnasium.registry) - namespace["known_ids"]:
         del gymnasium.registry[env_id]
     os.chdir(namespace["came_from"])

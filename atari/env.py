@@ -73,7 +73,8 @@ class AtariEnv(gymnasium.Env[Any, Any]):
     """The emulator core."""
 
     observers: list[FrameObserver]
-    """Receive every frame, such as a recorder. They may read the core, but not change it. Copies have none."""
+    """The receivers of every frame, such as recorders. An observer may read the core, but not change it. Copies of the
+    environment have no observers."""
 
     def __init__(
         self,

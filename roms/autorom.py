@@ -1,4 +1,4 @@
-"""Downloading the ROM files with AutoROM, the Farama Foundation's installer, which asks for a licence first.
+"""Downloading the ROM files with AutoROM, the Farama Foundation's installer, which requires a licence first.
 
 Rarely needed, because ale-py's wheel has the files. AutoROM downloads to a temporary folder, from which only files with
 the right content are imported.

@@ -121,7 +121,7 @@ def _needed(form: str | None, operation: str, number: int) -> str:
 
 
 def _fits_zero_page(expression: str, names: dict[str, int]) -> bool:
-    """Whether an operand is known already and below 256; labels further down are taken to be above."""
+    """Whether an operand is already defined and below 256; labels further down count as above."""
     try:
         return _evaluate(expression, names, 0) < 256
     except AssemblyError:

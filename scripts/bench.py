@@ -1,5 +1,5 @@
 #!/usr/bin/env python
-"""How fast is it here? Times this package beside its peers, in alternating runs, and prints medians.
+"""Measures the speed of this package and of its peers in alternating runs, and prints medians.
 
 Suites:
     raw     one emulated frame, resets not counted: `NativeCore.act` beside ale-py's `ALEInterface.act`; then the same
@@ -10,13 +10,13 @@ Suites:
     preset  one step of DQN preprocessing (4 frames, 84x84, stack of 4), resets counted: `atari.wrappers.preset` beside
             Gymnasium's wrappers and ale-py's and EnvPool's vector environments with one environment and one thread
     vector  one step of one environment of a vector, resets counted, with 64, 8 and 1 environments on all cores:
-            `AtariVectorEnv` beside ale-py's and EnvPool's; then RGB, RAM, one thread beside several, what a call takes
+            `AtariVectorEnv` beside ale-py's and EnvPool's; then RGB, RAM, one thread beside several, the cost of a call
     sizes   the same over numbers of environments, by default of one game: the others take a minute to make 1024;
             scripts/plot_vector.py draws what --json writes
 
-Each number is the median over the rounds; in each round every contestant runs once, in turn, so that a slow moment of
-the machine hits all alike, and all play the same actions. The ratio is that of the medians. `raw` over all games takes
-three minutes or so; `vector` over all games, half an hour.
+Each number is the median over the rounds; in each round every contestant runs once, in turn, so that a slow phase of
+the machine affects all of them. All play the same actions. The ratio is that of the medians. `raw` over all games takes
+about three minutes, `vector` over all games half an hour.
 """
 
 import argparse
@@ -67,7 +67,7 @@ def ratios(results: dict[str, Times], name: str, reference: str) -> dict[str, fl
 
 
 def table(title: str, results: dict[str, Times]) -> str:
-    """The medians of one comparison by game and contestant, ratios, and what they come to over the games."""
+    """The medians of one comparison by game and contestant, the ratios, and their summary over the games."""
     names = list(next(iter(results.values())))
     reference = names[-1]
     width = max(len(game) for game in results)
@@ -91,7 +91,7 @@ def table(title: str, results: dict[str, Times]) -> str:
 
 
 def summary(values: dict[str, float]) -> list[str]:
-    """What ratios by game come to."""
+    """The summary of ratios by game, as lines of text."""
     worst = sorted(values, key=values.__getitem__)[:10]
     mean = statistics.geometric_mean(values.values())
     lines = [f"geometric mean {mean:.2f}x over {len(values)} games, minimum {values[worst[0]]:.2f}x ({worst[0]})"]
@@ -103,7 +103,7 @@ def summary(values: dict[str, float]) -> list[str]:
 
 
 def spread(results: dict[str, Times]) -> float:
-    """How far the rounds of a contestant lie apart, in parts of their median; the median over all of them."""
+    """The range of a contestant's rounds divided by their median; the median over all contestants and games."""
     return statistics.median(
         (max(values) - min(values)) / statistics.median(values)
         for times in results.values()
@@ -112,7 +112,7 @@ def spread(results: dict[str, Times]) -> float:
 
 
 def circumstances() -> dict[str, Any]:
-    """What the numbers depend on: machine, commit, versions."""
+    """The facts on which the numbers depend: machine, commit, versions."""
     installed = {package.metadata["Name"]: package.version for package in metadata.distributions()}
     return {
         "machine": {"processor": processor(), "cores": os.cpu_count(), "system": platform.platform()},

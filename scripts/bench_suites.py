@@ -1,4 +1,4 @@
-"""What `bench.py` compares: for each suite, the contestants and how each is made ready for a game and timed."""
+"""The suites of `bench.py`: the contestants of each, and how a contestant is prepared for a game and timed."""
 
 import dataclasses
 import functools
@@ -17,12 +17,12 @@ import numpy as np
 import atari
 
 Run = Callable[[int], float]
-"""Takes so many steps and returns the seconds they took."""
+"""Takes a number of steps and returns the seconds they took."""
 
 
 @dataclasses.dataclass(frozen=True)
 class Contestant:
-    """One side of a comparison: a name, and how to make it ready for a game."""
+    """One side of a comparison: a name, and a function that prepares it for a game."""
 
     name: str
     prepare: Callable[[str], Run]
@@ -30,9 +30,9 @@ class Contestant:
 
 @dataclasses.dataclass(frozen=True)
 class Comparison:
-    """Contestants that do the same; the last one is the reference, to which ratios refer.
+    """Contestants that do the same work; ratios refer to the last one.
 
-    `part` of the asked-for steps are taken, where one takes long.
+    `part` is the share of the requested steps that is taken; it is below 1 where a step takes long.
     """
 
     name: str
@@ -50,7 +50,7 @@ def raw() -> Iterator[Comparison]:
 
 
 def state() -> Iterator[Comparison]:
-    """The calls of a core that start a game, save it and bring it back."""
+    """The calls of a core that start a game, save its state and restore it."""
     for name, part, ours, theirs in (
         ("construct, load and first reset", 0.003, core_construct, ale_py_construct),
         ("reset", 0.02, core_reset, ale_py_reset),
@@ -102,7 +102,7 @@ def vector() -> Iterator[Comparison]:
     cores = os.cpu_count() or 1
     threads = [native_envs(f"{n} threads", 64, num_threads=n) for n in (16, 8, 4, 2) if n <= cores]
     yield Comparison("64 x 84x84 gray, by threads", [*threads, native_envs("1 thread", 64, num_threads=1)], 3.0)
-    # What a call takes is the difference of these: all else is done once for each environment.
+    # The cost of a call is the difference of these: all other work is done once for each environment.
     alone, shared = native_envs("a call for 1", 1, num_threads=1), native_envs("a call for 64", 64, num_threads=1)
     yield Comparison("84x84 gray on one thread", [shared, alone], 3.0)
 
@@ -130,7 +130,7 @@ def random_choices(actions: list[Any], steps: int) -> list[Any]:
     return [actions[index] for index in generator.integers(len(actions), size=steps)]
 
 
-# Frames. Both loops do the same work in Python, so that the ratio is the emulators'.
+# Frames. Both loops do the same work in Python, so the ratio is that of the emulators.
 
 
 def core_frames(name: str = "native", rgb: bool = False) -> Callable[[str], Run]:
@@ -162,7 +162,7 @@ def core_frames(name: str = "native", rgb: bool = False) -> Callable[[str], Run]
 
 
 def four_frames(name: str) -> Callable[[str], Run]:
-    """The emulator's part of a preset's step: four frames of a core, nothing looked at."""
+    """The emulator's part of a preset's step: four frames of a core, without reading the screen."""
 
     def prepare(game: str) -> Run:
         run = core_frames(name)(game)
@@ -240,12 +240,12 @@ def repeated(make: Callable[[str], Callable[[], object]]) -> Callable[[str], Run
 
 
 def core_construct(game: str) -> Callable[[], object]:
-    """From the name of the game to the first frame."""
+    """Construction, from the name of the game to the first frame."""
     return lambda: native_core(game).reset()
 
 
 def ale_py_construct(game: str) -> Callable[[], object]:
-    """From the name of the game to the first frame."""
+    """Construction, from the name of the game to the first frame."""
     return lambda: loaded_ale(game).reset_game()
 
 
@@ -298,7 +298,7 @@ def ale_py_clone(game: str) -> Callable[[], object]:
 
 
 def core_restore(game: str) -> Callable[[], object]:
-    """Back to a copy."""
+    """A restore of a copy of the state."""
     core = native_core(game)
     core.reset()
     saved = core.clone_state()
@@ -306,7 +306,7 @@ def core_restore(game: str) -> Callable[[], object]:
 
 
 def ale_py_restore(game: str) -> Callable[[], object]:
-    """Back to a copy."""
+    """A restore of a copy of the state."""
     ale = loaded_ale(game)
     ale.reset_game()
     saved = ale.cloneState()
@@ -369,7 +369,7 @@ def peer_envs(count: int) -> list[Contestant]:
 
 @functools.cache
 def has_envpool() -> bool:
-    """Whether EnvPool is installed; says so if it is not."""
+    """Whether EnvPool is installed; prints a line if it is not."""
     found = find_spec("envpool") is not None
     if not found:
         print("EnvPool is not installed and is left out; pip install envpool brings it in.", file=sys.stderr)
@@ -377,7 +377,7 @@ def has_envpool() -> bool:
 
 
 def without_envpool(comparisons: list[Comparison], games: list[str]) -> list[Comparison]:
-    """The comparisons as they are if EnvPool has all these games; otherwise without it, which is said."""
+    """The comparisons; without EnvPool, and with a printed line, if EnvPool does not have all these games."""
     beside = any(side.name.startswith("EnvPool") for comparison in comparisons for side in comparison.contestants)
     if not beside:
         return comparisons
@@ -402,7 +402,7 @@ def envpool_task(game: str) -> str:
 
 
 def ale_py_envs(game: str, count: int, **options: Any) -> Any:
-    """ale-py's vector environment with as many threads as it likes."""
+    """ale-py's vector environment with its default number of threads."""
     return ale_py.AtariVectorEnv(game, count, **options)
 
 
@@ -444,7 +444,7 @@ def envpool_vector(game: str) -> Run:
 
 
 def vector_steps(envs: Any, dtype: type[np.integer[Any]]) -> Run:
-    """Steps of a vector environment, which makes resets by itself."""
+    """Steps of a vector environment, which resets its environments itself."""
     envs.reset()
     count = int(getattr(envs, "single_action_space", envs.action_space).n)
 

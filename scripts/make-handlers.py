@@ -1,9 +1,10 @@
 #!/usr/bin/env python
-"""Writes handlers.def of the fast interpreter: its handlers, and which pairs of instructions are superinstructions.
+"""Writes handlers.def of the fast interpreter: its handlers of single instructions and its superinstructions.
 
 Single handlers follow from the table of opcodes: every documented instruction, once for each kind of operand that is
-worth code of its own. Pairs come from COUNTS, lines of `count first second ...` as tests/instructions/runs.cpp prints
-them: how often instructions run one after the other. Without COUNTS the pairs do not change.
+worth code of its own. A superinstruction is a pair of instructions. COUNTS has lines of `count first second ...`, as
+tests/instructions/runs.cpp prints them: how often instructions run one after the other. Without COUNTS the
+superinstructions do not change.
 """
 
 import argparse
@@ -14,7 +15,8 @@ from pathlib import Path
 
 EMULATOR = Path(__file__).parent.parent / "atari" / "emulator"
 PAIRS = 400
-"""More take compilers minutes, and save little where there is translated code (docs/performance.md)."""
+"""The number of superinstructions. More would take compilers minutes and save little where there is translated code
+(docs/performance.md)."""
 
 READS = "ADC AND BIT CMP CPX CPY EOR LDA LDX LDY ORA SBC".split()
 STORES = "STA STX STY".split()
@@ -47,7 +49,7 @@ STORE_MODES = {
 MODIFY_MODES = {"Zp": ["Ram"], "ZpX": ["RamX"], "Acc": ["Acc"]}
 
 LAST = {"JMP", "JSR", "RTS", *BRANCHES}
-"""After these the next instruction is elsewhere, or may be."""
+"""Instructions after which the next one may be at another address."""
 
 
 def opcodes() -> list[tuple[str, str]]:
@@ -84,7 +86,7 @@ Pair = tuple[str, str]
 
 
 def uses(runs: Runs, fused: set[Pair]) -> Counter[Pair]:
-    """How often each superinstruction runs: from the start of a run, wherever the next two are a pair."""
+    """How often each superinstruction runs: from the start of a run, the next two are one if `fused` has them."""
     found = Counter[Pair]()
     for count, names in runs:
         at = 0
@@ -98,10 +100,11 @@ def uses(runs: Runs, fused: set[Pair]) -> Counter[Pair]:
 
 
 def pairs(counts: Path, known: set[str]) -> list[Pair]:
-    """The pairs that save most dispatches, those that save more first.
+    """The pairs that save most dispatches, sorted by name.
 
-    Not the most frequent: where A, B and C follow each other, B and C are no pair if A and B are one. So it begins with
-    all pairs whose first instruction always goes on to the second, and leaves out those that are used least, by and by.
+    These are not the most frequent pairs: where A, B and C follow each other, B and C are not fused if A and B are. So
+    the function begins with all pairs whose first instruction always continues to the second, and repeatedly removes
+    the pairs that are used least.
     """
     rows = [line.split() for line in counts.read_text().splitlines()]
     runs = [(float(count), names) for count, *names in rows]
@@ -115,7 +118,7 @@ def pairs(counts: Path, known: set[str]) -> list[Pair]:
 
 
 def rows_of(pairs: list[Pair]) -> list[str]:
-    """The lines of the file."""
+    """The rows of the superinstructions in the file."""
     return ["PAIR({})".format(", ".join(name.replace("_", ", ") for name in pair)) for pair in pairs]
 
 

@@ -4,8 +4,8 @@
     scripts/bench.py --suite sizes --json sizes.json
     scripts/plot_vector.py sizes.json docs/vector-throughput.svg
 
-Steps are of all environments together, each of four frames, with 84x84 observations unless the legend says RAM. Of
-several games, geometric means are drawn. Needs matplotlib.
+Steps are summed over all environments. A step has four frames and an 84x84 observation, unless the legend says RAM. For
+several games, the plot has geometric means. It needs matplotlib.
 """
 
 import argparse
@@ -34,7 +34,7 @@ def curves(document: dict[str, Any]) -> dict[str, Curve]:
 
 
 def subtitle(document: dict[str, Any]) -> str:
-    """What was measured where."""
+    """The subtitle: the games, the machine, and the versions of the packages."""
     machine, versions = document["machine"], document["versions"]
     peers = ", ".join(f"{name} {versions[name]}" for name in ("atari-envs", "ale-py", "envpool") if name in versions)
     return f"{', '.join(document['results'])}; {machine['processor']}, {machine['cores']} threads\n{peers}"

@@ -1,4 +1,4 @@
-"""The classic wrappers of Atari environments, one a file, and presets of them.
+"""The classic wrappers of Atari environments, one in each file, and presets of them.
 
 `preset(env, "baselines")` and other presets reproduce well-known implementations. `DqnPreprocessing` does the usual
 preprocessing in one pass; the other wrappers are single steps to combine. All can be pickled, and

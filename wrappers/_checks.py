@@ -65,7 +65,7 @@ def require_single_frames(env: Environment, wrapper: str) -> None:
             skip = vars(layer).get(name, 1)
             if skip not in (0, 1):
                 raise ValueError(
-                    f"{wrapper} skips frames, but {type(layer).__name__} beneath it already plays {skip} a step, so "
+                    f"{wrapper} skips frames, but {type(layer).__name__} inside it already plays {skip} a step, so "
                     "that both together would skip too many; make the environment with frameskip=1 or from a "
                     "NoFrameskip ID, and use one wrapper that skips"
                 )

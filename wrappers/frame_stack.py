@@ -43,7 +43,7 @@ class FrameStack(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     ) -> None:
         space = env.observation_space
         if not isinstance(space, spaces.Box):
-            raise TypeError(f"FrameStack stacks the arrays of a Box space, got {space}; put it beneath other wrappers")
+            raise TypeError(f"FrameStack stacks the arrays of a Box space, got {space}; put it inside other wrappers")
         stack_size = check_integer("stack_size", stack_size, 1, 10_000)
         check_name("padding_type", padding_type, get_args(Padding))
         RecordConstructorArgs.__init__(self, stack_size=stack_size, padding_type=padding_type, lazy=lazy)

@@ -1,7 +1,8 @@
 """The preprocessing of well-known implementations and protocols, by name.
 
-They all follow Mnih et al. 2015 and all differ: in the no-ops, the FIRE, what a lost life means, how frames are pooled,
-what is shown when an episode ends inside a skip. Scores move with such details. The table `PRESETS` has them.
+All presets follow Mnih et al. 2015. They differ in the no-ops, in FIRE, in the effect of a lost life, in the pooling of
+frames, and in the observation when an episode ends inside a skip. Such details change scores. The table `PRESETS` has
+them.
 """
 
 import difflib
@@ -28,7 +29,8 @@ Layer = tuple[type[gymnasium.Wrapper[Any, Any, Any, Any]], Mapping[str, Any]]
 class Preset:
     """The preprocessing of an implementation or of a publication.
 
-    `options` are those of `AtariEnv` that go with it, of which `required` must hold. `protocol` is all the rest.
+    `options` are the options of `AtariEnv` that go with it; those in `required` must have these values. `protocol` is
+    the rest.
     """
 
     source: str
@@ -51,7 +53,7 @@ _MAX_FRAMES = 108_000  # half an hour of play
 
 
 def _frames(**parts: Any) -> Protocol:
-    """A protocol of wrappers of single frames, which names all that it does."""
+    """A protocol of order "frames", which has no-ops and FIRE only if `parts` says so."""
     return Protocol(**{"order": "frames", "noops": (0, 0), "fire_counts": False, "fire": "never", **parts})
 
 
@@ -210,15 +212,15 @@ def preset(
     dqn2015       1-30          no            continues    of pooled RGB yes   zero    last frame
     machado2018   no            no            (continues)  ALE's         no    zero    last frame
     baselines     1-30          after, and 2  a NOOP step  of pooled RGB yes   zero    as Baselines
-    gymnasium     1-30          no            (new game)   ALE's         no    first   previous pictures
+    gymnasium     1-30          no            (new game)   ALE's         no    first   previous frames
     dopamine      no            no            (continues)  ALE's         yes   zero    as Baselines
     atari100k     no            no            continues    ALE's         yes   zero    last frame
     envpool       1-30, FIRE in after         (continues)  ALE's         no    first   as EnvPool
-    ale_vector    0-29, FIRE in before        (new game)   ALE's         yes   zero    previous pictures
+    ale_vector    0-29, FIRE in before        (new game)   ALE's         yes   zero    previous frames
     ============= ============= ============= ============ ============= ===== ======= ===================
 
-    "lost life" says what a reset after one does; in brackets: by default a lost life does not end the episode. "clip"
-    is clipping the reward to -1..1.
+    "lost life" is what the reset after a lost life does. In brackets: by default a lost life does not end the episode.
+    "clip" is clipping the reward to -1..1.
 
     baselines, gymnasium, dopamine, envpool and ale_vector give the same bytes as these implementations, from the same
     start (`reset(options={"noops": n})` chooses one) and with the same seeds of sticky actions, but in two corners: if

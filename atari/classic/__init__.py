@@ -1,4 +1,4 @@
-"""The interface of OpenAI Gym as textbooks and courses know it: `import atari.classic as gym`.
+"""The interface of OpenAI Gym that textbooks and courses use: `import atari.classic as gym`.
 
 `reset` returns the observation alone, `step` four values, `render` needs no mode at construction, `seed` is a method.
 `python -m atari.classic script.py` runs a script in which `import gym` means this package.
@@ -13,7 +13,7 @@ from atari.classic.scoreboard import upload
 from atari.classic.spaces import Space
 
 __version__ = "0.21.0"
-"""The last version of Gym with this interface, for scripts that ask."""
+"""The last version of Gym with this interface, for scripts that check it."""
 
 __all__ = [
     "ActionWrapper",

@@ -71,7 +71,7 @@ class AleCore:
     ) -> None:
         self.game: Game = games.find(game)
         if self.game != games.get(self.game.id):
-            raise ValueError(f"ale-py knows only its own games, not {self.game.id!r}; use core='native'")
+            raise ValueError(f"ale-py has only its own games, not {self.game.id!r}; use core='native'")
         self._options = CoreOptions.check(
             self.game,
             repeat_action_probability=repeat_action_probability,

@@ -171,7 +171,7 @@ def _split(info: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def _channels_first(space: spaces.Space[Any]) -> spaces.Space[Any]:
-    """The space of what `_shown` makes."""
+    """The space of the observations that `_shown` returns."""
     if isinstance(space, spaces.Dict):
         return spaces.Dict({name: _channels_first(part) for name, part in space.spaces.items()})
     shape = space.shape or ()
@@ -182,7 +182,7 @@ def _channels_first(space: spaces.Space[Any]) -> spaces.Space[Any]:
 
 
 def _shown(observation: Any) -> Any:
-    """Of colours a copy, with stack and channels in one axis, first; all else as it is."""
+    """Observations as Stable-Baselines3 expects them: RGB copied, with stack and channels in one first axis."""
     if isinstance(observation, dict):
         return {name: _shown(part) for name, part in observation.items()}
     if observation.ndim != 5:

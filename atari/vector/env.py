@@ -2,7 +2,7 @@
 
 Frame skip, pooling, scaling and stacking happen where the games are played, and results are written straight into the
 arrays that the user gets. Options, their defaults and what they do are those of ale-py's environment of the same name;
-equality to the byte is a test. What is added is marked below.
+equality to the byte is a test. Options that ale-py does not have are marked "(added)".
 """
 
 import copy
@@ -294,7 +294,7 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
 
     @property
     def members(self) -> tuple[Member, ...]:
-        """The environments one by one: what they are at, their RAM, mode and difficulty."""
+        """The environments one by one: their counters, RAM, mode and difficulty."""
         self._open()
         return tuple(
             Member(self._open, index, game, actions)
@@ -314,7 +314,7 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         """Set an attribute of each of `members`, to one value or to a list or tuple of them.
 
         Raises:
-            AttributeError: there is none of this name that can be set.
+            AttributeError: the members have no attribute of this name that can be set.
             TypeError, ValueError: a value is of the wrong kind or out of range; nothing has been set.
         """
         if not isinstance(values, (list, tuple)):

@@ -61,7 +61,7 @@ class VectorOptions:
             raise ValueError(f"render_mode must be 'rgb_array' or None, got {given['render_mode']!r}")
         obs_type, grayscale = _check_obs_type(given["obs_type"], bool(given["grayscale"]))
         if given["preset"] is not None and obs_type == "rgb":
-            raise ValueError("the presets' pictures are gray; leave obs_type='rgb' out")
+            raise ValueError("the observations of a preset are gray; leave obs_type='rgb' out")
         options = cls(
             games=games,
             modes=_spread("mode", given["mode"], len(games)),
@@ -98,7 +98,7 @@ class VectorOptions:
         return options
 
     def make_engine(self) -> _emulator.VectorEngine:
-        """The environments and their threads."""
+        """The engine, which has the environments and their threads."""
         games = set(self.games)
         native = {game: compiled(game, read_image(find(game, self.rom))) for game in games}
         tables = {game: _gray_of_pairs(game) if self.protocol.pool_rgb else None for game in games}
@@ -151,7 +151,7 @@ class VectorOptions:
         return (PLAYER_ACTIONS,) * len(self.games) if self.continuous or self._mixed else self.action_sets
 
     def action_space(self) -> spaces.Space[Any]:
-        """Of one environment."""
+        """The action space of one environment."""
         return make_action_space(self.actions[0], self.continuous)
 
     def action_masks(self) -> npt.NDArray[np.bool_] | None:
@@ -161,7 +161,7 @@ class VectorOptions:
         return np.array([[action in actions for action in PLAYER_ACTIONS] for actions in self.action_sets])
 
     def observation_space(self) -> spaces.Space[Any]:
-        """Of one environment."""
+        """The observation space of one environment."""
         colours = () if self.grayscale else (3,)
         image = spaces.Box(0, 255, (self.stack_num, self.img_height, self.img_width, *colours), np.uint8)
         ram = spaces.Box(0, 255, (128,), np.uint8)
@@ -170,7 +170,7 @@ class VectorOptions:
         return ram if self.obs_type == "ram" else image
 
     def part_names(self) -> tuple[str, str]:
-        """The names of image and RAM among the parts of an observation. The part of one that is no dict is named ""."""
+        """The keys of image and RAM in observations: "" if an observation is no dict, "none" for an absent part."""
         return {"dict": ("image", "ram"), "ram": ("none", "")}.get(self.obs_type, ("", "none"))
 
     def moves(self, actions: Any) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float32] | None]:

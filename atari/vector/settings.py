@@ -19,7 +19,7 @@ def filled(settings: _Settings, **fields: Any) -> _Settings:
 
 
 def episode_settings(protocol: Protocol) -> _emulator.EpisodeSettings:
-    """How the engine begins, plays and ends episodes."""
+    """The settings of how the engine begins, plays and ends episodes."""
     return filled(
         _emulator.EpisodeSettings(),
         kind=_emulator.EpisodeKind[protocol.order.upper()],
@@ -42,7 +42,7 @@ def episode_settings(protocol: Protocol) -> _emulator.EpisodeSettings:
 def observation_settings(
     protocol: Protocol, pixels: _emulator.PixelFormat, height: int, width: int, stack: int
 ) -> _emulator.ObservationSettings:
-    """How the engine pools, resizes and stacks frames."""
+    """The settings of how the engine pools, resizes and stacks frames."""
     return filled(
         _emulator.ObservationSettings(),
         pixels=pixels,

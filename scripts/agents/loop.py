@@ -1,4 +1,4 @@
-"""What an agent is, and the loop in which it meets an environment. The scripts beside this one fill it in."""
+"""The interface of an agent, and the loop that plays its episodes. The other scripts in this folder have the agents."""
 
 import argparse
 from typing import Any, Protocol
@@ -7,7 +7,7 @@ import gymnasium
 
 
 class Agent(Protocol):
-    """Chooses actions, and learns from what comes of them."""
+    """Chooses actions and learns from their results."""
 
     def select_action(self, observation: Any) -> Any:
         """The action to take."""

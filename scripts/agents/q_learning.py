@@ -1,9 +1,9 @@
 #!/usr/bin/env python
-"""Tabular Q-learning on a toy-text environment: by default FrozenLake, whose ice makes two of three steps go astray.
+"""Tabular Q-learning on a toy-text environment: by default FrozenLake, in which two of three steps slip.
 
-Q(s, a) is what is still to be earned after action a in state s, later rewards counting less. Each step corrects it
-towards the reward and the best of the next state (Watkins 1989). States in which an episode ends are never left, so
-their values stay zero, and `train` needs no argument for the end.
+Q(s, a) is the discounted sum of the rewards after action a in state s. Each step corrects it towards the reward plus
+the greatest Q of the next state (Watkins 1989). No action is taken in a state that ends an episode, so its values stay
+zero, and `train` needs no argument for the end.
 """
 
 import argparse
@@ -26,7 +26,7 @@ class QLearner:
         states: how many there are.
         actions: how many there are.
         learning_rate: the part of the difference that each step corrects.
-        discount: what a reward counts one step later.
+        discount: the factor by which a reward counts less for each later step.
         exploration: steps over which the probability of a random action falls from 1 to 0.05.
         seed: of the random actions.
     """
@@ -48,14 +48,14 @@ class QLearner:
         self._random = random.Random(seed)
 
     def select_action(self, observation: int) -> int:
-        """The best action, or with probability epsilon any."""
+        """The best action, or with probability epsilon a random one."""
         values = self.q[observation]
         if self._random.random() < self.epsilon:
             return self._random.randrange(len(values))
         return values.index(max(values))
 
     def train(self, observation: int, action: int, reward: float, new_observation: int) -> None:
-        """Move Q(observation, action) towards the reward and what can follow."""
+        """Move Q(observation, action) towards the reward plus the discounted greatest Q of the new observation."""
         target = reward + self.discount * max(self.q[new_observation])
         self.q[observation][action] += self.learning_rate * (target - self.q[observation][action])
         self.epsilon = max(0.05, self.epsilon - self._decay)

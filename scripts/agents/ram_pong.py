@@ -1,14 +1,13 @@
 #!/usr/bin/env python
 """Q-learning of Pong from its RAM, with a linear function of a few bytes.
 
-Which bytes hold ball and paddle, `atari.games["pong"].ram_labels` says. How far the paddle is from where the ball will
-arrive, where the ball is, and whether it comes or goes are cut into tiles, in four grids that lie a little apart (tile
-coding: Sutton and Barto, "Reinforcement Learning", 2nd edition, section 9.5.4); Q is the sum of the weights of the
-tiles it falls into.
+`atari.games["pong"].ram_labels` has the bytes of ball and paddle. There are three features: the distance of the paddle
+from the row in which the ball will arrive, the column of the ball, and its direction. Four shifted grids divide them
+into tiles (tile coding: Sutton and Barto, "Reinforcement Learning", 2nd edition, section 9.5.4). Q is the sum of the
+weights of the tiles that hold the features.
 
-By chance, one loses nearly every point: about 20 more than one wins, in a game to 21. What is learned here is to be
-where the ball arrives, and so to return most balls. It does not learn to aim, and after the default 60 games it still
-loses, by 6 to 14 points with four seeds.
+A random agent loses a game to 21 by about 20 points. This agent learns to be where the ball arrives, and so returns
+most balls. It does not learn to aim: after the default 60 games it loses by 6 to 14 points with four seeds.
 """
 
 import argparse
@@ -30,7 +29,7 @@ from random_agent import RandomAgent
 
 ENV = "ALE/Pong-ram-v5"
 MOVES = (0, 2, 3)
-"""The actions that leave the paddle, and move it up and down; the three others do the same and press fire."""
+"""The actions that keep the paddle, and move it up and down; the three others also press fire."""
 
 BALL_X, BALL_Y, PADDLE_Y = (atari.games["pong"].ram_labels[name].index for name in ("ball_x", "ball_y", "player_y"))
 
@@ -60,7 +59,7 @@ def tiles(observation: Any) -> list[Tile]:
     (x_before, y_before, _), (x, y, paddle) = observation[:, [BALL_X, BALL_Y, PADDLE_Y]].tolist()
     right, down = x - x_before, y - y_before
     if abs(down) > 12:
-        right = down = 0  # it did not fly there, it is a new ball
+        right = down = 0  # a new ball after a point
     below = max(-60, min(int(paddle - landing(x, y, right, down)), 60))
     towards = (right > 0) - (right < 0)
     return [(grid, (below + 2 * grid) // 8, (x + 10 * grid) // 40, towards) for grid in range(GRIDS)]
@@ -71,7 +70,7 @@ class LinearQLearner:
 
     Args:
         learning_rate: the part of the difference that each step corrects.
-        discount: what a reward counts one step later.
+        discount: the factor by which a reward counts less for each later step.
         exploration: steps over which the probability of a random action falls from 0.3 to 0.01.
         seed: of the random actions.
     """
@@ -95,14 +94,14 @@ class LinearQLearner:
         return [sum(weights) for weights in zip(*(self.weights[tile] for tile in tiles(observation)), strict=True)]
 
     def select_action(self, observation: Any) -> int:
-        """The best move, or with probability epsilon any."""
+        """The best move, or with probability epsilon a random one."""
         if self._random.random() < self.epsilon:
             return self._random.choice(MOVES)
         values = self.q(observation)
         return MOVES[values.index(max(values))]
 
     def train(self, observation: Any, action: int, reward: float, new_observation: Any) -> None:
-        """Move Q(observation, action) towards the reward and what can follow. After a point, that is a new ball."""
+        """Move Q(observation, action) towards the reward, or if it is 0, towards the discounted Q that follows."""
         move = MOVES.index(action)
         target = reward if reward else self.discount * max(self.q(new_observation))
         difference = target - self.q(observation)[move]

@@ -1,7 +1,7 @@
 #!/usr/bin/env python
-"""Plays at random: the shape of an agent without anything in it, and what the others have to beat.
+"""A random agent: the smallest agent, and the baseline of the others.
 
-Any ID will do: ALE/Breakout-v5, CartPole-v1, Copy-v0.
+It plays any ID: ALE/Breakout-v5, CartPole-v1, Copy-v0.
 """
 
 import argparse
@@ -19,14 +19,14 @@ from loop import count, play_episode
 
 
 class RandomAgent:
-    """Takes each action as often as any other."""
+    """Draws each action with the same probability."""
 
     def __init__(self, action_space: gymnasium.Space[Any], seed: int | None = None) -> None:
         self.action_space = action_space
         self.action_space.seed(seed)
 
     def select_action(self, observation: Any) -> Any:
-        """Any action."""
+        """A random action."""
         return self.action_space.sample()
 
     def train(self, observation: Any, action: Any, reward: float, new_observation: Any) -> None:

@@ -58,7 +58,7 @@ def test_restoring_a_snapshot_makes_snapshots_possible_again() -> None:
     assert core.snapshot() == saved
 
 
-def test_the_picture_of_a_restored_state_is_stale_until_the_next_act() -> None:
+def test_the_framebuffer_of_a_restored_state_is_stale_until_the_next_act() -> None:
     core = made("seaquest")
     state, before = core.clone_state(), core.screen()
     play(core, [1] * 30)
@@ -149,6 +149,6 @@ def test_a_two_player_cartridge_is_refused() -> None:
         AleCore("warlords")
 
 
-def test_a_game_that_ale_does_not_know_is_refused() -> None:
-    with pytest.raises(ValueError, match="ale-py knows only its own games, not 'mine'; use core='native'"):
+def test_a_game_that_ale_py_does_not_have_is_refused() -> None:
+    with pytest.raises(ValueError, match="ale-py has only its own games, not 'mine'; use core='native'"):
         AleCore(replace(atari.games["breakout"], id="mine"))

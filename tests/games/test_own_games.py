@@ -112,8 +112,8 @@ def test_a_hash_in_the_file_is_checked(tmp_path: Path) -> None:
         atari.AtariEnv(tmp_path / "mine.toml", rom=IMAGE)
 
 
-def test_ale_py_does_not_know_it() -> None:
-    with pytest.raises(ValueError, match="ale-py knows only its own games, not 'catch'; use core='native'"):
+def test_ale_py_refuses_it() -> None:
+    with pytest.raises(ValueError, match="ale-py has only its own games, not 'catch'; use core='native'"):
         make(core="ale")
 
 

@@ -40,8 +40,8 @@ def compare(name: str, game: str, steps: int, seed: int, **settings: bool) -> in
         for row, single in enumerate(singles):
             result: tuple[Any, ...]
             if done[row]:
-                picture, facts = single.reset()
-                result = picture, 0.0, False, False, facts
+                first, facts = single.reset()
+                result = first, 0.0, False, False, facts
             else:
                 result = single.step(int(actions[row]))
             where = f"{name} {game} {settings} step {step} row {row}"
@@ -100,7 +100,7 @@ class TestChoice:
             ({"continuous": True}, "decides about continuous"),
             ({"repeat_action_probability": 0.25}, "needs repeat_action_probability=0.0, got 0.25"),
             ({"full_action_space": True}, "needs full_action_space=False, got True"),
-            ({"obs_type": "rgb"}, "pictures are gray"),
+            ({"obs_type": "rgb"}, "observations of a preset are gray"),
         ],
     )
     def test_is_checked(self, options: dict[str, Any], text: str) -> None:

@@ -20,12 +20,12 @@ class Through(gymnasium.Wrapper):
         return self.env.step(action)
 
 
-def small(picture, size=(84, 84)):
-    return cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
+def small(frame, size=(84, 84)):
+    return cv2.resize(frame, size, interpolation=cv2.INTER_AREA)
 
 
-def gray_of_rgb(picture):
-    return cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY)
+def gray_of_rgb(frame):
+    return cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY)
 
 
 def play(env: AtariEnv, action, frames=4):
@@ -41,7 +41,7 @@ def play(env: AtariEnv, action, frames=4):
     return gray, rgb, rewards
 
 
-PICTURES = {
+PREPROCESSED = {
     "default": ({}, lambda gray, rgb: small(np.maximum(*gray[-2:]))),
     "not pooled": ({"max_pool": False}, lambda gray, rgb: small(gray[-1])),
     "every frame": ({"frame_skip": 1}, lambda gray, rgb: small(gray[-1])),
@@ -56,20 +56,20 @@ PICTURES = {
 }
 
 
-@pytest.mark.parametrize("name", PICTURES)
+@pytest.mark.parametrize("name", PREPROCESSED)
 @pytest.mark.parametrize("game", ["seaquest", "breakout"])
-def test_pictures_stacks_and_rewards(game_env, game, name):
-    arguments, picture = PICTURES[name]
+def test_frames_stacks_and_rewards(game_env, game, name):
+    arguments, preprocessed = PREPROCESSED[name]
     env, raw = DqnPreprocessing(game_env(game), **arguments), game_env(game)
     observation, info = env.reset(seed=0)
     assert info == raw.reset(seed=0)[1]
-    stack = [picture([raw.core.screen_grayscale()] * 2, [raw.core.screen_rgb()] * 2)] * 4
+    stack = [preprocessed([raw.core.screen_grayscale()] * 2, [raw.core.screen_rgb()] * 2)] * 4
     assert env.observation_space.shape == np.shape(stack)
     np.testing.assert_array_equal(observation, stack)
     for action in ACTIONS:
         observation, reward, terminated, truncated, info = env.step(action)
         gray, rgb, rewards = play(raw, action, env.frame_skip)
-        stack = [*stack[1:], picture(gray, rgb)]
+        stack = [*stack[1:], preprocessed(gray, rgb)]
         np.testing.assert_array_equal(observation, stack)
         assert (reward, terminated, truncated, info) == (sum(rewards), False, False, raw._info())
 
@@ -78,9 +78,9 @@ def test_zero_padding(game_env):
     env = DqnPreprocessing(game_env("pong"), padding_type="zero")
     for _ in range(2):
         observation, _ = env.reset(seed=0)
-        assert [int(picture.max()) > 0 for picture in observation] == [False, False, False, True]
+        assert [int(frame.max()) > 0 for frame in observation] == [False, False, False, True]
         observation = env.step(0)[0]
-        assert [int(picture.max()) > 0 for picture in observation] == [False, False, True, True]
+        assert [int(frame.max()) > 0 for frame in observation] == [False, False, True, True]
 
 
 def test_without_a_stack(game_env):
@@ -112,14 +112,14 @@ def test_the_end_inside_a_skip(game_env, played, layer):
     raw.reset(seed=0)
     previous, cut = (play(raw, 3)[0] for _ in range(2))
     expected = {mode: shown(cut, previous[2:])[played] for mode, shown in SHOWN_AT_THE_END.items()}
-    assert len({picture.tobytes() for picture in expected.values()}) == {1: 2, 2: 2, 3: 3, 4: 2}[played]
-    for mode, picture in expected.items():
+    assert len({frame.tobytes() for frame in expected.values()}) == {1: 2, 2: 2, 3: 3, 4: 2}[played]
+    for mode, frame in expected.items():
         env = DqnPreprocessing(layer(game_env("seaquest", max_num_frames_per_episode=4 + played)), end_frames=mode)
         env.reset(seed=0)
         assert env.step(3)[2:4] == (False, False)
         observation, _, terminated, truncated, info = env.step(3)
         assert (terminated, truncated, info["episode_frame_number"]) == (False, True, 4 + played)
-        np.testing.assert_array_equal(observation[-1], small(picture))
+        np.testing.assert_array_equal(observation[-1], small(frame))
 
 
 @pytest.mark.parametrize("name", wrappers.PRESETS)
@@ -164,7 +164,7 @@ def test_max_frames(game_env, layer):
 
 
 @pytest.mark.parametrize("layer", [lambda env: env, Through], ids=["direct", "through"])
-def test_a_life_lost_beneath_ends_the_skip_at_that_frame(game_env, layer):
+def test_a_life_lost_in_an_inner_wrapper_ends_the_skip_at_that_frame(game_env, layer):
     env = DqnPreprocessing(EpisodicLife(layer(game_env("breakout")), "continue"))
     frame, _ = lose_a_life(env)
     assert frame % 4 != 0
@@ -197,7 +197,7 @@ def lose_a_life(env):
     raise AssertionError("no life was lost")
 
 
-def test_the_limit_ends_the_game_for_episodic_life_beneath(game_env):
+def test_the_limit_ends_the_game_for_an_inner_episodic_life(game_env):
     env = DqnPreprocessing(EpisodicLife(game_env("breakout"), "continue"), max_frames=300)
     env.reset(seed=0)
     env.step(1)
@@ -213,7 +213,7 @@ def test_the_limit_ends_the_game_for_episodic_life_beneath(game_env):
     assert env.reset()[1]["lives"] == 5
 
 
-def test_wrappers_beneath_are_respected(game_env):
+def test_inner_wrappers_are_respected(game_env):
     env = DqnPreprocessing(RecordEpisodeStatistics(TimeLimit(game_env("pong"), 10)))
     env.reset(seed=0)
     assert [env.step(0)[3] for _ in range(2)] == [False, False]
@@ -250,7 +250,7 @@ def test_step_needs_a_reset_and_an_action_of_the_space(game_env):
     [
         ({"obs_type": "ram"}, {}, ValueError, r"works on pixels.*obs_type='rgb' \(not 'ram'\)"),
         ({"sound_obs": True}, {}, ValueError, "sound_obs=False"),
-        ({"frameskip": 4}, {}, ValueError, "AtariEnv beneath it already plays 4 a step.*frameskip=1"),
+        ({"frameskip": 4}, {}, ValueError, "AtariEnv inside it already plays 4 a step.*frameskip=1"),
         ({}, {"frame_skip": 0}, ValueError, "frame_skip must be within 1"),
         ({}, {"screen_size": 0}, ValueError, "screen_size must be within 1"),
         ({}, {"screen_size": (84, 84, 84)}, ValueError, r"an integer or \(width, height\)"),

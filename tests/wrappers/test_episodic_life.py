@@ -70,7 +70,7 @@ def test_last_life(env):
 
 
 @pytest.mark.parametrize("arguments", [{"seed": 5}, {"options": {"new_game": True}}])
-def test_a_new_game_can_be_asked_for(env, arguments):
+def test_a_new_game_can_be_requested(env, arguments):
     env = EpisodicLife(env)
     env.reset()
     episode(env)

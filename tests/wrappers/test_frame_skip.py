@@ -55,14 +55,14 @@ def test_ram_is_not_pooled(game_env):
 def test_refuses_to_skip_twice(game_env, scripted):
     single = game_env("pong")
     twice = [
-        (game_env("pong", frameskip=4), "AtariEnv beneath it already plays 4"),
-        (game_env("pong", frameskip=(2, 5)), r"AtariEnv beneath it already plays \(2, 5\)"),
-        (gymnasium.make("ALE/Pong-v5"), "AtariEnv beneath it already plays 4"),
-        (FrameSkip(single, 2), "FrameSkip beneath it already plays 2"),
-        (DqnPreprocessing(single, stack_size=None), "DqnPreprocessing beneath it already plays 4"),
-        (AtariPreprocessing(single, frame_skip=3), "AtariPreprocessing beneath it already plays 3"),
-        (RepeatAction(single, 5), "RepeatAction beneath it already plays 5"),
-        (MaxAndSkipObservation(single, 6), "MaxAndSkipObservation beneath it already plays 6"),
+        (game_env("pong", frameskip=4), "AtariEnv inside it already plays 4"),
+        (game_env("pong", frameskip=(2, 5)), r"AtariEnv inside it already plays \(2, 5\)"),
+        (gymnasium.make("ALE/Pong-v5"), "AtariEnv inside it already plays 4"),
+        (FrameSkip(single, 2), "FrameSkip inside it already plays 2"),
+        (DqnPreprocessing(single, stack_size=None), "DqnPreprocessing inside it already plays 4"),
+        (AtariPreprocessing(single, frame_skip=3), "AtariPreprocessing inside it already plays 3"),
+        (RepeatAction(single, 5), "RepeatAction inside it already plays 5"),
+        (MaxAndSkipObservation(single, 6), "MaxAndSkipObservation inside it already plays 6"),
     ]
     for env, text in twice:
         with pytest.raises(ValueError, match=text + ".*frameskip=1 or from a NoFrameskip ID"):

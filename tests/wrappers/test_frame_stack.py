@@ -102,5 +102,5 @@ def test_refuses(scripted, arguments, error, text):
 
 
 def test_refuses_a_dict(game_env):
-    with pytest.raises(TypeError, match="put it beneath other wrappers"):
+    with pytest.raises(TypeError, match="put it inside other wrappers"):
         FrameStack(RamObservation(game_env("pong")))

@@ -13,11 +13,11 @@ class Colours:
 
 @pytest.mark.parametrize("keep_dim", [False, True])
 def test_luminance(scripted, keep_dim):
-    class Picture(scripted):
+    class OneImage(scripted):
         def _observation(self):
             return Colours.rgb
 
-    env = Grayscale(Picture(shape=(2, 2, 3)), keep_dim)
+    env = Grayscale(OneImage(shape=(2, 2, 3)), keep_dim)
     expected = Colours.gray[..., None] if keep_dim else Colours.gray
     assert env.observation_space.shape == expected.shape
     for observation in (env.reset()[0], env.step(0)[0]):

@@ -121,7 +121,7 @@ class TestProtocols:
         raw.reset(seed=1)
         for _ in range(9):
             raw.step(0)
-        assert [picture.any() for picture in observation] == [False, False, False, True]
+        assert [frame.any() for frame in observation] == [False, False, False, True]
         np.testing.assert_array_equal(observation[3], luminance(raw.core.screen_rgb()))
         for action in (2, 5, 3, 4) * 5:
             screens = [raw.step(action)[0] for _ in range(4)]
@@ -144,7 +144,7 @@ class TestProtocols:
         frame = play_until_the_end(env)
         observation, info = env.reset()
         assert info["episode_frame_number"] == frame
-        assert [picture.any() for picture in observation] == [False, False, False, True]
+        assert [frame.any() for frame in observation] == [False, False, False, True]
 
     def test_machado2018(self, game_env):
         env = preset(game_env("breakout", **preset_options("machado2018")), "machado2018")

@@ -4,19 +4,19 @@ import pytest
 from atari.wrappers import DqnPreprocessing, RamObservation
 
 
-def test_ram_beside_the_picture(game_env):
+def test_ram_beside_the_image(game_env):
     env, plain = RamObservation(game_env("breakout")), game_env("breakout")
     assert set(env.observation_space.spaces) == {"image", "ram"}
     observation, _ = env.reset(seed=0)
-    picture, _ = plain.reset(seed=0)
+    image, _ = plain.reset(seed=0)
     seen = set()
     for action in (1, 2, 3, 0) * 3:
         assert observation in env.observation_space
-        np.testing.assert_array_equal(observation["image"], picture)
+        np.testing.assert_array_equal(observation["image"], image)
         np.testing.assert_array_equal(observation["ram"], plain.core.ram())
         seen.add(observation["ram"].tobytes())
         observation = env.step(action)[0]
-        picture = plain.step(action)[0]
+        image = plain.step(action)[0]
     assert len(seen) == 12
 
 

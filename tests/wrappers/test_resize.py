@@ -7,11 +7,11 @@ from atari.wrappers import Resize
 
 
 def test_averages_areas(scripted):
-    class Picture(scripted):
+    class OneImage(scripted):
         def _observation(self):
             return np.array([[0, 100, 10, 10], [100, 200, 10, 30]], np.uint8)
 
-    env = Resize(Picture(shape=(2, 4)), (1, 2))
+    env = Resize(OneImage(shape=(2, 4)), (1, 2))
     assert env.observation_space.shape == (1, 2)
     for observation in (env.reset()[0], env.step(0)[0]):
         np.testing.assert_array_equal(observation, [[100, 15]])

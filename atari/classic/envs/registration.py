@@ -1,7 +1,8 @@
 """Gym's registry, as another interface to Gymnasium's.
 
-Only Gymnasium's registry has entries: an environment that one interface registers, both can make. An `EnvSpec` has the
-fields of Gym's specs; it is derived from Gymnasium's at each lookup, with Gym's limits for Atari games.
+Only Gymnasium's registry has entries, so both interfaces can make an environment that either of them has registered. An
+`EnvSpec` has the fields of Gym's specs; it is derived from Gymnasium's at each lookup, with Gym's limits for Atari
+games.
 """
 
 import copy

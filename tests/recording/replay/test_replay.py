@@ -414,7 +414,7 @@ def test_a_game_of_your_own(tmp_path: Path) -> None:
     assert next(replay.frames(100)).screen.shape == env.observation_space.shape
     with pytest.raises(ValueError, match="there is no game 'catch'"):
         Replay.load(env.path)
-    with pytest.raises(ValueError, match="ale-py knows only its own games"):
+    with pytest.raises(ValueError, match="ale-py has only its own games"):
         replay.verify("ale")
 
 
