@@ -1,7 +1,8 @@
 """Bare consoles for the tests of the chips, and the tables they are compared with.
 
-`facts/` holds what ale-py 0.12.1 does, as measured: the opcodes, the reactions of the TIA, check sums. The models
-(`model_6502`, `model_tia`) are written from the same description as the emulator, but on their own and the simple way.
+`facts/` holds measurements of ale-py 0.12.1: the opcodes, the reactions of the TIA, check sums. The models
+(`model_6502`, `model_tia`) are written from the same description as the emulator, but independently and as simply as
+possible.
 """
 
 import json
@@ -46,7 +47,7 @@ def console(program: bytes | list[int] = b"", **options: Any) -> Console:
 
 
 def beam(height: int = 8, **options: Any) -> Console:
-    """A console in its first frame, whose picture begins with line 0; registers are then written at chosen times."""
+    """A console in its first frame. Row 0 is line 0. Tests write registers at chosen times."""
     machine = console(first_line=0, height=height, **options)
     machine.start_frame()
     return machine
@@ -58,13 +59,13 @@ def write_at(machine: Console, line: int, cycle: int, register: int, value: int 
     machine.write(register, value)
 
 
-def picture(machine: Console) -> Any:
-    """The picture up to the present cycle: an access brings it up to date, here of a register that drives nothing."""
+def framebuffer(machine: Console) -> Any:
+    """The framebuffer, rendered up to the current cycle by a read of a register that drives no bit."""
     machine.read(0x0E)
     return machine.framebuffer()
 
 
 def run(machine: Console, instructions: int) -> None:
-    """Some instructions."""
+    """Run some instructions."""
     for _ in range(instructions):
         machine.step()

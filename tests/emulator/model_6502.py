@@ -1,7 +1,8 @@
-"""A small model of the 6507 as the reference runs it, one Python function per instruction.
+"""A small model of the 6507 of ale-py, with one Python function for each instruction.
 
-It is driven by the table `facts/opcodes.csv` and reads and writes a bus that somebody else owns. The bus has a cycle
-counter that the model advances: first by the whole base cost, then by penalties, before the access they belong to.
+The table `facts/opcodes.csv` drives the model. It reads and writes the bus that its constructor gets, and
+advances the cycle counter of that bus: first by the whole base cost, then by each penalty before the access it belongs
+to.
 """
 
 import csv
@@ -111,7 +112,7 @@ class Model6502:
             if mode == "indx":
                 pointer = (pointer + self.x) & 0xFF
             low = self.bus.read(pointer)
-            base = low | self.bus.read(pointer + 1) << 8  # behind $FF comes $0100, which is the TIA
+            base = low | self.bus.read(pointer + 1) << 8  # after $FF comes $0100, which is the TIA
         else:
             base = self.word()
         index = {"abs": 0, "absx": self.x, "absy": self.y, "indx": 0, "indy": self.y}[mode]
@@ -206,7 +207,7 @@ class Model6502:
     def eor(self, operand: int) -> None:
         self.a = self.nz(self.a ^ operand)
 
-    # `and` is a word of Python's; `use` finds it by name.
+    # `and` is a keyword of Python; `use` finds the method by name.
     def _and(self, operand: int) -> None:
         self.a = self.nz(self.a & operand)
 
@@ -249,7 +250,7 @@ class Model6502:
         total = value_of_digits(old) - value_of_digits(operand) - borrow
         if total < 0:
             total += 100
-        # Below zero still, with digits above 9: the reference reads in front of a table.
+        # Still below zero, with digits above 9: ale-py reads before the start of a table.
         self.a = digits_of_value(total) if total >= 0 else value_of_digits(total % 256)
         self.c = old >= operand + borrow
         self.v = sign(old) != sign(self.a) and sign(self.a) != sign(operand)
@@ -359,7 +360,7 @@ def sign(byte: int) -> bool:
 
 
 def value_of_digits(byte: int) -> int:
-    """The number that two digits mean, also where they are above 9."""
+    """The value of two decimal digits, also if a digit is above 9."""
     return byte // 16 * 10 + byte % 16
 
 

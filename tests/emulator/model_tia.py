@@ -1,7 +1,8 @@
-"""A model of the TIA that draws pixel by pixel, at every access, as the reference does.
+"""A model of the TIA that renders pixel by pixel, at every access, as ale-py does.
 
-The emulator draws late, in spans, with masks; this model draws at once, asks of each object whether it is lit at each
-column, and looks up the colour by the rules of priority. Time is given with every access, in cycles of the frame.
+The emulator defers rendering and draws spans with masks. This model renders at once: it checks for each object whether
+it is lit at each column, and looks up the colour by the rules of priority. Every access has its time, in cycles of the
+frame.
 """
 
 from collections.abc import Iterable
@@ -56,11 +57,11 @@ def reversed_bits(byte: int) -> int:
 
 
 class ModelTia:
-    """The picture part of the TIA, for NTSC; one frame, that begins at cycle 0 with line 0 as the first row."""
+    """The video part of the TIA, for NTSC. It renders one frame, which begins at cycle 0; line 0 is the first row."""
 
     def __init__(self, height: int) -> None:
         self.height = height
-        self.picture = np.zeros((height, 160), dtype=np.uint8)
+        self.framebuffer = np.zeros((height, 160), dtype=np.uint8)
         self.drawn = 0  # clock up to which it is drawn
         self.line_ends = 0  # lines whose end has been passed
         self.vblank = self.ctrlpf = self.playfield = self.collisions = 0
@@ -80,7 +81,7 @@ class ModelTia:
     def draw_to(self, clock: int) -> None:
         clock = min(clock, 228 * self.height)
         while self.drawn < clock:
-            # The end of a line is passed only when drawing goes on behind it.
+            # The end of a line is passed only when drawing continues after it.
             if self.drawn == 228 * (self.line_ends + 1):
                 self.end_line()
             line, offset = divmod(self.drawn, 228)
@@ -110,7 +111,7 @@ class ModelTia:
         ]  # fmt: skip
 
     def lit(self, number: int) -> Any:
-        """One object's pixels in a line, not regarding whether it is enabled."""
+        """One object's pixels in a line, whether or not it is enabled."""
         shape = self.shape(number)
         if shape not in self.shapes:
             function, *arguments = shape
@@ -118,7 +119,7 @@ class ModelTia:
         return self.shapes[shape]
 
     def shape(self, number: int) -> tuple[Any, ...]:
-        """The function of an object's shape, and its arguments behind the column."""
+        """The function of an object's shape, and its arguments after the column."""
         if number < 2:
             mode = self.nusiz[number] & 7
             return player_lit, self.pos[number], mode, self.graphics(number), self.skip_first[number]
@@ -137,13 +138,13 @@ class ModelTia:
         if last > first:
             self.pixels(line, first, last)
         if self.hmove_blank:
-            self.picture[line, first : max(first, min(8, last))] = 0
+            self.framebuffer[line, first : max(first, min(8, last))] = 0
             if stop >= 76 > start:
                 self.hmove_blank = False
 
     def pixels(self, line: int, first: int, last: int) -> None:
         if self.vblank & 2:
-            self.picture[line, first:last] = 0
+            self.framebuffer[line, first:last] = 0
             return
         enabled = self.enabled()
         off = np.zeros(160, dtype=bool)
@@ -173,7 +174,7 @@ class ModelTia:
                 colour = colour_p1
             else:
                 colour = colour_pf if pf[x] or ball[x] else background
-            self.picture[line, x] = colour
+            self.framebuffer[line, x] = colour
 
     # -- accesses
 

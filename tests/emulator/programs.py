@@ -1,11 +1,11 @@
-"""Random programs for the 2600 that stay inside their ROM: they exercise the chips as no game does."""
+"""Random programs for the 2600 that stay inside their ROM and use the chips in ways that no game does."""
 
 import random
 
 from emulator.machines import W
 
 START = 0xF000
-RETURN = 0xFE00  # an RTS, behind all code
+RETURN = 0xFE00  # an RTS, after all code
 SIZE_OF_CODE = 3400
 
 STRAY = {0x00, 0x20, 0x40, 0x60, 0x4C, 0x6C} | {0x10 + 0x20 * k for k in range(8)}
@@ -53,7 +53,7 @@ class Code:
 
 
 def tia_program(rng: random.Random) -> bytes:
-    """Writes of all picture and sound registers, at all positions of the line, in frames of all lengths."""
+    """Writes of all video and sound registers, at all positions of the line, in frames of all lengths."""
     code = Code()
     code.emit(0x78, 0xD8, 0xA2, 0xFF, 0x9A)  # SEI CLD LDX #$FF TXS
     again = len(code.bytes)
@@ -106,7 +106,7 @@ def cpu_program(rng: random.Random) -> bytes:
         if choice < 0.02:
             code.emit(0xA2, rng.randrange(0x84, 0x100), 0x9A, 0x20, *RETURN.to_bytes(2, "little"))  # LDX TXS JSR
         elif choice < 0.04:
-            target = START + len(code.bytes) + 5  # JMP ($..): the pointer lies behind the jump
+            target = START + len(code.bytes) + 5  # JMP ($..): the pointer is after the jump
             pointer = target - 2
             if pointer & 0xFF != 0xFF:
                 code.emit(0x6C, *pointer.to_bytes(2, "little"), *target.to_bytes(2, "little"))

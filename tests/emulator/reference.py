@@ -1,9 +1,9 @@
-"""Plays images with ale-py, which may end its process: run as a program of its own, by `test_random_programs`.
+"""Plays images with ale-py, which may end its process, so `test_random_programs` runs this file as a separate program.
 
 usage: python reference.py SCRIPT.json RESULT.npz
 
 The script is a list of {"image": hex digits, "actions": [...]}; action -1 is a reset. Images are loaded under the name
-of a game with the most ordinary cartridge, whose rules then make reward and lives.
+of a game with a 4K cartridge, whose rules then determine reward and lives.
 """
 
 import json

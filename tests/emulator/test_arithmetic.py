@@ -32,7 +32,7 @@ def status(registers: dict[str, int]) -> int:
 @pytest.mark.parametrize("decimal", [False, True], ids=["binary", "decimal"])
 @pytest.mark.parametrize("operation", CODES)
 def test_all_cases(operation: str, decimal: bool) -> None:
-    """Equal to the reference, by check sum, and to the model, case by case."""
+    """Equal to ale-py, by check sum, and to the model, case by case."""
     model = Model6502(console())
     seen = bytearray()
     for carry, operand, a, after in results(console(), operation, decimal):

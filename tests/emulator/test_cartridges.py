@@ -1,4 +1,4 @@
-"""Bank switching: the nineteen types, what switches them, and their own RAM."""
+"""Bank switching: the nineteen cartridge types, their hotspots, and their RAM."""
 
 import random
 from collections.abc import Callable
@@ -39,7 +39,7 @@ BANKED = {
     "F4SC": (32768, 0, 0xFF4),
     "FASC": (12288, 2, 0xFF8),
 }
-SKIPPED = range(0x200, 0xF00, 0x55)  # behind the RAM of those that have some
+SKIPPED = range(0x200, 0xF00, 0x55)  # after the RAM of the types that have RAM
 
 
 @pytest.mark.parametrize("cartridge", BANKED)
@@ -68,7 +68,7 @@ def test_banks(cartridge: str) -> None:
 
 @pytest.mark.parametrize("cartridge", BANKED)
 def test_banks_by_writes(cartridge: str) -> None:
-    """Whatever is written; F4SC alone, as in the reference, ignores writes."""
+    """A write of any value switches; F4SC alone, as in ale-py, ignores writes."""
     size, reset_bank, first = BANKED[cartridge]
     machine = Console(image_of(size), cartridge)
     for bank in range(size // 4096):
@@ -117,8 +117,8 @@ PORTS = {
 
 
 @pytest.mark.parametrize("cartridge", PORTS)
-def test_ram_behind_the_first_bytes(cartridge: str) -> None:
-    """Written at one port, read at the other; reading the write port gives ROM and leaves RAM; banks share it."""
+def test_ram_ports(cartridge: str) -> None:
+    """RAM has a write port and a read port. A read of the write port returns ROM and keeps RAM. Banks share RAM."""
     write_port, read_port, size = PORTS[cartridge]
     length, bank, first = BANKED[cartridge]
     image = image_of(length)
@@ -242,7 +242,7 @@ def test_fe_looks_at_bit_13() -> None:
 
 @pytest.mark.parametrize("slices", [1, 2, 4, 7, 256])
 def test_3f(slices: int) -> None:
-    """A write of $00-$3F chooses the lower slice and reaches the TIA all the same."""
+    """A write of $00-$3F chooses the lower slice and also reaches the TIA."""
     image = image_of(2048 * slices)
     machine = Console(image, "3F")
     upper = image[-2048:]
@@ -301,7 +301,7 @@ def test_3e() -> None:
         assert machine.cartridge_ram[1024 * page :][:1024] == expected
         assert window(machine, range(0x800, 0x1000, 31)) == slices[3]
     before = machine.cartridge_ram
-    machine.write(0x1000 + W.COLUBK, 0x46)  # the read port: the TIA's business
+    machine.write(0x1000 + W.COLUBK, 0x46)  # the read port is the TIA's
     assert machine.state()["tia"]["colour"][3] == 0x46
     assert [machine.read(address) for address in range(0x40)] == list(before[5 * 1024 :][:0x40])
     machine.write(W.COLUBK, 0x48)
@@ -377,7 +377,7 @@ def test_mb_goes_on_to_the_next_bank() -> None:
 
 
 def test_no_switching_by_accesses_of_other_chips() -> None:
-    """$0FF8 is RIOT, TIA or RAM, whatever its low bits say."""
+    """$0FF8 is RIOT, TIA or RAM, whatever its low bits are."""
     machine = Console(image_of(8192), "F8")
     for address in (0x0FF8, 0x2FF8, 0x0EF8, 0xEFF8):
         machine.read(address)

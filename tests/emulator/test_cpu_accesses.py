@@ -1,4 +1,4 @@
-"""What one instruction reads and writes, in which order and when: corners that programs of 2600 games stand in."""
+"""The bus accesses of one instruction, their order and their times, in the cases that games for the 2600 depend on."""
 
 import pytest
 from emulator.machines import R, W, console, rom, run
@@ -49,7 +49,7 @@ def test_branch_penalty_counts_from_the_next_instruction() -> None:
 
 @pytest.mark.parametrize(("opcode", "register"), [(0xA1, "x"), (0xB1, "y")], ids=["LDA (zp,X)", "LDA (zp),Y"])
 def test_pointer_at_the_end_of_page_zero(opcode: int, register: str) -> None:
-    """Its high byte is read at $0100, where the TIA shows collisions: above the low byte's own low six bits."""
+    """The high byte of the pointer comes from $0100, a collision register: its low six bits are those of the low byte."""
     machine = console([opcode, 0xFF])
     machine.set_registers(x=0, y=0)
     machine.write(0xFF, 0x95)
@@ -118,7 +118,7 @@ def test_number_of_accesses(program: list[int], accesses: int) -> None:
 
 
 def test_rts_reads_the_byte_before_its_target() -> None:
-    """... through the cartridge: a return to behind a hotspot switches banks."""
+    """RTS reads through the cartridge: a return to the address after a hotspot switches banks."""
     machine = Console(rom([0x60], banks=16), "MB")
     before = machine.state()["cart"]["bank"]
     machine.set_registers(sp=0xF0)
@@ -130,7 +130,7 @@ def test_rts_reads_the_byte_before_its_target() -> None:
 
 
 def test_operand_and_opcode_fetches_reach_the_cartridge() -> None:
-    """Executing in a hotspot switches; what is fetched comes from the new bank."""
+    """Executing at a hotspot switches the bank; the fetched byte comes from the new bank."""
     first, second = bytearray(rom()), bytearray(rom())
     second[0xFF9:0xFFB] = [0xA9, 0x42]  # LDA #$42
     machine = Console(bytes(first + second), "F8")
@@ -157,7 +157,7 @@ def test_stack_wraps_and_mirrors() -> None:
 
 
 def test_pulls_from_tia_space() -> None:
-    """PLA reads twice: the first read shows the opcode's low bits, the second the first's."""
+    """PLA reads twice: the first read returns the low bits of the opcode, the second those of the first."""
     machine = console([0x68])
     machine.set_registers(sp=0x3D)
     machine.step()
@@ -228,7 +228,7 @@ def test_undriven_bits_of_the_tia(program: list[int], low_bits: int) -> None:
 
 
 def test_accesses_happen_at_the_end_of_the_instruction() -> None:
-    """A timer set to count every cycle shows when: absolute LDA takes 4 cycles, with a page crossed 5."""
+    """A timer that counts cycles measures the access: LDA absolute takes 4 cycles, 5 with a page crossing."""
     for program, x, left in (([0xAD, 0x84, 0x02], 0, 100 - 4), ([0xBD, 0xF4, 0x01], 0x90, 100 - 5)):
         machine = console(program)
         machine.write(R.TIM1T, 100)
@@ -243,7 +243,7 @@ def test_wsync_waits_for_the_next_line() -> None:
     machine.step()
     assert machine.cycles == 76
     machine.cycles = 76 * 5 - 3
-    machine.step()  # ends exactly at a line's beginning: nothing to wait for
+    machine.step()  # ends exactly at the beginning of a line, so WSYNC does not wait
     assert machine.cycles == 76 * 5
 
 
@@ -255,8 +255,8 @@ def test_wsync_by_read_modify_write_waits_once(opcode: int) -> None:
     assert machine.cycles == 76
 
 
-def test_wsync_does_not_wait_behind_a_write() -> None:
-    """JSR's first push waits, its second would not; nor BRK's second and third."""
+def test_wsync_does_not_wait_after_a_write() -> None:
+    """The first push of JSR waits. Its second does not wait, nor do the second and third of BRK."""
     for sp, cycles in ((W.WSYNC, 76), (W.WSYNC + 1, 6)):
         machine = console([0x20, 0x00, 0xF1])
         machine.start_frame()
@@ -272,7 +272,7 @@ def test_wsync_does_not_wait_behind_a_write() -> None:
 
 
 def test_program_counter_wraps_and_keeps_its_high_bits() -> None:
-    """It has 16 bits: the cartridge FE tells $F000 from $D000."""
+    """The program counter has 16 bits: the cartridge FE distinguishes $F000 from $D000."""
     image = bytes([0x10]) * 4096 + bytes([0x20]) * 4096
     machine = Console(image, "FE")
     assert [machine.read(address) for address in (0xF000, 0xD000, 0x1000, 0x3000)] == [0x10, 0x20, 0x20, 0x10]

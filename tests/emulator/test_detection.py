@@ -1,4 +1,4 @@
-"""How the type of a cartridge is found from its image: by size, then by signatures, in order."""
+"""Detection of a cartridge's type from its image: by size, then by signatures, in order."""
 
 import random
 
@@ -21,7 +21,7 @@ FE = [bytes.fromhex(code) for code in ("2000D0C6C5", "20C3F8A582", "D0FB2073FE",
 
 
 def filled(size: int) -> bytearray:
-    """An image that is like no type: no two halves and no stretches are equal."""
+    """An image that matches no type: its halves differ, and no stretches are equal."""
     return bytearray(byte % 5 + 1 for byte in random.Random(7).randbytes(size))
 
 
@@ -112,14 +112,14 @@ def test_e7_looks_at_32_bytes_on_either_side() -> None:
 
 
 def test_last_place_of_a_signature_is_not_looked_at() -> None:
-    """As in the reference."""
+    """As in ale-py."""
     assert Console(image(8192, UA, at=8192 - 3)).cartridge_type == "F8"
     assert Console(image(8192, UA, at=8192 - 4)).cartridge_type == "UA"
     assert Console(image(8192, UA, at=0)).cartridge_type == "UA"
 
 
 def test_search_goes_on_a_byte_late_after_a_hit() -> None:
-    """So that 3F's two bytes twice in a row count once."""
+    """The search skips a byte after a hit, so the two bytes of 3F twice in a row count once."""
     assert Console(image(8192, TYPE_3F * 2)).cartridge_type == "F8"
     assert Console(image(8192, TYPE_3F + b"\x00" + TYPE_3F)).cartridge_type == "3F"
 
@@ -181,5 +181,5 @@ def test_huge_images_are_refused() -> None:
 
 @pytest.mark.parametrize("game", games.values(), ids=list(games))
 def test_shipped_games(game: Game) -> None:
-    """Found from the image as the game's file says."""
+    """The detected type is the one in the game's file."""
     assert Console(read_image(roms.find(game.id))).cartridge_type == game.rom.cartridge

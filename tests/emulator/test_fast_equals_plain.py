@@ -1,9 +1,9 @@
-"""The fast interpreter, translated code and the deferred TIA against the plain ones, which are the oracle: after every
-frame all of both machines is compared, to the byte.
+"""The fast core against the reference core, which is the oracle: the complete states are compared after every frame.
 
-Pictures and collision latches are worked out only when somebody asks for them, so they are asked for, and compared, at
-random frames, and the pictures also of many frames in a row. Between frames the machines are reset, their RAM is
-overwritten, they go back to where they were, and each may go on from the state that the other has saved.
+The fast core is the fast interpreter, translated code and the deferred TIA. Deferred rendering and deferred collisions
+run only when they are read. So the test reads and compares framebuffers and latches at random frames, and framebuffers
+also over many frames in a row. Between frames it resets the machines, overwrites their RAM, restores snapshots, and
+loads the saved state of one core into the other.
 """
 
 import os
@@ -24,10 +24,10 @@ from atari.roms import find
 
 
 class Pair:
-    """A fast and a plain console with the same cartridge, to which the same is done."""
+    """A fast console and a reference console with the same cartridge, which receive the same calls."""
 
     translated: ClassVar[bool]
-    """Whether the fast one runs translated code, where that is possible."""
+    """Whether the fast console runs translated code, on platforms that have it."""
 
     def __init__(self, image: bytes, cartridge: str, what: str, rng: random.Random, **options: Any) -> None:
         self.fast = Console(image, cartridge, plain=False, translated=self.translated, **options)
@@ -43,7 +43,7 @@ class Pair:
     def play(
         self, frames: int, *, pokes: float = 0.03, resets: float = 0.01, looks: float = 0.15, travels: float = 0.08
     ) -> None:
-        """Frames, between which things happen with these probabilities."""
+        """Play frames; between them pokes, resets, reads and state changes happen with these probabilities."""
         for _ in range(frames):
             if self.rng.random() < pokes:
                 self.poke()
@@ -57,7 +57,7 @@ class Pair:
             self.frames += 1
             self.watching ^= self.rng.random() < 0.08
             if self.watching or self.rng.random() < looks:
-                self.compare_pictures()
+                self.compare_framebuffers()
             self.compare(self.rng.random() < looks)
             if self.rng.random() < 0.05:
                 first, second = (console.make_samples() for console in self.both)
@@ -70,7 +70,7 @@ class Pair:
             console.ram = bytes(ram)
 
     def travel(self) -> None:
-        """One continues from the state of the other, or both take a snapshot, or restore it."""
+        """Load the state of one console into the other, or take a snapshot of both, or restore it."""
         choice = self.rng.random()
         if choice < 0.3:
             source, target = self.rng.sample(self.both, 2)
@@ -82,9 +82,9 @@ class Pair:
                 console.restore(snapshot)
             self.compare(self.rng.random() < 0.5)
 
-    def compare_pictures(self) -> None:
+    def compare_framebuffers(self) -> None:
         first, second = (console.framebuffer() for console in self.both)
-        assert np.array_equal(first, second), f"{self.what}, frame {self.frames}: picture"
+        assert np.array_equal(first, second), f"{self.what}, frame {self.frames}: framebuffer"
 
     def compare(self, complete: bool) -> None:
         if not same_state(self.fast, self.plain, complete):
@@ -94,19 +94,19 @@ class Pair:
 
 @pytest.fixture(autouse=True, params=[True, False], ids=["translated", "handlers"])
 def translated(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> bool:
-    """Everything once with translated code and once with handlers alone."""
+    """Runs every test once with translated code and once with handlers alone."""
     monkeypatch.setattr(Pair, "translated", request.param, raising=False)
     return bool(request.param)
 
 
 def seen(console: Console) -> dict[str, Any]:
-    """Everything of a console by name, the picture asked for."""
-    picture = console.framebuffer()
+    """The complete state of a console by name; reading the framebuffer renders it."""
+    framebuffer = console.framebuffer()
     return {
         **{name: list(part) for name, part in (("ram", console.ram), ("cartridge_ram", console.cartridge_ram))},
         "registers": console.registers,
         **console.state(),
-        "picture": [list(row) for row in picture],
+        "framebuffer": [list(row) for row in framebuffer],
     }
 
 
@@ -123,7 +123,7 @@ def differences(first: Any, second: Any, name: str = "") -> Iterator[str]:
 
 
 def press(pair: Pair, player: bool) -> None:
-    """Some buttons for the next frames: of a player who starts games, or anything."""
+    """Set the inputs of the next frames: with `player` as in a game, otherwise any."""
     rng = pair.rng
     start = 0x3E if rng.random() < 0.05 else 0x3F
     inputs: dict[str, Any] = {
@@ -139,7 +139,7 @@ def press(pair: Pair, player: bool) -> None:
 
 @pytest.mark.parametrize("game", list(atari.games))
 def test_games(game: str) -> None:
-    """All cartridges there are: a game started and played."""
+    """The cartridge of every game: a game is started and played."""
     facts = atari.games[game]
     pair = Pair(
         find(game).read_bytes(),
@@ -161,13 +161,13 @@ def test_games(game: str) -> None:
 
 
 def test_what_runs(translated: bool) -> None:
-    """Translated code, where this processor has some and it is wanted."""
+    """Translated code runs if it is enabled and this processor is supported."""
     console = Console(wild_programs.noise(random.Random(0), "4K"), "4K", plain=False, translated=translated)
     assert console.translated == (translated and platform.machine() in ("x86_64", "AMD64") and os.name == "posix")
 
 
 def options(rng: random.Random) -> dict[str, Any]:
-    """Of a console, any."""
+    """Random options of a console."""
     first = rng.choice((0, 0, 20, 34, 34, 34, 60))
     return {
         "first_line": first,
@@ -208,32 +208,32 @@ def test_wild_instructions(kind: str) -> None:
 
 
 @pytest.mark.parametrize("batch", range(10))
-def test_pictures_that_change(batch: int) -> None:
+def test_frames_that_change(batch: int) -> None:
     for seed in range(20 * batch, 20 * batch + 20):
         rng = random.Random(seed)
-        play(wild_programs.changing_picture(rng), "4K", f"changing_picture {seed}", rng, rounds=6, travels=0.3)
+        play(wild_programs.changing_frames(rng), "4K", f"changing_frames {seed}", rng, rounds=6, travels=0.3)
 
 
 @pytest.mark.parametrize(
     ("make", "seed"),
     [
         *(
-            (wild_programs.changing_picture, seed)
+            (wild_programs.changing_frames, seed)
             for seed in (10428, 10455, 10624, 21467, 24821, 100632, 103428, 203054, 1003155, 1107834)
         ),
         *((tia_program, seed) for seed in (10160, 10297, 12217, 100136, 100785, 100928, 703281)),
     ],
 )
 def test_programs_that_have_found_an_error(make: Any, seed: int) -> None:
-    """One in some ten thousand: late mirroring, strobes and blanks at a line's end, frames that are run again."""
+    """Rare programs that found errors: late reflect, strobes and blanks at the end of a line, repeated frames."""
     rng = random.Random(seed)
-    more = {"rounds": 6, "travels": 0.3} if make is wild_programs.changing_picture else {}
+    more = {"rounds": 6, "travels": 0.3} if make is wild_programs.changing_frames else {}
     play(make(rng), "4K", f"{make.__name__} {seed}", rng, **more)
 
 
 @pytest.mark.parametrize("batch", range(6))
-def test_pictures_of_which_little_changes(batch: int) -> None:
-    """Lines that are as in the picture drawn last are not drawn again, and what is not shown may differ."""
+def test_frames_that_change_little(batch: int) -> None:
+    """The renderer skips lines that equal those in the framebuffer. State that does not show may differ."""
     for seed in range(40 * batch, 40 * batch + 40):
         rng = random.Random(seed)
         image = wild_programs.nearly_still(rng)
@@ -242,8 +242,8 @@ def test_pictures_of_which_little_changes(batch: int) -> None:
 
 @pytest.mark.parametrize("batch", range(4))
 def test_collisions_that_are_read_now_and_then(batch: int) -> None:
-    """Collisions of lines that are as in the frame before are not looked for again, if they were looked for then."""
-    rare = (1943, 7160, 7542, 7575) if batch == 0 else ()  # other latches are wanted than in the frame before
+    """The fast core reuses the collisions of a line that is the same as in the frame before, if it computed them then."""
+    rare = (1943, 7160, 7542, 7575) if batch == 0 else ()  # the frame reads other latches than the frame before
     for seed in (*range(40 * batch, 40 * batch + 40), *rare):
         rng = random.Random(seed)
         play(wild_programs.glances(rng), "4K", f"glances {seed}", rng, rounds=8, pokes=0.1, resets=0, travels=0.03)
@@ -277,18 +277,18 @@ def test_straight_lines_that_are_entered_anywhere(batch: int) -> None:
         play(wild_programs.entered_anywhere(rng), "4K", f"entered_anywhere {seed}", rng)
 
 
-@pytest.mark.parametrize("behind", [0, 900, 960, 970, 1000, 1500])
-def test_the_limit_within_a_straight_line(behind: int) -> None:
-    """A frame has 25,000 instructions: of two cycles each, with no jump near them, and then a write that ends it."""
+@pytest.mark.parametrize("after", [0, 900, 960, 970, 1000, 1500])
+def test_the_limit_within_a_straight_line(after: int) -> None:
+    """The limit of 25,000 instructions is reached among two-cycle instructions without a jump, before a TIA write."""
     round_ = [0xEA] * 2000 + [0xCA, 0xF0, 0x03, 0x4C, 0x02, 0xF0]  # DEX; BEQ past the jump to the beginning; JMP
-    program = [0xA2, 12, *round_, *([0xEA] * behind), 0x85, 0x09, 0x4C, 0x00, 0xF0]  # LDX #12; ...; STA COLUBK; JMP
+    program = [0xA2, 12, *round_, *([0xEA] * after), 0x85, 0x09, 0x4C, 0x00, 0xF0]  # LDX #12; ...; STA COLUBK; JMP
     image = bytes(program).ljust(0xFFC, b"\xea") + bytes([0x00, 0xF0, 0x00, 0xF0])
-    pair = Pair(image, "4K", f"{behind} instructions behind", random.Random(0))
+    pair = Pair(image, "4K", f"{after} instructions after the loop", random.Random(0))
     pair.play(20, pokes=0, resets=0, travels=0)
 
 
 def test_the_deadline_check_of_the_first_instruction() -> None:
-    """The first TIA write that is too late ends a frame: that of an image's first instruction, not the next one."""
+    """The first TIA write after the line limit ends a frame. Here it is the image's first instruction."""
     wait = [0xA0, 25, 0xA2, 0, 0xCA, 0xD0, 0xFD, 0x88, 0xD0, 0xF8]  # 25 times 256 rounds: more than 342 lines
     writes = [0x85, 0x09, 0x69, 0x02, 0xE6, 0x80, 0x85, 0x08]  # STA COLUBK; ADC #2; INC; STA COLUPF
     program = [*writes, *wait, 0x4C, 0x00, 0xF0]  # JMP to the beginning
@@ -305,14 +305,14 @@ def test_programs_that_are_compared_with_ale_py(make: Any, batch: int) -> None:
 
 
 @pytest.mark.parametrize("game", ["seaquest", "freeway", "enduro", "galaxian"])
-def test_latches_that_nobody_has_read_come_back(game: str) -> None:
-    """They are found in the log of a frame whose picture has been drawn, and so is not owed any more."""
+def test_unread_collision_latches_are_restored(game: str) -> None:
+    """A restore computes the latches from the write log of a frame that has already been rendered."""
     pair = Pair(find(game).read_bytes(), "", game, random.Random(game))
     pair.play(20, pokes=0, resets=0)
     for _ in range(60):
         press(pair, player=True)
         pair.play(3, pokes=0, resets=0, looks=0)
-        pair.compare_pictures()
+        pair.compare_framebuffers()
         snapshots = [console.snapshot() for console in pair.both]
         for console in pair.both:
             for _ in range(4):

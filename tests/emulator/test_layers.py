@@ -1,4 +1,4 @@
-"""Which part of the emulator may include which. Above all: the machine, the reference core, includes nothing but itself."""
+"""Which folder of the emulator may include which. The machine, which is the reference core, includes only itself."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What a deep Q-network sees: pooling in gray, and scaling down, which equals OpenCV's in every byte."""
+"""Observations: pooling of gray frames, and scaling down, which equals OpenCV's to the byte."""
 
 from collections.abc import Iterator
 
@@ -10,22 +10,22 @@ from atari._emulator import SimdLevel, best_simd_level, pool_gray, resize_area
 from atari.cores import ByteArray, NativeCore
 
 GAMES = {210: "ms_pacman", 214: "carnival", 220: "pooyan", 230: "journey_escape", 250: "mr_do"}
-"""A game for each height of pictures."""
+"""A game for each height of the screen."""
 
 SIZES = [(84, 84), (64, 64), (96, 96), (42, 42), (110, 84), (84, 110), (100, 120), (13, 11), (1, 84), (200, 160)]
 """(height, width)."""
 
 WHOLE_ROW = (1 << 20) - 1
-"""What has changed, a bit for eight columns: all of them."""
+"""The changes of a row, a bit for eight columns: all of them."""
 
 LEVELS = [level for level in SimdLevel if level.value <= best_simd_level().value]
-"""Those that this processor supports."""
+"""The SIMD levels that this processor supports."""
 
 each_level = pytest.mark.parametrize("level", LEVELS)
 
 
-def opencv(picture: ByteArray, height: int, width: int) -> ByteArray:
-    return np.asarray(cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA), np.uint8)
+def opencv(frame: ByteArray, height: int, width: int) -> ByteArray:
+    return np.asarray(cv2.resize(frame, (width, height), interpolation=cv2.INTER_AREA), np.uint8)
 
 
 def noise(rows: int, seed: int = 0) -> ByteArray:
@@ -46,7 +46,7 @@ def changes_of(early: ByteArray, late: ByteArray) -> list[int]:
 
 
 def frames(game: str, count: int) -> Iterator[tuple[NativeCore, NativeCore]]:
-    """Two machines, one a frame behind the other."""
+    """Two machines, one of them one frame later than the other."""
     random = np.random.default_rng(1)
     early, late = (NativeCore(game, seed=1, repeat_action_probability=0.0) for _ in range(2))
     early.reset()
@@ -60,7 +60,7 @@ def frames(game: str, count: int) -> Iterator[tuple[NativeCore, NativeCore]]:
 
 
 def test_half_way_means_occur() -> None:
-    """They are what the last bit of a sum decides: the pictures here must have them."""
+    """The last bit of a sum decides how they round, so the frames of these tests must have them."""
     for seed in range(3):
         sums = few_grays(210, seed).repeat(2, 0).repeat(21, 1).reshape(84, 5, 84, 40).sum((1, 3), int)
         assert np.count_nonzero(sums % 200 == 100) > 10
@@ -71,9 +71,9 @@ def test_half_way_means_occur() -> None:
 def test_equals_opencv(rows: int, level: SimdLevel) -> None:
     for height, width in SIZES:
         for seed in range(4):
-            for picture in (noise(rows, seed), few_grays(rows, seed)):
-                expected = opencv(picture, height, width)
-                assert np.array_equal(resize_area(picture, height, width, level=level), expected), (height, width, seed)
+            for frame in (noise(rows, seed), few_grays(rows, seed)):
+                expected = opencv(frame, height, width)
+                assert np.array_equal(resize_area(frame, height, width, level=level), expected), (height, width, seed)
 
 
 @each_level
@@ -81,9 +81,9 @@ def test_equals_opencv_at_every_size(level: SimdLevel) -> None:
     """Every width once, every height once; 10 rows have sizes that divide one side only."""
     for rows, sizes in {210: [(84, width) for width in range(11, 161)], 250: [(h, 84) for h in range(1, 251)]}.items():
         for height, width in sizes:
-            picture = few_grays(rows, width + height)
-            expected = opencv(picture, height, width)
-            assert np.array_equal(resize_area(picture, height, width, level=level), expected), (height, width)
+            frame = few_grays(rows, width + height)
+            expected = opencv(frame, height, width)
+            assert np.array_equal(resize_area(frame, height, width, level=level), expected), (height, width)
     for height, width in ((5, 84), (3, 80), (10, 84), (7, 160), (10, 159)):
         assert np.array_equal(resize_area(noise(10), height, width, level=level), opencv(noise(10), height, width))
 
@@ -91,7 +91,7 @@ def test_equals_opencv_at_every_size(level: SimdLevel) -> None:
 @each_level
 @pytest.mark.parametrize("rows", GAMES)
 def test_games(rows: int, level: SimdLevel) -> None:
-    """Two frames of a game, pooled and scaled, row for row and with what repeats the row above left out."""
+    """Two frames of a game, pooled and scaled: all rows, and only the columns that differ from the row above."""
     table = np.random.default_rng(2).integers(0, 256, 256, dtype=np.uint8)
     repeated = 0
     for cores in frames(GAMES[rows], 8):
@@ -124,15 +124,15 @@ def test_gray_of_games(level: SimdLevel) -> None:
 
 @each_level
 def test_pooling_sees_every_pixel(level: SimdLevel) -> None:
-    """One pixel that differs, in either picture, at any column; it is pooled, and told."""
+    """One pixel differs, in either frame, at any column; it is in the result and in the changes."""
     table = np.arange(256, dtype=np.uint8)
     for column in range(160):
         for which in (0, 1):
-            pictures = np.full((2, 4, 160), 100, np.uint8)
-            pictures[which, 2, column] = 200
+            pair = np.full((2, 4, 160), 100, np.uint8)
+            pair[which, 2, column] = 200
             for pools in (table, np.maximum.outer(table, table).ravel()):
-                gray, changes = pool_gray(pictures[0], pictures[1], pools, level=level)
-                assert np.array_equal(gray, pictures.max(0))
+                gray, changes = pool_gray(pair[0], pair[1], pools, level=level)
+                assert np.array_equal(gray, pair.max(0))
                 assert changes == [WHOLE_ROW, 0, 1 << column // 8, 1 << column // 8]
 
 
@@ -149,7 +149,7 @@ def test_pooling_of_noise(seed: int, level: SimdLevel) -> None:
 @each_level
 @pytest.mark.parametrize("seed", range(5))
 def test_pairs_of_noise(seed: int, level: SimdLevel) -> None:
-    """A table in which the order of the two matters, and rows of which some repeat and some are of one colour."""
+    """A table in which the order of the two frames matters; some rows repeat, some have one colour."""
     rng = np.random.default_rng(seed)
     table = rng.integers(0, 256, 65536).astype(np.uint8)
     early, late = noise(210, seed)[np.arange(210) // 3], few_grays(210, seed)[np.arange(210) // 2]
@@ -162,26 +162,26 @@ def test_pairs_of_noise(seed: int, level: SimdLevel) -> None:
 
 
 @each_level
-def test_a_row_told_to_repeat_is_not_looked_at(level: SimdLevel) -> None:
-    picture = noise(210)
+def test_a_row_marked_as_repeated_is_not_read(level: SimdLevel) -> None:
+    frame = noise(210)
     changed = np.random.default_rng(3).integers(0, 2, 210)
     changed[0] = 1
     source = np.maximum.accumulate(np.where(changed, np.arange(210), 0))
     changes = (changed * WHOLE_ROW).tolist()
-    assert np.array_equal(resize_area(picture, 84, 84, changes, level=level), opencv(picture[source], 84, 84))
+    assert np.array_equal(resize_area(frame, 84, 84, changes, level=level), opencv(frame[source], 84, 84))
 
 
 @each_level
 @pytest.mark.parametrize(("height", "width"), SIZES)
-def test_only_columns_told_to_change_need_to(height: int, width: int, level: SimdLevel) -> None:
-    """Noise of which each row takes some blocks of eight columns from the row above."""
+def test_only_columns_marked_as_changed_are_read(height: int, width: int, level: SimdLevel) -> None:
+    """Noise; each row repeats some blocks of eight columns of the row above."""
     rng = np.random.default_rng(height + width)
-    picture = noise(210)
+    frame = noise(210)
     changed = rng.random((210, 20)) < rng.random((210, 1)) ** 2
     for row in range(1, 210):
-        picture[row] = np.where(changed[row].repeat(8), picture[row], picture[row - 1])
+        frame[row] = np.where(changed[row].repeat(8), frame[row], frame[row - 1])
     changes = [WHOLE_ROW, *(changed[1:] @ (1 << np.arange(20))).tolist()]
-    assert np.array_equal(resize_area(picture, height, width, changes, level=level), opencv(picture, height, width))
+    assert np.array_equal(resize_area(frame, height, width, changes, level=level), opencv(frame, height, width))
 
 
 def test_changes_are_checked() -> None:
@@ -209,14 +209,14 @@ def test_sizes_that_are_not_served(height: int, width: int, text: str) -> None:
 
 
 def test_shapes_are_checked() -> None:
-    picture, table = noise(210), np.zeros(256, np.uint8)
+    frame, table = noise(210), np.zeros(256, np.uint8)
     with pytest.raises(ValueError, match="same"):
-        pool_gray(picture, picture[:209], table)
+        pool_gray(frame, frame[:209], table)
     with pytest.raises(ValueError, match="table of 256 or 65536"):
-        pool_gray(picture, picture, table[:255])
+        pool_gray(frame, frame, table[:255])
     with pytest.raises(ValueError, match="each row"):
-        resize_area(picture, 84, 84, np.zeros(209, np.uint8))
+        resize_area(frame, 84, 84, np.zeros(209, np.uint8))
     with pytest.raises(ValueError, match="300 rows"):
         resize_area(noise(301), 84, 84)
     with pytest.raises(TypeError):
-        resize_area(picture[:, :159].copy(), 84, 84)
+        resize_area(frame[:, :159].copy(), 84, 84)

@@ -1,8 +1,8 @@
-"""Every opcode against the model: registers, flags, cycles, and all that its accesses do, in their order.
+"""Every opcode against the model: registers, flags, cycles, and its bus accesses with their order.
 
-The model runs on the bus of a second console. An access too many, one missing, two in another order or at another cycle
-leaves that console in another state: cartridges switch banks on reads, the DPC counts them, the TIA and the RIOT
-react to the cycle.
+The model runs on the bus of a second console. An extra or missing access, another
+order or another cycle leaves that console in another state: cartridges switch banks on reads, the DPC counts reads, and
+the TIA and the RIOT react to the cycle.
 """
 
 import random
@@ -48,7 +48,7 @@ class Pair:
         return {name: (ours[name], theirs[name]) for name in ours if ours[name] != theirs[name]}
 
     def release(self) -> None:
-        """A reset, which is all that helps after an illegal opcode."""
+        """A reset, the only exit from an illegal opcode that stops the processor."""
         self.console.reset()
         self.twin.reset()
         self.model.jammed = False
@@ -93,7 +93,7 @@ def test_opcode_as_model(opcode: Opcode) -> None:
 
 @pytest.mark.parametrize("cartridge", SIZES)
 def test_runs_as_model(cartridge: str) -> None:
-    """Random images, run on and on wherever they go, with time passing."""
+    """Random images, run wherever they jump, with time passing."""
     rng = random.Random(cartridge)
     for _ in range(20):
         pair = Pair(rng, cartridge)
@@ -107,7 +107,7 @@ def test_runs_as_model(cartridge: str) -> None:
 
 
 def test_lengths() -> None:
-    """What does not jump goes on behind its operand."""
+    """An instruction that does not jump continues after its operand."""
     for opcode in OPCODES:
         if opcode.mnemonic in ("BRK", "JMP", "JSR", "RTI", "RTS") or opcode.mode == "rel":
             continue

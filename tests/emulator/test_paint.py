@@ -1,4 +1,4 @@
-"""Painting spans and converting colours: every SIMD level gives the bytes of a plain description in NumPy."""
+"""Rendering spans and converting colours: every SIMD level gives the bytes of a simple version in NumPy."""
 
 import numpy as np
 import pytest
@@ -9,13 +9,13 @@ from atari.cores import ByteArray
 from atari.wrappers._palettes import PALETTES
 
 LEVELS = [level for level in SimdLevel if level.value <= _emulator.best_simd_level().value]
-"""Those that this processor supports."""
+"""The SIMD levels that this processor supports."""
 
 RANDOM = np.random.default_rng(20)
 
 
 def random_layers() -> list[ByteArray]:
-    """Three layers of which no two share a pixel, dense or thin."""
+    """Three layers, dense or sparse; no two of them share a pixel."""
     owner = RANDOM.choice(4, size=160, p=RANDOM.dirichlet([0.5] * 4))
     return [(owner == layer).astype(np.uint8) for layer in range(3)]
 
@@ -43,13 +43,13 @@ def test_every_level_paints_the_same(level: SimdLevel) -> None:
 @pytest.mark.parametrize("level", LEVELS)
 @pytest.mark.parametrize("tv_format", sorted(PALETTES))
 def test_colours_are_those_of_the_palette(tv_format: str, level: SimdLevel) -> None:
-    """Noise of all indices, and pictures whose rows mostly repeat; also heights whose pixels are no multiple of 64."""
+    """Noise of all indices, and frames whose rows mostly repeat; also heights whose pixels are no multiple of 64."""
     for rows in (1, 2, 3, 200, 210, 250, 300):
         noise = RANDOM.integers(0, 256, size=(rows, 160), dtype=np.uint8)
         repeated = np.repeat(RANDOM.integers(0, 256, size=(rows // 7 + 1, 160), dtype=np.uint8), 7, axis=0)[
             :rows
         ].copy()
         repeated[rows // 2, 40:43] ^= 2
-        for picture in (noise, repeated):
-            rgb = _emulator.to_rgb(picture, tv_format, level)
-            np.testing.assert_array_equal(rgb, PALETTES[tv_format][picture])
+        for frame in (noise, repeated):
+            rgb = _emulator.to_rgb(frame, tv_format, level)
+            np.testing.assert_array_equal(rgb, PALETTES[tv_format][frame])

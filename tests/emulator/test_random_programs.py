@@ -1,7 +1,7 @@
 """Random programs, frame by frame, against ale-py: RAM, audio and screen.
 
-Programs for the processor are not compared by their screens: they end frames in the middle of visible lines, where the
-reference may show up to three pixels more than the beam has drawn, which the emulator does not imitate.
+The screens of programs for the processor are not compared. These programs end frames in the middle of visible lines,
+where ale-py may show up to three pixels after the beam. The emulator does not imitate that.
 """
 
 import json
@@ -25,7 +25,7 @@ REFERENCE = Path(__file__).with_name("reference.py")
 
 
 def reference(entries: list[dict[str, Any]], folder: Path) -> Any:
-    """What ale-py makes of the programs."""
+    """The results of ale-py for the programs."""
     script, result = folder / "script.json", folder / "result.npz"
     script.write_text(json.dumps(entries))
     child = subprocess.run(
@@ -40,7 +40,7 @@ def reference(entries: list[dict[str, Any]], folder: Path) -> Any:
 
 
 def emulator(image: bytes, rows: int) -> _emulator.Emulator:
-    """Our emulator with the rules of the game that ale-py believes to play, and the format that it detected."""
+    """Our emulator, with the rules under which ale-py plays the image, and with the format that ale-py detected."""
     rules_of_game = games[GAME].rules
     assert rules_of_game is not None
     rules = compile_rules(rules_of_game)

@@ -1,4 +1,4 @@
-"""The RIOT: timer, ports, RAM and their mirrors; and what power-on and resets leave in them."""
+"""The RIOT: timer, ports, RAM and their mirrors, and their state after power-on and resets."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ INTERVALS = {R.TIM1T: 0, R.TIM8T: 3, R.TIM64T: 6, R.T1024T: 10}
 
 
 def reads_after(timer: int, value: int, times: range | list[int], register: int = R.INTIM) -> list[int]:
-    """What reads at these cycles after writing a timer give."""
+    """The values of reads at these cycles after a write of a timer."""
     machine = console()
     machine.cycles = 1000
     machine.write(timer, value)
@@ -31,7 +31,7 @@ def test_measured_examples() -> None:
 
 @pytest.mark.parametrize(("timer", "shift"), INTERVALS.items())
 def test_counts_down_once_an_interval(timer: int, shift: int) -> None:
-    """From one below the value, at once, down to 0; the last cycle before expiry still reads 0."""
+    """The timer reads one below its value at once, then counts down to 0, which the last cycle before expiry still reads."""
     interval = 1 << shift
     value = 9
     times = range(1, value * interval + 1)
@@ -50,7 +50,7 @@ def test_expiry(timer: int, shift: int, value: int) -> None:
     machine.write(timer, value)
     machine.cycles = 500 + end + 1
     assert (machine.read(R.INTIM), machine.read(R.TIMINT)) == (0xFF, 0x80)
-    # The first read past it starts counting intervals again, shifted by when it came.
+    # The first read after expiry restarts the counting of intervals, shifted by the time of the read.
     for late in (2, 3, 200):
         machine = console()
         machine.cycles = 500
@@ -76,7 +76,7 @@ def test_reading_timint_clears_nothing() -> None:
 
 
 def test_read_in_the_cycle_of_the_write() -> None:
-    """No program can: the number of cycles since is then -1, and what is left counts cycles, not intervals."""
+    """No program can read in that cycle: the elapsed cycles are then -1, and the timer counts cycles, not intervals."""
     assert reads_after(R.TIM1T, 10, [0]) == [10]
     assert reads_after(R.TIM8T, 10, [0]) == [80]
 
@@ -178,7 +178,7 @@ def test_paddle_buttons(options: dict[str, Any], pressed: int, expected: int) ->
 
 @pytest.mark.parametrize("switches", [0x3F, 0x3E, 0x3D, 0x37, 0x7F, 0xBF, 0xFC], ids=hex)
 def test_console_switches(switches: int) -> None:
-    """RESET bit 0, SELECT bit 1, colour bit 3, difficulties bits 6 and 7: as the layer above sets them."""
+    """RESET bit 0, SELECT bit 1, colour bit 3, difficulties bits 6 and 7."""
     machine = console()
     assert machine.read(R.SWCHB) == 0x3F
     machine.set_inputs(switches=switches)
@@ -215,7 +215,7 @@ def test_power_on_and_resets() -> None:
 
 
 def test_timer_goes_on_from_frame_to_frame() -> None:
-    """A frame's beginning only renames cycles."""
+    """The beginning of a frame only changes the origin of the cycle count."""
     machine = console()
     machine.write(R.T1024T, 100)
     machine.cycles = 30000

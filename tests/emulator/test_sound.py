@@ -69,7 +69,7 @@ def test_the_tables_are_of_all_states() -> None:
 
 @pytest.mark.parametrize("mode", range(16))
 def test_mode(mode: int) -> None:
-    """Both channels, several frequencies one after the other, the registers going on from batch to batch."""
+    """Both channels, several frequencies in a row; the shift registers continue from batch to batch."""
     machine, models = console(), [Channel(), Channel()]
     for frequency, volume in ((0, 15), (1, 8), (2, 3), (31, 15), (0, 1), (5, 0), (0, 12)):
         for number, model in enumerate(models):
@@ -80,7 +80,7 @@ def test_mode(mode: int) -> None:
 
 
 def test_changing_modes() -> None:
-    """Random registers: each mode starts from whatever another has left."""
+    """Random registers: each mode starts from the state that another mode has left."""
     rng = random.Random(5)
     machine, models = console(), [Channel(), Channel()]
     for _ in range(200):
@@ -104,7 +104,7 @@ def period(samples: np.ndarray) -> int:
     ("mode", "expected"), [(0, 1), (1, 15), (3, 465), (4, 2), (6, 31), (8, 511), (9, 31), (10, 31), (12, 6), (14, 93)]
 )
 def test_periods(mode: int, expected: int) -> None:
-    """The lengths of the sequences, as every book on the machine names them."""
+    """The lengths of the sequences, as documented in books on the 2600."""
     machine = console()
     write_channel(machine, 0, mode, 0, 15)
     machine.make_samples()
@@ -131,7 +131,7 @@ def test_silence_and_loudness() -> None:
 
 
 def test_resets_and_frames_leave_the_sound_alone() -> None:
-    """It never starts anew; only the registers' last values count, when samples are made."""
+    """The generator never restarts. Only the values of the registers at the time of sampling count."""
     machine, undisturbed = console(), console()
     for either in (machine, undisturbed):
         write_channel(either, 0, 8, 2, 15)

@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from emulator.machines import TIA_FACTS, R, W, beam, console, picture, write_at
+from emulator.machines import TIA_FACTS, R, W, beam, console, framebuffer, write_at
 
 from atari._emulator import Console
 
@@ -14,7 +14,7 @@ PAIRS = {frozenset((a, b)): (register, bit) for register, bit, a, b in TIA_FACTS
 
 
 def show(machine: Console, objects: tuple[str, ...], column: int = 40, other: int = 120) -> None:
-    """Put objects at a column, the rest elsewhere but enabled; the playfield is all on or off."""
+    """Put some objects at a column, and the others, also enabled, elsewhere; the playfield is all on or off."""
     machine.positions = [
         (column if name in objects else other) - (1 if name in ("P0", "P1") else 0) for name in OBJECTS[:5]
     ]
@@ -64,24 +64,24 @@ def test_priorities(ctrlpf: int, column: int) -> None:
             show(machine, lit, column)
             machine.cycles = 76
             colour = COLOURS[expected_colour(lit, ctrlpf & 2 > 0, ctrlpf & 4 > 0, column)]
-            assert picture(machine)[0, column] == colour, lit
+            assert framebuffer(machine)[0, column] == colour, lit
 
 
 def test_score_colours_change_in_the_middle() -> None:
     machine = coloured(2)
     show(machine, ("PF",))
     machine.cycles = 76
-    assert picture(machine)[0].tolist() == [COLOURS["P0"]] * 80 + [COLOURS["P1"]] * 80
+    assert framebuffer(machine)[0].tolist() == [COLOURS["P0"]] * 80 + [COLOURS["P1"]] * 80
 
 
 def test_score_with_priority_ends_when_anything_else_is_enabled() -> None:
-    """... lit or not, in the whole step."""
+    """Any other enabled object, lit or not, ends the score mode with priority in the whole step."""
     machine = coloured(6)
     show(machine, ("PF",))
     write_at(machine, 1, 0, W.ENABL, 2)
     machine.cycles = 2 * 76
-    assert picture(machine)[0].tolist() == [COLOURS["P0"]] * 80 + [COLOURS["P1"]] * 80
-    assert picture(machine)[1].tolist() == [COLOURS["PF"]] * 160
+    assert framebuffer(machine)[0].tolist() == [COLOURS["P0"]] * 80 + [COLOURS["P1"]] * 80
+    assert framebuffer(machine)[1].tolist() == [COLOURS["PF"]] * 160
 
 
 @pytest.mark.parametrize("register", range(4))
@@ -96,7 +96,7 @@ def test_colours_are_even(register: int) -> None:
 
 
 def collided(machine: Console) -> set[frozenset[str]]:
-    """The pairs whose latches are set; all other bits of the registers are the bus's."""
+    """The pairs of objects whose latches are set; all other bits of the registers come from the bus."""
     pairs = set()
     for pair, (register, bit) in PAIRS.items():
         machine.write(0x80, 0)
@@ -110,7 +110,7 @@ def test_pairs_are_fifteen() -> None:
 
 
 def test_collisions_of_all_sets() -> None:
-    """Objects at one pixel collide each with each, and nothing else does."""
+    """All pairs of objects at one pixel collide, and no others."""
     for size in range(7):
         for lit in itertools.combinations(OBJECTS, size):
             machine = coloured(0)
@@ -142,7 +142,7 @@ def test_latches_stay_until_cleared() -> None:
 
 
 def test_clearing_drops_what_the_beam_has_passed_alone() -> None:
-    """Columns 40 and 100 collide; cleared in between, the second one is seen anew."""
+    """Columns 40 and 100 collide; after a clear between them, the second collision is latched again."""
     machine = coloured(0)
     machine.write(W.NUSIZ0, 4)
     show(machine, ("P0", "PF"), column=30)  # copies at 30 and 94
@@ -162,20 +162,20 @@ def test_collisions_come_with_the_beam() -> None:
     assert collided(machine) == {frozenset(("P0", "BL"))}
 
 
-def test_no_collisions_outside_the_picture_or_while_blank() -> None:
+def test_no_collisions_outside_the_framebuffer_or_while_blank() -> None:
     machine = beam(height=4)
     machine.write(W.VBLANK, 0x02)
     show(machine, OBJECTS)
     machine.cycles = 2 * 76
     assert collided(machine) == set()
-    assert not picture(machine)[:2].any()
+    assert not framebuffer(machine)[:2].any()
     machine.write(W.GRP0, 0)
     machine.write(W.PF0, 0)
     show(machine, ())
     machine.write(W.VBLANK, 0x00)
     machine.cycles = 4 * 76
     show(machine, OBJECTS)
-    machine.cycles = 20 * 76  # lines below the picture
+    machine.cycles = 20 * 76  # lines below the framebuffer
     assert collided(machine) == set()
 
 
@@ -185,7 +185,7 @@ def test_bits_of_vblank() -> None:
     for line, value in enumerate((0xC0, 0x02, 0xFD, 0xFF)):
         write_at(machine, line, 0, W.VBLANK, value)
     machine.cycles = 4 * 76
-    assert picture(machine)[:4, 50].tolist() == [COLOURS["BK"], 0, COLOURS["BK"], 0]
+    assert framebuffer(machine)[:4, 50].tolist() == [COLOURS["BK"], 0, COLOURS["BK"], 0]
 
 
 def test_registers_show_the_bus_in_their_low_bits() -> None:
@@ -204,11 +204,11 @@ def test_registers_show_the_bus_in_their_low_bits() -> None:
 
 @pytest.mark.parametrize("cycle", range(76))
 def test_hmove_blanks_eight_columns(cycle: int) -> None:
-    """... of its line, or of the next one if it comes in the line's last cycle."""
+    """HMOVE blanks columns of its line, or of the next one if it comes in the last cycle of a line."""
     machine = coloured(0)
     write_at(machine, 2, cycle, W.HMOVE)
     machine.cycles = 6 * 76
-    black = [[line, column] for line, column in np.argwhere(picture(machine)[:6] == 0)]
+    black = [[line, column] for line, column in np.argwhere(framebuffer(machine)[:6] == 0)]
     blanked = {75: 3}.get(cycle, 2 if cycle <= 20 else None)
     assert black == ([] if blanked is None else [[blanked, column] for column in range(8)])
 
@@ -218,7 +218,7 @@ def test_hmove_blank_can_be_switched_off() -> None:
     machine.write(W.COLUBK, 0x0E)
     write_at(machine, 2, 3, W.HMOVE)
     machine.cycles = 4 * 76
-    assert picture(machine)[:4].all()
+    assert framebuffer(machine)[:4].all()
 
 
 def test_blanked_columns_still_collide() -> None:
@@ -226,14 +226,14 @@ def test_blanked_columns_still_collide() -> None:
     show(machine, ("M0", "BL"), column=3)
     write_at(machine, 0, 3, W.HMOVE)
     machine.cycles = 76
-    assert picture(machine)[0, 3] == 0
+    assert framebuffer(machine)[0, 3] == 0
     assert collided(machine) == {frozenset(("M0", "BL"))}
 
 
-def test_hmove_above_the_picture_blanks_its_first_line() -> None:
+def test_hmove_above_the_framebuffer_blanks_its_first_line() -> None:
     machine = console(first_line=10, height=4)
     machine.start_frame()
     machine.write(W.COLUBK, 0x0E)
     write_at(machine, 4, 3, W.HMOVE)
     machine.cycles = 20 * 76
-    assert [line[:9].tolist() for line in picture(machine)] == [[0] * 8 + [0x0E]] + [[0x0E] * 9] * 3
+    assert [line[:9].tolist() for line in framebuffer(machine)] == [[0] * 8 + [0x0E]] + [[0x0E] * 9] * 3

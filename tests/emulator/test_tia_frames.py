@@ -1,8 +1,8 @@
-"""How frames begin and end, where their picture lies, and what is seen of it when they end early."""
+"""How frames begin and end, which lines the framebuffer has, and its content when a frame ends early."""
 
 import numpy as np
 import pytest
-from emulator.machines import JAM, W, beam, console, picture, write_at
+from emulator.machines import JAM, W, beam, console, framebuffer, write_at
 
 from atari._emulator import Console
 
@@ -18,7 +18,7 @@ def jump(address: int) -> list[int]:
 
 
 def lines(count: int) -> list[int]:
-    """That many WSYNCs: LDX #count, STA WSYNC, DEX, BNE."""
+    """A loop of `count` WSYNCs: LDX #count, STA WSYNC, DEX, BNE."""
     return [0xA2, count, *WSYNC, 0xCA, 0xD0, 0xFB]
 
 
@@ -81,7 +81,7 @@ def test_frames_of_a_program(count: int) -> None:
         machine.run_frame()
         tia = machine.state()["tia"]
         assert (tia["current_line"], tia["last_line_count"], tia["partial"]) == (count, count, False)
-        assert machine.registers["pc"] == 0xF000 + 14  # behind the store that switched VSYNC off
+        assert machine.registers["pc"] == 0xF000 + 14  # after the store that switched VSYNC off
 
 
 def test_phase_of_lines_goes_on_from_frame_to_frame() -> None:
@@ -103,7 +103,7 @@ def test_phase_of_lines_goes_on_from_frame_to_frame() -> None:
 
 @pytest.mark.parametrize(("pal", "last"), [(False, 290), (True, 342)])
 def test_line_limit(pal: bool, last: int) -> None:
-    """Any write of the TIA ends the frame behind its last line; reads do not; the write takes effect."""
+    """After the last line, any TIA write ends the frame and takes effect; a read does not end it."""
     machine = console(pal=pal)
     machine.start_frame()
     write_at(machine, last, 75, W.COLUBK, 0x22)
@@ -120,7 +120,7 @@ def test_line_limit(pal: bool, last: int) -> None:
 
 @pytest.mark.parametrize(("pal", "count"), [(False, 291), (True, 343)])
 def test_program_without_vsync(pal: bool, count: int) -> None:
-    """The frame ends with the first write behind the limit, here a WSYNC, which still waits."""
+    """The frame ends with the first TIA write after the limit, here a WSYNC, which still waits."""
     machine = console([*WSYNC, *jump(0xF000)], pal=pal)
     for _ in range(3):
         machine.run_frame()
@@ -129,7 +129,7 @@ def test_program_without_vsync(pal: bool, count: int) -> None:
 
 
 def test_instruction_limit() -> None:
-    """25000 instructions, then the frame goes on in the next update, without beginning anew."""
+    """After 25,000 instructions an update ends; the next update continues the same frame."""
     machine = console([0xE6, 0x80, *jump(0xF000)])  # INC $80: 8 cycles for two instructions
     machine.ram = bytes(128)
     for update in (1, 2, 3):
@@ -141,21 +141,21 @@ def test_instruction_limit() -> None:
 
 
 def test_reset_keeps_a_partial_frame_partial() -> None:
-    """The update after the reset goes on: no frame begins, and once the beam is in the picture line 0 is its first row."""
+    """The update after the reset continues the frame. Line 0 is the first row when the beam reaches it."""
     machine = console([0xE6, 0x80, *jump(0xF000)], first_line=20, height=25)
     machine.run_frame()
     machine.reset()
     assert machine.state()["tia"]["partial"]
-    write_at(machine, 3, 0, W.COLUBK, 0x1E)  # above the picture nothing is drawn yet
+    write_at(machine, 3, 0, W.COLUBK, 0x1E)  # nothing is drawn above the framebuffer
     machine.cycles = 76 * 19
-    assert not picture(machine).any()
+    assert not framebuffer(machine).any()
     write_at(machine, 22, 0, W.COLUBK, 0x44)
     machine.cycles = 76 * 60
-    assert picture(machine)[:, 80].tolist() == [0x1E] * 22 + [0x44] * 3
+    assert framebuffer(machine)[:, 80].tolist() == [0x1E] * 22 + [0x44] * 3
 
 
 def test_illegal_opcode_greys_what_is_below_it() -> None:
-    """The rows below keep the picture of two frames ago, without its hue and at half its luminance; only once."""
+    """The rows below keep the pixels of two frames ago, once, without hue and at half the luminance."""
     body = [0xA5, 0x81, 0x85, W.COLUBK, 0xA5, 0x80, 0xF0, 8, *lines(14), JAM]  # jams in line 14 unless $80 is 0
     machine = console(frame_program(60, body), first_line=10, height=10)
     for colour in (0x1A, 0x3C, 0x3A):
@@ -167,33 +167,33 @@ def test_illegal_opcode_greys_what_is_below_it() -> None:
         machine.run_frame()
         assert machine.state()["jammed"]
         assert machine.scan_lines == 14
-        # The beam stopped in the blank of line 13: that row is as it was, those below are grey.
+        # The beam stopped in the blank of line 13: that row is unchanged, the rows below are grey.
         assert [set(row) for row in machine.framebuffer().tolist()] == [{0x44}] * 3 + [{0x3C}] + [{6}] * 6
 
 
 def finish_frame(machine: Console, line: int) -> None:
-    """Draw all, and end the frame at a line's beginning."""
+    """Render everything, and end the frame at the beginning of a line."""
     write_at(machine, line, 0, W.VSYNC, 2)
     write_at(machine, line + 1, 0, W.VSYNC, 0)
-    picture(machine)
+    framebuffer(machine)
 
 
-# -- the picture
+# -- the framebuffer
 
 
 @pytest.mark.parametrize(("first_line", "height"), [(0, 4), (34, 210), (40, 256), (299, 1)])
-def test_where_the_picture_lies(first_line: int, height: int) -> None:
+def test_lines_of_the_framebuffer(first_line: int, height: int) -> None:
     machine = console(first_line=first_line, height=height)
     machine.start_frame()
     for line in range(300):
         write_at(machine, line, 0, W.COLUBK, (line + 1) << 1 & 0xFF)
     machine.cycles = 76 * 300
-    assert picture(machine).shape == (height, 160)
-    assert picture(machine)[:, 0].tolist() == [(first_line + row + 1) << 1 & 0xFF for row in range(height)]
+    assert framebuffer(machine).shape == (height, 160)
+    assert framebuffer(machine)[:, 0].tolist() == [(first_line + row + 1) << 1 & 0xFF for row in range(height)]
 
 
 def test_undrawn_rows_show_the_frame_before_last() -> None:
-    """Two pictures take turns, and nothing clears them but a reset."""
+    """Two framebuffers alternate, and only a reset clears them."""
     machine = beam(height=4)
     for colour in (0x22, 0x44):
         machine.write(W.COLUBK, colour)
@@ -201,19 +201,19 @@ def test_undrawn_rows_show_the_frame_before_last() -> None:
         machine.start_frame()
     machine.write(W.COLUBK, 0x66)
     machine.cycles = 2 * 76
-    assert picture(machine)[:, 80].tolist() == [0x66, 0x66, 0x22, 0x22]
+    assert framebuffer(machine)[:, 80].tolist() == [0x66, 0x66, 0x22, 0x22]
     finish_frame(machine, 2)
     machine.start_frame()
-    assert picture(machine)[:, 80].tolist() == [0x44] * 4
+    assert framebuffer(machine)[:, 80].tolist() == [0x44] * 4
     machine.reset()
-    assert not picture(machine).any()
+    assert not framebuffer(machine).any()
 
 
-def test_picture_ends_where_the_beam_is() -> None:
+def test_the_framebuffer_ends_at_the_beam() -> None:
     machine = beam()
     machine.write(W.COLUBK, 0x0E)
     machine.cycles = 76 + 40
-    shown = picture(machine)
+    shown = framebuffer(machine)
     assert shown[1].tolist() == [0x0E] * 52 + [0] * 108
     assert not shown[2:].any()
 
@@ -227,7 +227,7 @@ def test_reset_clears_the_tia() -> None:
             write_at(machine, line, k + 1, register, 0xFF)
     assert machine.state()["tia"] != untouched
     machine.reset()
-    # `partial` and `greyed` stay, and a frame that begins by hand is neither; which picture is drawn next stays too
+    # A reset keeps `partial` and `greyed`, which are false after `start_frame`, and the number of the next framebuffer.
     assert machine.state()["tia"] == untouched | {"current": 1}
     assert machine.cycles == 0
 
@@ -257,7 +257,7 @@ def test_colour_loss_ends_with_an_even_frame() -> None:
     assert machine.state()["tia"]["colour"] == [0, 0, 0, 0x9E]
 
 
-def test_picture_must_fit() -> None:
+def test_the_framebuffer_must_fit() -> None:
     for first_line, height in ((-1, 10), (100, 201), (0, 0)):
         with pytest.raises(ValueError, match="within 300 lines"):
             console(first_line=first_line, height=height)

@@ -103,7 +103,7 @@ def test_dumping_empties_all_but_what_has_no_resistance() -> None:
 def test_only_the_edges_of_bit_7_count() -> None:
     machine = dumped((27450, 0, 0, 0), paddles=(True, False))
     machine.cycles = 1400
-    machine.write(W.VBLANK, 0x42)  # bit 7 is off still: nothing starts anew
+    machine.write(W.VBLANK, 0x42)  # bit 7 is still off, so charging does not restart
     machine.cycles = 1523
     assert bits(machine, POTS[:1]) == [1]
     machine.write(W.VBLANK, 0x80)
@@ -119,7 +119,7 @@ def test_only_the_edges_of_bit_7_count() -> None:
 
 
 def test_what_was_charged_in_an_earlier_frame_reads_as_empty() -> None:
-    """The comparison is unsigned: a time before the frame's beginning is far in the future."""
+    """The comparison is unsigned: a time before the beginning of the frame counts as far in the future."""
     machine = dumped((27450, 0, 0, 0), paddles=(True, False))
     machine.cycles = 19912
     assert bits(machine, POTS[:1]) == [1]
@@ -127,7 +127,7 @@ def test_what_was_charged_in_an_earlier_frame_reads_as_empty() -> None:
     for cycles in (0, 5000, 19000):
         machine.cycles = cycles
         assert bits(machine, POTS[:1]) == [0]
-    # Dumped shortly before the frame's beginning, the moment itself lies in the frame.
+    # With a dump shortly before the beginning of the frame, the time of full charge is in the frame.
     machine = dumped((27450, 0, 0, 0), paddles=(True, False))
     machine.cycles = 1300
     machine.start_frame()

@@ -1,8 +1,8 @@
-"""Where the objects are: strobes, HMOVE, missiles locked to players, and the stars of Cosmic Ark."""
+"""The positions of objects: strobes, HMOVE, missiles locked to players, and the stars of Cosmic Ark."""
 
 import numpy as np
 import pytest
-from emulator.machines import TIA_FACTS, W, beam, picture, write_at
+from emulator.machines import TIA_FACTS, W, beam, framebuffer, write_at
 
 from atari._emulator import Console
 
@@ -13,20 +13,20 @@ DELTAS = TIA_FACTS["hmove_delta_by_cycle_and_nibble"]
 
 @pytest.mark.parametrize("item", STROBES)
 def test_strobe_at_each_cycle(item: int) -> None:
-    """5 columns behind the beam for players, 4 for the others; during the blank 3 and 2."""
-    behind, blank = (5, 3) if item in (P0, P1) else (4, 2)
+    """A strobe puts players 5 columns after the beam and other objects 4; during the blank at columns 3 and 2."""
+    delay, blank = (5, 3) if item in (P0, P1) else (4, 2)
     for cycle in range(76):
         machine = beam()
         write_at(machine, 3, cycle, STROBES[item])
         column = 3 * cycle - 68
         expected = [0] * 5
-        expected[item] = blank if column < 0 else (column + behind) % 160
+        expected[item] = blank if column < 0 else (column + delay) % 160
         assert machine.positions == expected, cycle
 
 
 @pytest.mark.parametrize("case", TIA_FACTS["strobes_after_hmove"], ids=lambda c: f"{c['register']} {c['position']}")
 def test_strobe_soon_after_hmove(case: dict[str, object]) -> None:
-    """At some distances from HMOVE a missile or the ball lands elsewhere; one cycle later or in another line it does not."""
+    """At some distances from HMOVE, in the same line, a strobe puts a missile or the ball at another column."""
     register = getattr(W, str(case["register"]))
     item = register - W.RESP0
     for hpos in case["hpos"]:  # type: ignore[attr-defined]
@@ -56,7 +56,7 @@ def move_all(cycle: int, nibbles: list[int], start: int = 80) -> list[int]:
 
 @pytest.mark.parametrize("cycle", range(76))
 def test_hmove_at_each_cycle(cycle: int) -> None:
-    """All motions of all objects, as the table says; the low nibble of a motion register means nothing."""
+    """All motions of all objects equal the table; the low nibble of a motion register has no effect."""
     for nibble in range(16):
         nibbles = [(nibble + k) % 16 for k in range(5)]
         assert move_all(cycle, nibbles) == [80 + DELTAS[cycle][n] for n in nibbles]
@@ -89,7 +89,7 @@ def test_hmclr() -> None:
 @pytest.mark.parametrize("mode", range(8))
 @pytest.mark.parametrize("number", [0, 1])
 def test_missile_locked_to_its_player(mode: int, number: int) -> None:
-    """Hidden while RESMP is set; set free at the middle of its player."""
+    """A missile is hidden while RESMP is set; clearing RESMP puts it at the middle of its player."""
     machine = beam()
     machine.positions = [100, 150, 10, 20, 30]
     machine.write(W.NUSIZ0 + number, mode | 0x30)
@@ -98,13 +98,13 @@ def test_missile_locked_to_its_player(mode: int, number: int) -> None:
     machine.write(W.RESMP0 + number, 2)
     assert machine.positions[M0 + number] == (10, 20)[number]  # it does not follow its player
     machine.cycles = 76
-    assert not picture(machine).any()
+    assert not framebuffer(machine).any()
     machine.write(W.RESMP0 + number, 0xFD)  # bit 1 alone counts
     middle = {5: 8, 7: 16}.get(mode, 4)
     position = ((100, 150)[number] + middle) % 160
     assert machine.positions[M0 + number] == position
     machine.cycles = 2 * 76
-    assert picture(machine)[1, position] == 0x0E
+    assert framebuffer(machine)[1, position] == 0x0E
     machine.write(W.RESMP0 + number, 0)  # was 0 already: nothing
     machine.positions = [0, 0, 50, 60, 0]
     machine.write(W.RESMP0 + number, 0)
@@ -122,7 +122,7 @@ def test_hidden_missile_can_be_strobed() -> None:
 
 
 def lit_columns(machine: Console, line: int) -> list[int]:
-    return [int(x) for x in np.flatnonzero(picture(machine)[line])]
+    return [int(x) for x in np.flatnonzero(framebuffer(machine)[line])]
 
 
 def strobed(old: int, cycle: int, nusiz: int) -> Console:
@@ -145,11 +145,11 @@ def test_first_copy_is_hidden_until_the_end_of_the_line() -> None:
 
 
 def test_first_copy_is_shown_where_the_old_one_was_about_to_start() -> None:
-    """The strobe's column lies up to three columns behind the beginning of an old copy."""
+    """The column of the strobe is up to three columns after the beginning of an old copy."""
     for distance in range(-2, 9):
         machine = strobed(old=57 - distance, cycle=40, nusiz=0)
         hidden = not 0 <= distance < 4
-        # What the beam has passed (column 52, or 11 clocks more if the player is being shown) is still the old one's.
+        # Pixels before the beam (column 52, or 11 clocks more while the player is shown) are those of the old position.
         old = [57 - distance] if 57 - distance < 52 + (11 if 4 <= distance < 12 else 0) else []
         assert lit_columns(machine, 1) == sorted(set(old + ([] if hidden else [57]))), distance
         assert lit_columns(machine, 2) == [57]
@@ -187,7 +187,7 @@ def test_what_shows_the_first_copy_again(register: int) -> None:
 
 
 def stars(lines: int, end_with: int | None = None) -> tuple[Console, list[list[int]]]:
-    """Missile 0 of width 1 at column 100, armed in line 0; lit columns of so many lines."""
+    """The lit columns of some lines, with missile 0 of width 1 at column 100, which HMOVE in line 0 sets in motion."""
     machine = beam(height=10)
     machine.write(W.HMM0, 0x70)
     machine.write(W.COLUP0, 0x0E)
@@ -202,7 +202,7 @@ def stars(lines: int, end_with: int | None = None) -> tuple[Console, list[list[i
 
 
 def test_stars_of_cosmic_ark() -> None:
-    """At each line's end the missile goes 33, 0, 17 or 18 columns left; it is wide, then off, then plain."""
+    """At the end of each line the missile moves 33, 0, 17 or 18 columns left; it is wide, then off, then normal."""
     machine, lines = stars(9)
     assert machine.state()["tia"]["cosmic_ark"]
     columns, steps = [100], (33, 0, 17, 18)
@@ -221,12 +221,12 @@ def test_stars_end_with_hmove() -> None:
 
 @pytest.mark.parametrize("drawn", [False, True], ids=["line pending", "line drawn"])
 @pytest.mark.parametrize("register", [W.NUSIZ0, W.RESM0, W.RESMP0], ids=["NUSIZ0", "RESM0", "RESMP0"])
-def test_what_makes_a_star_plain_for_its_line(register: int, drawn: bool) -> None:
-    """In line 2 it would be off; the effect itself goes on."""
+def test_what_makes_a_star_normal_for_its_line(register: int, drawn: bool) -> None:
+    """In line 2 the missile would be off; the motion continues."""
     machine, _ = stars(0)
     if drawn:
         machine.cycles = 2 * 76 + 5
-        picture(machine)
+        framebuffer(machine)
     if register == W.RESMP0:
         write_at(machine, 2, 7, W.RESMP0, 2)
     write_at(machine, 2, 10, register, 0)

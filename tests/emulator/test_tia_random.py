@@ -4,7 +4,7 @@ import random
 
 import numpy as np
 import pytest
-from emulator.machines import W, beam, picture
+from emulator.machines import W, beam, framebuffer
 from emulator.model_tia import COLLISION_REGISTERS, ModelTia
 
 HEIGHT = 16
@@ -20,7 +20,7 @@ SOON_AFTER_HMOVE = [(21, W.HMM0), (3, W.RESM1), (20, W.RESM0), *((k, W.RESBL) fo
 
 
 def accesses(rng: random.Random) -> list[tuple[int, int, int]]:
-    """(cycle, register, value), never less than three cycles apart, as instructions are."""
+    """(cycle, register, value), at least three cycles apart, as instructions are."""
     program, cycle = [], 0
     favourites = rng.choice([*GROUPS, rng.sample(SHOWN, 6)])
     while cycle < 76 * HEIGHT:
@@ -30,7 +30,7 @@ def accesses(rng: random.Random) -> list[tuple[int, int, int]]:
         if register == W.VBLANK and rng.random() < 0.8:
             value &= ~2
         program.append((cycle, register, value))
-        if register == W.HMOVE and rng.random() < 0.5:  # what is special a little later
+        if register == W.HMOVE and rng.random() < 0.5:  # a later write of HMM0 has a special effect
             program[-1:] = [(cycle, W.HMM0, 0x70), (cycle + 3, W.HMOVE, 0)]
             after, later = rng.choice(SOON_AFTER_HMOVE)
             cycle += 3 + after
@@ -46,7 +46,7 @@ def test_as_model(batch: int) -> None:
 
 
 def compare(rng: random.Random) -> None:
-    """One frame: positions after every write, collisions now and then, the picture at the end."""
+    """One frame: positions after every write, collisions at random times, the framebuffer at the end."""
     machine, model = beam(HEIGHT), ModelTia(HEIGHT)
     for cycle, register, value in accesses(rng):
         machine.cycles = cycle
@@ -56,11 +56,11 @@ def compare(rng: random.Random) -> None:
             flags = rng.choice(COLLISION_REGISTERS)
             assert machine.read(flags) & 0xC0 == model.read_collisions(cycle, flags), (cycle, flags)
         if model.cosmic_ark:
-            picture(machine)  # the emulator moves its star when the line's end is drawn
+            framebuffer(machine)  # the emulator moves the star when it renders the end of the line
         assert machine.positions == model.pos, (cycle, register)
     machine.cycles = 76 * (HEIGHT + 1)
     model.draw_to(3 * machine.cycles)
-    np.testing.assert_array_equal(picture(machine), model.picture)
+    np.testing.assert_array_equal(framebuffer(machine), model.framebuffer)
     assert [machine.read(flags) & 0xC0 for flags in COLLISION_REGISTERS] == [
         model.read_collisions(machine.cycles, flags) for flags in COLLISION_REGISTERS
     ]

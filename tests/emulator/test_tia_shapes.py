@@ -1,35 +1,35 @@
-"""What the objects look like: each alone in a line, at every column, against a function that says whether one pixel is lit."""
+"""The shapes of objects: each alone in a line, at every column, against a function for a single pixel."""
 
 import random
 
 import numpy as np
 import pytest
-from emulator.machines import TIA_FACTS, W, beam, picture, write_at
+from emulator.machines import TIA_FACTS, W, beam, framebuffer, write_at
 from emulator.model_tia import ball_lit, missile_lit, player_lit, playfield_lit, reversed_bits, row
 
 from atari._emulator import Console
 
 
 def lines_of(machine: Console, positions: range, item: int) -> np.ndarray:
-    """One line for each position of an object: which pixels are lit."""
+    """The lit pixels of one line for each position of an object."""
     for line, position in enumerate(positions):
         machine.cycles = 76 * line
-        picture(machine)
+        framebuffer(machine)
         places = [0] * 5
         places[item] = position
         machine.positions = places
     machine.cycles = 76 * len(positions)
-    lit: np.ndarray = picture(machine)[: len(positions)] != 0
+    lit: np.ndarray = framebuffer(machine)[: len(positions)] != 0
     return lit
 
 
 @pytest.mark.parametrize("mode", range(8))
 @pytest.mark.parametrize("number", [0, 1])
 def test_players(number: int, mode: int) -> None:
-    """At every column; alone, in copies, double and quadruple."""
+    """Players at every column: single, in copies, double and quadruple."""
     for graphics in (0x80, 0x01, 0xFF, 0xB2):
         machine = beam(height=160)
-        machine.write(W.NUSIZ0 + number, mode | 0xF8)  # the other bits are the missile's, or nothing
+        machine.write(W.NUSIZ0 + number, mode | 0xF8)  # the other bits are the missile's, or have no effect
         machine.write(W.COLUP0 + number, 0x1E)
         machine.write(W.GRP0 + number, graphics)
         lit = lines_of(machine, range(160), number)
@@ -51,7 +51,7 @@ def test_all_graphics(mode: int) -> None:
             for line in range(128):
                 write_at(machine, line, 0, W.GRP1, start + line)
             machine.cycles = 76 * 128
-            lit = picture(machine) != 0
+            lit = framebuffer(machine) != 0
             for line in range(128):
                 shown = reversed_bits(start + line) if reflected else start + line
                 expected = row(player_lit(x, 101, mode, shown, False) for x in range(160))
@@ -93,7 +93,7 @@ def test_enables_are_bit_1() -> None:
         for line, value in enumerate((0x02, 0xFD, 0xFF, 0x00)):
             write_at(machine, line, 0, register, value)
         machine.cycles = 4 * 76
-        assert picture(machine)[:4, 10 * item].tolist() == [0x0E, 0, 0x0E, 0]
+        assert framebuffer(machine)[:4, 10 * item].tolist() == [0x0E, 0, 0x0E, 0]
 
 
 @pytest.mark.parametrize("mirror", [False, True], ids=["repeat", "mirror"])
@@ -105,11 +105,11 @@ def test_playfield(mirror: bool) -> None:
     machine.write(W.COLUPF, 0x0E)
     machine.write(W.CTRLPF, 0x01 if mirror else 0x00)
     for line, playfield in enumerate(patterns):
-        write_at(machine, line, 0, W.PF0, (playfield & 0xF) << 4 | rng.randrange(16))  # the low nibble means nothing
+        write_at(machine, line, 0, W.PF0, (playfield & 0xF) << 4 | rng.randrange(16))  # the low nibble has no effect
         machine.write(W.PF1, playfield >> 4 & 0xFF)
         machine.write(W.PF2, playfield >> 12)
     machine.cycles = 76 * len(patterns)
-    lit = picture(machine) != 0
+    lit = framebuffer(machine) != 0
     for line, playfield in enumerate(patterns):
         expected = row(playfield_lit(x, playfield, mirror) for x in range(160))
         np.testing.assert_array_equal(lit[line], expected, err_msg=f"{playfield:05x}")
@@ -123,21 +123,21 @@ def test_playfield_by_hand() -> None:
     machine.write(W.PF2, 0x80)  # the twentieth
     write_at(machine, 1, 0, W.CTRLPF, 0x01)
     machine.cycles = 2 * 76
-    cells = [np.flatnonzero(line.reshape(40, 4).all(axis=1)).tolist() for line in picture(machine)[:2] != 0]
+    cells = [np.flatnonzero(line.reshape(40, 4).all(axis=1)).tolist() for line in framebuffer(machine)[:2] != 0]
     assert cells == [[0, 4, 19, 20, 24, 39], [0, 4, 19, 20, 35, 39]]
 
 
-# -- the mirror is latched: at once until column 79 comes near, else at the line's end
+# -- the reflect bit is latched: at once until shortly before column 79, later at the end of the line
 
 
 @pytest.mark.parametrize("cycle", range(76))
-def test_mirror_latch(cycle: int) -> None:
+def test_reflect_latch(cycle: int) -> None:
     machine = beam()
     machine.write(W.COLUPF, 0x0E)
     machine.write(W.PF0, 0x10)  # cell 0, and 20 or 39
     write_at(machine, 1, cycle, W.CTRLPF, 0x01)
     machine.cycles = 76 * 3
-    lit = picture(machine) != 0
+    lit = framebuffer(machine) != 0
     in_time = 3 * cycle < 147
     assert lit[1, 156:].all() == in_time
     assert lit[1, 80:84].all() != in_time
@@ -145,26 +145,26 @@ def test_mirror_latch(cycle: int) -> None:
     assert not lit[2, 80:84].any()
 
 
-def test_late_mirror_is_undone_early_in_the_next_line() -> None:
-    """A line's end lies between the two writes although nothing is drawn between them."""
+def test_late_reflect_is_undone_early_in_the_next_line() -> None:
+    """The end of a line is between the two writes, although no pixel is rendered between them."""
     machine = beam()
     machine.write(W.COLUPF, 0x0E)
     machine.write(W.PF0, 0x10)
     write_at(machine, 1, 70, W.CTRLPF, 0x01)
     write_at(machine, 2, 10, W.CTRLPF, 0x00)
     machine.cycles = 76 * 3
-    assert picture(machine)[2, 80:84].all()
-    assert not picture(machine)[2, 156:].any()
+    assert framebuffer(machine)[2, 80:84].all()
+    assert not framebuffer(machine)[2, 156:].any()
 
 
 # -- vertical delay
 
 
 def shown_at(machine: Console, column: int) -> bool:
-    """Whether a column is lit in the rest of the line; time goes on to the next line."""
+    """Whether a column is lit in the rest of the line; the time becomes that of the next line."""
     line = machine.cycles // 76 + 1
     machine.cycles = 76 * line
-    return bool(picture(machine)[line - 1, column])
+    return bool(framebuffer(machine)[line - 1, column])
 
 
 def test_delayed_players_show_what_was_there_before_the_other_was_written() -> None:
@@ -205,20 +205,20 @@ def test_delayed_ball_waits_for_player_1() -> None:
     assert not shown_at(machine, 70)
 
 
-# -- when a write shows
+# -- when the effect of a write begins
 
 
 def first_change(machine: Console, line: int, cycle: int, register: int, value: int) -> int:
-    """The first column of a line that a write makes different from the line before."""
+    """The first column in which a write makes a line differ from the line before."""
     write_at(machine, line, cycle, register, value)
     machine.cycles = 76 * (line + 1)
-    shown = picture(machine)
+    shown = framebuffer(machine)
     return int(np.flatnonzero(shown[line] != shown[line - 1])[0])
 
 
 @pytest.mark.parametrize("cycle", range(26, 65))
 def test_when_writes_show(cycle: int) -> None:
-    """So many clocks behind the end of the instruction, by register."""
+    """The effect of a write begins some clocks after the end of the instruction, by register."""
     column = 3 * cycle - 68
     delays = {name: delay for name, (_, delay) in TIA_FACTS["write_registers"].items()}
     pf_delay = TIA_FACTS["playfield_delay_by_cycle_mod_4"][cycle % 4]
@@ -253,7 +253,7 @@ def test_when_writes_show(cycle: int) -> None:
         missile.positions = [(column + 2) % 160] * 5  # eight columns; strobed, it goes two columns on
         assert first_change(missile, 1, cycle, W.RESM0 + number, 0) == column + 10
         assert delays[f"RESM{name}"] == 8
-        # The other player's delayed graphics change with this one's.
+        # A write of one player's graphics also changes the delayed graphics of the other player.
         delayed = prepared((W.NUSIZ0, 7), (W.NUSIZ1, 7), (W.VDELP0, 1), (W.VDELP1, 1), (W.GRP0 + (1 - number), 0xFF))
         delayed.positions = [(column - 8) % 160] * 5
         assert first_change(delayed, 1, cycle, W.GRP0 + number, 0) == column + delays[f"GRP{name}"]

@@ -7,12 +7,12 @@ from atari import _emulator
 
 @pytest.mark.parametrize("distance", [0, 1, 126, 127])
 def test_short_jumps(distance: int) -> None:
-    """JZ, the distance, and what it jumps over."""
+    """JZ, the distance, and the skipped bytes."""
     assert _emulator.short_jump(distance) == bytes([0x74, distance]) + b"\xc3" * distance
 
 
 @pytest.mark.parametrize("distance", [128, 129, 255, 256, 1000])
 def test_short_jumps_that_would_lead_too_far(distance: int) -> None:
-    """128 would be a jump backwards, 256 one over nothing."""
+    """A distance of 128 would jump backwards, one of 256 would skip nothing."""
     with pytest.raises(RuntimeError, match="a short jump leads too far"):
         _emulator.short_jump(distance)

@@ -1,7 +1,7 @@
-"""Random programs that keep to no rules: they wander through their ROM, RAM, the chips and the banks, and hang or stop.
+"""Random programs without rules: they run through ROM, RAM, chips and banks, and may hang or stop.
 
-For comparing two machines that should do the same whatever the program is. Everything that a shortcut of the fast
-interpreter or of the deferred TIA could get wrong is frequent here, and rare in games.
+They serve to compare two machines that must do the same for any program. The cases that the fast interpreter or the
+deferred TIA could get wrong are frequent here, and rare in games.
 """
 
 import random
@@ -26,22 +26,22 @@ ON_RAM = (0xA5, 0x65, 0xE5, 0xE6, 0x24, 0x95)  # LDA, ADC, SBC, INC, BIT, STA wi
 MIRRORS_OF_INTIM = (0x284, 0x286, 0x294, 0x2AC, 0x384, 0x684, 0xE284)
 MIRRORS_OF_TIMINT = (0x285, 0x287, 0x29D, 0x3AF, 0xE685)
 COLLISIONS = range(8)
-SHOWN = list(range(W.NUSIZ0, W.CXCLR + 1))  # all that act on the picture or the sound
+SHOWN = list(range(W.NUSIZ0, W.CXCLR + 1))  # all registers that affect video or sound
 OBJECTS = [W.GRP0, W.GRP1, W.ENAM0, W.ENAM1, W.ENABL, W.PF0, W.PF1, W.PF2]
 STROBES = [W.RESP0, W.RESP1, W.RESM0, W.RESM1, W.RESBL, W.HMOVE]
 COUNTER = 0x80  # in RAM, of frames
 
 Ingredient = Callable[[random.Random], bytes]
-"""Makes some machine code."""
+"""A function that makes some machine code."""
 
 
 def noise(rng: random.Random, kind: str) -> bytes:
-    """Random bytes; a vector at the end of each KiB starts them somewhere."""
+    """Random bytes; the vector at the end of each KiB is a random address."""
     return with_vectors(bytearray(rng.randbytes(SIZES[kind])), rng)
 
 
 def soup(rng: random.Random, kind: str) -> bytes:
-    """Instructions in random order, with the sequences that games are made of between them."""
+    """Instructions in random order, and between them sequences that are common in games."""
     image = bytearray()
     while len(image) < SIZES[kind]:
         image += rng.choices(INGREDIENTS, AMOUNTS)[0](rng)
@@ -59,7 +59,7 @@ def word(address: int) -> bytes:
 
 
 def address(rng: random.Random) -> int:
-    """Anywhere, mostly where something is."""
+    """An address, mostly one with a chip, RAM or ROM."""
     choice = rng.random()
     if choice < 0.3:
         return rng.choice((0x00, 0x100, 0x400)) + rng.randrange(0x80, 0x100)
@@ -67,17 +67,17 @@ def address(rng: random.Random) -> int:
         return rng.choice((0x00, 0x40, 0x100, 0x3C0, 0x2000)) + rng.randrange(0x40)
     if choice < 0.55:
         return rng.choice((0x280, 0x290, 0x380)) + rng.randrange(16)
-    if choice < 0.65:  # where banks are switched
+    if choice < 0.65:  # hotspots
         return rng.choice((0xFFE0, 0xFFF0, 0x1FF0, 0xBFF0, 0x1FE0, 0x01F8, 0x003A, 0x0220, 0x0240)) + rng.randrange(16)
     if choice < 0.8:  # RAM and registers in the window
         return rng.choice((0xF000, 0x1000)) + rng.randrange(0xC00)
-    if choice < 0.85:  # ends of pages and of the world
+    if choice < 0.85:  # ends of pages and of the address space
         return rng.choice((0xFF, 0x17F, 0x1FF, 0xFFF, 0x10FF, 0x1FFF, 0xF7FF, 0xFFFF))
     return rng.randrange(0x10000)
 
 
 def any_instruction(rng: random.Random) -> bytes:
-    """Any opcode, documented or not, seldom one that stops the processor."""
+    """Any opcode, documented or not; rarely one that stops the processor."""
     opcode = rng.randrange(256)
     if (opcode in JAMS or opcode == 0) and rng.random() < 0.97:
         opcode = 0xEA
@@ -104,7 +104,7 @@ def branch(rng: random.Random) -> bytes:
 
 
 def jump(rng: random.Random) -> bytes:
-    """Anywhere in the window, often to where an instruction ahead of it switches banks."""
+    """A jump into the window, often to an address whose preceding instruction switches banks."""
     target = rng.choice((0x1000, 0xF000, 0xD000)) + rng.choice((rng.randrange(0xFF0), rng.randrange(0xFD0, 0xFF0)))
     return bytes([rng.choice((0x4C, 0x20, 0x20))]) + word(target)
 
@@ -114,7 +114,7 @@ def return_or_stack(rng: random.Random) -> bytes:
 
 
 def stack_pointer(rng: random.Random) -> bytes:
-    """Mostly in RAM, also where pushes reach the TIA: at its registers of the missiles and the ball, as in games."""
+    """A stack pointer, mostly in RAM; also where pushes reach the TIA's registers of missiles and ball, as in games."""
     place = rng.choice((0xFF, 0xFF, 0x1F, 0x81, 0x7F, 0x00, rng.randrange(256)))
     return bytes([0xA2, place, 0x9A])
 
@@ -129,7 +129,7 @@ def vertical_sync(rng: random.Random) -> bytes:
 
 
 def collisions(rng: random.Random) -> bytes:
-    """Cleared or read, by an instruction of any kind."""
+    """Collisions, cleared or read by an instruction of any kind."""
     if rng.random() < 0.4:
         return bytes([0x85, W.CXCLR])
     opcode = rng.choice((0xA5, 0x24, 0x05, 0xB5, 0xA6, 0xC5))
@@ -137,14 +137,14 @@ def collisions(rng: random.Random) -> bytes:
 
 
 def timer(rng: random.Random) -> bytes:
-    """Set, or waited for."""
+    """A timer, set or waited for."""
     if rng.random() < 0.5:
         return bytes([0xA9, rng.choice((0, 1, 2, rng.randrange(256))), 0x8D]) + word(rng.choice(TIMERS))
     return poll(rng)
 
 
 def poll(rng: random.Random) -> bytes:
-    """A loop that reads the timer or whether it has run out, and often waits for it."""
+    """A loop that reads the timer or its expiry, and often waits for it."""
     opcode = rng.choice((0xAD, 0xAD, 0xAD, 0xAE, 0xAC, 0x2C, 0xCD, 0x0D))
     distance = rng.choice((-5, -5, -5, -5, -4, -6))
     wait = rng.choice((0xD0, 0xD0, 0x10, 0x10, 0x30, 0xF0, 0x90, 0x50))
@@ -171,7 +171,7 @@ def divide(rng: random.Random) -> bytes:
 
 
 def code_in_ram(rng: random.Random) -> bytes:
-    """Writes an instruction into RAM and jumps there, or to what is there already."""
+    """Writes an instruction into RAM and jumps to it, or to the current content."""
     place = rng.randrange(0x80, 0xF0)
     written = bytes(part for k, byte in enumerate(any_instruction(rng)) for part in (0xA9, byte, 0x85, place + k))
     back = bytes([0xA9, 0x60, 0x85, place + 3])
@@ -204,8 +204,8 @@ INGREDIENTS, AMOUNTS = zip(
 )  # fmt: skip
 
 
-def changing_picture(rng: random.Random) -> bytes:
-    """A picture from values in RAM, which a frame changes, with parts that only some frames run.
+def changing_frames(rng: random.Random) -> bytes:
+    """Frames drawn from values in RAM, which each frame changes, with parts that only some frames run.
 
     Lines, collisions, clearing and vertical sync may each be missing, of every frame or of some.
     """
@@ -256,8 +256,7 @@ def changing_picture(rng: random.Random) -> bytes:
 
 
 def nearly_still(rng: random.Random) -> bytes:
-    """A picture that every frame makes in the same way from the same bytes of RAM: it changes only where one of them is
-    changed from outside. Most lines have no writes."""
+    """Frames that depend only on some bytes of RAM, so that only a poke changes them. Most lines have no TIA writes."""
     code = Code()
     code.emit(0x78, 0xD8, 0xA2, 0xFF, 0x9A)
     again = len(code.bytes)
@@ -277,8 +276,7 @@ def nearly_still(rng: random.Random) -> bytes:
 
 
 def glances(rng: random.Random) -> bytes:
-    """A picture of which little changes, with strobes in most lines. Its collisions are read, and cleared, in some frames
-    only."""
+    """Frames that change little, with strobes in most lines. Only some frames read and clear collisions."""
     code = Code()
     code.emit(0x78, 0xD8, 0xA2, 0xFF, 0x9A)
     again = len(code.bytes)
@@ -303,7 +301,7 @@ def glances(rng: random.Random) -> bytes:
 
 
 def sometimes(code: Code, rng: random.Random, part: Ingredient) -> None:
-    """In every frame, or if some bits of the number of the frame are set, or if none of them is."""
+    """Emit a part that runs in every frame, or if some bits of the frame's number are set, or if they are clear."""
     made = part(rng)
     if rng.random() < 0.7:
         code.emit(0xA5, COUNTER, 0x29, rng.choice((1, 3, 4, 8, 0x30)), rng.choice((0xD0, 0xF0)), len(made))
@@ -311,7 +309,7 @@ def sometimes(code: Code, rng: random.Random, part: Ingredient) -> None:
 
 
 def cosmic_ark(code: Code, rng: random.Random) -> None:
-    """HMM0 written 21 cycles after HMOVE, which sets missile 0 in motion; and what may follow soon after."""
+    """A write of HMM0 21 cycles after HMOVE, which sets missile 0 in motion; other writes may follow shortly after."""
     code.store(0x70, W.HMM0)
     code.emit(0xA9, 0x60, 0x85, W.WSYNC, 0x85, W.HMOVE)
     code.emit(*[0xEA] * 9, 0x85, W.HMM0)
@@ -322,7 +320,7 @@ def cosmic_ark(code: Code, rng: random.Random) -> None:
 def starfield(rng: random.Random) -> bytes:
     """Missile 0 in motion over the whole frame, among small objects that stand still; collisions are read in each line.
 
-    What stops the motion is written late in some frames, at times as the value that is there already.
+    Some frames write the registers that stop the motion late, sometimes with the value they already have.
     """
     code = Code()
     code.emit(0x78, 0xD8, 0xA2, 0xFF, 0x9A)
@@ -356,7 +354,7 @@ def starfield(rng: random.Random) -> bytes:
 
 
 def short_frames(rng: random.Random) -> bytes:
-    """Frames of a few lines, of other lengths each time, that end anywhere in a line, often soon after an HMOVE."""
+    """Frames of a few lines, of varying length, that end anywhere in a line, often shortly after an HMOVE."""
     code = Code()
     code.emit(0x78, 0xD8, 0xA2, 0xFF, 0x9A)
     code.store(0x3A, W.COLUBK)
@@ -377,7 +375,7 @@ def short_frames(rng: random.Random) -> bytes:
 
 
 def waiting(rng: random.Random) -> bytes:
-    """Loops, and waits for the timer in every form, after every interval, at all places of a page, also when it has run out."""
+    """Loops, and waits for the timer: every form, interval and place in a page, also after expiry."""
     code = Code()
     code.emit(0x78, 0xD8, 0xA2, 0xFF, 0x9A)
     again = len(code.bytes)
@@ -410,8 +408,8 @@ def waiting(rng: random.Random) -> bytes:
 
 
 def entered_anywhere(rng: random.Random) -> bytes:
-    """Straight lines of carries, sums, flags and stores, entered by pointers at any of their instructions. No VSYNC: a
-    frame ends with whatever write to the TIA comes too late."""
+    """Long blocks of carries, sums, flags and stores, which pointers enter at any instruction. There is no VSYNC: a frame
+    ends with the first TIA write after the line limit."""
     code = Code()
     code.emit(0x78, 0xD8, 0xA2, 0xFF, 0x9A)
     again = len(code.bytes)
@@ -429,7 +427,7 @@ def entered_anywhere(rng: random.Random) -> bytes:
 
 
 def straight(rng: random.Random) -> bytes:
-    """An instruction that does not jump: that sets flags, asks for them, or leaves them alone."""
+    """An instruction that does not jump: it sets, reads or keeps flags."""
     opcode, ram = rng.choice(IMPLIED + IMMEDIATE + ON_RAM + STORES), rng.randrange(0x90, 0xA0)
     if opcode in IMPLIED:
         return bytes([opcode])

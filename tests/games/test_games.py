@@ -1,4 +1,4 @@
-"""`atari.games`: the game files, read and checked. What they say is compared with ale-py in `conformance/`."""
+"""`atari.games`: the game files, read and checked. `conformance/` compares their content with ale-py."""
 
 import copy
 import dataclasses
@@ -192,7 +192,7 @@ def test_label_expressions_have_a_value_for_any_ram(game: str) -> None:
                 assert abs(evaluate(label.transform, ram, {"v": ram[label.index]}, base=0)) < 2**31, label
 
 
-def test_a_label_tells_where_and_how() -> None:
+def test_a_label_has_index_and_transform() -> None:
     label = atari.games["breakout"].ram_labels["ball_x"]
     assert (label.name, label.index, label.kind) == ("ball_x", 99, "position_x")
     assert (label.transform, label.visible) == ("v - 49", "ram[101] != 0")

@@ -49,7 +49,7 @@ def test_catching_scores_and_missing_costs_lives() -> None:
     assert env.core.lives == 3
     frames = 0
     terminated = False
-    while not terminated:  # the cup stays where it is, and most balls fall elsewhere
+    while not terminated:  # the cup stays, and most balls fall elsewhere
         _, _, terminated, _, info = env.step(0)
         frames += 1
     assert info["lives"] == 0
@@ -67,7 +67,7 @@ def test_labels_say_where_things_are_on_the_screen() -> None:
         cup = np.argwhere((screen == (252, 252, 84)).all(axis=2))
         ram, labels = env.core.ram(), env.game.ram_labels
         if ram[labels["ball_y"].index] == 186:
-            continue  # a new ball, which the next frame shows
+            continue  # a new ball, visible in the next frame
         seen = {"ball_x": ball[:, 1].min(), "ball_y": ball[:, 0].min(), "player_x": cup[:, 1].min()}
         for name, place in seen.items():
             label = labels[name]

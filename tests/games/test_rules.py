@@ -1,4 +1,4 @@
-"""The language of game rules: what is in it, what is not, and the sentence for each mistake."""
+"""The language of game rules: accepted and refused expressions, and the error message for each mistake."""
 
 from typing import Any
 

@@ -1,9 +1,9 @@
-"""How many instructions does the native core take for a frame? Counts them, and compares with recorded counts.
+"""Counts the instructions of the native core for a frame, and compares them with recorded counts.
 
 Valgrind counts what the program `play` (play.cpp) executes for a short game and for a longer one; the difference,
-divided by the difference in frames, is what a frame takes, without start and reset. Unlike a time, it is the same on
-every run and on a busy machine, so a change of a few percent shows. It does depend on the compiler and the processor's
-architecture: counts are compared with recorded ones only if those are the same.
+divided by the difference in frames, is the count of a frame, without start and reset. Unlike a time, it is the same on
+every run and on a busy machine, so a change of a few percent is visible. It depends on the compiler and the processor's
+architecture, so counts are compared only with those recorded for the same ones.
 
 `scripts/count-instructions` builds `play` and runs this file.
 """
@@ -25,7 +25,7 @@ from atari.cores import native
 RECORD = Path(__file__).parent / "counts.json"
 GAMES = ("breakout", "pong", "seaquest", "enduro", "ms_pacman", "pitfall2", "freeway", "tetris")
 FIGURES = {"act": "nothing", "act, screen_rgb": "rgb"}
-"""What is counted, and what `play` calls it."""
+"""The figures that are counted, and their names for `play`."""
 SHORT, LONG = 60, 300
 """Frames of the two runs."""
 ALLOWED = 0.03
@@ -36,9 +36,9 @@ Counts = dict[str, dict[str, int]]
 
 
 def describe(game_id: str) -> str:
-    """What the native core tells its emulator about a game, as text for `play`: a line a value, name first."""
+    """The game as the native core describes it to its emulator, as text for `play`: a line a value, its name first."""
     game = atari.games.find(game_id)
-    # The arguments that the core itself would pass, so that what is counted is the game as it is played.
+    # The arguments are those that the core itself passes, so the counts are those of normal play.
     with mock.patch("atari._emulator.make_game") as make_game:
         native.compiled.__wrapped__(game, b"")
     values = {**make_game.call_args.kwargs, "minimal_actions": game.minimal_actions}
@@ -53,7 +53,7 @@ def words(value: Any) -> str:
 
 
 def instructions_in(output: str) -> int:
-    """The total in what callgrind prints or writes.
+    """The total in the output or in a file of callgrind.
 
     Raises:
         ValueError: there is none.
@@ -89,7 +89,7 @@ def count_all(folder: Path, games: list[str]) -> Counts:
 
 
 def changes(recorded: Counts, now: Counts) -> dict[tuple[str, str], float]:
-    """By game and figure, how much the count has risen (0.03: three percent), of those that were recorded."""
+    """The rise of each recorded count (0.03: three percent), by game and figure."""
     return {
         (game, figure): value / recorded[game][figure] - 1
         for game, figures in now.items()
@@ -99,7 +99,7 @@ def changes(recorded: Counts, now: Counts) -> dict[tuple[str, str], float]:
 
 
 def table(recorded: Counts, now: Counts) -> str:
-    """Thousands of instructions a frame: recorded, now, and the change between."""
+    """A table of thousands of instructions a frame: the recorded count, the new one, and the change."""
     width = max(map(len, now))
     risen = changes(recorded, now)
     lines = ["thousands of instructions a frame", " " * width]
@@ -117,7 +117,7 @@ def table(recorded: Counts, now: Counts) -> str:
 
 
 def verdict(record: dict[str, Any], build: dict[str, str], now: Counts) -> tuple[list[str], bool]:
-    """What to say of the counts in one line each, and whether they are acceptable."""
+    """A report on the counts, one line each, and whether they are acceptable."""
     of_record, of_build = (f"{what.get('compiler')} on {what.get('architecture')}" for what in (record, build))
     if of_record != of_build:
         return [f"Not compared: the recorded counts are of {of_record}, this build is of {of_build}."], True
