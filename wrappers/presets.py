@@ -53,7 +53,7 @@ _MAX_FRAMES = 108_000  # half an hour of play
 
 
 def _frames(**parts: Any) -> Protocol:
-    """A protocol of order "frames", which has no-ops and FIRE only if `parts` says so."""
+    """A protocol of order "frames", which has no-ops and FIRE only if `parts` has them."""
     return Protocol(**{"order": "frames", "noops": (0, 0), "fire_counts": False, "fire": "never", **parts})
 
 

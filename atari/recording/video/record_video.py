@@ -104,7 +104,7 @@ class RecordVideo(RecordVideoBase, gymnasium.Wrapper[Any, Any, Any, Any], Record
         self._atari.observers.append(FrameObserver(self._atari, self._recorder))
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Reset the environment, end the last episode's video, and begin one if the trigger says so."""
+        """Reset the environment, end the last episode's video, and begin one if a trigger selects it."""
         self._recorder.raise_deferred_error()
         self._before_episode()
         result = self.env.reset(seed=seed, options=options)
