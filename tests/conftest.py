@@ -1,4 +1,4 @@
-"""What all tests share."""
+"""The fixtures and settings of all tests."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""The stub of the extension module is what nanobind would write today, so that reviewers see every change of it."""
+"""The stub of the extension module is up to date with nanobind's output, so that reviewers see every change of it."""
 
 import ast
 import subprocess

@@ -1,4 +1,4 @@
-"""`AtariEnv`, but for what `conformance/` compares with ale-py over all games."""
+"""`AtariEnv`, except the equality with ale-py over all games, which `conformance/` tests."""
 
 import inspect
 from pathlib import Path
@@ -109,7 +109,7 @@ def test_an_observation_is_not_overwritten_by_the_next() -> None:
     assert np.array_equal(first, kept)
 
 
-def test_sound_comes_beside_the_picture() -> None:
+def test_sound_comes_beside_the_image() -> None:
     env = started("seaquest", sound_obs=True, obs_type="grayscale")
     observation, *_ = env.step(1)
     assert list(observation) == ["image", "sound"]
@@ -174,7 +174,7 @@ def test_without_a_seed_no_two_environments_are_alike() -> None:
     first, second = AtariEnv("seaquest"), AtariEnv("seaquest")
     first.reset()
     second.reset()
-    assert play(first, 300) != play(second, 300)  # in 80 steps one pair in some thousands is alike
+    assert play(first, 300) != play(second, 300)  # after 80 steps one pair in some thousands is equal
 
 
 @pytest.mark.parametrize("seed", [-1, 1.5, "1"])
@@ -284,7 +284,7 @@ def test_an_action_is_any_kind_of_integer(action: Any) -> None:
 def test_a_continuous_action_is_the_nearest_of_the_18(
     action: Any, number: Action, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Beyond the threshold, 0.5, in the horizontal, the vertical, and for the button."""
+    """The threshold is 0.5 for the horizontal, the vertical and the button."""
     env = started("breakout", continuous=True)
     played = spy(env, monkeypatch)
     env.step(np.array(action, np.float32))
@@ -299,7 +299,7 @@ def test_the_threshold_says_how_far_the_stick_must_go(monkeypatch: pytest.Monkey
 
 
 def spy(env: AtariEnv, monkeypatch: pytest.MonkeyPatch) -> list[tuple[int, float]]:
-    """What the core is told to play, in place of playing it."""
+    """Record the calls of the core instead of playing."""
     played: list[tuple[int, float]] = []
 
     def act(action: int, strength: float = 1.0) -> int:

@@ -1,4 +1,4 @@
-"""Those who watch an `AtariEnv`: they are told of every frame, and sound made for them changes nothing."""
+"""Observers of an `AtariEnv` receive every frame, and `make_sound` changes no result."""
 
 import copy
 import pickle
@@ -9,19 +9,19 @@ from atari import Action, AtariEnv
 
 
 class Watcher:
-    """Writes down what an observer is told."""
+    """Records the calls that an observer receives."""
 
     def __init__(self, env: AtariEnv) -> None:
-        self.env, self.told = env, []  # type: ignore[var-annotated]
+        self.env, self.received = env, []  # type: ignore[var-annotated]
 
     def game_begun(self) -> None:
-        self.told.append(("begun", self.env.core.frame_number))
+        self.received.append(("begun", self.env.core.frame_number))
 
     def frame_played(self, action: int, reward: int) -> None:
-        self.told.append((action, reward, self.env.core.frame_number))
+        self.received.append((action, reward, self.env.core.frame_number))
 
 
-def test_observers_are_told_of_every_frame() -> None:
+def test_observers_receive_every_frame() -> None:
     env = AtariEnv("breakout", frameskip=3, repeat_action_probability=0.0)
     watcher = Watcher(env)
     env.observers.append(watcher)
@@ -30,7 +30,7 @@ def test_observers_are_told_of_every_frame() -> None:
     env.core.set_ram(0x4D, 0x25)
     env.step(1)
     env.play_frames(Action.LEFT, 2)
-    assert watcher.told == [
+    assert watcher.received == [
         ("begun", first),
         (1, 25, first + 1),
         (1, 0, first + 2),
@@ -40,16 +40,16 @@ def test_observers_are_told_of_every_frame() -> None:
     ]
 
 
-def test_observers_are_not_told_of_frames_that_are_not_played() -> None:
+def test_observers_receive_only_played_frames() -> None:
     env = started(frameskip=4)
     watcher = Watcher(env)
     env.observers.append(watcher)
     over(env)
-    assert len(watcher.told) == 1
+    assert len(watcher.received) == 1
     env.observers.clear()
     env.reset()
     env.step(0)
-    assert len(watcher.told) == 1
+    assert len(watcher.received) == 1
 
 
 def test_making_sound_changes_nothing_else() -> None:

@@ -1,4 +1,4 @@
-"""Snapshots, cloned states and copies of an `AtariEnv`: what they bring back, and which are refused."""
+"""Snapshots, cloned states and copies of an `AtariEnv`: what they restore, and which raise."""
 
 import copy
 import hashlib
@@ -37,22 +37,22 @@ def test_a_snapshot_goes_on_in_another_environment_also_over_a_reset() -> None:
     assert play(other, 20) == play(env, 20)
 
 
-def test_what_is_seen_may_differ_between_snapshot_and_restore() -> None:
-    """Pixels of a game that was played from RAM, for instance."""
+def test_observation_options_may_differ_between_snapshot_and_restore() -> None:
+    """For example, a game played with RAM observations continues with pixels."""
     player, watcher = started("pong", obs_type="ram"), AtariEnv("pong", render_mode="rgb_array")
     play(player, 30)
     watcher.restore(player.snapshot())
     assert np.array_equal(watcher.render(), player.core.screen_rgb())
 
 
-def test_a_restored_environment_knows_whether_it_was_reset() -> None:
+def test_a_restored_environment_keeps_whether_it_was_reset() -> None:
     fresh, env = AtariEnv("pong"), started("pong")
     env.restore(fresh.snapshot())
     with pytest.raises(gymnasium.error.ResetNeeded):
         env.step(0)
 
 
-def test_a_restored_environment_knows_that_the_episode_is_over() -> None:
+def test_a_restored_environment_keeps_that_the_episode_is_over() -> None:
     env = AtariEnv("breakout")
     env.restore(over(started()).snapshot())
     with pytest.warns(UserWarning, match="after the episode had ended"):

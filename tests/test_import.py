@@ -1,4 +1,4 @@
-"""What `import atari` does, and what it does not do: each test looks at a fresh interpreter."""
+"""What `import atari` does and does not do: each test runs a new interpreter."""
 
 import subprocess
 import sys
@@ -10,7 +10,7 @@ import atari
 
 
 def run(program: str, folder: Path, *options: str) -> str:
-    """What a program prints; anything on standard error fails, and with `-W error` so does any warning."""
+    """The output of a program. Anything on standard error fails; with `-W error`, any warning does."""
     command = [sys.executable, *options, "-c", program]
     result = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert (result.returncode, result.stderr) == (0, "")
@@ -74,7 +74,7 @@ def test_games_is_a_package_too(imports: str, tmp_path: Path) -> None:
     assert run(f"{imports}\nprint(parse_rules.__module__)", tmp_path) == "atari.games.rules\n"
 
 
-def test_the_parts_are_there_when_asked_for(tmp_path: Path) -> None:
+def test_lazy_attributes_are_imported_at_first_use(tmp_path: Path) -> None:
     program = "import atari\nprint(atari.wrappers.__name__, atari.roms.__name__, atari.cores.__name__)"
     assert run(program, tmp_path) == "atari.wrappers atari.roms atari.cores\n"
 
@@ -106,7 +106,7 @@ ROOT = Path(__file__).parents[1]
 
 
 def test_the_root_of_the_repository_has_the_installed_package(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A Python that starts there finds the sources in `atari/` first, which have no compiled module."""
+    """In the root of the repository, Python finds the sources in `atari/` first, which have no compiled module."""
     monkeypatch.delenv("PYTHONSAFEPATH", raising=False)
     program = (
         "import atari, atari.wrappers, atari.roms\nprint(atari.__file__, atari.wrappers.__file__, atari.env.__file__)\n"

@@ -1,4 +1,4 @@
-"""Which part of the package may import which: the table below, and no circles between modules.
+"""Which part of the package may import which: the table below, without cycles between modules.
 
 A part is a module or a package directly in `atari`. Every import counts, those in functions and for type checkers too.
 """
@@ -15,7 +15,7 @@ import atari.roms
 import atari.wrappers
 
 ALLOWED = {
-    # The foundation imports nothing of the rest.
+    # The foundation imports no other part.
     "_emulator": "",
     "_sources": "",
     "actions": "",
@@ -36,7 +36,7 @@ ALLOWED = {
     "sb3": "integrations",
     # The package itself exports the parts above, and `atari.__version__` to the parts below and to recordings.
     "atari": "actions algorithmic cores env games integrations registration roms vector wrappers",
-    # Programs and old interfaces, which nothing above imports; they may record.
+    # Programs and old interfaces, which no part above imports; they may import `recording`.
     "play": "actions cores env games recording registration rendering validation",
     "classic": "atari cores env games recording registration rendering validation wrappers",
     "cli": "atari actions cores env games play recording registration rendering roms validation vector wrappers",

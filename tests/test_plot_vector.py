@@ -1,4 +1,4 @@
-"""`scripts/plot_vector.py` takes from `bench.py`'s file what it draws. The drawing is a test of the peers' lane."""
+"""`scripts/plot_vector.py` reads its curves from `bench.py`'s file. The drawing is tested in the peers' lane."""
 
 import json
 import runpy
@@ -29,7 +29,7 @@ def test_speeds_are_of_medians_and_means_of_games() -> None:
     assert [speed for _, speed in curves["native"]] == pytest.approx([20_000, 100_000])
 
 
-def test_what_was_measured_is_said() -> None:
+def test_the_title_says_what_was_measured() -> None:
     text = runpy.run_path(str(SCRIPT))["subtitle"](DOCUMENT)
     assert text == "pong, breakout; A CPU, 2 threads\natari-envs 1, ale-py 2"
 

@@ -22,7 +22,7 @@ def ours() -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def theirs() -> dict[str, dict[str, Any]]:
-    """What ale-py alone registers."""
+    """The IDs that ale-py registers without this package."""
     program = (
         "import json, gymnasium, ale_py\n"
         "fields = ('kwargs', 'max_episode_steps', 'reward_threshold', 'nondeterministic', 'order_enforce',\n"
@@ -102,7 +102,7 @@ def test_an_id_stands_for_options(env_id: str, options: dict[str, Any]) -> None:
     "suffix", ["Deterministic-v0", "Deterministic-v4", "-ramDeterministic-v0", "-ramDeterministic-v4"]
 )
 def test_space_invaders_skips_three_frames(suffix: str) -> None:
-    """With four, its blinking shots would never be seen."""
+    """With four frames, its blinking shots would be invisible."""
     assert gymnasium.spec(f"SpaceInvaders{suffix}").kwargs["frameskip"] == 3
     assert gymnasium.spec(f"Pong{suffix}").kwargs["frameskip"] == 4
 
@@ -180,10 +180,10 @@ def test_make_suggests_the_nearest_game() -> None:
         ("CartPole-v1", "see `atari list --ids` for all of them"),
     ],
 )
-def test_a_wrong_id_is_answered_with_the_right_one(wrong: str, cure: str) -> None:
-    for ask in (atari.make, atari.explain):
+def test_the_error_for_a_wrong_id_suggests_the_right_one(wrong: str, cure: str) -> None:
+    for lookup in (atari.make, atari.explain):
         with pytest.raises(gymnasium.error.NameNotFound) as error:
-            ask(wrong)
+            lookup(wrong)
         assert str(error.value) == f"there is no environment {wrong!r}; {cure}"
 
 
@@ -229,7 +229,7 @@ def test_explain_says_how_the_siblings_differ() -> None:
     assert "PongDeterministic-v4" not in siblings
 
 
-def test_explain_knows_that_two_ids_are_the_same() -> None:
+def test_explain_reports_that_two_ids_are_the_same() -> None:
     assert "ALE/Pong-v5               the same" in atari.explain("PongDeterministic-v0")
 
 

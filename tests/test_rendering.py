@@ -1,4 +1,4 @@
-"""The render modes. Windows are opened on SDL's dummy display, whose picture can be read back."""
+"""The render modes. Windows are opened on SDL's dummy display, whose surface can be read back."""
 
 import os
 import subprocess

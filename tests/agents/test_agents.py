@@ -1,7 +1,7 @@
-"""The agents of `scripts/agents`: they run as commands, and what learns plays better than chance.
+"""The agents of `scripts/agents` run as commands, and those that learn play better than a random agent.
 
-"Better" is a difference of the means of at least five standard errors, which chance alone gives once in three million;
-with its fixed seed, a test gives the same each time.
+"Better" is a difference of the means of at least five standard errors, which has a probability of one in three million
+by chance. Seeds are fixed, so a test always gives the same result.
 """
 
 import random
@@ -84,7 +84,7 @@ def test_a_step_of_q_learning(script: Any) -> None:
 @pytest.mark.parametrize(
     ("ball", "row"),
     [
-        ((100, 100, -4, 4), 100),  # it flies away
+        ((100, 100, -4, 4), 100),  # it moves away
         ((100, 100, 0, 4), 100),
         ((148, 100, 4, 2), 120),
         ((148, 190, 4, 4), 184),  # off the lower wall, at 207
@@ -97,7 +97,7 @@ def test_where_the_ball_of_pong_arrives(script: Any, ball: tuple[int, int, int, 
 
 
 def test_the_ball_of_pong_turns_back_where_the_script_says(script: Any) -> None:
-    """Against the game itself: the rows of the ball where it ceases to fall or rise."""
+    """In the game itself: the rows at which the ball stops falling or rising."""
     pong = script["ram_pong"]
     env = pong["gymnasium"].make("PongNoFrameskip-v4", obs_type="ram")
     ram, _ = env.reset(seed=0)

@@ -1,4 +1,4 @@
-"""What an algorithmic task does with an action, whatever the task: movement, writing, reward, the end."""
+"""The rules of all algorithmic tasks: movement, writing, reward, the end of an episode."""
 
 import copy
 import pickle
@@ -75,7 +75,7 @@ def test_the_last_character_may_come_too_late(env: CopyEnv) -> None:
     assert (reward, terminated, info["solved"], env.total_reward) == (-1.0, True, False, 0.0)
 
 
-def test_info_tells_the_state(env: CopyEnv) -> None:
+def test_info_has_the_state(env: CopyEnv) -> None:
     info = env.step((RIGHT, 1, 0))[4]
     assert info == {
         "input": "AB",
@@ -172,7 +172,7 @@ def test_a_wrong_input_changes_nothing(env: CopyEnv, wrong: Any) -> None:
 
 
 @pytest.mark.parametrize("wrong", ["012", "01\n2", "012\n013", "\n"])
-def test_a_grid_wants_even_lines(wrong: str) -> None:
+def test_a_grid_needs_rows_of_one_length(wrong: str) -> None:
     with pytest.raises(ValueError, match=r"options\['input'\] is 2 line\(s\) of equal length, made of '012', got"):
         ReversedAdditionEnv().reset(options={"input": wrong})
 

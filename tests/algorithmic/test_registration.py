@@ -46,7 +46,7 @@ def test_three_rows_are_three() -> None:
 
 
 @pytest.mark.parametrize("env_id", TASKS)
-def test_gymnasium_finds_nothing_to_complain_of(env_id: str) -> None:
+def test_gymnasiums_checker_passes(env_id: str) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         check_env(gymnasium.make(env_id).unwrapped)
@@ -84,7 +84,7 @@ def test_registering_again_is_silent() -> None:
         algorithmic.register_all()
 
 
-def test_atari_make_knows_them_but_not_with_a_preset() -> None:
+def test_atari_make_accepts_them_but_not_with_a_preset() -> None:
     assert isinstance(atari.make("Copy-v0").unwrapped, algorithmic.CopyEnv)
     with pytest.raises(ValueError, match="a preset is for Atari games, and 'Copy-v0' is none"):
         atari.make("Copy-v0", preset="dqn2015")

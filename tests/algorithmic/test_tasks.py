@@ -1,6 +1,6 @@
-"""The tasks: what is to be written for an input; and that each can be solved by what an agent sees, as published.
+"""The tasks: the target of an input, and that a solver with only the observations reaches the published threshold.
 
-A solver is a generator that is sent characters and yields actions. It knows nothing of the environment.
+A solver is a generator that is sent characters and yields actions. It gets no other information.
 """
 
 from collections.abc import Callable, Generator

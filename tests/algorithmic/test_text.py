@@ -1,4 +1,4 @@
-"""What `render` shows."""
+"""The text of `render`."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""Gymnasium's environments, spoken to in the old way."""
+"""Gymnasium's environments with the old interface."""
 
 import copy
 import pickle
@@ -14,7 +14,7 @@ from atari.classic.adapter import Adapter, adapt
 
 
 class Probe(gymnasium.Env[Any, Any]):
-    """Says how it was called, and ends as it is told to."""
+    """Records its calls; the action decides how the episode ends."""
 
     metadata = {"render_modes": ["human", "rgb_array"], "render_fps": 12}  # noqa: RUF012
     action_space = gymnasium.spaces.Discrete(4)
@@ -29,7 +29,7 @@ class Probe(gymnasium.Env[Any, Any]):
         return 0, {}
 
     def step(self, action: int) -> Any:
-        """Bit 0: terminated; bit 1: truncated. (As NumPy's, which `done is True` would not know.)"""
+        """Bit 0: terminated; bit 1: truncated. (NumPy bools, for which `done is True` is false.)"""
         return 1, 2.5, np.bool_(action & 1), np.bool_(action & 2), {}
 
     def render(self) -> Any:
@@ -136,7 +136,7 @@ def test_attributes_are_the_environments_for_reading_and_writing() -> None:
     env.unwrapped.gravity = 1.6  # type: ignore[attr-defined]
     env.env.state = (0.0, 0.0, 0.1, 0.0)  # type: ignore[attr-defined]
     observation = env.step(1)[0]
-    assert observation[2] == np.float32(0.1)  # the angle changes with the speed of before
+    assert observation[2] == np.float32(0.1)  # the angle changes with the speed before the step
     assert env.unwrapped.modern.unwrapped.gravity == 1.6  # type: ignore[attr-defined]
     with pytest.raises(AttributeError, match=r"^this CartPoleEnv has no attribute 'nothing'$"):
         _ = env.nothing  # type: ignore[attr-defined]
@@ -193,7 +193,7 @@ def test_actions_of_numpy_are_integers_too() -> None:
 
 
 def test_actions_of_a_box() -> None:
-    """Lists, other shapes of the same size, and numbers that the environment clips, as scripts give them."""
+    """Scripts pass lists, other shapes of the same size, and numbers that the environment clips."""
     env = gym.make("Pendulum-v1")
     env.reset()
     for action in ([0.5], np.array([0.5]), np.array([[0.5]]), [9]):
@@ -231,13 +231,13 @@ def test_metadata_has_the_old_names() -> None:
 
 
 @pytest.mark.parametrize("env_id", ["CartPole-v0", "MountainCar-v0", "Pendulum-v0", "Acrobot-v1", "Breakout-v0"])
-def test_pictures(env_id: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_rgb_arrays(env_id: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     env = gym.make(env_id)
     env.reset()
-    picture = env.render(mode="rgb_array")
-    assert (picture.dtype, picture.ndim, picture.shape[2]) == (np.uint8, 3, 3)
-    assert len(np.unique(picture)) > 1
+    image = env.render(mode="rgb_array")
+    assert (image.dtype, image.ndim, image.shape[2]) == (np.uint8, 3, 3)
+    assert len(np.unique(image)) > 1
     assert env.render() is None
     with pytest.raises(
         gym.error.UnsupportedMode, match=r"^this environment cannot render 'ansi'; it has human, rgb_array$"
@@ -246,8 +246,8 @@ def test_pictures(env_id: str, monkeypatch: pytest.MonkeyPatch) -> None:
     env.close()
 
 
-def test_the_window_shows_the_picture(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each pixel of a game two columns wide, and all of it large enough to see."""
+def test_the_window_shows_the_frame(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each pixel of a game is two columns wide, and the window is enlarged."""
     import pygame
 
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
@@ -263,7 +263,7 @@ def test_the_window_shows_the_picture(monkeypatch: pytest.MonkeyPatch) -> None:
     other.render()
     assert pygame.display.get_surface().get_size() == (600, 400)
     other.close()
-    env.render()  # the other has closed the one window that there is
+    env.render()  # the other environment has closed the only window
     assert pygame.display.get_surface().get_size() == (640, 420)
     env.close()
     assert pygame.display.get_surface() is None
@@ -282,7 +282,7 @@ def test_text_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_rendering_before_the_first_reset(capsys: pytest.CaptureFixture[str]) -> None:
-    """Toy texts had a state from the start, and books show it first; the episode begins with reset all the same."""
+    """Toy texts had a state before the first reset, and books render it. The episode still begins with `reset`."""
     env = gym.make("Taxi-v3")
     env.seed(0)
     env.render()
@@ -305,7 +305,7 @@ def test_an_environment_that_only_shows_itself() -> None:
     assert shy.calls == [None, "human"]
 
 
-def test_an_environment_without_pictures() -> None:
+def test_an_environment_without_rgb_array() -> None:
     class Blind(Probe):
         metadata = {"render_modes": []}  # noqa: RUF012
 

@@ -1,4 +1,4 @@
-"""The base classes: an environment and wrappers, with names of any year."""
+"""The base classes: an environment and wrappers, with the method names of each Gym version."""
 
 from typing import Any
 

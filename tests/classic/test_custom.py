@@ -16,7 +16,7 @@ from atari.classic.modern import EntryPoint, Modern
 
 
 class OldCorridor(gym.Env):
-    """Old style: walk to the right end; where one starts is random."""
+    """Old style: walk to the right end from a random start."""
 
     metadata = {"render.modes": ["human", "ansi", "rgb_array"], "video.frames_per_second": 12}  # noqa: RUF012
 
@@ -42,9 +42,9 @@ class OldCorridor(gym.Env):
 
     def render(self, mode: str = "human", close: bool = False) -> Any:  # type: ignore[override]
         if mode == "rgb_array":
-            picture = np.zeros((8, 8 * self.length + 8, 3), np.uint8)
-            picture[:, 8 * self.place : 8 * self.place + 8] = 255
-            return picture
+            image = np.zeros((8, 8 * self.length + 8, 3), np.uint8)
+            image[:, 8 * self.place : 8 * self.place + 8] = 255
+            return image
         text = "." * self.place + "X"
         return print(text) if mode == "human" else text
 
@@ -107,7 +107,7 @@ class NewCorridor(gymnasium.Env[Any, Any]):
 
 
 class Wrong(gym.Env):
-    """Returns what it is told to."""
+    """Returns the results that its constructor gets."""
 
     action_space = gym.spaces.Discrete(2)
     observation_space = gym.spaces.Discrete(2)
@@ -209,7 +209,7 @@ def test_a_limit_of_the_environments_own_truncates_too() -> None:
 
 
 @pytest.mark.parametrize("env_id", IDS)
-def test_gymnasium_finds_nothing_to_complain_of(env_id: str) -> None:
+def test_gymnasiums_checker_passes(env_id: str) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         check_env(gymnasium.make(env_id).unwrapped)
@@ -263,9 +263,9 @@ def test_wrappers_of_gymnasium() -> None:
     assert observation.tolist() == [[4.0], [5.0]]
     assert reward == 10
     assert (info["episode"]["r"], info["episode"]["l"], info["place"]) == (1, steps, 5)
-    pictures: Any = env.render()
-    assert len(pictures) == steps + 1
-    assert pictures[-1][0, :, 0].tolist() == [0] * 40 + [255] * 8
+    images: Any = env.render()
+    assert len(images) == steps + 1
+    assert images[-1][0, :, 0].tolist() == [0] * 40 + [255] * 8
 
 
 def test_metadata_is_in_gymnasiums_words() -> None:
@@ -354,7 +354,7 @@ def test_an_entry_point_may_be_text_or_a_function() -> None:
         ([0, 0.0, False, {}], "returned a list"),
     ],
 )
-def test_a_wrong_step_is_answered_in_both_interfaces(step: Any, text: str) -> None:
+def test_a_wrong_step_raises_in_both_interfaces(step: Any, text: str) -> None:
     for make in (gym.make, gymnasium.make):
         env: Any = make("Wrong-v0", step=step)
         env.reset()
@@ -367,7 +367,7 @@ def test_a_wrong_step_is_answered_in_both_interfaces(step: Any, text: str) -> No
 @pytest.mark.parametrize(
     ("reset", "text"), [((0, {}), r"returned \(observation, info\), as in Gymnasium"), (None, "returned nothing")]
 )
-def test_a_wrong_reset_is_answered_in_both_interfaces(reset: Any, text: str) -> None:
+def test_a_wrong_reset_raises_in_both_interfaces(reset: Any, text: str) -> None:
     for make in (gym.make, gymnasium.make):
         env: Any = make("Wrong-v0", reset=reset)
         with pytest.raises(TypeError, match=rf"Wrong.reset\(\) {text}"):

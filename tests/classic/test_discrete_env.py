@@ -1,4 +1,4 @@
-"""`DiscreteEnv`, the base of many a grid world."""
+"""`DiscreteEnv`, the base of grid worlds."""
 
 import numpy as np
 import pytest
@@ -41,7 +41,7 @@ def test_a_seed_repeats() -> None:
 
 
 def test_frozen_lake_is_drawn_as_its_table_says() -> None:
-    """The same seed and table give the same walk as Gymnasium's environment, which was one of these."""
+    """The same seed and table give the same walk as Gymnasium's environment, which was a `DiscreteEnv` in Gym."""
     lake = gym.make("FrozenLake-v1")
     isd = np.zeros(16)
     isd[0] = 1

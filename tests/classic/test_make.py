@@ -1,4 +1,4 @@
-"""Every ID of Gym's time: what it makes today, with which limits, or why not."""
+"""Every ID of OpenAI Gym: the environment it makes today and its limits, or the error."""
 
 import os
 import subprocess
@@ -47,7 +47,7 @@ def test_time_limits_are_those_of_gym(env_id: str) -> None:
 
 
 def test_an_atari_game_is_cut_off_by_its_steps_alone() -> None:
-    """Not by the frames that today's registration counts."""
+    """The limit counts steps, not the frames that today's registration counts."""
     env = gym.make("ALE/Pong-v5")
     assert env.unwrapped.modern.unwrapped._options["max_num_frames_per_episode"] is None  # type: ignore[attr-defined]
     assert gymnasium.spec("ALE/Pong-v5").kwargs["max_num_frames_per_episode"] == 108_000
@@ -82,7 +82,7 @@ def test_every_atari_id_has_a_spec_and_makes() -> None:
         ("PongNoFrameskip-v2", "PongNoFrameskip-v4"),
     ],
 )
-def test_an_old_version_becomes_the_newest_and_a_line_says_so(
+def test_an_old_version_becomes_the_newest_with_a_warning(
     old: str, new: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     classic_logger.warn_once.cache_clear()
@@ -96,7 +96,9 @@ def test_an_old_version_becomes_the_newest_and_a_line_says_so(
     assert capsys.readouterr().err == ""  # once
 
 
-def test_who_asks_for_quiet_gets_it(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_logger_level_suppresses_warnings(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(gymnasium.logger, "min_level", gymnasium.logger.min_level)
     gym.logger.set_level(40)
     classic_logger.warn_once.cache_clear()
@@ -124,14 +126,14 @@ def test_who_asks_for_quiet_gets_it(capsys: pytest.CaptureFixture[str], monkeypa
         ),
     ],
 )
-def test_an_unknown_id_is_answered_with_what_to_do(wrong: str, cure: str) -> None:
-    for ask in (gym.make, gym.spec):
+def test_the_error_for_an_unknown_id_says_what_to_do(wrong: str, cure: str) -> None:
+    for function in (gym.make, gym.spec):
         with pytest.raises(gym.error.UnregisteredEnv) as error:
-            ask(wrong)
+            function(wrong)
         assert str(error.value) == f"there is no environment {wrong!r}; {cure}"
 
 
-def test_robotics_without_its_package_is_answered_with_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_error_for_robotics_names_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(lookup, "load_robotics", lambda: None)
     kept = {i: s for i, s in gymnasium.registry.items() if "gymnasium_robotics" not in str(s.entry_point)}
     monkeypatch.setattr(gymnasium, "registry", kept)
@@ -144,7 +146,7 @@ def test_robotics_without_its_package_is_answered_with_its_name(monkeypatch: pyt
     ("env_id", "package", "extra"),
     [("Ant-v2", "mujoco", "mujoco"), ("LunarLander-v2", "Box2D", "box2d"), ("phys2d/CartPole-v1", "jax", "jax")],
 )
-def test_a_missing_package_is_answered_with_its_extra(env_id: str, package: str, extra: str) -> None:
+def test_the_error_for_a_missing_package_names_its_extra(env_id: str, package: str, extra: str) -> None:
     program = (
         f"import sys; sys.modules[{package!r}] = None\n"
         "import atari.classic as gym\n"
@@ -155,7 +157,7 @@ def test_a_missing_package_is_answered_with_its_extra(env_id: str, package: str,
     assert f'pip install "gymnasium[{extra}]"' in result.stdout.replace("'", '"'), result.stderr
 
 
-def test_rendering_without_pygame_is_answered_with_its_extra() -> None:
+def test_the_error_for_rendering_without_pygame_names_the_extra() -> None:
     program = (
         "import sys; sys.modules['pygame'] = None\n"
         "import atari.classic as gym\n"

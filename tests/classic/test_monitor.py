@@ -1,4 +1,4 @@
-"""Monitor: its files are what scripts of the time read, and its videos show what was played."""
+"""`Monitor`: its files have the content that scripts read, and its videos have the played frames."""
 
 import json
 import subprocess
@@ -16,7 +16,7 @@ from atari.classic.wrappers import Monitor
 
 
 class Clip(gym.Env):
-    """Shows its step as a grey, in 5 x 7 pixels; done after 3."""
+    """Renders the number of its step as a gray value, in 5 x 7 pixels; done after 3 steps."""
 
     metadata = {"render.modes": ["rgb_array"], "video.frames_per_second": 10}  # noqa: RUF012
     action_space = gym.spaces.Discrete(2)
@@ -93,7 +93,7 @@ def test_a_video_is_what_was_shown(tmp_path: Path) -> None:
     assert read(tmp_path, "video.*") == {"episode_id": 0, "content_type": "video/mp4", "frames_per_second": 10.0}
 
 
-def test_a_game_is_filmed_with_its_own_rate_and_wide_pixels(tmp_path: Path) -> None:
+def test_a_video_of_a_game_has_its_own_rate_and_wide_pixels(tmp_path: Path) -> None:
     with Monitor(gym.make("PongDeterministic-v4"), tmp_path) as env:
         play(env, 1, steps=5)
     rate, frames = decode(next(tmp_path.glob("*.mp4")))
@@ -101,14 +101,14 @@ def test_a_game_is_filmed_with_its_own_rate_and_wide_pixels(tmp_path: Path) -> N
     assert [frame.shape for frame in frames] == [(420, 640, 3)] * 6
 
 
-def test_cartpole_is_filmed_in_square_pixels(tmp_path: Path) -> None:
+def test_a_video_of_cartpole_has_square_pixels(tmp_path: Path) -> None:
     with Monitor(gym.make("CartPole-v0"), tmp_path) as env:
         play(env, 1, steps=2)
     rate, frames = decode(next(tmp_path.glob("*.mp4")))
     assert (rate, [frame.shape for frame in frames]) == (50, [(400, 600, 3)] * 3)
 
 
-def test_which_episodes_are_filmed(tmp_path: Path) -> None:
+def test_which_episodes_are_recorded(tmp_path: Path) -> None:
     assert [n for n in range(3000) if cubes_then_thousands(n)] == [0, 1, 8, 27, 64, 125, 216, 343, 512, 729, 1000, 2000]
     with Monitor(Clip(), tmp_path, video_callable=lambda episode: episode % 2 == 1) as env:
         play(env, 4)
@@ -140,7 +140,7 @@ def test_the_end_of_an_episode_is_the_end(tmp_path: Path) -> None:
     assert read(tmp_path, "episode_batch")["episode_lengths"] == [3, 3]
 
 
-def test_files_of_others_are_kept_or_removed_only_if_told_to(tmp_path: Path) -> None:
+def test_files_of_other_monitors_are_kept_or_removed_only_on_request(tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine")
     Monitor(Clip(), tmp_path, video_callable=False).close()
     with pytest.raises(gym.error.Error, match=r"has files of another Monitor, such as openaigym\..*force=True"):
@@ -160,7 +160,7 @@ def test_statistics_may_be_written_after_every_episode(tmp_path: Path) -> None:
     env.close()
 
 
-def test_an_environment_without_pictures_is_not_filmed(tmp_path: Path) -> None:
+def test_an_environment_without_rgb_array_is_not_recorded(tmp_path: Path) -> None:
     class Blind(Clip):
         metadata = {"render.modes": ["human"]}  # noqa: RUF012
 
@@ -176,7 +176,7 @@ def test_a_wrong_mode(tmp_path: Path) -> None:
     assert not (tmp_path / "new").exists()
 
 
-def test_who_does_not_close_gets_the_files_too(tmp_path: Path) -> None:
+def test_files_are_written_without_close(tmp_path: Path) -> None:
     program = (
         "import sys, atari.classic as gym\n"
         "env = gym.wrappers.Monitor(gym.make('Pong-v0'), sys.argv[1])\n"
@@ -192,7 +192,7 @@ def test_who_does_not_close_gets_the_files_too(tmp_path: Path) -> None:
     "env", [Clip(), gym.make("CartPole-v0"), gym.make("CartPole-v0").env], ids=["own", "made", "bare"]
 )  # type: ignore[attr-defined]
 def test_the_monitor_of_2016(env: gym.Env, tmp_path: Path) -> None:
-    """It is started on the environment that the script goes on to use, and closed before it."""
+    """The script starts the monitor on the environment that it uses, and closes the monitor first."""
     env.monitor.start(str(tmp_path), force=True, seed=0)
     play(env, 2)
     with pytest.raises(gym.error.Error, match=r"env.monitor is started already; call env.monitor.close\(\) first"):
@@ -201,7 +201,7 @@ def test_the_monitor_of_2016(env: gym.Env, tmp_path: Path) -> None:
     env.monitor.close()
     assert read(tmp_path, "episode_batch")["episode_lengths"] == [3, 3]
     assert sorted(len(decode(path)[1]) for path in tmp_path.glob("*.mp4")) == [4, 4]
-    play(env, 1)  # unwatched
+    play(env, 1)  # not recorded
     assert read(tmp_path, "episode_batch")["episode_lengths"] == [3, 3]
 
 

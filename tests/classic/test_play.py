@@ -46,6 +46,6 @@ def test_keys_of_ones_own() -> None:
     assert [action for action, _, _ in seen[:4]] == [0, 1, 1, 1]
 
 
-def test_an_environment_without_keys_asks_for_them() -> None:
+def test_an_environment_without_keys_needs_keys_to_action() -> None:
     with pytest.raises(gym.error.Error, match=r"does not say which keys play it; give them, as in play\(env, keys_to"):
         play(gym.make("CartPole-v0"))

@@ -1,4 +1,4 @@
-"""`python -m atari.classic` runs a script as `python` would; only `gym` is ours."""
+"""`python -m atari.classic` runs a script as `python` would, except that `gym` is this package."""
 
 import subprocess
 import sys
@@ -53,7 +53,7 @@ def test_gym_means_this_package(tmp_path: Path) -> None:
 
 
 def test_names_that_numpy_dropped(tmp_path: Path) -> None:
-    """In scripts that are run, and only there."""
+    """NumPy gets the removed names only in scripts that the runner runs."""
     program = """\
 import numpy as np
 print(np.array([1.7]).astype(np.int), np.zeros(1, np.float).dtype, np.Inf, np.product([2, 3]), np.bool8(1), np.float_)
@@ -110,6 +110,6 @@ def test_wrong_command_lines(tmp_path: Path) -> None:
 
 
 def test_importing_the_package_does_not_take_the_name() -> None:
-    """Only the runner does; who has an old Gym installed keeps it."""
+    """Only the runner replaces `gym`. Otherwise an installed Gym is imported as before."""
     program = "import sys, atari.classic; sys.exit('gym' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", program], timeout=60).returncode == 0

@@ -56,10 +56,10 @@ def test_twenty_episodes() -> None:
     """The first state after `env.seed(0)` is the one that books and tutorials printed."""
     first, *finished = run("twenty_episodes")
     assert first == "[-0.04456399  0.04653909  0.01326909 -0.02099827]"
-    assert len(finished) in (19, 20)  # an episode of 100 steps or more does not say so
+    assert len(finished) in (19, 20)  # an episode of 100 steps or more prints nothing
     lengths = [int(re.fullmatch(r"Episode finished after (\d+) timesteps", line)[1]) for line in finished]  # type: ignore[index]
     assert min(lengths) >= 8
-    assert 12 < sum(lengths) / len(lengths) < 40  # random play keeps the pole up for 22 steps in the mean
+    assert 12 < sum(lengths) / len(lengths) < 40  # a random agent keeps the pole up for 22 steps on average
 
 
 def test_trained_agent() -> None:
@@ -102,8 +102,8 @@ def test_custom_environment() -> None:
     assert shape == "<Doubled<TimeLimit<Checked<CorridorEnv<Corridor-v0>>>>> 7"
 
 
-def test_without_a_display_it_says_so_and_goes_on() -> None:
-    """Where SDL is not told to do without one, either."""
+def test_without_a_display_it_warns_and_continues() -> None:
+    """Without SDL_VIDEODRIVER, too."""
     if sys.platform != "linux":
         return
     hidden = ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER")

@@ -1,4 +1,4 @@
-"""The generators are Gym's: these numbers stand in the documentation and tutorials of its time."""
+"""The generators are Gym's: these numbers are in its documentation and in tutorials."""
 
 import numpy as np
 import pytest

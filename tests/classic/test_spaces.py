@@ -1,4 +1,4 @@
-"""Spaces with the constructors and texts of old, which Gymnasium knows all the same."""
+"""Spaces with Gym's constructors and texts, which are also Gymnasium's spaces."""
 
 import warnings
 
@@ -33,7 +33,7 @@ def test_a_space_is_printed_as_it_was(space: gymnasium.Space[object], text: str)
 
 
 def test_spaces_are_gymnasiums() -> None:
-    """So its wrappers and vector environments take them."""
+    """The spaces are instances of Gymnasium's, so its wrappers and vector environments accept them."""
     for name in ("Box", "Dict", "Discrete", "MultiBinary", "MultiDiscrete", "Tuple"):
         assert issubclass(getattr(spaces, name), getattr(gymnasium.spaces, name))
     batched = gymnasium.vector.utils.batch_space(spaces.Box(0, 1, (2,)), 3)
@@ -44,7 +44,7 @@ def test_spaces_are_gymnasiums() -> None:
 def test_box_from_arrays() -> None:
     high = np.array([4.8, np.finfo(np.float32).max, 0.4])
     with warnings.catch_warnings():
-        warnings.simplefilter("error")  # float64 bounds of a float32 space are what every script gives
+        warnings.simplefilter("error")  # scripts pass float64 bounds for a float32 space
         box = spaces.Box(-high, high)
     assert (box.shape, box.dtype) == ((3,), np.float32)
     np.testing.assert_array_equal(box.high, high.astype(np.float32))
@@ -52,7 +52,7 @@ def test_box_from_arrays() -> None:
 
 
 def test_box_contains_numbers_of_any_kind() -> None:
-    """A list, or float64 where the space is float32: Gym did not mind."""
+    """Gym accepted a list, and float64 for a float32 space."""
     box = spaces.Box(-1, 1, (2,))
     assert box.contains([0, 1])
     assert box.contains(np.array([0.5, -0.5]))

@@ -1,4 +1,4 @@
-"""The small wrappers: what each changes, and that it leaves the rest."""
+"""The small wrappers: each changes one thing and keeps the rest."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from atari.classic import wrappers
 
 
 class Echo(gym.Env):
-    """Shows the last action, and rewards with its sum."""
+    """Observations are the last action; the reward is its sum."""
 
     action_space = gym.spaces.Box(np.array([-2.0, 0.0]), np.array([2.0, 4.0]))
     observation_space = gym.spaces.Dict(a=gym.spaces.Discrete(3), b=gym.spaces.Box(-9, 9, (2,)))
@@ -51,7 +51,7 @@ def test_transform_observation_and_reward() -> None:
     assert (observation.tolist(), reward, done, info) == ([2, 3], 1.0, True, {})
 
 
-def test_pictures_in_gray_and_smaller() -> None:
+def test_gray_and_smaller_images() -> None:
     env = gym.make("Pong-v4")
     gray = wrappers.GrayScaleObservation(env)
     small = wrappers.ResizeObservation(wrappers.GrayScaleObservation(env, keep_dim=True), 84)
@@ -59,10 +59,10 @@ def test_pictures_in_gray_and_smaller() -> None:
     env.seed(0)
     colours = env.reset()
     env.seed(0)
-    picture = gray.reset()
-    assert (picture.shape, picture.dtype) == ((210, 160), np.uint8)
+    image = gray.reset()
+    assert (image.shape, image.dtype) == ((210, 160), np.uint8)
     expected = cv2.cvtColor(colours, cv2.COLOR_RGB2GRAY)
-    np.testing.assert_array_equal(picture, expected)
+    np.testing.assert_array_equal(image, expected)
     env.seed(0)
     np.testing.assert_array_equal(small.reset()[..., 0], cv2.resize(expected, (84, 84), interpolation=cv2.INTER_AREA))
 

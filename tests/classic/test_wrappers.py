@@ -33,13 +33,13 @@ class Endless(gym.Env):
 # TimeLimit
 
 
-def test_a_time_limit_ends_an_episode_and_says_so() -> None:
+def test_a_time_limit_truncates_an_episode() -> None:
     env = TimeLimit(Endless(), 3)
     for _ in range(2):
         env.reset()
         steps = [env.step(0)[2:] for _ in range(4)]
         assert steps[:2] == [(False, {}), (False, {})]
-        assert steps[2:] == [(True, {"TimeLimit.truncated": True})] * 2  # who goes on is told again
+        assert steps[2:] == [(True, {"TimeLimit.truncated": True})] * 2  # a step after the end repeats it
 
 
 def test_an_end_at_the_limit_is_an_end() -> None:
@@ -94,7 +94,7 @@ def test_preprocessing_is_gymnasiums() -> None:
         assert info["episode_frame_number"] == expected[4]["episode_frame_number"]
 
 
-def test_the_limit_counts_the_frames_below() -> None:
+def test_the_limit_counts_the_inner_frames() -> None:
     env = AtariPreprocessing(TimeLimit(gym.make("PongNoFrameskip-v4"), 22), noop_max=0)
     env.reset()
     steps = [env.step(0)[2:] for _ in range(6)]

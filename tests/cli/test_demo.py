@@ -172,9 +172,9 @@ def test_ctrl_c_ends_it_with_a_playable_video(folder: Path) -> None:
     assert process.returncode == 130
     assert out == ""
     line = err.splitlines()[-1]
-    told = re.fullmatch(r"atari: interrupted after ([\d,]+) of 2,000 steps; the video up to there is (.+)", line)
-    assert told is not None, err
-    assert told[2] == str((folder / "a.mp4").resolve())
-    steps = int(told[1].replace(",", ""))
+    match = re.fullmatch(r"atari: interrupted after ([\d,]+) of 2,000 steps; the video up to there is (.+)", line)
+    assert match is not None, err
+    assert match[2] == str((folder / "a.mp4").resolve())
+    steps = int(match[1].replace(",", ""))
     assert 200 <= steps < 2000
     assert len(video_frames(folder / "a.mp4")) > 4 * 200

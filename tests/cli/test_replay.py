@@ -20,7 +20,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def tampered() -> str:
-    """A replay whose hashes are those of something else."""
+    """A replay with the hashes of another game."""
     content = read("a.a26")
     writer = ReplayFileWriter("b.a26", content.header)
     for play in content.plays:

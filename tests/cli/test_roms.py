@@ -14,7 +14,7 @@ from atari.cli import main
 
 @pytest.fixture(autouse=True)
 def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The user's own folder, below a home of the test's own."""
+    """The user's own folder, in a home directory of the test."""
     monkeypatch.delenv("ATARI_ROMS", raising=False)
     for name in ("HOME", "USERPROFILE", "LOCALAPPDATA", "XDG_DATA_HOME"):
         monkeypatch.setenv(name, str(tmp_path / "home"))
@@ -24,7 +24,7 @@ def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def collection(tmp_path: Path) -> Path:
-    """A folder with two games under strange names, and two files that are none."""
+    """A folder with two games under other names, and two files that are not ROMs."""
     folder = tmp_path / "collection"
     folder.mkdir()
     (folder / "Pong (1977).a26").write_bytes(atari.roms.find("pong").read_bytes())

@@ -1,4 +1,4 @@
-"""What ale-py shows in every mode and at every difficulty of a game, as check sums in `mode_goldens.json`.
+"""Check sums of ale-py in every mode and at every difficulty of a game, for `mode_goldens.json`.
 
 `python tests/conformance/mode_goldens.py` writes that file anew, from ale-py alone.
 """

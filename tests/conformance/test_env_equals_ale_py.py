@@ -1,7 +1,7 @@
 """`AtariEnv` equals ale-py's environment of the same name: every game, to the byte.
 
-Both are made with the same options, seeded alike and given the same actions; after every call everything that came
-back is compared. The number of emulated frames compared is recorded as the property "frames" of each test.
+Both are made with the same options, seeded alike and given the same actions; after every call
+all results are compared. The number of emulated frames compared is recorded as the property "frames" of each test.
 
 Deliberate differences, tested in `tests/test_env.py`: an action outside the space raises (ale-py takes negative
 indices), so does a step before the first reset; `metadata["render_fps"]` is the true rate.
@@ -41,7 +41,7 @@ class Pair:
         return bool(ours[2] or ours[3])
 
     def play(self, steps: int) -> None:
-        """Play with random actions, held for a while as a person would, over as many episodes as it takes."""
+        """Play with random actions, each held for some steps, over several episodes."""
         action, left = self.sample(), 0
         for _ in range(steps):
             if left == 0:
@@ -76,7 +76,7 @@ def equal(ours: Any, theirs: Any) -> bool:
 
 @pytest.mark.parametrize("game", GAMES)
 def test_pixels_with_the_default_options_also_from_a_copy(game: str, record_property: Any) -> None:
-    """The second half is played by a deep copy, which must be in every respect where the original was."""
+    """A deep copy plays the second half; it must continue exactly as the original would."""
     pair = Pair(game, render_mode="rgb_array")
     assert pair.ours.observation_space == pair.theirs.observation_space
     assert pair.ours.action_space == pair.theirs.action_space
@@ -100,7 +100,7 @@ def test_ram_with_a_random_frameskip_all_actions_last_mode_and_a_limit(game: str
     assert facts.rules is not None
     pair = Pair(
         game,
-        core="ale",  # whose states leave out the same as ale-py's
+        core="ale",  # the states of this core leave out the same parts as ale-py's
         mode=facts.modes[-1],
         difficulty=facts.difficulties[-1],
         obs_type="ram",
@@ -156,7 +156,7 @@ SELECTIONS = [(game, first) for game in GAMES for first in range(0, len(settings
 @pytest.mark.filterwarnings("ignore:.*after the episode had ended")  # three modes of Demon Attack are over at once
 @pytest.mark.parametrize(("game", "first"), SELECTIONS)
 def test_every_mode_and_difficulty(game: str, first: int) -> None:
-    """The reset and six steps. ale-py is slow to load a ROM, so its side goes back to the state after loading."""
+    """The reset and six steps. ale-py is slow to load a ROM, so its side restores the state after loading."""
     seed = 3 if "rng()" in str(atari.games[game].rules) else None  # where a reset draws random words, draw the same
     options: dict[str, Any] = {"obs_type": "grayscale", "repeat_action_probability": 0.0, "frameskip": 2}
     theirs = ale_py.env.AtariEnv(game, **options)

@@ -1,4 +1,4 @@
-"""What the game files say is what ale-py does: facts, and rules evaluated over play."""
+"""The game files agree with ale-py: their facts, and their rules evaluated during play."""
 
 import ast
 import hashlib
@@ -34,7 +34,7 @@ def load(game: Game, **settings: bool) -> ALEInterface:
 
 @pytest.fixture(scope="module", params=GAMES)
 def loaded(request: pytest.FixtureRequest) -> tuple[Game, ALEInterface]:
-    """A game and ale-py a while after loading it, with an episode ending at each lost life."""
+    """A game and ale-py some frames after loading it, with an episode end at each lost life."""
     game = atari.games[request.param]
     ale = load(game, truncate_on_loss_of_life=True)
     for _ in range(150):
@@ -62,7 +62,7 @@ def test_screen_size(loaded: tuple[Game, ALEInterface]) -> None:
 
 
 def test_tv_format(loaded: tuple[Game, ALEInterface]) -> None:
-    """The colours are those of the format, and not those of another one, unless the screen is black."""
+    """The colours are those of the TV format and of no other one, unless the screen is black."""
     game, ale = loaded
     index, rgb = ale.getScreen(), ale.getScreenRGB()
     formats = [name for name in PALETTES if np.array_equal(PALETTES[name][index], rgb)]
@@ -70,17 +70,17 @@ def test_tv_format(loaded: tuple[Game, ALEInterface]) -> None:
 
 
 def test_lives_of_unused_rules(loaded: tuple[Game, ALEInterface]) -> None:
-    """ale-py truncates at a lost life while the lives are fewer than those of its rules when never used."""
+    """ale-py truncates at a lost life while the lives are fewer than those of its unused rules."""
     game, ale = loaded
     assert game.rules is not None
-    if game.id == "atlantis2":  # there ale-py compares with a variable that it has not set
+    if game.id == "atlantis2":  # in these games ale-py compares with an uninitialised variable
         assert (game.rules.lives_initial, ale.lives()) == (0, 6)
     else:
         assert ale.game_truncated() == (ale.lives() < game.rules.lives_initial)
 
 
 def test_ram_labels_of_lives(loaded: tuple[Game, ALEInterface]) -> None:
-    """Where a label of this kind was confirmed, it gives the lives."""
+    """A confirmed label of this kind gives the lives."""
     game, ale = loaded
     ram = ale.getRAM()
     for label in game.ram_labels.values():

@@ -1,7 +1,7 @@
-"""The golden values: what ale-py 0.12.1 showed, as check sums, for each of its 108 ROM files.
+"""The golden values: check sums of ale-py 0.12.1 for each of its 108 ROM files.
 
-`goldens.json` has them and the protocol by which they were taken. They hold without ale-py's emulator: a core that
-passes here equals it over 2,000 frames of every game, RAM, picture and sound at every frame.
+`goldens.json` has the values and the protocol by which they were taken. The tests do not run ale-py. A core that passes
+them equals ale-py over 2,000 frames of every game, in RAM, framebuffer and sound at every frame.
 """
 
 import json
@@ -20,8 +20,8 @@ GOLDENS: dict[str, Any] = json.loads(Path(__file__).with_name("goldens.json").re
 ARRAYS = ("ram", "screen", "audio")
 
 
-class Player:
-    """A core under the protocol of the goldens: counts reward, continues the check sums over every frame."""
+class GoldenRun:
+    """A core that plays the protocol of the golden values, with the sum of rewards and the check sums of all frames."""
 
     def __init__(self, game: str) -> None:
         golden = GOLDENS[game]
@@ -61,14 +61,14 @@ def generated_actions(count: int, choices: int) -> Iterator[int]:
 @pytest.mark.parametrize("game", GOLDENS)
 def test_a_thousand_noops(game: str) -> None:
     golden = GOLDENS[game]
-    player = Player(game)
-    assert player.core.ram().tobytes().hex() == golden["ram_after_load"]
-    assert player.core.frame_number == golden["frame_number_after_load"]
-    assert player.sums() == expected(golden["noop"]["0"], player.sums())
+    run = GoldenRun(game)
+    assert run.core.ram().tobytes().hex() == golden["ram_after_load"]
+    assert run.core.frame_number == golden["frame_number_after_load"]
+    assert run.sums() == expected(golden["noop"]["0"], run.sums())
     for frame in range(1, 1001):
-        player.act(0)
+        run.act(0)
         if str(frame) in golden["noop"]:
-            seen = player.state(bool(golden["stand_in"]))
+            seen = run.state(bool(golden["stand_in"]))
             wanted = expected(golden["noop"][str(frame)], seen)
             assert {key: seen[key] for key in wanted} == wanted, f"after {frame} frames"
 
@@ -76,13 +76,13 @@ def test_a_thousand_noops(game: str) -> None:
 @pytest.mark.parametrize("game", GOLDENS)
 def test_a_thousand_generated_actions(game: str) -> None:
     golden = GOLDENS[game]
-    player = Player(game)
-    actions = player.core.game.minimal_actions
+    run = GoldenRun(game)
+    actions = run.core.game.minimal_actions
     for index in generated_actions(1000, len(actions)):
-        if player.core.game_over:
-            player.core.reset()
-        player.act(int(actions[index]))
-    seen = player.state(bool(golden["stand_in"]))
-    seen |= {"frame_number": player.core.frame_number, "episode_frame_number": player.core.episode_frame_number}
+        if run.core.game_over:
+            run.core.reset()
+        run.act(int(actions[index]))
+    seen = run.state(bool(golden["stand_in"]))
+    seen |= {"frame_number": run.core.frame_number, "episode_frame_number": run.core.episode_frame_number}
     wanted = expected(golden["random"], seen)
     assert {key: seen[key] for key in wanted} == wanted

@@ -1,4 +1,4 @@
-"""The native core equals ale-py, frame by frame, side by side: RAM, picture, sound, reward, lives, ends, counters.
+"""The native core equals ale-py, frame by frame: RAM, framebuffer, sound, reward, lives, ends, counters.
 
 `atari.cores.verify` is the test itself, which users can run too (`atari verify`); here it runs over all games with sticky
 actions, all modes and difficulties, fractional paddle movement, RAM overwritten at random, and snapshots.
@@ -27,7 +27,7 @@ def test_six_hundred_frames_with_sticky_actions(game: str) -> None:
 
 @pytest.mark.parametrize("game", GAMES)
 def test_ram_overwritten_at_random(game: str) -> None:
-    """Leads into corners that play does not reach in minutes: illegal opcodes, runaway programs, odd scores."""
+    """Overwritten RAM reaches rare states in minutes: illegal opcodes, runaway programs, odd scores."""
     assert verify(Run(game, frames=200, seed=2, pokes=True)) is None
 
 
@@ -38,7 +38,7 @@ def test_paddles_with_fractional_strengths(game: str) -> None:
 
 @pytest.mark.parametrize("game", GAMES)
 def test_every_mode_and_difficulty(game: str) -> None:
-    """Three of a game's settings side by side, and all of them beside the check sums of what ale-py showed."""
+    """Three settings of a game against ale-py, and all settings against the check sums of ale-py."""
     runs = mode_goldens.runs(game)
     for index in sorted({0, len(runs) // 2, len(runs) - 1}):
         assert verify(runs[index]) is None
@@ -48,7 +48,7 @@ def test_every_mode_and_difficulty(game: str) -> None:
 
 @pytest.mark.parametrize("game", GAMES)
 def test_snapshots_in_mid_episode_continue_on_both_cores(game: str) -> None:
-    """Fresh cores restored from snapshots go on like the ones that were saved, and like each other."""
+    """New cores restored from snapshots continue like the saved cores, and like each other."""
     options = {"seed": 5, "repeat_action_probability": 0.25, "sound": True}
     native, ale = NativeCore(game, **options), AleCore(game, **options)
     actions = [int(action) for action in np.random.default_rng(4).choice(native.game.minimal_actions, 160)]

@@ -1,4 +1,4 @@
-"""`AleCore`: the contract of every core, and what is peculiar to ale-py."""
+"""`AleCore`: the contract of every core, and the properties of ale-py alone."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -37,7 +37,7 @@ def test_a_snapshot_after_restore_state_waits_for_a_reset() -> None:
 
 @pytest.mark.parametrize(("game", "sound"), [("breakout", True), ("video_checkers", False), ("video_cube", False)])
 def test_where_something_outlives_a_reset_it_waits_for_a_seed(game: str, sound: bool) -> None:
-    """The sound generator, and variables in the rules of two games."""
+    """A reset keeps the sound generator, and variables in the rules of two games."""
     core = made(game, sound=sound)
     core.restore_state(core.clone_state())
     core.reset()
@@ -69,7 +69,7 @@ def test_the_framebuffer_of_a_restored_state_is_stale_until_the_next_act() -> No
 
 
 def test_the_seed_that_ale_py_cannot_use_is_the_one_below() -> None:
-    """As a signed number it is -1, which ale-py takes for the clock."""
+    """As a signed number it is -1, which ale-py replaces by the clock."""
     first, second = made("seaquest", seed=2**32 - 1), made("seaquest", seed=2**32 - 2)
     actions = some_actions(first, 60)
     assert play(first, actions) == play(second, actions)
@@ -137,7 +137,7 @@ def test_a_rom_file_that_goes_away_raises_at_the_next_seed(tmp_path: Path) -> No
 
 
 def test_a_rom_of_any_file_name_is_played(tmp_path: Path) -> None:
-    """ale-py would look at the name."""
+    """ale-py chooses the rules by the file name; the core does not."""
     copy = tmp_path / "game (1978).a26"
     copy.write_bytes((Path(ale_py.__file__).parent / "roms" / "breakout.bin").read_bytes())
     core, usual = AleCore("breakout", rom=copy), AleCore("breakout")

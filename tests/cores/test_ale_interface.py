@@ -1,4 +1,4 @@
-"""`env.unwrapped.ale`: a core under the names of ale-py's `ALEInterface`, and who relies on it."""
+"""`env.unwrapped.ale`: a core under the names of ale-py's `ALEInterface`, and the wrappers that rely on it."""
 
 import ale_py.env
 import gymnasium
@@ -11,7 +11,7 @@ from atari import AtariEnv
 
 @pytest.fixture
 def pair() -> tuple[AtariEnv, ale_py.env.AtariEnv]:
-    """The same position of the same game, ours and ale-py's."""
+    """The same state of the same game, in our core and in ale-py."""
     ours, theirs = AtariEnv("seaquest", sound_obs=True), ale_py.env.AtariEnv("seaquest", sound_obs=True)
     for env in (ours, theirs):
         env.reset(seed=1)
@@ -66,7 +66,7 @@ def test_acts_and_pokes_reach_the_core() -> None:
     assert env.core.episode_frame_number == 0
 
 
-def test_game_over_counts_truncation_unless_told_not_to() -> None:
+def test_game_over_counts_truncation_unless_disabled() -> None:
     env = AtariEnv("pong", max_num_frames_per_episode=4)
     env.reset(seed=0)
     env.step(0)

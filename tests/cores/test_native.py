@@ -1,4 +1,4 @@
-"""`NativeCore`: the contract of every core, and what only our own emulator does."""
+"""`NativeCore`: the contract of every core, and the properties of our emulator alone."""
 
 import threading
 import time
@@ -28,7 +28,7 @@ class TestPlainCore(CoreContract):
 
 @pytest.mark.parametrize("game", ["combat", "joust", "maze_craze", "warlords"])
 def test_two_player_cartridges_run_without_rules(game: str) -> None:
-    """They draw a picture, press on, and know no reward, lives or end."""
+    """These cartridges have a screen, but no reward, lives or end."""
     core = NativeCore(game)
     core.reset()
     assert len(np.unique(core.screen())) > 2
@@ -37,7 +37,7 @@ def test_two_player_cartridges_run_without_rules(game: str) -> None:
 
 
 def test_a_cloned_state_is_complete() -> None:
-    """Unlike ale-py's: picture, held action and sound come back too."""
+    """Unlike ale-py's, a cloned state also has the framebuffer, the held action and sound."""
     core = NativeCore("seaquest", sound=True, repeat_action_probability=0.5)
     core.reset()
     play(core, some_actions(core, 50))
@@ -57,7 +57,7 @@ def test_a_cloned_state_fits_another_core_of_the_game() -> None:
 
 
 def test_seeding_without_loading_again_is_as_a_new_core() -> None:
-    """`seed` copies what the first load left, where that does not depend on the seed; in adventure it does."""
+    """`seed` copies the state after the first load if that does not depend on the seed; in adventure it does."""
     for game in ("pong", "adventure", "berzerk", "klax"):
         core = NativeCore(game, seed=1)
         core.reset()
@@ -67,7 +67,7 @@ def test_seeding_without_loading_again_is_as_a_new_core() -> None:
 
 
 def test_seeding_leaves_nothing_of_a_state_that_no_game_has_left() -> None:
-    """There are pixels behind the picture in a state, which only a state made up by hand can set."""
+    """A state has rows after the last row of the screen. Only a state that was edited by hand has pixels in them."""
     core = NativeCore("pong", seed=1)
     core.load(core.save()[:-1] + b"\x02")
     assert core.save()[-1] == 2
@@ -77,7 +77,7 @@ def test_seeding_leaves_nothing_of_a_state_that_no_game_has_left() -> None:
 
 @pytest.mark.parametrize("game", [game.id for game in atari.games.playable()])
 def test_a_game_begins_as_on_the_plain_core(game: str) -> None:
-    """`reset` leaves out frames that came to the same when the game was loaded; the plain core plays all of them."""
+    """`reset` skips the frames that its reset trace has; the reference core plays all frames."""
     rng = np.random.default_rng(0)
     cores = [core(game, sound=True) for core in (NativeCore, PlainCore)]
     facts = cores[0].game
@@ -96,10 +96,10 @@ def test_a_game_begins_as_on_the_plain_core(game: str) -> None:
         assert cores[0].save() == cores[1].save(), round_
 
 
-def test_a_picture_may_be_left_of_what_was_before_a_reset(tmp_path: Path) -> None:
-    """This program shows a byte of RAM as the background of its first frame, clears it, and draws next to nothing more."""
+def test_a_framebuffer_may_keep_rows_from_before_a_reset(tmp_path: Path) -> None:
+    """The first frame has a byte of RAM as background and clears that byte; all later frames are very short."""
     frame = "A580 8509 A2FA 8502 CA D0FB A900 8580 8509"  # LDA $80, STA COLUBK, 250 lines, 0 to both
-    short = "A902 8500 8502 8502 8502 A900 8500 4C11F0"  # VSYNC for three lines, for ever
+    short = "A902 8500 8502 8502 8502 A900 8500 4C11F0"  # VSYNC for three lines, in a loop
     code = bytes.fromhex(frame + short)
     (tmp_path / "left.bin").write_bytes(code.ljust(0xFFC, b"\0") + b"\x00\xf0\x00\xf0")
     rules = parse_rules({"lives_initial": 1, "state": {}, "step": "reward = 0\nterminal = 0\nlives = 1"})
@@ -112,15 +112,15 @@ def test_a_picture_may_be_left_of_what_was_before_a_reset(tmp_path: Path) -> Non
             core.reset()
         assert cores[0].save() == cores[1].save()
         colours = set()
-        for _ in range(2):  # pictures
+        for _ in range(2):  # the two framebuffers
             for core in cores:
                 core.act(0)
             colours |= set(np.unique(cores[0].screen()))
         assert value in colours
 
 
-def test_rules_see_every_frame_of_a_beginning() -> None:
-    """Also the frames that `reset` leaves out: these rules add up a byte that changes, and keep the sum."""
+def test_rules_are_evaluated_for_every_frame_of_a_reset() -> None:
+    """That includes the frames that `reset` skips: these rules sum a byte that changes, and keep the sum."""
     step = "total = total + ram[0x90]\nreward = total\nterminal = 0\nlives = 1"
     rules = parse_rules({"lives_initial": 1, "state": {"total": 0}, "step": step, "kept_over_reset": ["total"]})
     mine = replace(atari.games["breakout"], rules=rules)
@@ -161,7 +161,7 @@ def test_an_image_of_no_supported_type_is_refused(tmp_path: Path, size: int) -> 
 
 
 def test_a_foreign_rom_under_the_rules_of_a_game_cannot_hang(tmp_path: Path) -> None:
-    """Its RAM never shows the mode that a reset waits for."""
+    """The RAM of this ROM never has the mode that a reset waits for."""
     (tmp_path / "jam.bin").write_bytes(b"\x02" * 4092 + b"\x00\xf0\x00\xf0")
     mine = replace(atari.games["breakout"], rom=Rom())
     with pytest.raises(RuntimeError, match="the mode cannot be selected"):
@@ -180,7 +180,7 @@ def test_the_state_is_refused_if_it_could_not_have_been_saved() -> None:
 
 @pytest.mark.parametrize("game", ["pong", "pitfall2", "klax"])
 def test_snapshots_of_the_plain_core_are_those_of_the_native_one(game: str) -> None:
-    """Both ways, and either goes on in the same way from them. Cloned states are of one kind of core."""
+    """Each core restores the other's snapshot and continues in the same way. Cloned states fit one kind of core."""
     options: dict[str, Any] = {"seed": 4, "sound": True, "repeat_action_probability": 0.25}
     for first, second in ((NativeCore, PlainCore), (PlainCore, NativeCore)):
         core, copy = first(game, **options), second(game, **options)
@@ -198,7 +198,7 @@ def test_snapshots_of_the_plain_core_are_those_of_the_native_one(game: str) -> N
 
 
 def test_other_threads_run_while_frames_are_played() -> None:
-    """A call of 10,000 frames takes a good while, in which another thread gets on."""
+    """While a call plays 10,000 frames, another thread makes progress."""
     core = NativeCore("pitfall", frame_skip=10_000)
     core.reset()
     rounds = 0

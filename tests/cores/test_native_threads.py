@@ -1,4 +1,4 @@
-"""Native cores share compiled games, and nothing else: what threads do never shows in what a core shows."""
+"""Native cores share only compiled games, so the results of a core do not depend on other threads."""
 
 import hashlib
 from concurrent.futures import ThreadPoolExecutor
@@ -8,7 +8,7 @@ import pytest
 
 from atari.cores import NativeCore
 
-# Every common kind of cartridge, a paddle game, and one whose own generator is part of the cartridge.
+# Every common kind of cartridge, a paddle game, and one whose cartridge has a random number generator.
 GAMES = (
     "pong breakout enduro ms_pacman seaquest elevator_action montezuma_revenge robotank pitfall2 space_invaders".split()
 )
@@ -16,7 +16,7 @@ CORES, THREADS, ACTS = 100, 8, 20
 
 
 def digest(number: int) -> str:
-    """Of everything that core `number` shows while it is played."""
+    """A digest of all results of core `number` while it plays."""
     core = NativeCore(GAMES[number % len(GAMES)], seed=number, frame_skip=1 + number % 4, sound=True)
     actions = np.random.default_rng(number).integers(0, 18, ACTS)
     shown = hashlib.sha256()
@@ -59,7 +59,7 @@ def test_calls_of_several_threads_into_one_core_go_one_after_the_other() -> None
     assert core.snapshot() == alone.snapshot()
 
 
-def test_a_core_that_is_closed_while_others_play_it_refuses_with_a_sentence() -> None:
+def test_a_core_that_is_closed_while_other_threads_play_it_raises() -> None:
     core = NativeCore("pong")
 
     def play() -> None:

@@ -1,4 +1,4 @@
-"""The envelope of snapshots. What goes into it is tested with cores (`core_contract.py`) and environments."""
+"""The format of snapshots. Their content is tested with cores (`core_contract.py`) and environments."""
 
 import struct
 from typing import Any

@@ -1,4 +1,4 @@
-"""`atari.cores.verify` and `atari verify`: they must find a difference where there is one, and show and replay it."""
+"""`atari.cores.verify` and `atari verify`: they find a difference, report it and replay it."""
 
 import json
 from pathlib import Path

@@ -2,5 +2,5 @@
 
 import os
 
-# On small networks, and beside other work, threads that wait for each other take many times as long as one.
+# For small networks on a busy machine, several threads take many times as long as one.
 os.environ.setdefault("OMP_NUM_THREADS", "1")

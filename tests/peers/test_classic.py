@@ -1,4 +1,4 @@
-"""MuJoCo and Robotics through the old interface, under the IDs of old, and without a display."""
+"""MuJoCo and Robotics through the old interface, under Gym's IDs, and without a display."""
 
 import os
 import subprocess
@@ -57,7 +57,9 @@ def test_robotics_have_goals() -> None:
     assert isinstance(env.unwrapped, gym.GoalEnv)
     observation = env.reset()
     goal, achieved = observation["desired_goal"], observation["achieved_goal"]
-    assert env.compute_reward(goal, goal, {}) == 0  # hindsight: what was reached, had it been the goal
+    assert (
+        env.compute_reward(goal, goal, {}) == 0
+    )  # hindsight: the reward if the achieved goal had been the desired one
     assert env.compute_reward(achieved, achieved + 1, {}) == -1
     assert set(env.step(env.action_space.sample())[0]) == {"observation", "achieved_goal", "desired_goal"}
 
@@ -69,7 +71,7 @@ def test_they_are_listed_and_dead_registrations_are_not() -> None:
 
 
 @pytest.mark.parametrize("env_id", ["Walker2d-v2", "FetchPickAndPlace-v1"])
-def test_pictures_without_a_display(env_id: str) -> None:
+def test_rgb_array_without_a_display(env_id: str) -> None:
     program = (
         f"import atari.classic as gym\nenv = gym.make({env_id!r})\nenv.reset()\nenv.render()\n"
         "print(env.render(mode='rgb_array').std() > 10, env.render(mode='rgb_array').shape)"

@@ -13,7 +13,7 @@ pytestmark = pytest.mark.peers
 
 
 def make(num_envs: int) -> Any:
-    """Returns are of rewards as the game gives them; the agent gets their signs."""
+    """Returns are sums of unclipped rewards; the agent gets their signs."""
     options = {"reward_clipping": False, "autoreset_mode": "SameStep", "max_num_frames_per_episode": 400}
     envs = gymnasium.make_vec("ALE/Breakout-v5", num_envs=num_envs, **options)
     return wrappers.TransformReward(wrappers.RecordEpisodeStatistics(envs), np.sign)
@@ -96,29 +96,29 @@ def test_dqn() -> None:
     learned, target = network(count), network(count)
     target.load_state_dict(learned.state_dict())
     optimizer = torch.optim.Adam(learned.parameters(), lr=1e-3)
-    pictures = np.zeros((2, size, games, 4, 84, 84), np.uint8)  # before and after each step
+    observations = np.zeros((2, size, games, 4, 84, 84), np.uint8)  # before and after each step
     actions = np.zeros((size, games), np.int64)
     rewards, ends = np.zeros((size, games), np.float32), np.zeros((size, games), np.float32)
-    begun = np.zeros((size, games), bool)  # another episode, after the step
+    begun = np.zeros((size, games), bool)  # a new episode begins after the step
     returns: list[float] = []
     losses: list[float] = []
     observation, _ = envs.reset(seed=2)
     for step in range(size):
-        pictures[0, step] = observation
+        observations[0, step] = observation
         with torch.no_grad():
             greedy = learned(atari.to_torch(observation) / 255.0).argmax(1).numpy()
         actions[step] = np.where(rng.random(games) < 0.5, rng.integers(count, size=games), greedy)
         observation, rewards[step], ends[step], truncated, info = envs.step(actions[step])
-        pictures[1, step] = observation
+        observations[1, step] = observation
         if "final_obs" in info:
             ended = info["_final_obs"]
             assert np.array_equal(ended, (ends[step] > 0) | truncated)
             begun[step] = ended
-            pictures[1, step, ended] = info["final_obs"][ended]
+            observations[1, step, ended] = info["final_obs"][ended]
             returns += info["episode"]["r"][info["_episode"]].tolist()
         if step >= 50 and step % 4 == 0:
             rows, columns = rng.integers(step, size=32), rng.integers(games, size=32)
-            before, after = (torch.as_tensor(pictures[part, rows, columns]) / 255.0 for part in (0, 1))
+            before, after = (torch.as_tensor(observations[part, rows, columns]) / 255.0 for part in (0, 1))
             reward, end, action = (torch.as_tensor(x[rows, columns]) for x in (rewards, ends, actions))
             with torch.no_grad():
                 wanted = reward + 0.99 * target(after).max(1).values * (1 - end)
@@ -132,7 +132,7 @@ def test_dqn() -> None:
     assert np.isfinite(losses).all()
     assert np.mean(losses[-10:]) < 1
     assert returns
-    # A picture after a step is the one before the next, but where an episode began.
-    same = (pictures[1, :-1] == pictures[0, 1:]).all((2, 3, 4))
+    # The observation after a step is the one before the next step, except at the start of an episode.
+    same = (observations[1, :-1] == observations[0, 1:]).all((2, 3, 4))
     assert same[~begun[:-1]].all()
     assert not same[begun[:-1]].any()

@@ -1,4 +1,4 @@
-"""The code blocks of the documentation that need other packages; all others run in every lane."""
+"""The code blocks of the documentation that need other packages. All other blocks run in every test lane."""
 
 import re
 from pathlib import Path

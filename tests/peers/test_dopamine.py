@@ -60,20 +60,20 @@ def compare(atari_lib, game, limit=108_000, episodic_life=False, steps=600):
     for _ in range(steps):
         np.testing.assert_array_equal(observation, expected)
         action = int(rng.integers(env.action_space.n))
-        picture, reward, ended, _ = theirs.step(action)
+        frame, reward, ended, _ = theirs.step(action)
         observation, own_reward, terminated, truncated, _ = ours.step(action)
         assert own_reward == np.clip(reward, -1, 1)
         assert (terminated or truncated) == ended
-        expected = push(expected, picture)
+        expected = push(expected, frame)
         if ended:
             ends += 1
             np.testing.assert_array_equal(observation, expected)
-            # As the runner: only the end of the game is followed by a reset, a lost life goes on with its picture.
-            expected = push(np.zeros_like(expected), theirs.reset() if theirs.game_over else picture)
+            # As in Dopamine's runner, a reset follows only the end of the game; after a lost life the frame stays.
+            expected = push(np.zeros_like(expected), theirs.reset() if theirs.game_over else frame)
             observation, _ = ours.reset()
     assert ends > 0 or limit > 4 * steps
 
 
-def push(stack, picture):
-    """The stack of an agent: the new picture last."""
-    return np.concatenate([stack[1:], picture[None, ..., 0]])
+def push(stack, frame):
+    """The stack of an agent, with the new frame last."""
+    return np.concatenate([stack[1:], frame[None, ..., 0]])

@@ -16,7 +16,7 @@ CASES = {
 }
 
 
-# EnvPool's screens have 210 lines, so games with more are not its strength.
+# EnvPool's screens have 210 lines, so games with more lines are left out.
 @pytest.mark.parametrize("game", ["breakout", "pong", "ms_pacman", "bank_heist", "frogger", "qbert", "seaquest"])
 @pytest.mark.parametrize("case", CASES)
 def test_same_bytes(game, case):
@@ -57,7 +57,7 @@ def compare(game, probability=0.0, limit=27_000, episodic_life=False, clip_rewar
         assert own_info["lives"] == info["lives"][0]
         action = int(rng.integers(env.action_space.n))
         expected, *signals, info = theirs.step(np.array([action]))
-        if ended:  # this step of theirs was the reset
+        if ended:  # EnvPool's step was the reset
             observation, own_info = reset()
             own_signals = [0.0, False, False]
         else:

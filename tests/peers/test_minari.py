@@ -1,4 +1,4 @@
-"""Datasets: what Minari's own loader reads is what the environment returned."""
+"""Datasets: Minari's own loader reads what the environment returned."""
 
 from pathlib import Path
 from typing import Any
@@ -45,7 +45,7 @@ def assert_same(dataset: Any, episodes: list[dict[str, list[Any]]]) -> None:
     assert len(loaded) == dataset.total_episodes == len(episodes)
     assert dataset.total_steps == sum(len(episode["rewards"]) for episode in episodes)
     for got, expected in zip(loaded, episodes, strict=True):
-        expected["truncations"][-1] = not expected["terminations"][-1]  # Minari's way of saying that it was left
+        expected["truncations"][-1] = not expected["terminations"][-1]  # Minari's mark of an unfinished episode
         for name in FIELDS:
             values = getattr(got, name)
             if isinstance(values, dict):

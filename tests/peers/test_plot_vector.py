@@ -1,4 +1,4 @@
-"""`scripts/plot_vector.py` draws what `scripts/bench.py --suite sizes` has measured, with matplotlib."""
+"""`scripts/plot_vector.py` draws the results of `scripts/bench.py --suite sizes` with matplotlib."""
 
 import subprocess
 import sys

@@ -18,7 +18,7 @@ def make(game: Any = "breakout", num_envs: int | None = 2, **options: Any) -> An
 
 
 def theirs(game: str, num_envs: int, **options: Any) -> Any:
-    """What `make_atari_env` and `VecFrameStack` make of ale-py's environment."""
+    """ale-py's environment in `make_atari_env` and `VecFrameStack`."""
     from stable_baselines3.common.atari_wrappers import AtariWrapper
     from stable_baselines3.common.monitor import Monitor
     from stable_baselines3.common.vec_env import DummyVecEnv, VecFrameStack
@@ -116,7 +116,7 @@ def test_dicts() -> None:
     assert infos[0]["terminal_observation"] in envs.observation_space
 
 
-def test_a_lost_life_that_is_only_told_is_the_end_of_no_game() -> None:
+def test_a_lost_life_that_is_only_reported_ends_no_game() -> None:
     envs = make("breakout", 1, life_loss_info=True)
     envs.seed(0)
     envs.reset()
@@ -131,7 +131,7 @@ def test_a_lost_life_that_is_only_told_is_the_end_of_no_game() -> None:
     assert ends == [False] * 4 + [True]
 
 
-def test_rewards_are_clipped_as_asked_and_returns_never() -> None:
+def test_rewards_are_clipped_on_request_and_returns_never() -> None:
     def returns(**options: Any) -> tuple[float, float]:
         envs = make("seaquest", 1, max_num_frames_per_episode=1600, **options)
         envs.seed(0)
@@ -227,7 +227,7 @@ def test_ppo_learns_from_ram() -> None:
     assert -10 < np.mean([game["r"] for game in model.ep_info_buffer]) < 0
 
 
-def test_dqn_learns_and_what_it_remembers_is_right(tmp_path: Any) -> None:
+def test_dqn_learns_and_its_replay_buffer_is_right(tmp_path: Any) -> None:
     from stable_baselines3 import DQN
 
     envs = make("pong", 4, preset="baselines")

@@ -59,5 +59,5 @@ def compare(game, probability=0.0, sticky_wrapper=0.0, limit=None, episodic_life
 
 
 def channels_first(stack):
-    """They stack (84, 84, 4), we (4, 84, 84)."""
+    """Stable-Baselines3 stacks (84, 84, 4), this package (4, 84, 84)."""
     return stack.transpose(2, 0, 1)

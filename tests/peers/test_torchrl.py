@@ -12,7 +12,7 @@ pytestmark = pytest.mark.peers
 
 
 class Recorder(atari.AtariVectorEnv):
-    """Keeps copies of what each step began with and ended with."""
+    """Keeps copies of the data before and after each step."""
 
     def reset(self, **arguments: Any) -> Any:
         observation, info = super().reset(**arguments)
@@ -35,7 +35,7 @@ class Recorder(atari.AtariVectorEnv):
 
 
 class PatientRecorder(Recorder):
-    """Goes on recording through resets of environments that are done."""
+    """Also records the resets of environments that are done."""
 
     def reset(self, *, options: Any = None, **arguments: Any) -> Any:
         if options is None:
@@ -46,7 +46,7 @@ class PatientRecorder(Recorder):
 
 
 def rollout(env: Any, steps: int) -> Any:
-    """Steps of random actions, on through the ends of episodes, after TorchRL's own checks."""
+    """Steps of random actions over several episodes, after TorchRL's own checks."""
     import torch
     from torchrl.envs.libs.gym import GymWrapper
     from torchrl.envs.utils import check_env_specs

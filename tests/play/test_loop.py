@@ -29,7 +29,7 @@ def display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
 
 
 class WindowDriver:
-    """A loop whose clock is the test."""
+    """A loop whose ticks the test makes."""
 
     def __init__(self, game: str = "breakout", *, sound: bool = False, scale: int = 1) -> None:
         self.session = Session(game, replay=Path("a.a26"), state=Path("a.state"), videos=Path("v"), seed=1, scale=1)
@@ -216,7 +216,7 @@ def test_frames_come_at_the_consoles_rate_on_average() -> None:
     now = [100.0]
 
     def sleep(seconds: float) -> None:
-        now[0] += seconds + 0.0005  # as imprecise as clocks are
+        now[0] += seconds + 0.0005  # the jitter of a sleep
 
     pacer = Pacer(59.92, lambda: now[0], sleep)
     for frame in range(600):
@@ -294,7 +294,7 @@ def test_without_pygame_the_extra_is_named(monkeypatch: pytest.MonkeyPatch, caps
 
 
 @pytest.mark.parametrize(("driver", "options"), [(None, []), ("x11", ["--replay", "best.a26"])])
-def test_without_a_display_it_says_so_and_touches_no_file(
+def test_without_a_display_it_raises_and_touches_no_file(
     driver: str | None, options: list[str], tmp_path: Path
 ) -> None:
     absent = ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER")

@@ -1,4 +1,4 @@
-"""A user's folder of the test's own, and the ROM files in ale-py's wheel as material."""
+"""Fixtures: a user's folder in a temporary directory, and the ROM files in ale-py's wheel."""
 
 import os
 from pathlib import Path
@@ -24,7 +24,7 @@ def bare(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def collection(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder that `ATARI_ROMS` names."""
+    """A folder in `ATARI_ROMS`."""
     folder = tmp_path / "collection"
     folder.mkdir()
     monkeypatch.setenv("ATARI_ROMS", str(folder))
@@ -49,7 +49,7 @@ def breakout(shipped: Path) -> bytes:
 
 @pytest.fixture
 def unreadable(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A file that must not be opened, also where the tests run as root, who may open everything."""
+    """A file that cannot be opened, also if the tests run as root, which may open every file."""
     file = tmp_path / "locked.bin"
     file.write_bytes(b"?")
     really_open, really_access = Path.open, os.access

@@ -1,6 +1,6 @@
-"""`install`: AutoROM is asked, and what it brings is checked; it may be missing, declined, or offline.
+"""`install` runs AutoROM and checks the files; AutoROM may be missing, the licence declined, or the machine offline.
 
-AutoROM is played by a module with its `main`, which prints and asks as version 0.6.1 does.
+A module replaces AutoROM. Its `main` prints and prompts as version 0.6.1 does.
 """
 
 import sys
@@ -14,7 +14,7 @@ from atari import roms
 
 
 class _AutoRom(ModuleType):
-    """AutoROM with `outcome` as what happens after the licence was accepted."""
+    """AutoROM, in which `outcome` happens after the licence was accepted."""
 
     def __init__(self, outcome: "dict[str, bytes] | str | Exception") -> None:
         super().__init__("AutoROM.AutoROM")
@@ -64,7 +64,7 @@ def test_what_it_brings_is_checked_and_imported(own: Path, pong: bytes) -> None:
 
 
 @pytest.mark.usefixtures("autorom")
-def test_the_licence_is_asked_for_and_accepted(
+def test_the_licence_prompt_is_accepted(
     own: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     _answer(monkeypatch, tmp_path, "y\n")

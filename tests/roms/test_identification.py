@@ -1,4 +1,4 @@
-"""`identify`: every shipped ROM is recognised, and what is no ROM is described with its nearest game."""
+"""`identify` recognises every shipped ROM, and describes any other file with the most similar game."""
 
 import gzip
 import hashlib
@@ -122,7 +122,7 @@ def test_of_several_games_the_likelier_is_named() -> None:
 
 
 @pytest.mark.usefixtures("bare")
-def test_without_other_roms_the_hash_still_tells(tmp_path: Path, breakout: bytes) -> None:
+def test_without_other_roms_the_hash_identifies(tmp_path: Path, breakout: bytes) -> None:
     (tmp_path / "a").write_bytes(breakout)
     (tmp_path / "b").write_bytes(breakout[1:])
     assert roms.identify(tmp_path / "a").game is games["breakout"]

@@ -1,4 +1,4 @@
-"""`import_from`: everything known comes over under its usual name, and nothing else happens."""
+"""`import_from` copies every known ROM under its usual name, and does nothing else."""
 
 import gzip
 import io
@@ -108,7 +108,7 @@ def test_bombs_are_not_unpacked(own: Path, tmp_path: Path, pong: bytes) -> None:
     ] * 2
 
 
-def test_an_archive_that_lies_about_sizes(tmp_path: Path) -> None:
+def test_an_archive_with_wrong_sizes(tmp_path: Path) -> None:
     _zip(tmp_path / "a.zip", {"big": bytes(10**6)})
     data = (tmp_path / "a.zip").read_bytes()
     (tmp_path / "a.zip").write_bytes(data.replace(struct.pack("<L", 10**6), struct.pack("<L", 2048)))
@@ -124,7 +124,7 @@ def test_too_many_members(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     assert roms.import_from(tmp_path / "a.zip").rejected == (fault,)
 
 
-def test_damaged_archives_are_told(own: Path, tmp_path: Path, pong: bytes) -> None:
+def test_damaged_archives_are_reported(own: Path, tmp_path: Path, pong: bytes) -> None:
     source = tmp_path / "source"
     source.mkdir()
     (source / "p").write_bytes(pong)
@@ -155,7 +155,7 @@ def test_an_archive_damaged_anywhere_raises_nothing(tmp_path: Path, pong: bytes)
     with zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
         archive.writestr("p", pong)
     data = (tmp_path / "a.zip").read_bytes()
-    content = range(31, 31 + len(pong))  # behind the header of the one member; the directory follows
+    content = range(31, 31 + len(pong))  # after the header of the only member; the directory follows
     for index in range(len(data)):
         if index in content and index % 100:
             continue
@@ -167,7 +167,7 @@ def test_an_archive_damaged_anywhere_raises_nothing(tmp_path: Path, pong: bytes)
         assert index not in content or report.rejected
 
 
-def test_rubbish_is_told_and_passed_over(own: Path, tmp_path: Path, pong: bytes, unreadable: Path) -> None:
+def test_other_files_are_reported_and_skipped(own: Path, tmp_path: Path, pong: bytes, unreadable: Path) -> None:
     source = tmp_path / "source"
     source.mkdir()
     os.mkfifo(source / "a pipe")
@@ -189,7 +189,7 @@ def test_rubbish_is_told_and_passed_over(own: Path, tmp_path: Path, pong: bytes,
     ]
 
 
-def test_a_closed_subfolder_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_unreadable_subfolder_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "source" / "closed").mkdir(parents=True)
     really_scan = os.scandir
 

@@ -1,4 +1,4 @@
-"""`find`, `installed` and `verify`: the right file is found wherever it is, and no wrong one is ever returned."""
+"""`find`, `installed` and `verify` find the right file in any folder, and never return a wrong file."""
 
 import dataclasses
 import gzip
@@ -113,7 +113,7 @@ def test_a_file_that_changes_is_read_again(collection: Path, pong: bytes, breako
 
 
 @pytest.mark.usefixtures("bare")
-def test_a_change_that_keeps_size_and_time_does_not_get_through(collection: Path, pong: bytes, breakout: bytes) -> None:
+def test_a_change_that_keeps_size_and_time_is_noticed(collection: Path, pong: bytes, breakout: bytes) -> None:
     file = collection / "game"
     for content in (breakout, pong):
         file.write_bytes(content)
@@ -286,7 +286,7 @@ def test_verify_all(shipped: Path) -> None:
         )
 
 
-def test_verify_tells_of_the_file_passed_over(collection: Path, shipped: Path, pong: bytes) -> None:
+def test_verify_reports_a_skipped_file(collection: Path, shipped: Path, pong: bytes) -> None:
     file = collection / "breakout.bin"
     file.write_bytes(pong)
     check = roms.verify("breakout")["breakout"]

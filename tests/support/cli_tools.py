@@ -1,4 +1,4 @@
-"""What the tests of the command line share: running a command and reading its output."""
+"""Helpers of the tests of the command line: run a command and read its output."""
 
 import json
 from typing import Any

@@ -15,13 +15,13 @@ from snapshot_contract import SnapshotContract
 import atari
 from atari.cores import Core
 
-PICTURES = {"screen": (), "screen_rgb": (3,), "screen_grayscale": ()}
+SCREENS = {"screen": (), "screen_rgb": (3,), "screen_grayscale": ()}
 FIRE, RIGHT, LEFT = 1, 3, 4
 
 
 def shape_of(core: Core, array: str) -> tuple[int, ...]:
-    if array in PICTURES:
-        return (*core.game.screen.shape, *PICTURES[array])
+    if array in SCREENS:
+        return (*core.game.screen.shape, *SCREENS[array])
     return {"ram": (128,), "audio": (512,)}[array]
 
 
@@ -98,17 +98,17 @@ class CoreContract(SnapshotContract):
         assert str(caught.value).endswith(text)
 
     def test_a_mode_is_in_force_from_the_first_reset(self) -> None:
-        """Breakout keeps its game number in this byte."""
+        """In Breakout this byte is the game number."""
         assert self.make(mode=8).ram()[0x32] == 8
         assert self.make().ram()[0x32] == 0
 
     @pytest.mark.parametrize(("difficulty", "width"), [(0, 16), (1, 12)])
     def test_a_difficulty_makes_another_game(self, difficulty: int, width: int) -> None:
-        """In Breakout it is the width of the paddle, in the row between two walls of eight pixels."""
+        """In Breakout the difficulty is the width of the paddle, in the row between two walls of eight pixels."""
         row = self.make(difficulty=difficulty).screen()[190]
         assert np.count_nonzero(row[8:-8]) == width
 
-    # What it shows.
+    # Screens, RAM and sound.
 
     @pytest.mark.parametrize("game", ["breakout", "adventure", "journey_escape"])
     @pytest.mark.parametrize("array", ARRAYS)
@@ -150,7 +150,7 @@ class CoreContract(SnapshotContract):
             getattr(core, array)(bad)
         assert np.all(np.asarray(bad) == 77)
 
-    def test_the_three_pictures_show_the_same(self) -> None:
+    def test_the_three_screens_show_the_same(self) -> None:
         """Each palette index has one colour and one luminance, and the luminance is that of the colour."""
         core = self.make("seaquest")
         core.act(0)
@@ -160,7 +160,7 @@ class CoreContract(SnapshotContract):
         assert len(np.unique(everything, axis=0)) == len(np.unique(index)) > 5
         assert np.array_equal(gray, np.floor(rgb @ [0.2989, 0.587, 0.114] + 0.5).astype(np.uint8))
 
-    def test_sound_is_zero_unless_asked_for(self) -> None:
+    def test_sound_is_zero_unless_requested(self) -> None:
         core = self.make("seaquest")
         core.act(FIRE)
         assert not core.audio().any()
@@ -262,7 +262,7 @@ class CoreContract(SnapshotContract):
         assert play(skier, [FIRE] * 20) == play(idler, [0] * 20)
 
     def test_strength_scales_the_paddle(self) -> None:
-        """At half strength it takes twice as long; the game keeps the place of its paddle in RAM."""
+        """At half strength the paddle takes twice as long; its position is in RAM."""
         places = []
         for strength, frames in ((1.0, 8), (0.5, 16), (0.5, 8)):
             core = self.make(repeat_action_probability=0.0)
@@ -281,7 +281,7 @@ class CoreContract(SnapshotContract):
         assert (after[127], after[0]) == (255, 7)
         assert np.array_equal(after[1:127], before[1:127])
 
-    # Chance.
+    # Random numbers.
 
     def test_the_same_seed_gives_the_same_game(self) -> None:
         first, second = self.make("seaquest", seed=11), self.make("seaquest", seed=11)
@@ -343,14 +343,14 @@ class CoreContract(SnapshotContract):
         assert (core.lives, core.frame_number, core.episode_frame_number) == numbers
         assert [(core.act(action), core.ram().tobytes(), core.lives) for action in actions] == expected
 
-    def test_a_cloned_state_has_the_generator_only_if_asked(self) -> None:
+    def test_a_cloned_state_has_the_generator_only_on_request(self) -> None:
         core = self.make("seaquest", seed=1)
         core.act(0)
         without, with_rng = core.clone_state(), core.clone_state(include_rng=True)
         traces = {}
         for name, state in (("first", with_rng), ("again", with_rng), ("goes on", without)):
             core.restore_state(state)
-            # An action with a held one before it is what the generator decides about.
+            # The generator decides between an action and the previous one.
             traces[name] = [(core.act(action), core.ram().tobytes()) for action in [0, *some_actions(core, 60)]]
         assert traces["first"] == traces["again"] != traces["goes on"]
 

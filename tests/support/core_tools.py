@@ -1,4 +1,4 @@
-"""What the contracts of cores have in common: making a core, playing it, and seeing everything of it."""
+"""Helpers of the contracts of cores: make a core, play it, and read its visible state."""
 
 import random
 from collections.abc import Iterable, Iterator
@@ -11,7 +11,7 @@ ARRAYS = ["ram", "screen", "screen_rgb", "screen_grayscale", "audio"]
 
 
 class Maker:
-    """A core's test class names the class of the core."""
+    """The base of a core's test class, which sets the class of the core."""
 
     core_type: type[AleCore] | type[NativeCore]
 
@@ -23,13 +23,13 @@ class Maker:
 
 
 def visible(core: Core) -> tuple[Any, ...]:
-    """Everything that can be seen of a core."""
+    """The visible state of a core."""
     arrays = tuple(getattr(core, name)().tobytes() for name in ARRAYS)
     return (*arrays, core.lives, core.game_over, core.truncated, core.frame_number, core.episode_frame_number)
 
 
 def play(core: Core, actions: Iterable[int]) -> list[tuple[Any, ...]]:
-    """What a core shows after each action, with the reward."""
+    """The visible state of a core after each action, with the reward."""
     return [(core.act(action), *visible(core)) for action in actions]
 
 
@@ -39,7 +39,7 @@ def some_actions(core: Core, count: int, seed: int = 0) -> list[int]:
 
 @contextmanager
 def unchanged(core: Core) -> Iterator[None]:
-    """The block, which is expected to be refused, leaves the core as it was, hidden state included."""
+    """Check that the block, which is expected to raise, leaves the core unchanged, with its hidden state."""
     seen, saved = visible(core), core.snapshot()
     yield
     assert visible(core) == seen

@@ -1,4 +1,4 @@
-"""What the tests of `AtariEnv` share: starting a game, playing at random, comparing results."""
+"""Helpers of the tests of `AtariEnv`: start a game, play at random, compare results."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,7 +12,7 @@ from atari import AtariEnv
 
 @contextmanager
 def unchanged(env: AtariEnv) -> Iterator[None]:
-    """The block, which is expected to be refused, leaves the environment as it was."""
+    """Check that the block, which is expected to raise, leaves the environment unchanged."""
     before = env.snapshot()
     yield
     assert env.snapshot() == before

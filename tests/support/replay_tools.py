@@ -1,4 +1,4 @@
-"""What the tests of replays share: recording something small."""
+"""Helpers of the tests of replays: record a short game."""
 
 from pathlib import Path
 from typing import Any

@@ -1,6 +1,6 @@
-"""A small interpreter of the rules in the game files, to compare what they say with what ale-py does.
+"""A small interpreter of the rules in the game files, to compare them with ale-py.
 
-The language is a part of Python's, so Python evaluates it; only the memories and the helpers have to be provided.
+The language is a subset of Python, so Python evaluates it; the interpreter provides the memories and the helpers.
 """
 
 from collections.abc import Callable, Mapping
@@ -17,7 +17,7 @@ def signed(value: int) -> int:
 
 
 def vocabulary(ram: Memory, base: int = 0x80) -> dict[str, Any]:
-    """What an expression may name besides variables; `base` is the address of the first byte of `ram`."""
+    """The names in an expression that are no variables; `base` is the address of the first byte of `ram`."""
     memory = bytes(base) + bytes(ram)
 
     def between(low: int, high: int) -> bytes:
@@ -44,7 +44,7 @@ def evaluate(source: str, ram: Memory, variables: Mapping[str, int], base: int =
 
 
 class Interpreter:
-    """The rules of a game at work: give it the RAM after every frame."""
+    """Evaluates the rules of a game; `step` gets the RAM after every frame."""
 
     def __init__(self, rules: Rules) -> None:
         self._rules = rules
@@ -54,7 +54,7 @@ class Interpreter:
     def reset(self, ram: Memory, mode: int, xram: Memory = bytes(128)) -> dict[str, int]:
         """Begin an episode with the RAM that a reset has left.
 
-        The rules have seen every frame of the reset, but the last one alone decides what they remember of it.
+        The core evaluates the rules for every frame of a reset, but only the last frame determines the state after it.
         """
         self._state = dict(self._rules.state)
         for operation in self._rules.mode_select:

@@ -16,13 +16,13 @@ from atari.cores import snapshot
 
 FIRE, RIGHT = 1, 3
 
-# Games of different kinds: paddles, PAL, a state that ale-py's own saving misses, rules that remember over a reset,
-# a cartridge with RAM, resets that draw random numbers.
+# Games of different kinds: paddles, PAL, a state that ale-py's own states leave out, rules with variables kept over a
+# reset, a cartridge with RAM, resets that draw random numbers.
 SNAPSHOT_GAMES = ["breakout", "adventure", "qbert", "video_checkers", "klax", "double_dunk"]
 
 
 class SnapshotContract(Maker):
-    """Whatever has happened, a snapshot continues exactly; whatever is no snapshot, is refused and changes nothing."""
+    """A snapshot taken at any time continues exactly. Any other value raises and changes nothing."""
 
     @pytest.mark.parametrize("sound", [False, True])
     @pytest.mark.parametrize("game", SNAPSHOT_GAMES)
@@ -64,19 +64,19 @@ class SnapshotContract(Maker):
         result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
         assert result.stdout.strip() == hashlib.sha256(repr(play(core, actions)).encode()).hexdigest()
 
-    @pytest.mark.parametrize("moment", ["made", "reset", "poked", "paddle", "truncated", "over"])
-    def test_a_snapshot_of_any_moment_continues_exactly(self, moment: str) -> None:
+    @pytest.mark.parametrize("phase", ["made", "reset", "poked", "paddle", "truncated", "over"])
+    def test_a_snapshot_of_any_phase_continues_exactly(self, phase: str) -> None:
         core = self.make(reset=False, max_num_frames_per_episode=60, seed=1)
-        if moment != "made":
+        if phase != "made":
             core.reset()
-        if moment == "poked":
+        if phase == "poked":
             core.set_ram(0x39, 3)
-        if moment == "paddle":
+        if phase == "paddle":
             for _ in range(10):
                 core.act(RIGHT, 0.3)
-        if moment == "truncated":
+        if phase == "truncated":
             play(core, [0] * 70)
-        if moment == "over":
+        if phase == "over":
             core.set_ram(0x39, 0)
             play(core, [0] * 5)
         saved = core.snapshot()
@@ -103,7 +103,7 @@ class SnapshotContract(Maker):
         assert traces[0] == traces[1] == traces[2]
 
     def test_after_a_restore_a_reset_is_that_of_the_snapshot(self) -> None:
-        """A reset may depend on what came before it, RAM and generators included."""
+        """A reset may depend on the state before it, including RAM and generators."""
         first, second = self.make("double_dunk", seed=1), self.make("double_dunk", seed=2)
         play(first, some_actions(first, 30))
         second.restore(first.snapshot())

@@ -57,7 +57,7 @@ def choose(generator: np.random.Generator, envs: Any, num_envs: int) -> Any:
 
 
 def same(name: str, mine: Any, other: Any, where: str) -> None:
-    """Equal in dtype, shape and every value."""
+    """Whether two arrays are equal in dtype, shape and every value."""
     assert mine.dtype == other.dtype, f"{where}: {name} is {mine.dtype}, ale-py's {other.dtype}"
     assert mine.shape == other.shape, f"{where}: {name} is {mine.shape}, ale-py's {other.shape}"
     assert np.array_equal(mine, other), f"{where}: {name} differs"

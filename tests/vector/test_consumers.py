@@ -55,7 +55,7 @@ def test_spaces_sample_what_is_taken() -> None:
 
 
 def test_returns_are_those_of_single_environments() -> None:
-    """Recorded below the clipping, as loops in the manner of CleanRL do it, and in whole games."""
+    """Statistics are recorded inside the clipping, as in CleanRL's loops, and for whole games."""
     options: dict[str, Any] = {"preset": "gymnasium", "repeat_action_probability": 0.0}
     envs = atari.AtariVectorEnv("breakout", 2, reward_clipping=False, **options)
     recorded = wrappers.TransformReward(wrappers.RecordEpisodeStatistics(envs), np.sign)
@@ -78,7 +78,7 @@ def test_returns_are_those_of_single_environments() -> None:
         alone: list[tuple[float, int]] = []
         for step in range(700):
             if step and over[step - 1, index]:
-                env.reset()  # which takes a step of the vector
+                env.reset()  # the reset takes a step of the vector
                 continue
             *_, alone_info = env.step(int(actions[step, index]))
             if over[step, index]:

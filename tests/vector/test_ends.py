@@ -1,4 +1,4 @@
-"""How vector environments end: closed, collected, interrupted, failed, forked; and that they leave nothing behind."""
+"""How vector environments end: closed, collected, interrupted, failed, forked. No thread and no memory is left."""
 
 import gc
 import multiprocessing
@@ -32,7 +32,7 @@ def play(envs: atari.AtariVectorEnv) -> None:
 
 
 def threading_count() -> int:
-    """Threads of this process, those started in C++ too."""
+    """The threads of this process, including those started in C++."""
     return len(os.listdir("/proc/self/task")) if os.path.isdir("/proc/self/task") else threading.active_count()
 
 
@@ -90,7 +90,7 @@ CALLS = {
 
 
 @pytest.mark.parametrize("name", CALLS)
-def test_closed_ones_say_so(name: str) -> None:
+def test_closed_environments_raise(name: str) -> None:
     envs = make(num_envs=2, render_mode="rgb_array")
     envs.reset()
     envs.close()
@@ -111,7 +111,7 @@ def test_members_that_are_held_do_not_keep_threads() -> None:
 
 
 def test_a_thousand_constructions_leave_nothing() -> None:
-    """Each has 250 KiB and a thread: a hundredth of one that stays would show."""
+    """Each environment has 250 KiB and a thread, so the limit detects a leak of a hundredth of one."""
 
     def construct(count: int) -> None:
         for i in range(count):
@@ -175,8 +175,8 @@ def test_long_play_takes_no_more_memory() -> None:
 
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="resident memory is read as on Linux")
-def test_ended_episodes_leave_no_memory_behind() -> None:
-    """In a process of its own, in which nobody else has left memory that could be used again."""
+def test_ended_episodes_leave_no_memory() -> None:
+    """The test runs in a process of its own, in which no other test has freed memory that could be reused."""
     program = """
 import atari, numpy as np
 def pages():
@@ -191,7 +191,7 @@ for step in range(1000):
 print((pages() - before) / 128)
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120)
-    assert float(done.stdout) < 1, done.stderr  # a picture is 8 pages, and was kept by every fourth environment
+    assert float(done.stdout) < 1, done.stderr  # a frame is 8 pages, and every fourth environment kept one
 
 
 def test_forks_and_snapshots_take_no_more_memory() -> None:
@@ -241,7 +241,7 @@ def test_two_threads_share_one() -> None:
 
 if hasattr(os, "fork"):
 
-    def test_a_forked_process_is_told() -> None:
+    def test_a_forked_process_gets_an_error() -> None:
         envs = make(num_envs=2)
         envs.reset(seed=0)
         child = os.fork()
@@ -249,12 +249,12 @@ if hasattr(os, "fork"):
             try:
                 envs.step(np.zeros(2, int))
             except RuntimeError as error:
-                told = "was made before the process was forked" in str(error)
+                reported = "was made before the process was forked" in str(error)
                 envs.close()
                 new = make(num_envs=2)
                 new.reset(seed=0)
                 new.step(np.zeros(2, int))
-                os._exit(0 if told else 1)
+                os._exit(0 if reported else 1)
             os._exit(2)
         deadline = time.monotonic() + 60
         while (status := os.waitpid(child, os.WNOHANG))[0] == 0 and time.monotonic() < deadline:
@@ -265,7 +265,7 @@ if hasattr(os, "fork"):
         envs.step(np.zeros(2, int))
 
     def test_a_forked_process_ends_of_itself() -> None:
-        """With environments in flight, whose threads it does not have."""
+        """The fork happens while environments are played; the child has none of their threads."""
         envs = make(num_envs=4)
         envs.reset(seed=0)
         envs.fork(0, [1, 2, 3])

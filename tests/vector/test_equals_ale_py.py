@@ -35,8 +35,8 @@ def test_lives_that_end_episodes() -> None:
 
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
 @pytest.mark.parametrize(("frameskip", "maxpool", "stack"), [(4, True, 1), (5, True, 2), (1, True, 1), (3, False, 4)])
-def test_colours_of_the_pictures_own_size(mode: AutoresetMode, frameskip: int, maxpool: bool, stack: int) -> None:
-    """They are made in another way. An episode ends in the midst of a skip, and goes on to the next."""
+def test_rgb_at_the_size_of_the_screen(mode: AutoresetMode, frameskip: int, maxpool: bool, stack: int) -> None:
+    """Frames of the screen's own size are not scaled. An episode ends inside a skip, and the next one follows."""
     options = {"frameskip": frameskip, "maxpool": maxpool, "stack_num": stack, "autoreset_mode": mode}
     for seed, game in enumerate(("breakout", "seaquest")):
         compare(

@@ -1,4 +1,4 @@
-"""Observations are lent without a copy: their memory is written again only when no array over it is left."""
+"""Observations are lent without a copy: their memory is reused only after the last array over it is gone."""
 
 import gc
 
@@ -21,7 +21,7 @@ def test_a_view_outlives_the_environment() -> None:
 
 
 def test_memory_is_used_again() -> None:
-    """A loop that drops its observations lives on two buffers; a view of one keeps its buffer from being used."""
+    """A loop that drops its observations uses two buffers; a view of an observation keeps its buffer from reuse."""
     envs = atari.AtariVectorEnv("pong", 1, num_threads=1)
     envs.reset(seed=0)
 

@@ -1,4 +1,4 @@
-"""Snapshots, forks, pickling, and looking at single environments of a vector."""
+"""Snapshots, forks, pickling, and the members of a vector."""
 
 import copy
 import pickle
@@ -16,7 +16,7 @@ def make(game: Any = "breakout", num_envs: int | None = 3, **options: Any) -> at
 
 
 def play(envs: atari.AtariVectorEnv, steps: int, seed: int) -> list[bytes]:
-    """All arrays of some steps, from where the environments are."""
+    """All arrays of some steps from the current state."""
     generator = np.random.default_rng(seed)
     results = []
     for _ in range(steps):
@@ -87,8 +87,8 @@ def test_fork() -> None:
     assert not (observation == observation[7]).all()
 
 
-def test_a_fork_is_of_the_moment_however_late_it_is_looked_at() -> None:
-    """The copying is done later: nothing that happens until then may show in it."""
+def test_a_fork_has_the_state_at_its_call_however_late_it_is_read() -> None:
+    """The state is copied later. Calls before the copy must not affect it."""
     envs, twin = make("seaquest", 3, obs_type="ram"), make("seaquest", 3, obs_type="ram")
     for one in (envs, twin):
         one.reset(seed=5)
@@ -96,7 +96,7 @@ def test_a_fork_is_of_the_moment_however_late_it_is_looked_at() -> None:
     before, _ = twin.observe()
     envs.fork(0, [1])
     envs.members[0].set_ram(3, 99)
-    envs.fork(2, [0])  # which is copied to 0, while 1 still waits for what 0 was
+    envs.fork(2, [0])  # copied to 0, while 1 still waits for the earlier state of 0
     shown, _ = envs.observe()
     assert np.array_equal(shown, before[[2, 0, 2]])
 
@@ -233,7 +233,7 @@ def test_pickling_while_stepping_is_refused() -> None:
 
 
 class TestMembers:
-    def test_say_what_they_are_at(self) -> None:
+    def test_counters_of_members(self) -> None:
         envs = make(["pong", "breakout"], None)
         _, info = envs.reset(seed=0)
         *_, info = envs.step(np.array([0, 1]))

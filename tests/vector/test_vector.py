@@ -1,4 +1,4 @@
-"""What the vector environment promises beside equality with ale-py's."""
+"""The properties of the vector environment besides equality with ale-py's."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ import atari
 
 
 def play(envs: atari.AtariVectorEnv, steps: int, seed: int = 5) -> list[bytes]:
-    """Everything that some steps of random actions return, as bytes."""
+    """All results of some steps of random actions, as bytes."""
     generator = np.random.default_rng(seed)
     observation, info = envs.reset(seed=seed)
     results = [observation.tobytes()]
@@ -428,7 +428,7 @@ class TestBadInput:
         *_, info = envs.recv()
         assert info["env_id"].tolist() == [0, 1, 2]
         envs.send(actions)
-        first, _ = envs.reset(seed=0)  # what was sent is forgotten
+        first, _ = envs.reset(seed=0)  # the reset drops the actions that were sent
         assert np.array_equal(first, make().reset(seed=0)[0])
 
 
@@ -449,7 +449,7 @@ class TestAsync:
             steps[info["env_id"]] += 1
             envs.send(np.full(2, 2))
             observation, _, _, _, info = envs.recv()
-        assert steps.min() > 5  # nobody starves
+        assert steps.min() > 5  # every environment is played
 
     def test_one_thread_serves_all_in_turn(self) -> None:
         envs = make("pong", 5, batch_size=2, num_threads=1)

@@ -1,4 +1,4 @@
-"""What the tests of the wrappers share: an environment that does as it is told, and a contract for every wrapper."""
+"""Fixtures of the tests of wrappers: an environment that follows a script, and a contract for every wrapper."""
 
 import copy
 import pickle
@@ -61,7 +61,7 @@ def scripted() -> type[ScriptedEnv]:
 
 @pytest.fixture
 def game_env() -> Iterator[Callable[..., AtariEnv]]:
-    """Makes environments that play one frame a step without sticky actions, and closes them in the end."""
+    """Makes environments that play one frame a step without sticky actions, and closes them after the test."""
     made: list[AtariEnv] = []
 
     def make(game: str, **options: Any) -> AtariEnv:
@@ -74,7 +74,7 @@ def game_env() -> Iterator[Callable[..., AtariEnv]]:
 
 
 def rollout(env: gymnasium.Env, actions: list[Any]) -> list[Any]:
-    """All that these actions give, resetting after each episode."""
+    """All results of these actions, with a reset after each episode."""
     results = []
     for action in actions:
         observation, reward, terminated, truncated, info = env.step(action)
@@ -93,7 +93,7 @@ def _arrays(observation: Any) -> Any:
 
 @pytest.fixture
 def contract() -> Callable[..., None]:
-    """Checks what must hold of every wrapped environment."""
+    """The contract of every wrapped environment."""
 
     def check(make: Callable[[], gymnasium.Env]) -> None:
         env, twin = make(), make()

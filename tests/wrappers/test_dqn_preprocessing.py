@@ -1,4 +1,4 @@
-"""Every observation is computed a second time, frame by frame and without cleverness, and compared."""
+"""Every observation equals one computed in the simplest way, frame by frame."""
 
 import cv2
 import gymnasium
@@ -14,7 +14,7 @@ ACTIONS = [1, 2, 3, 0, 2, 2, 1, 3, 3, 0, 1, 2] * 3
 
 
 class Through(gymnasium.Wrapper):
-    """Does nothing, but `DqnPreprocessing` around it cannot know that."""
+    """Passes each step on; an outer `DqnPreprocessing` has to call its `step`."""
 
     def step(self, action):
         return self.env.step(action)
@@ -91,8 +91,8 @@ def test_without_a_stack(game_env):
         np.testing.assert_array_equal(env.step(action)[0], stacked.step(action)[0][-1])
 
 
-# What is shown when the second step is cut short after `played` frames: f are the frames of that step, p those of the
-# step before it.
+# The new frame of the observation if the episode ends `played` frames into the second step: f are the frames of that
+# step, p those of the step before it.
 def pooled(*frames):
     return np.maximum.reduce(frames)
 
@@ -185,7 +185,7 @@ def test_seamless_lives_play_the_skip_to_its_end_and_keep_the_stack(game_env, la
 
 
 def lose_a_life(env):
-    """Play until the first life is lost; the frame at which the step ended, and what it showed."""
+    """Play until the first life is lost; return the frame at which the step ended, and its observation."""
     env.reset(seed=0)
     lives = env.unwrapped.core.lives
     for step in range(200):

@@ -63,7 +63,7 @@ def test_an_episode_that_ends_meanwhile_is_started_again(scripted, end):
 
 
 def test_is_what_gymnasium_does_to_a_game(game_env):
-    """Gymnasium's wrapper around the same environment starts at the same frame, whatever the seed."""
+    """For every seed, Gymnasium's wrapper around the same environment starts at the same frame."""
     env = game_env("pong")
     ours = NoopReset(env)
     theirs = gymnasium.wrappers.AtariPreprocessing(game_env("pong"), screen_size=84)

@@ -1,6 +1,6 @@
-"""Presets beside the implementations they are named after, byte for byte, and the rules about options and names.
+"""Presets equal the implementations that they are named after, to the byte; and the rules about options and names.
 
-Gymnasium and ale-py are here; the other implementations are compared in `tests/peers`.
+This file compares Gymnasium and ale-py; `tests/peers` compares the other implementations.
 """
 
 import ale_py
@@ -65,12 +65,12 @@ def test_ale_vector(game_env, game, episodic_life, probability, limit, steps):
     before = env.core.episode_frame_number + ("FIRE" in env.get_action_meanings())
 
     def reset(info):
-        """A start as theirs, whose no-ops follow from the frame number."""
+        """The same start as ale-py's; the frame number determines the number of no-ops."""
         return ours.reset(options={"noops": max(int(info["episode_frame_number"][0]) - before, 0)})
 
     rng = np.random.default_rng(7)
     expected, info = theirs.reset(seed=11)
-    env.core.seed(11)  # their seeds are the emulator's own
+    env.core.seed(11)  # ale-py's seeds are the emulator's own
     observation, own_info = reset(info)
     ended = False
     ends = 0
@@ -79,7 +79,7 @@ def test_ale_vector(game_env, game, episodic_life, probability, limit, steps):
         assert [own_info[key] for key in INFO] == [info[key][0] for key in INFO]
         action = int(rng.integers(env.action_space.n))
         expected, *signals, info = theirs.step(np.array([action]))
-        if ended:  # this step of theirs was the reset
+        if ended:  # ale-py's step was the reset
             ends += 1
             observation, own_info = reset(info)
             own_signals = [0, False, False]
@@ -107,13 +107,13 @@ def test_fire_is_one_of_the_noops(game_env, name, low, high):
 
 
 def drawn_noops(env, seed, low, high):
-    """What a seeded environment draws first."""
+    """The first number that a seeded environment draws."""
     env.reset(seed=seed)
     return int(env.np_random.integers(low, high + 1))
 
 
 class TestProtocols:
-    """What the publications say, where no program is the measure."""
+    """The values in the publications; no program defines this preset."""
 
     def test_dqn2015(self, game_env):
         env, raw = preset(game_env("seaquest"), "dqn2015"), game_env("seaquest")
@@ -156,7 +156,7 @@ class TestProtocols:
 
     @pytest.mark.parametrize("name", PRESETS)
     def test_rewards(self, game_env, name):
-        """Invaders are worth 5 to 30, clipped 1."""
+        """Invaders score 5 to 30 points, 1 after clipping."""
         env = preset(game_env("space_invaders", **preset_options(name)), name, episodic_life=False)
         env.reset(seed=1)
         rng = np.random.default_rng(0)

@@ -1,4 +1,4 @@
-"""The tables behind `DqnPreprocessing(pool_rgb=True)`: what the emulator shows, and what OpenCV computes."""
+"""The tables of `DqnPreprocessing(pool_rgb=True)` agree with the emulator's colours and with OpenCV."""
 
 import cv2
 import numpy as np

@@ -37,7 +37,7 @@ def play(envs: Any, steps: int, index: int, seed: Any = 3) -> list[np.ndarray[An
 
 
 def check(path: Path, rams: list[np.ndarray[Any, Any]], core: str = "ale") -> Replay:
-    """The replay plays as recorded, and has the RAM that was seen, in order."""
+    """The replay verifies, and has the recorded RAM in order."""
     replay = Replay.load(path)
     result = replay.verify(core)
     assert result, result.divergence
@@ -90,7 +90,7 @@ def test_without_a_seed_all_get_random_ones(tmp_path: Path) -> None:
         envs.reset()
         envs.close()
         seeds.add(check(tmp_path / name, rams).seeds)
-    assert len(seeds) == 2  # not the RAM, which after 40 steps is the same for one pair in thirty
+    assert len(seeds) == 2  # not the RAM, which is equal after 40 steps for one pair of seeds in thirty
 
 
 def test_several_seeds_and_resets(tmp_path: Path) -> None:

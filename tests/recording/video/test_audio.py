@@ -32,9 +32,9 @@ def test_the_ratio_of_the_rates_is_exact_so_that_nothing_drifts_in_any_time(fps:
     with av.open("unused", "w", format="null") as container:
         track = AudioEncoder(av, container, FORMATS[".mp4"], fps)
     assert track._ratio == ratio
-    assert 512 * fps * ratio == 48_000  # the samples of a second become those of a second
+    assert 512 * fps * ratio == 48_000  # the samples of a second become a second
     samples = sum(frame.samples for _ in range(2000) for frame in resampled(track))
-    assert abs(samples - 2000 * 512 * ratio) < 64  # and the resampler keeps to it, but for what it holds back
+    assert abs(samples - 2000 * 512 * ratio) < 64  # the resampler does so too, except for its delay
 
 
 def resampled(track: AudioEncoder) -> list[Any]:
@@ -51,7 +51,7 @@ def test_sound_is_synchronous_with_its_frame(tmp_path: Path, suffix: str, fps: F
     shown = [time for time, image in zip(frame_times(path), video_frames(path), strict=True) if image.mean() > 128]
     assert shown == pytest.approx([0, 100 / fps, 490 / fps], abs=0.001)
     loud = np.flatnonzero(np.abs(samples.astype(float) - np.median(samples)) > 0.25 * np.ptp(samples)) / rate
-    if suffix != "mp4":  # whose sound fades in
+    if suffix != "mp4":  # the sound fades in
         assert min(loud) == pytest.approx(0, abs=0.002)
     for i in (100, 490):
         beep = loud[(loud > (i - 2) / fps) & (loud < (i + 3) / fps)]
@@ -157,7 +157,7 @@ def test_wrong_samples_are_refused_and_harm_nothing(
 
 
 @pytest.mark.parametrize("name", ["a.gif", "%06d.png"])
-def test_formats_without_sound_say_so(tmp_path: Path, name: str) -> None:
+def test_formats_without_sound_raise(tmp_path: Path, name: str) -> None:
     with pytest.raises(ValueError, match="has no sound; write it with sound=False"):
         VideoWriter(tmp_path / name, (32, 32), NTSC, sound=True)
     assert not list(tmp_path.iterdir())

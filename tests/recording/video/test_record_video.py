@@ -35,7 +35,7 @@ def record_video(env: Env, folder: Path, **options: Any) -> RecordVideo:
 
 
 def play(env: Env, steps: int, seed: int = 0) -> list[Any]:
-    """What an environment returns, over episodes."""
+    """The results of an environment over several episodes."""
     results: list[Any] = [env.reset(seed=seed)]
     env.action_space.seed(seed)
     for _ in range(steps):
