@@ -115,14 +115,14 @@ class Emulator:
 
 class AreaResize:
     """
-    Scales a gray picture, (rows, 160), down to (height, width) as OpenCV's INTER_AREA does, to the byte.
+    Scales a gray frame, (rows, 160), down to (height, width) as OpenCV's INTER_AREA does, to the byte.
 
-    Raises ValueError if the size is not served: larger than the picture, narrower than 11, or
-    dividing the picture's in both directions.
+    Raises ValueError if the size is not served: larger than the frame, narrower than 11, or
+    dividing the frame's in both directions.
     """
 
     def __init__(self, rows: int, height: int, width: int) -> None: ...
-    def __call__(self, picture: numpy.typing.NDArray[numpy.uint8], out: numpy.typing.NDArray[numpy.uint8]) -> None: ...
+    def __call__(self, frame: numpy.typing.NDArray[numpy.uint8], out: numpy.typing.NDArray[numpy.uint8]) -> None: ...
     def __getstate__(self) -> tuple[int, int, int]: ...
     def __setstate__(self, arg: tuple[int, int, int], /) -> None: ...
 
@@ -283,10 +283,10 @@ def paint(
     """
 
 def to_rgb(
-    picture: numpy.typing.NDArray[numpy.uint8], format: str, level: SimdLevel | None = None
+    frame: numpy.typing.NDArray[numpy.uint8], format: str, level: SimdLevel | None = None
 ) -> numpy.typing.NDArray[numpy.uint8]:
     """
-    A picture of palette indices, (rows, 160), in the colours of a TV format.
+    A frame of palette indices, (rows, 160), in the colours of a TV format.
     """
 
 def short_jump(distance: int) -> bytes:
@@ -313,19 +313,19 @@ def pool_gray(
     level: SimdLevel | None = None,
 ) -> tuple[numpy.typing.NDArray[numpy.uint8], list[int]]:
     """
-    The brighter of two pictures, (rows, 160) palette indices, by a table of 256 grays, or what a table of 65,536
+    The brighter of two frames, (rows, 160) palette indices, by a table of 256 grays, or what a table of 65,536
     has for early * 256 + late; and for each row bit k if columns 8k .. 8k+7 differ from the row above.
     """
 
 def resize_area(
-    picture: numpy.typing.NDArray[numpy.uint8],
+    frame: numpy.typing.NDArray[numpy.uint8],
     height: int,
     width: int,
     changes: Sequence[int] | None = None,
     level: SimdLevel | None = None,
 ) -> numpy.typing.NDArray[numpy.uint8]:
     """
-    A gray picture, (rows, 160), scaled down as by OpenCV's INTER_AREA. `changes` as from `pool_gray`.
+    A gray frame, (rows, 160), scaled down as by OpenCV's INTER_AREA. `changes` as from `pool_gray`.
     Raises ValueError if the size is not served.
     """
 

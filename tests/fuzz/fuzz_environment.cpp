@@ -264,7 +264,7 @@ void play_console(Reader& in) {
                 break;
             case ConsoleStep::kLook: {
                 const size_t shown = static_cast<size_t>(game.console.height) * kScreenWidth;
-                twins.alike(std::equal(fast.framebuffer(), fast.framebuffer() + shown, plain.framebuffer()), "fast and plain pictures are equal");
+                twins.alike(std::equal(fast.framebuffer(), fast.framebuffer() + shown, plain.framebuffer()), "fast and plain framebuffers are equal");
                 break;
             }
             case ConsoleStep::kCompare: twins.compare_states(); break;
@@ -307,7 +307,7 @@ void scale(const Bytes& indices, int rows, const uint8_t* table) {
         AreaResize(rows, 84, 84, level)(pooled.data(), nullptr, whole.data());
         expect(small == whole, "what does not change need not be looked at");
         if (level == SimdLevel::kScalar) expected = small;
-        expect(small == expected, "pictures are resized alike at every SIMD level");
+        expect(small == expected, "framebuffers are resized alike at every SIMD level");
     }
 }
 
@@ -321,7 +321,7 @@ Bytes look(Environment& environment) {
     const Palette& palette = *environment.game()->palette;
     for (size_t i = 0; i < pixels; ++i) {
         const uint32_t colour = uint32_t{rgb[3 * i]} << 16 | uint32_t{rgb[3 * i + 1]} << 8 | rgb[3 * i + 2];
-        if (palette.rgb[indices[i]] != colour || palette.gray[indices[i]] != gray[i]) expect(false, "pictures agree");
+        if (palette.rgb[indices[i]] != colour || palette.gray[indices[i]] != gray[i]) expect(false, "framebuffers agree");
     }
     scale(indices, environment.height(), palette.gray);
     return indices;
@@ -378,7 +378,7 @@ void play_environment(Reader& in) {
                 if (++resets > kResets) return;
                 both([](Environment& environment) { environment.reset(); });
                 break;
-            case EnvironmentStep::kLook: twins.alike(look(fast) == look(plain), "fast and plain pictures are equal"); break;
+            case EnvironmentStep::kLook: twins.alike(look(fast) == look(plain), "fast and plain framebuffers are equal"); break;
             case EnvironmentStep::kCompare: twins.compare_states(); break;
             case EnvironmentStep::kChangePlaces: twins.change_places(); break;
             case EnvironmentStep::kRestore:  // the snapshot that the last step of this kind took

@@ -29,7 +29,7 @@ const Bytes kShort = {0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0x85, 0x02
 
 // A whole picture: in each line colours, graphics, positions and motions change with the line's number, and collisions
 // and paddles are read.
-const Bytes kPicture = {
+const Bytes kFullFrame = {
     0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00,  // vertical sync
     0xa9, 0x82, 0x85, 0x01, 0xa2, 0x20, 0x85, 0x02, 0xca, 0xd0, 0xfb, 0xa9, 0x00, 0x85, 0x01,  // blank, paddles dumped
     0xa9, 0x35, 0x85, 0x04, 0x85, 0x0a, 0xa9, 0x27, 0x85, 0x05, 0xa9, 0x02, 0x85, 0x1d, 0x85, 0x1e, 0x85, 0x1f,
@@ -213,17 +213,17 @@ void add_found(const std::function<void(const std::string&, const Bytes&)>& add)
         damaged_console({{kStart + 4, INT32_MIN}, {kDrawn, kMost}}, Step::kFrame));
     add("found-words-without-end", damaged_console({{kWords + 4, kMost}}, Step::kReset));
     // A frame that goes on for so long that its clock is beyond what a state may have.
-    Writer late = console(2, k4K, kShort);
-    damage(step(late, Step::kFrame), Step::kDamage, {{kCycles, 1 << 29}});
-    step(late, Step::kRead).word(0);
-    add("found-own-state-refused", step(late, Step::kChangePlaces).bytes());
+    Writer endless = console(2, k4K, kShort);
+    damage(step(endless, Step::kFrame), Step::kDamage, {{kCycles, 1 << 29}});
+    step(endless, Step::kRead).word(0);
+    add("found-own-state-refused", step(endless, Step::kChangePlaces).bytes());
     // A frame that no instruction ends, in a line whose first pixel has no number.
     Writer below = console(2, k4K, {0x02});
     damage(step(below, Step::kFrame), Step::kDamage, {{kCycles, -(1 << 28)}, {offsetof(Machine, tia.partial), 1}});
     add("found-line-far-below", step(below, Step::kFrame).bytes());
     // A bank of which the image has only the beginning, with an operand behind the end.
     add("found-bank-cut-off", console(0, kDpcSize, {0xad, 0xf0, 0xff}).bytes());
-    add("found-picture-beyond-numbers", console(2, k4K, kShort, 2, kMost).bytes());
+    add("found-framebuffer-beyond-numbers", console(2, k4K, kShort, 2, kMost).bytes());
 
     Writer last_frame = environment(kShort, kUsualRules, kEmpty);
     constexpr size_t kOwnStart = offsetof(EnvironmentState, random.position);
@@ -249,10 +249,10 @@ std::vector<std::pair<std::string, Bytes>> fuzzing_seeds() {
     std::vector<std::pair<std::string, Bytes>> seeds;
     const auto add = [&](const std::string& name, const Bytes& bytes) { seeds.emplace_back(name, bytes); };
 
-    add("console-picture", all_console_steps(console(2, k4K, kPicture)));
-    add("console-picture-pal", all_console_steps(console(2, k4K, kPicture, 1)));
-    add("console-paddles", all_console_steps(console(2, k4K, kPicture, 2 | 4 | 8)));
-    add("console-swapped-paddles", all_console_steps(console(2, k4K, kPicture, 4 | 16 | 32)));
+    add("console-full-frame", all_console_steps(console(2, k4K, kFullFrame)));
+    add("console-full-frame-pal", all_console_steps(console(2, k4K, kFullFrame, 1)));
+    add("console-paddles", all_console_steps(console(2, k4K, kFullFrame, 2 | 4 | 8)));
+    add("console-swapped-paddles", all_console_steps(console(2, k4K, kFullFrame, 4 | 16 | 32)));
     add("console-short-frames", all_console_steps(console(0, k4K, kShort)));
     add("console-opcodes", all_console_steps(console(2, k4K, all_opcodes())));
     add("console-starfield", all_console_steps(console(2, k4K, kStarfield)));
@@ -269,8 +269,8 @@ std::vector<std::pair<std::string, Bytes>> fuzzing_seeds() {
         add("size-" + std::to_string(size), all_console_steps(console(0, size, {0x85, 0x3f, 0x85, 0x3f, 0x4c, 0x00, 0xf0})));
 
     add("environment", all_environment_steps(environment(kShort, kUsualRules, kEmpty)));
-    add("environment-picture", all_environment_steps(environment(kPicture, kUsualRules, kEmpty)));
-    add("environment-paddles", all_environment_steps(environment(kPicture, kUsualRules, kEmpty, 2 | 4 | 8)));
+    add("environment-full-frame", all_environment_steps(environment(kFullFrame, kUsualRules, kEmpty)));
+    add("environment-paddles", all_environment_steps(environment(kFullFrame, kUsualRules, kEmpty, 2 | 4 | 8)));
     add("environment-pal", all_environment_steps(environment(kShort, kUsualRules, kEmpty, 1, 1 | 4 | 32)));
     add("environment-operations", all_environment_steps(environment(kShort, every_operation(), kEmpty)));
     add("environment-unary", all_environment_steps(environment(kShort, kUnaryOperations, kEmpty)));

@@ -61,9 +61,9 @@ void count(const std::filesystem::path& path, double weight, Counts& counts) {
             const uint8_t* bytes = console.image_at(cpu.pc);
             const unsigned in_bank = cartridge->type() == CartridgeType::k2K ? 0x7ff : 0xfff;
             const uint8_t* bank = bytes && one_bank ? bytes - (cpu.pc & in_bank) : nullptr;
-            const DecodedInstruction record = bytes ? decode(bytes, 3, *cartridge, bank) : DecodedInstruction{};
-            const uint16_t now = record.handler;
-            const bool loops = is_branch(now) && record.jump >= -3 && record.jump < 0;  // nearly all are skipped
+            const DecodedInstruction instruction = bytes ? decode(bytes, 3, *cartridge, bank) : DecodedInstruction{};
+            const uint16_t now = instruction.handler;
+            const bool loops = is_branch(now) && instruction.jump >= -3 && instruction.jump < 0;  // nearly all are skipped
             if (now == kStep || loops || cpu.pc != next || run.size() == kLongest) {
                 if (frame >= 100 && run.size() > 1) here[run] += 1;
                 run.clear();

@@ -8,7 +8,7 @@
 namespace atari {
 
 FastConsole::FastConsole(std::shared_ptr<const FastCartridge> cartridge, const ConsoleConfig& config)
-    : Console(cartridge, config), program_(*cartridge), first_record_(program_.code()), base_record_(first_record_) {
+    : Console(cartridge, config), program_(*cartridge), first_instruction_(program_.code()), base_instruction_(first_instruction_) {
     for (unsigned page = 0; page < 256; ++page)
         if (const unsigned address = 64 * page; (address & 0x1280) == 0x80) pages_[page] = m_.riot.ram + (address & 0x7f);
     map_cartridge_ram();

@@ -86,8 +86,8 @@ class FastConsole final : public Console {
     bool deferred_ = false;         // a frame is being run whose TIA writes go to the log
     bool remapped_ = false;         // segment_ has changed
     const FastCartridge& program_;  // the same as cartridge_
-    const DecodedInstruction* first_record_;
-    const DecodedInstruction* base_record_;     // the record whose instruction is at `origin_`
+    const DecodedInstruction* first_instruction_;
+    const DecodedInstruction* base_instruction_;  // the decoded instruction at `origin_`
     // In which 1 KiB segments any plain image is, a bit each by bits 10 to 13 of the address. All of such a segment may be
     // entered: where it is not plain image the record is kStep.
     uint32_t code_segments_ = 0;

@@ -119,8 +119,8 @@ bool sound_indices(const Machine& m, const Cartridge& cartridge) {
     if (!good) return false;
     // The pixels still to be rendered must fit into the framebuffer.
     const int32_t left = t.draw_stop - t.drawn_to;
-    const int32_t lines_behind = left > t.to_line_end ? (left - t.to_line_end + kClocksPerLine - 1) / kClocksPerLine : 0;
-    return left <= 0 || t.write_pos + std::min(kScreenWidth, t.to_line_end) + lines_behind * kScreenWidth <= kFrameBytes;
+    const int32_t lines_after = left > t.to_line_end ? (left - t.to_line_end + kClocksPerLine - 1) / kClocksPerLine : 0;
+    return left <= 0 || t.write_pos + std::min(kScreenWidth, t.to_line_end) + lines_after * kScreenWidth <= kFrameBytes;
 }
 
 }  // namespace

@@ -169,19 +169,19 @@ constexpr uint64_t reversed_half(uint64_t cells) {
 }
 
 // `playfield` as in `Tia`: PF0 is rendered lowest bit first, PF1 highest first, PF2 lowest first, in cells of 4 pixels.
-inline uint64_t playfield_cells(uint32_t playfield, bool mirror) {
+inline uint64_t playfield_cells(uint32_t playfield, bool reflect) {
     const uint64_t left = (playfield & 0xff00f) | uint64_t{kReversed[(playfield >> 4) & 0xff]} << 4;
-    return left | (mirror ? reversed_half(left) : left) << 20;
+    return left | (reflect ? reversed_half(left) : left) << 20;
 }
 
 // The bits of the playfield that light any of these cells.
-constexpr uint32_t playfield_of_cells(uint64_t cells, bool mirror) {
-    const uint64_t right = cells >> 20, left = (cells & 0xfffff) | (mirror ? reversed_half(right) : right);
+constexpr uint32_t playfield_of_cells(uint64_t cells, bool reflect) {
+    const uint64_t right = cells >> 20, left = (cells & 0xfffff) | (reflect ? reversed_half(right) : right);
     return static_cast<uint32_t>((left & 0xff00f) | uint64_t{kReversed[(left >> 4) & 0xff]} << 4);
 }
 
-inline Mask playfield_mask(uint32_t playfield, bool mirror) {
-    const uint64_t cells = playfield_cells(playfield, mirror);
+inline Mask playfield_mask(uint32_t playfield, bool reflect) {
+    const uint64_t cells = playfield_cells(playfield, reflect);
     const auto stretched = [&](int byte) { return uint64_t{kStretched<4>[(cells >> (8 * byte)) & 0xff]}; };
     return {{stretched(0) | stretched(1) << 32, stretched(2) | stretched(3) << 32, stretched(4)}};
 }

@@ -11,7 +11,7 @@ Resizer::Resizer(int rows, int height, int width) : rows_(rows), height_(height)
     const bool divides = height > 0 && width > 0 && rows % height == 0 && kScreenWidth % width == 0;
     if (divides) return;
     if (height < 1 || height > rows || width < 11 || width > kScreenWidth)
-        throw std::invalid_argument("a picture of " + std::to_string(rows) + " x 160 pixels cannot be made " +
+        throw std::invalid_argument("a frame of " + std::to_string(rows) + " x 160 pixels cannot be made " +
                                     std::to_string(height) + " x " + std::to_string(width) +
                                     ": the height must be within 1.." + std::to_string(rows) +
                                     ", the width within 11..160");

@@ -296,22 +296,22 @@ NB_MODULE(_emulator, m) {
              "Continue from a state of `clone_state`; ValueError if it is of another game or core.")
         .def("close", &Emulator::close);
 
-    using Picture = nb::ndarray<const uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+    using Frame = nb::ndarray<const uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
     using Small = nb::ndarray<uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
     nb::class_<AreaResize>(m, "AreaResize",
-                           "Scales a gray picture, (rows, 160), down to (height, width) as OpenCV's INTER_AREA does, to the byte.\n\n"
-                           "Raises ValueError if the size is not served: larger than the picture, narrower than 11, or\n"
-                           "dividing the picture's in both directions.")
+                           "Scales a gray frame, (rows, 160), down to (height, width) as OpenCV's INTER_AREA does, to the byte.\n\n"
+                           "Raises ValueError if the size is not served: larger than the frame, narrower than 11, or\n"
+                           "dividing the frame's in both directions.")
         .def(nb::init<int, int, int>(), "rows"_a, "height"_a, "width"_a)
         .def("__call__",
-             [](const AreaResize& resize, Picture picture, Small out) {
-                 if (static_cast<int>(picture.shape(0)) != resize.rows() || picture.shape(1) != kScreenWidth ||
+             [](const AreaResize& resize, Frame frame, Small out) {
+                 if (static_cast<int>(frame.shape(0)) != resize.rows() || frame.shape(1) != kScreenWidth ||
                      static_cast<int>(out.shape(0)) != resize.height() || static_cast<int>(out.shape(1)) != resize.width())
-                     throw nb::value_error("the picture or `out` is not of the shape that this was made for");
-                 resize(picture.data(), nullptr, out.data());
+                     throw nb::value_error("the frame or `out` is not of the shape that this was made for");
+                 resize(frame.data(), nullptr, out.data());
              },
-             "picture"_a, "out"_a,
-             nb::sig("def __call__(self, picture: " ARRAY ", out: " ARRAY ") -> None"))
+             "frame"_a, "out"_a,
+             nb::sig("def __call__(self, frame: " ARRAY ", out: " ARRAY ") -> None"))
         .def("__getstate__",
              [](const AreaResize& resize) { return std::tuple(resize.rows(), resize.height(), resize.width()); })
         .def("__setstate__", [](AreaResize& resize, const std::tuple<int, int, int>& size) {

@@ -39,7 +39,7 @@ using Flags = std::pair<bool, bool>;
 std::unique_ptr<Console> make(nb::bytes image, const std::string& cartridge, int first_line, int height, bool pal,
                               bool hmove_blanks, Flags paddles, bool swap_ports, bool swap_paddles, bool plain, bool translated) {
     if (first_line < 0 || height < 1 || first_line + height > kFrameRows)
-        throw nb::value_error("the picture must lie within 300 lines");
+        throw nb::value_error("the framebuffer must lie within 300 lines");
     const auto* bytes = static_cast<const uint8_t*>(image.data());
     const std::vector<uint8_t> copy(bytes, bytes + image.size());
     const ConsoleConfig config{first_line, height, pal, hmove_blanks, {paddles.first, paddles.second}, swap_ports, swap_paddles};
@@ -267,7 +267,7 @@ bool same_state(Console& first, Console& second, bool complete) {
 }
 
 using Bytes = nb::ndarray<const uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Picture = nb::ndarray<const uint8_t, nb::shape<-1, kScreenWidth>, nb::c_contig, nb::device::cpu>;
+using Frame = nb::ndarray<const uint8_t, nb::shape<-1, kScreenWidth>, nb::c_contig, nb::device::cpu>;
 
 // Returns the given level, or the highest. Throws if this processor does not support it.
 SimdLevel checked_level(std::optional<SimdLevel> level) {
@@ -276,11 +276,11 @@ SimdLevel checked_level(std::optional<SimdLevel> level) {
     return level.value_or(best_simd_level());
 }
 
-std::pair<Array, std::vector<uint32_t>> pooled(Picture early, Picture late, Bytes table, std::optional<SimdLevel> level) {
+std::pair<Array, std::vector<uint32_t>> pooled(Frame early, Frame late, Bytes table, std::optional<SimdLevel> level) {
     const size_t rows = early.shape(0);
     const bool pairs = table.shape(0) == 65536;
     if (rows < 1 || rows > kFrameRows || late.shape(0) != rows || (table.shape(0) != 256 && !pairs))
-        throw nb::value_error("two pictures of the same 1..300 rows and a table of 256 or 65536 are needed");
+        throw nb::value_error("two frames of the same 1..300 rows and a table of 256 or 65536 are needed");
     std::vector<uint8_t> gray(early.size());
     std::vector<uint32_t> changes(rows);
     const auto pool = pairs ? pool_pairs : pool_gray;
@@ -288,16 +288,16 @@ std::pair<Array, std::vector<uint32_t>> pooled(Picture early, Picture late, Byte
     return {as_array(gray.data(), {rows, kScreenWidth}), std::move(changes)};
 }
 
-Array resized(Picture picture, int height, int width, const std::optional<std::vector<uint32_t>>& changes, std::optional<SimdLevel> level) {
-    const size_t rows = picture.shape(0);
-    if (rows < 1 || rows > kFrameRows) throw nb::value_error("a picture has 1..300 rows");
+Array resized(Frame frame, int height, int width, const std::optional<std::vector<uint32_t>>& changes, std::optional<SimdLevel> level) {
+    const size_t rows = frame.shape(0);
+    if (rows < 1 || rows > kFrameRows) throw nb::value_error("a frame has 1..300 rows");
     if (changes && changes->size() != rows) throw nb::value_error("`changes` has an entry for each row");
     for (size_t row = 0; changes && row < rows; ++row)
         if ((*changes)[row] >> kScreenWidth / 8) throw nb::value_error("`changes` has 20 bits for each row");
     const AreaResize resize(static_cast<int>(rows), height, width, checked_level(level));
     const size_t extents[2] = {static_cast<size_t>(height), static_cast<size_t>(width)};
     std::vector<uint8_t> small(extents[0] * extents[1]);
-    resize(picture.data(), changes ? changes->data() : nullptr, small.data());
+    resize(frame.data(), changes ? changes->data() : nullptr, small.data());
     return as_array(small.data(), {extents[0], extents[1]});
 }
 
@@ -324,11 +324,11 @@ Array colours_of(const std::string& format) {
     return as_array(colours[0], {256, 3});
 }
 
-Array coloured(Picture picture, const std::string& format, std::optional<SimdLevel> level) {
-    const size_t rows = picture.shape(0);
-    if (rows < 1 || rows > kFrameRows || picture.shape(1) != kScreenWidth) throw nb::value_error("a picture is (1..300, 160)");
-    std::vector<uint8_t> rgb(3 * picture.size());
-    to_rgb(picture.data(), static_cast<int>(rows), palette_of(format), rgb.data(), checked_level(level));
+Array coloured(Frame frame, const std::string& format, std::optional<SimdLevel> level) {
+    const size_t rows = frame.shape(0);
+    if (rows < 1 || rows > kFrameRows || frame.shape(1) != kScreenWidth) throw nb::value_error("a frame is (1..300, 160)");
+    std::vector<uint8_t> rgb(3 * frame.size());
+    to_rgb(frame.data(), static_cast<int>(rows), palette_of(format), rgb.data(), checked_level(level));
     return as_array(rgb.data(), {rows, kScreenWidth, 3});
 }
 
@@ -400,10 +400,10 @@ void register_inspection(nb::module_& m) {
                   "level: SimdLevel) -> numpy.typing.NDArray[numpy.uint8]"),
           "A row of 160 zeros in which pixels first .. last-1 have been painted: those of the three layers, (160,) each,\n"
           "in the first three colours, the others in the fourth.");
-    m.def("to_rgb", &coloured, "picture"_a, "format"_a, "level"_a = nb::none(),
-          nb::sig("def to_rgb(picture: numpy.typing.NDArray[numpy.uint8], format: str, level: SimdLevel | None = None) -> "
+    m.def("to_rgb", &coloured, "frame"_a, "format"_a, "level"_a = nb::none(),
+          nb::sig("def to_rgb(frame: numpy.typing.NDArray[numpy.uint8], format: str, level: SimdLevel | None = None) -> "
                   "numpy.typing.NDArray[numpy.uint8]"),
-          "A picture of palette indices, (rows, 160), in the colours of a TV format.");
+          "A frame of palette indices, (rows, 160), in the colours of a TV format.");
     m.def("short_jump",
           [](size_t distance) {
               Assembler code;
@@ -423,13 +423,13 @@ void register_inspection(nb::module_& m) {
           nb::sig("def pool_gray(early: numpy.typing.NDArray[numpy.uint8], late: numpy.typing.NDArray[numpy.uint8], "
                   "table: numpy.typing.NDArray[numpy.uint8], level: SimdLevel | None = None) -> "
                   "tuple[numpy.typing.NDArray[numpy.uint8], list[int]]"),
-          "The brighter of two pictures, (rows, 160) palette indices, by a table of 256 grays, or what a table of 65,536\n"
+          "The brighter of two frames, (rows, 160) palette indices, by a table of 256 grays, or what a table of 65,536\n"
           "has for early * 256 + late; and for each row bit k if columns 8k .. 8k+7 differ from the row above.");
-    m.def("resize_area", &resized, "picture"_a, "height"_a, "width"_a, "changes"_a = nb::none(), "level"_a = nb::none(),
-          nb::sig("def resize_area(picture: numpy.typing.NDArray[numpy.uint8], height: int, width: int, "
+    m.def("resize_area", &resized, "frame"_a, "height"_a, "width"_a, "changes"_a = nb::none(), "level"_a = nb::none(),
+          nb::sig("def resize_area(frame: numpy.typing.NDArray[numpy.uint8], height: int, width: int, "
                   "changes: collections.abc.Sequence[int] | None = None, level: SimdLevel | None = None) -> "
                   "numpy.typing.NDArray[numpy.uint8]"),
-          "A gray picture, (rows, 160), scaled down as by OpenCV's INTER_AREA. `changes` as from `pool_gray`.\n"
+          "A gray frame, (rows, 160), scaled down as by OpenCV's INTER_AREA. `changes` as from `pool_gray`.\n"
           "Raises ValueError if the size is not served.");
 }
 

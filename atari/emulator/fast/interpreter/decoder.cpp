@@ -22,24 +22,24 @@ constexpr HandlerTable kSingles = [] {
     return table;
 }();
 
-struct PairRow {
+struct Superinstruction {
     uint16_t first, second, handler;
-    auto operator<=>(const PairRow&) const = default;
+    auto operator<=>(const Superinstruction&) const = default;
 };
-constexpr auto kPairRows = [] {
+constexpr auto kSuperinstructions = [] {
     std::array rows{
 #define SINGLE(...)
-#define PAIR(o1, k1, o2, k2) PairRow{o1##_##k1, o2##_##k2, o1##_##k1##_##o2##_##k2},
+#define PAIR(o1, k1, o2, k2) Superinstruction{o1##_##k1, o2##_##k2, o1##_##k1##_##o2##_##k2},
 #include "handlers.def"
-        PairRow{kHandlers, kHandlers, kStep},  // behind all others
+        Superinstruction{kHandlers, kHandlers, kStep},  // behind all others
     };
     std::sort(rows.begin(), rows.end());
     return rows;
 }();
 
 // The handler of two instructions, or of the first alone.
-uint16_t fused(uint16_t first, uint16_t second) {
-    const auto row = std::lower_bound(kPairRows.begin(), kPairRows.end(), PairRow{first, second, 0});
+uint16_t superinstruction_of(uint16_t first, uint16_t second) {
+    const auto row = std::lower_bound(kSuperinstructions.begin(), kSuperinstructions.end(), Superinstruction{first, second, 0});
     return row->first == first && row->second == second ? row->handler : first;
 }
 
@@ -191,34 +191,34 @@ bool is_branch(uint16_t handler) {
 }
 
 DecodedInstruction decode(const uint8_t* bytes, int available, const Cartridge& cartridge, const uint8_t* bank) {
-    DecodedInstruction record{nullptr, kStep, 0, 0, 0, Loop::kNone};
+    DecodedInstruction instruction{nullptr, kStep, 0, 0, 0, Loop::kNone};
     const Opcode opcode = kOpcodes[bytes[0]];
     const int length = length_of(opcode.form);
-    if (length > available) return record;
+    if (length > available) return instruction;
     uint16_t operand = length > 1 ? bytes[1] : 0;
     if (length > 2) operand = static_cast<uint16_t>(operand | bytes[2] << 8);
     if (opcode.form == Rel) {
         const int distance = static_cast<int8_t>(bytes[1]);
-        record.jump = static_cast<int16_t>(2 + distance);
+        instruction.jump = static_cast<int16_t>(2 + distance);
         // The caller says by `bytes` only where in a bank this is; crossing a page depends on the low eight bits.
-        record.operand = static_cast<uint16_t>(distance & 0xff);
-        record.handler = kSingles[opcode.operation][static_cast<size_t>(Operand::Rel)];
-        return record;
+        instruction.operand = static_cast<uint16_t>(distance & 0xff);
+        instruction.handler = kSingles[opcode.operation][static_cast<size_t>(Operand::Rel)];
+        return instruction;
     }
     const Operand kind = operand_of(opcode, operand, cartridge, bank);
     if (kind == Operand::IndY) {
-        if (!pointer_in_ram(operand)) return record;
+        if (!pointer_in_ram(operand)) return instruction;
         operand &= 0x7f;
     }
-    record.operand = operand;
-    record.handler = kSingles[opcode.operation][static_cast<size_t>(kind)];
-    return record;
+    instruction.operand = operand;
+    instruction.handler = kSingles[opcode.operation][static_cast<size_t>(kind)];
+    return instruction;
 }
 
 std::vector<DecodedInstruction> decode_image(const Cartridge& cartridge) {
     const size_t size = cartridge.size(), slice = slice_size(cartridge.type());
     const uint8_t* image = cartridge.image();
-    std::vector<DecodedInstruction> records(size + 1, DecodedInstruction{nullptr, kStep, 0, 0, 0, Loop::kNone});
+    std::vector<DecodedInstruction> decoded(size + 1, DecodedInstruction{nullptr, kStep, 0, 0, 0, Loop::kNone});
     const auto decodable = [&](size_t first, size_t from, size_t to) {
         // An instruction that ends a slice is not: behind it is another slice, or the TIA, where programs see the bus.
         if (to >= first + slice || first + slice > size) return false;
@@ -230,36 +230,36 @@ std::vector<DecodedInstruction> decode_image(const Cartridge& cartridge) {
         const size_t first = i - i % slice;
         const int length = length_of(kOpcodes[image[i]].form);
         if (!decodable(first, i, i + static_cast<size_t>(length))) continue;
-        DecodedInstruction record = decode(image + i, 3, cartridge, one_bank(cartridge.type()) ? image + first : nullptr);
+        DecodedInstruction instruction = decode(image + i, 3, cartridge, one_bank(cartridge.type()) ? image + first : nullptr);
         const size_t next = i + static_cast<size_t>(length);
-        if (is_branch(record.handler)) {
-            const auto target = static_cast<std::ptrdiff_t>(i) + record.jump;
+        if (is_branch(instruction.handler)) {
+            const auto target = static_cast<std::ptrdiff_t>(i) + instruction.jump;
             if (target < static_cast<std::ptrdiff_t>(first) ||
                 !decodable(first, static_cast<size_t>(target), static_cast<size_t>(target) + 1))
                 continue;
-            record.taken = ((static_cast<size_t>(target) ^ next) & 0xff00) ? 4 : 3;
-        } else if (record.handler == JMP_Near || record.handler == JSR_Near) {
-            record.jump = static_cast<int16_t>(static_cast<int>(record.operand & 0xfff) - static_cast<int>(i - first));
+            instruction.taken = ((static_cast<size_t>(target) ^ next) & 0xff00) ? 4 : 3;
+        } else if (instruction.handler == JMP_Near || instruction.handler == JSR_Near) {
+            instruction.jump = static_cast<int16_t>(static_cast<int>(instruction.operand & 0xfff) - static_cast<int>(i - first));
         }
-        records[i] = record;
+        decoded[i] = instruction;
     }
     // Loops and pairs. What the second instruction of a pair does is in its own record, fused or not.
-    const std::vector<DecodedInstruction> plain = records;
-    const auto behind = [&](size_t i) { return i + static_cast<size_t>(length_of(kOpcodes[image[i]].form)); };
+    const std::vector<DecodedInstruction> plain = decoded;
+    const auto after = [&](size_t i) { return i + static_cast<size_t>(length_of(kOpcodes[image[i]].form)); };
     for (size_t i = 0; i < size; ++i) {
         if (plain[i].handler == kStep) continue;
-        const size_t second = behind(i), third = plain[second].handler == kStep ? size : behind(second);
-        const uint16_t handler = fused(plain[i].handler, plain[second].handler);
+        const size_t second = after(i), third = plain[second].handler == kStep ? size : after(second);
+        const uint16_t handler = superinstruction_of(plain[i].handler, plain[second].handler);
         const Loop loop = loop_of(plain[i], plain[second], plain[third]);
-        records[i].handler = handler;
+        decoded[i].handler = handler;
         if (loop == Loop::kNone) continue;
-        records[i].handler = kLoop;
-        records[i].loop = loop;
-        records[i].jump = static_cast<int16_t>(handler);
-        records[i].taken = static_cast<uint8_t>(round_cycles(loop, plain[second], plain[third]));
+        decoded[i].handler = kLoop;
+        decoded[i].loop = loop;
+        decoded[i].jump = static_cast<int16_t>(handler);
+        decoded[i].taken = static_cast<uint8_t>(round_cycles(loop, plain[second], plain[third]));
     }
-    for (DecodedInstruction& record : records) record.code = code_of(record.handler);
-    return records;
+    for (DecodedInstruction& instruction : decoded) instruction.code = code_of(instruction.handler);
+    return decoded;
 }
 
 }  // namespace atari

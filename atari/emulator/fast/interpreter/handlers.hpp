@@ -59,25 +59,25 @@ struct Interpreter {
     // --- where the program counter is, and how it moves ---
 
     static uint16_t pc_of(const FastConsole& c, const DecodedInstruction* at) {
-        return static_cast<uint16_t>(c.origin_ + (at - c.base_record_));
+        return static_cast<uint16_t>(c.origin_ + (at - c.base_instruction_));
     }
 
     // The record of the instruction at `pc`, null where it cannot be run from one.
     INLINE static const DecodedInstruction* enter(FastConsole& c, uint32_t pc) {
         const uint32_t segment = pc >> 10 & 15;
         if (!(c.code_segments_ >> segment & 1)) return enter_ram(c, pc);
-        const DecodedInstruction* base = c.first_record_ + c.segment_[segment];
-        const DecodedInstruction* record = base + (pc & 0x3ff);
-        if (record->handler == kStep) return nullptr;
+        const DecodedInstruction* base = c.first_instruction_ + c.segment_[segment];
+        const DecodedInstruction* instruction = base + (pc & 0x3ff);
+        if (instruction->handler == kStep) return nullptr;
         c.origin_ = pc & 0xfc00;
-        c.base_record_ = base;
-        return record;
+        c.base_instruction_ = base;
+        return instruction;
     }
 
     static const DecodedInstruction* enter_ram(FastConsole& c, uint32_t pc) {
         if (!is_ram(pc)) return nullptr;
         c.origin_ = pc & 0xff80;
-        c.base_record_ = c.ram_code_;
+        c.base_instruction_ = c.ram_code_;
         return c.ram_code_ + (pc & 0x7f);
     }
 
@@ -265,7 +265,7 @@ struct Interpreter {
     }
 
     // Keeps a write to the TIA for later. There is room: see `kLogSize`.
-    INLINE static void keep(uint32_t cycles, FastConsole& c, uint32_t reg, uint32_t value, uint16_t beside = 0) {
+    INLINE static void append_write(uint32_t cycles, FastConsole& c, uint32_t reg, uint32_t value, uint16_t beside = 0) {
         *c.log_end_++ = {cycles, static_cast<uint8_t>(reg), static_cast<uint8_t>(value), beside};
     }
 
@@ -304,24 +304,24 @@ struct Interpreter {
         TiaShadow& shadow = c.shadow_;
         const auto byte = static_cast<uint8_t>(value);
         if constexpr (operand == Operand::Tia || operand == Operand::TiaA) {
-            if (shadow.write_value(reg, byte)) keep(cycles, c, reg, value);
+            if (shadow.write_value(reg, byte)) append_write(cycles, c, reg, value);
         } else if constexpr (operand == Operand::Strobe) {
             shadow.reg[reg] = 1;
-            keep(cycles, c, reg, value);
+            append_write(cycles, c, reg, value);
         } else if constexpr (operand == Operand::Nusiz) {
-            if (shadow.write_nusiz(reg, byte)) keep(cycles, c, reg, value);
+            if (shadow.write_nusiz(reg, byte)) append_write(cycles, c, reg, value);
         } else if constexpr (operand == Operand::Motion) {
-            if (shadow.write_motion(reg, byte)) keep(cycles, c, reg, value);
+            if (shadow.write_motion(reg, byte)) append_write(cycles, c, reg, value);
         } else if constexpr (operand == Operand::Hmove) {
-            if (shadow.still() && is_ordinary_hmove(cycles - c.first_cycle_)) keep(cycles, c, STILL, 0);
+            if (shadow.still() && is_ordinary_hmove(cycles - c.first_cycle_)) append_write(cycles, c, STILL, 0);
             else c.log_hmove(cycles);
         } else if constexpr (operand == Operand::Ctrlpf) {
             uint8_t kind;
-            if (shadow.write_ctrlpf(byte, cycles - c.first_cycle_, kind)) keep(cycles, c, kind, value);
+            if (shadow.write_ctrlpf(byte, cycles - c.first_cycle_, kind)) append_write(cycles, c, kind, value);
         } else if constexpr (operand == Operand::Grp0 || operand == Operand::Grp0A) {
-            if (shadow.write_grp0(byte)) keep(cycles, c, reg, value, shadow.beside_grp0());
+            if (shadow.write_grp0(byte)) append_write(cycles, c, reg, value, shadow.beside_grp0());
         } else if constexpr (operand == Operand::Grp1 || operand == Operand::Grp1A) {
-            if (shadow.write_grp1(byte)) keep(cycles, c, reg, value, shadow.beside_grp1());
+            if (shadow.write_grp1(byte)) append_write(cycles, c, reg, value, shadow.beside_grp1());
         } else if constexpr (operand == Operand::Sound) {
             c.m_.sound.write(static_cast<uint8_t>(reg), byte);
         } else if constexpr (operand == Operand::Hmclr) {

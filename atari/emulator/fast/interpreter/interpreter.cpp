@@ -79,7 +79,7 @@ dispatch:
 
     HANDLER(kTranslated) {
         Registers there = r;  // a copy, so that the others stay in registers of the processor
-        exit = static_cast<Exit>(c.program_.translated_code().run(there, c, static_cast<std::size_t>(r.at - c.first_record_)));
+        exit = static_cast<Exit>(c.program_.translated_code().run(there, c, static_cast<std::size_t>(r.at - c.first_instruction_)));
         r = there;
         if (exit != kNext) goto other;
         NEXT;
@@ -208,27 +208,27 @@ uint16_t Interpreter::decode_ram(FastConsole& c, const DecodedInstruction* at) {
     bytes[3] = 0;
     FastConsole::RamCode& known = c.ram_known_[place];
     if (known.bytes == bytes && known.handler != kHandlers) return known.handler;
-    DecodedInstruction record = decode(bytes.data(), static_cast<int>(available), c.program_, nullptr);
-    known = {bytes, record.handler};
+    DecodedInstruction instruction = decode(bytes.data(), static_cast<int>(available), c.program_, nullptr);
+    known = {bytes, instruction.handler};
     // What runs out of RAM goes on in the TIA, where a program sees the byte last on the bus.
     if (static_cast<int>(place) + length_of(kOpcodes[bytes[0]].form) > 127) known.handler = kStep;
-    if (record.handler == JSR_Far) known.handler = kStep;  // what it pushes may be its own address
-    if (is_branch(record.handler)) {
-        const int target = static_cast<int>(place) + record.jump;
+    if (instruction.handler == JSR_Far) known.handler = kStep;  // what it pushes may be its own address
+    if (is_branch(instruction.handler)) {
+        const int target = static_cast<int>(place) + instruction.jump;
         if (target < 0 || target > 127 || place + 2 > 127) known.handler = kStep;
-        record.taken = 3;
+        instruction.taken = 3;
     }
-    record.handler = kRamCode;
-    record.code = at->code;
-    c.ram_code_[place] = record;
+    instruction.handler = kRamCode;
+    instruction.code = at->code;
+    c.ram_code_[place] = instruction;
     return known.handler;
 }
 
 bool Interpreter::write_port(FastConsole& c, uint32_t cycles, uint32_t address, uint32_t value) {
     const bool plain_tia = !(address & 0x1080) && !c.watches_tia_ && cycles < c.deadline_;
-    const bool kept = plain_tia && write_register(cycles, c, tia_register(address), value);
+    const bool logged = plain_tia && write_register(cycles, c, tia_register(address), value);
     c.m_.cycles = cycles;
-    if (kept) return false;
+    if (logged) return false;
     c.m_.cpu.last_access_was_read = true;
     c.write(static_cast<uint16_t>(address), static_cast<uint8_t>(value));
     return c.m_.cpu.stop || c.remapped_;

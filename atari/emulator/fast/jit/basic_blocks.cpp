@@ -17,8 +17,8 @@ constexpr bool ends_block(Operation operation) { return operation == JMP || oper
 
 class Finder {
   public:
-    Finder(const uint8_t* image, const std::vector<DecodedInstruction>& records)
-        : image_(image), records_(records), size_(records.size() - 1), covered_(size_ + 3),
+    Finder(const uint8_t* image, const std::vector<DecodedInstruction>& decoded)
+        : image_(image), decoded_(decoded), size_(decoded.size() - 1), covered_(size_ + 3),
           found_{std::vector<bool>(size_ + 1), std::vector<bool>(size_ + 1)} {}
 
     // First what is reached from where a bank begins, then whatever else can be decoded between: code that is reached
@@ -41,15 +41,15 @@ class Finder {
         while (!pending.empty()) {
             std::size_t place = pending.back();
             pending.pop_back();
-            while (!found_.is_instruction[place] && records_[place].handler != kStep) {
+            while (!found_.is_instruction[place] && decoded_[place].handler != kStep) {
                 found_.is_instruction[place] = true;
-                const auto [operation, operand] = kind_of(records_[place]);
+                const auto [operation, operand] = kind_of(decoded_[place]);
                 if (operand == Operand::Rel || operand == Operand::Near) {
-                    const std::size_t target = target_place(records_, place);
+                    const std::size_t target = target_place(decoded_, place);
                     found_.is_leader[target] = true;
                     pending.push_back(target);
                 }
-                const std::size_t next = next_place(records_, place);
+                const std::size_t next = next_place(decoded_, place);
                 for (std::size_t byte = place; byte < next; ++byte) covered_[byte] = true;
                 if (ends_block(operation)) break;
                 if (operation == JSR) found_.is_leader[next] = true;
@@ -59,7 +59,7 @@ class Finder {
     }
 
     const uint8_t* const image_;
-    const std::vector<DecodedInstruction>& records_;
+    const std::vector<DecodedInstruction>& decoded_;
     const std::size_t size_;
     std::vector<bool> covered_;
     Found found_;
@@ -184,28 +184,28 @@ void count_cycles(std::vector<BlockInstruction>& instructions) {
     }
 }
 
-BlockInstruction describe(const std::vector<DecodedInstruction>& records, std::size_t place) {
-    const DecodedInstruction& record = records[place];
-    const Kind kind = kind_of(record);
-    return {place, kind.operation, kind.operand, record.operand, record.handler == kLoop,
+BlockInstruction describe(const std::vector<DecodedInstruction>& decoded, std::size_t place) {
+    const DecodedInstruction& instruction = decoded[place];
+    const Kind kind = kind_of(instruction);
+    return {place, kind.operation, kind.operand, instruction.operand, instruction.handler == kLoop,
             is_inlined(kind), {}};
 }
 
 }  // namespace
 
-std::size_t next_place(const std::vector<DecodedInstruction>& records, std::size_t place) {
-    return place + static_cast<std::size_t>(length_of(kind_of(records[place]).operand));
+std::size_t next_place(const std::vector<DecodedInstruction>& decoded, std::size_t place) {
+    return place + static_cast<std::size_t>(length_of(kind_of(decoded[place]).operand));
 }
 
-std::size_t target_place(const std::vector<DecodedInstruction>& records, std::size_t place) {
-    return static_cast<std::size_t>(static_cast<std::ptrdiff_t>(place) + records[place].jump);
+std::size_t target_place(const std::vector<DecodedInstruction>& decoded, std::size_t place) {
+    return static_cast<std::size_t>(static_cast<std::ptrdiff_t>(place) + decoded[place].jump);
 }
 
-std::vector<Block> find_blocks(const uint8_t* image, const std::vector<DecodedInstruction>& records) {
-    const Found found = Finder(image, records).find();
-    std::vector<bool> in_block(records.size());
+std::vector<Block> find_blocks(const uint8_t* image, const std::vector<DecodedInstruction>& decoded) {
+    const Found found = Finder(image, decoded).find();
+    std::vector<bool> in_block(decoded.size());
     std::vector<Block> blocks;
-    for (std::size_t first = 0; first + 1 < records.size(); ++first) {
+    for (std::size_t first = 0; first + 1 < decoded.size(); ++first) {
         // A leader, and what follows it in a straight line: block after block.
         for (std::size_t place = first; found.is_instruction[place] && !in_block[place];) {
             if (place == first || found.is_leader[place]) {
@@ -213,9 +213,9 @@ std::vector<Block> find_blocks(const uint8_t* image, const std::vector<DecodedIn
                 blocks.emplace_back();
             }
             Block& block = blocks.back();
-            block.instructions.push_back(describe(records, place));
+            block.instructions.push_back(describe(decoded, place));
             in_block[place] = true;
-            block.next = next_place(records, place);
+            block.next = next_place(decoded, place);
             block.ends_in_jump = ends_block(block.instructions.back().operation);
             if (block.ends_in_jump) break;
             place = block.next;

@@ -30,10 +30,10 @@ inline constexpr auto kKinds = [] {
 }();
 
 // The handler of a decoded instruction, also where it begins a loop.
-inline uint16_t handler_of(const DecodedInstruction& record) {
-    return record.handler == kLoop ? static_cast<uint16_t>(record.jump) : record.handler;
+inline uint16_t handler_of(const DecodedInstruction& instruction) {
+    return instruction.handler == kLoop ? static_cast<uint16_t>(instruction.jump) : instruction.handler;
 }
-inline Kind kind_of(const DecodedInstruction& record) { return kKinds[handler_of(record)]; }
+inline Kind kind_of(const DecodedInstruction& instruction) { return kKinds[handler_of(instruction)]; }
 
 enum class CpuRegister : uint8_t { A, X, Y };
 
@@ -74,9 +74,9 @@ struct Block {
 
 inline bool is_jump(Operation operation) { return operation == JMP || operation == JSR || operation == RTS; }
 
-std::size_t next_place(const std::vector<DecodedInstruction>& records, std::size_t place);
+std::size_t next_place(const std::vector<DecodedInstruction>& decoded, std::size_t place);
 // Where a branch or a near jump leads.
-std::size_t target_place(const std::vector<DecodedInstruction>& records, std::size_t place);
+std::size_t target_place(const std::vector<DecodedInstruction>& decoded, std::size_t place);
 
 // Whether translated code stores there, in the likely case.
 constexpr bool is_stored_inline(Operand operand) {
@@ -91,6 +91,6 @@ constexpr bool is_stored_inline(Operand operand) {
 
 // All blocks of an image, each with the states of its instructions. Every instruction that can be decoded and that the
 // search finds is in one block. `records` has one more element than the image has bytes.
-std::vector<Block> find_blocks(const uint8_t* image, const std::vector<DecodedInstruction>& records);
+std::vector<Block> find_blocks(const uint8_t* image, const std::vector<DecodedInstruction>& decoded);
 
 }  // namespace atari

@@ -53,8 +53,8 @@ struct Offsets {
     OFFSET(cycle_limit, FastConsole, cycle_limit_, 4)
     OFFSET(first_cycle, FastConsole, first_cycle_, 4)
     OFFSET(log_end, FastConsole, log_end_, 8)
-    OFFSET(first_record, FastConsole, first_record_, 8)
-    OFFSET(base_record, FastConsole, base_record_, 8)
+    OFFSET(first_instruction, FastConsole, first_instruction_, 8)
+    OFFSET(base_instruction, FastConsole, base_instruction_, 8)
     OFFSET(origin, FastConsole, origin_, 4)
     OFFSET(code_segments, FastConsole, code_segments_, 4)
     ELEMENTS(segments, FastConsole, segment_, 4, 16)
@@ -69,7 +69,7 @@ struct Offsets {
     OFFSET(watches_tia, FastConsole, watches_tia_, 1)
 
     // A decoded instruction, and an entry of the write log.
-    OFFSET(record_operand, DecodedInstruction, operand, 2)
+    OFFSET(instruction_operand, DecodedInstruction, operand, 2)
     OFFSET(write_cycle, TiaWrite, cycle, 4)
     OFFSET(write_reg, TiaWrite, reg, 1)
     OFFSET(write_value, TiaWrite, value, 1)

@@ -22,7 +22,7 @@ struct Registers;
 class TranslatedCode {
   public:
     // Of a cartridge's image and decoded instructions. Where translated code cannot run `has` stays false for all of them.
-    void make(const uint8_t* image, const std::vector<DecodedInstruction>& records);
+    void make(const uint8_t* image, const std::vector<DecodedInstruction>& decoded);
 
     bool any() const { return code_.begin() != nullptr; }
 

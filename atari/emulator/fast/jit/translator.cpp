@@ -8,8 +8,8 @@
 
 namespace atari {
 
-Translator::Translator(const uint8_t* image, const std::vector<DecodedInstruction>& records)
-    : records_(records), size_(records.size() - 1), blocks_(find_blocks(image, records)), instructions_(size_ + 1),
+Translator::Translator(const uint8_t* image, const std::vector<DecodedInstruction>& decoded)
+    : decoded_(decoded), size_(decoded.size() - 1), blocks_(find_blocks(image, decoded)), instructions_(size_ + 1),
       code_at_(size_ + 1), entries_(size_ + 1), handlers_(kHandlers) {
     for (const Block& block : blocks_)
         for (const BlockInstruction& instruction : block.instructions) instructions_[instruction.place] = &instruction;
@@ -60,7 +60,7 @@ void Translator::add_cycles(int32_t cycles) {
 // Calls the handler of an instruction, which adds its cycles itself.
 void Translator::call_handler(std::size_t place) {
     a_.move(r8, static_cast<uint32_t>(place));
-    a_.call(handlers_[handler_of(records_[place])]);
+    a_.call(handlers_[handler_of(decoded_[place])]);
 }
 
 // Where code that does not come from the instruction before enters. It establishes the block-entry state; if only the
@@ -76,7 +76,7 @@ void Translator::emit_entry(const BlockInstruction& instruction) {
         return a_.jump(code);
     }
     call_handler(instruction.place);
-    go_to(next_place(records_, instruction.place), 0, false);
+    go_to(next_place(decoded_, instruction.place), 0, false);
 }
 
 void Translator::emit_slow_paths() {
@@ -130,7 +130,7 @@ void Translator::load_registers() {
 // every call would cost in the likely case. A hardware shadow stack would refuse that.
 void Translator::emit_call(Label& label, Interpreter::Step function) {
     a_.bind(label);
-    find_record();
+    find_instruction();
     save_registers();
     a_.move64(rdi, kRegisters);
     a_.move64(rsi, kConsole);
@@ -148,9 +148,9 @@ void Translator::emit_call(Label& label, Interpreter::Step function) {
 }
 
 // The decoded instruction in r8, which held its index.
-void Translator::find_record() {
+void Translator::find_instruction() {
     a_.shift64(Shift::left, r8, kInstructionShift);
-    a_.alu64(Alu::add, r8, in_console(Offsets::first_record()));
+    a_.alu64(Alu::add, r8, in_console(Offsets::first_instruction()));
     a_.store64(in_registers(Offsets::at()), r8);
 }
 
@@ -173,7 +173,7 @@ void Translator::emit_common() {
 
     a_.bind(dispatch_);  // to the decoded instruction to which a handler has jumped
     a_.load64(r8, in_registers(Offsets::at()));
-    a_.alu64(Alu::sub, r8, in_console(Offsets::first_record()));
+    a_.alu64(Alu::sub, r8, in_console(Offsets::first_instruction()));
     a_.alu64(Alu::cmp, r8, static_cast<int32_t>(sizeof(DecodedInstruction) * size_));
     a_.jump(If::not_below, left_);
     a_.shift64(Shift::right, r8, kInstructionShift - kTableShift);
@@ -185,12 +185,12 @@ void Translator::emit_common() {
     a_.jump(r8);
 
     a_.bind(limit_);  // at the decoded instruction whose index is in r8
-    find_record();
+    find_instruction();
     save_registers();
     a_.move(rax, uint32_t{kLimit});
     a_.jump(exit_);
     a_.bind(leave_);
-    find_record();
+    find_instruction();
     a_.bind(left_);
     save_registers();
     a_.move(rax, uint32_t{kNext});
@@ -261,8 +261,8 @@ void Translator::emit_push_status(Label& slow) {
 void Translator::load_operand() {
     a_.move64(r9, r8);
     a_.shift64(Shift::left, r9, kInstructionShift);
-    a_.alu64(Alu::add, r9, in_console(Offsets::first_record()));
-    a_.load16(r9, Mem{r9, Offsets::record_operand()});
+    a_.alu64(Alu::add, r9, in_console(Offsets::first_instruction()));
+    a_.load16(r9, Mem{r9, Offsets::instruction_operand()});
 }
 
 // Loads the input of the TIA at the address in r9 into A: bit 7 is the input, the others are those of the bus, in r10.
@@ -366,8 +366,8 @@ void Translator::emit_far(Label& label, uint16_t handler) {
     a_.alu(Alu::and_, r9, 0xfc00);
     a_.store(in_console(Offsets::origin()), r9);
     a_.shift64(Shift::left, r10, kInstructionShift);
-    a_.alu64(Alu::add, r10, in_console(Offsets::first_record()));
-    a_.store64(in_console(Offsets::base_record()), r10);
+    a_.alu64(Alu::add, r10, in_console(Offsets::first_instruction()));
+    a_.store64(in_console(Offsets::base_instruction()), r10);
     a_.alu(Alu::add, kCycles, handler == JMP_Far ? 3 : handler == JMP_Ind ? 5 : 6);
     a_.move(r8, uint32_t{0});
     a_.alu(Alu::cmp, kCycles, in_console(Offsets::cycle_limit()));
@@ -401,8 +401,8 @@ void Translator::find_entry(Label& slow) {
 
 // The return address of the JSR whose place is in `at`.
 void Translator::push_return_address() {
-    a_.load64(r8, in_console(Offsets::first_record()));
-    a_.alu64(Alu::sub, r8, in_console(Offsets::base_record()));
+    a_.load64(r8, in_console(Offsets::first_instruction()));
+    a_.alu64(Alu::sub, r8, in_console(Offsets::base_instruction()));
     a_.shift(Shift::right, r8, kInstructionShift);
     a_.alu(Alu::add, r8, in_registers(Offsets::at()));
     a_.alu(Alu::add, r8, in_console(Offsets::origin()));
@@ -426,8 +426,8 @@ std::vector<uint8_t> Translator::finish(std::size_t& start) {
     return code;
 }
 
-void TranslatedCode::make(const uint8_t* image, const std::vector<DecodedInstruction>& records) {
-    if constexpr (kTranslates) code_.fill(Translator(image, records).translate(start_));
+void TranslatedCode::make(const uint8_t* image, const std::vector<DecodedInstruction>& decoded) {
+    if constexpr (kTranslates) code_.fill(Translator(image, decoded).translate(start_));
 }
 
 }  // namespace atari

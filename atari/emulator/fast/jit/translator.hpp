@@ -35,7 +35,7 @@ inline Reg index_of(Operand operand) {
 
 class Translator {
   public:
-    Translator(const uint8_t* image, const std::vector<DecodedInstruction>& records);
+    Translator(const uint8_t* image, const std::vector<DecodedInstruction>& decoded);
 
     // The translated code, after a table: for each decoded instruction where it is entered, from the beginning of the
     // table, or 0. `start` is where to call it, with such an entry as third argument.
@@ -57,7 +57,7 @@ class Translator {
     void find_target(uint16_t handler, Label& slow);
     void find_entry(Label& slow);
     void push_return_address();
-    void find_record();
+    void find_instruction();
     void load_operand();
     void save_registers();
     void load_registers();
@@ -94,10 +94,10 @@ class Translator {
     void emit_store();
     void store_in_ram(Reg value);
     void emit_tia_store(Reg value);
-    void check_deadline(int32_t later, Label& late);
+    void check_deadline(int32_t later, Label& past_deadline);
     void write_graphics(Reg value);
     void write_hmove();
-    void keep(Reg value);
+    void append_write(Reg value);
     void wait_for_line();
     void whole_lines(Reg cycles);
     void cycle_in_line(Reg to, int32_t later = 0);
@@ -117,7 +117,7 @@ class Translator {
         Label back;
     };
 
-    const std::vector<DecodedInstruction>& records_;
+    const std::vector<DecodedInstruction>& decoded_;
     const std::size_t size_;
     const std::vector<Block> blocks_;
     std::vector<const BlockInstruction*> instructions_;  // by place, null where there is none

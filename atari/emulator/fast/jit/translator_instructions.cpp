@@ -45,14 +45,14 @@ void Translator::emit_inline() {
 void Translator::skip_rounds() {
     add_cycles(cycles_);
     cycles_ = 0;
-    const DecodedInstruction& record = records_[at_->place];
-    if (record.loop != Loop::kCountX && record.loop != Loop::kCountY) {
+    const DecodedInstruction& instruction = decoded_[at_->place];
+    if (instruction.loop != Loop::kCountX && instruction.loop != Loop::kCountY) {
         a_.move(r8, static_cast<uint32_t>(at_->place));
         a_.call(skip_);
         return;
     }
-    const Reg counter = record.loop == Loop::kCountX ? kX : kY;
-    const bool until_zero = kind_of(records_[at_->place + 1]).operation == BNE;  // otherwise until it is past that
+    const Reg counter = instruction.loop == Loop::kCountX ? kX : kY;
+    const bool until_zero = kind_of(decoded_[at_->place + 1]).operation == BNE;  // otherwise until it is past that
     std::optional<ShortJump> many;
     a_.move(r8, counter);
     if (until_zero) {
@@ -61,7 +61,7 @@ void Translator::skip_rounds() {
         a_.alu(Alu::cmp, counter, 0x80);
         many = a_.jump_short(If::above);
     }
-    a_.multiply(r8, r8, record.taken);
+    a_.multiply(r8, r8, instruction.taken);
     a_.alu(Alu::add, r8, kCycles);
     a_.alu(Alu::cmp, r8, in_console(Offsets::cycle_limit()));
     const ShortJump near_limit = a_.jump_short(If::not_below);
@@ -74,7 +74,7 @@ void Translator::skip_rounds() {
 // --- jumps ---
 
 void Translator::emit_branch() {
-    const std::size_t target = target_place(records_, at_->place);
+    const std::size_t target = target_place(decoded_, at_->place);
     const bool backward = target <= at_->place;
     If taken = If::zero;
     switch (at_->operation) {
@@ -94,7 +94,7 @@ void Translator::emit_branch() {
             a_.alu8(Alu::cmp, in_console(Offsets::overflow()), uint8_t{0});
             taken = at_->operation == BVC ? If::zero : If::not_zero;
     }
-    const int32_t cycles = cycles_ + records_[at_->place].taken;
+    const int32_t cycles = cycles_ + decoded_[at_->place].taken;
     if (backward) {
         Label otherwise;
         a_.jump(opposite(taken), otherwise);
@@ -114,7 +114,7 @@ void Translator::emit_jump() {
         a_.jump(at_->operation == RTS ? return_ : at_->operation == JSR ? call_far_ : jump);
         return;
     }
-    const std::size_t target = target_place(records_, at_->place);
+    const std::size_t target = target_place(decoded_, at_->place);
     if (at_->operation == JSR) {
         a_.load8(r8, in_console(Offsets::sp()));
         a_.alu(Alu::cmp, r8, 0x81);
@@ -126,8 +126,8 @@ void Translator::emit_jump() {
     a_.test(r10, uint32_t{0xf000});
     a_.jump(If::not_zero, slow_);
     if (at_->operation == JSR) {
-        a_.load64(r10, in_console(Offsets::first_record()));
-        a_.alu64(Alu::sub, r10, in_console(Offsets::base_record()));
+        a_.load64(r10, in_console(Offsets::first_instruction()));
+        a_.alu64(Alu::sub, r10, in_console(Offsets::base_instruction()));
         a_.shift(Shift::right, r10, kInstructionShift);
         a_.address(r9, Mem{r9, static_cast<int32_t>(at_->place + 2), r10});
         a_.store16(Mem{kRam, -0x81, r8}, r9);

@@ -56,14 +56,14 @@ void Translator::store_in_ram(Reg value) {
 }
 
 // The deadline check: a TIA write so many cycles later that no longer belongs to this frame is left to `late`. Uses r8.
-void Translator::check_deadline(int32_t later, Label& late) {
+void Translator::check_deadline(int32_t later, Label& past_deadline) {
     if (later < Offsets::kDeadlines) {
         a_.alu(Alu::cmp, kCycles, in_console(Offsets::deadlines() + 4 * later));
     } else {
         a_.address(r8, Mem{kCycles, later});
         a_.alu(Alu::cmp, r8, in_console(Offsets::deadlines()));
     }
-    a_.jump(If::not_below, late);
+    a_.jump(If::not_below, past_deadline);
 }
 
 // A store to the TIA, as `Interpreter::write_tia` does it.
@@ -77,7 +77,7 @@ void Translator::emit_tia_store(Reg value) {
             a_.alu8(Alu::cmp, shadow(reg), value);
             const ShortJump same = a_.jump_short(If::zero);
             a_.store8(shadow(reg), value);
-            keep(value);
+            append_write(value);
             a_.bind_short(same);
             break;
         }
@@ -93,7 +93,7 @@ void Translator::emit_tia_store(Reg value) {
             a_.bind_short(acts);
             a_.store8(shadow(reg), value);
             a_.store8(strobed, uint8_t{0});
-            keep(value);
+            append_write(value);
             a_.bind_short(same);
             break;
         }
@@ -111,7 +111,7 @@ void Translator::emit_tia_store(Reg value) {
             a_.set(If::not_below, r10);
             a_.store8(in_console(Offsets::late_reflect()), r10);
             a_.bind_short(kept);
-            keep(value);
+            append_write(value);
             a_.test(r9, uint32_t{kShapesOfCtrlpf});
             const ShortJump shows = a_.jump_short(If::not_zero);
             a_.store8(in_log(Offsets::write_reg() - kWriteSize), uint8_t{PRIORITY});
@@ -124,7 +124,7 @@ void Translator::emit_tia_store(Reg value) {
             break;
         case Operand::Strobe:
             a_.store8(shadow(reg), uint8_t{1});
-            keep(value);
+            append_write(value);
             break;
         case Operand::Motion:
             if (reg == HMM0) {  // perhaps Cosmic Ark's trick
@@ -204,7 +204,7 @@ void Translator::write_graphics(Reg value) {
         a_.shift(Shift::left, r10, 7);
         a_.alu(Alu::or_, r9, r10);
     }
-    keep(value);
+    append_write(value);
     a_.store16(in_log(Offsets::write_beside() - kWriteSize), r9);
     a_.bind_short(same);
 }
@@ -220,14 +220,14 @@ void Translator::write_hmove() {
     cycle_in_line(r10, 1);
     a_.alu(Alu::cmp, r10, int32_t{kOrdinaryHmoveCycles});
     a_.move(r10, uint32_t{0});
-    const ShortJump late = a_.jump_short(If::above);
+    const ShortJump unusual = a_.jump_short(If::above);
     a_.address(r8, Mem{kCycles, write_at_});
     a_.store(in_log(Offsets::write_cycle()), r8);
     a_.store(in_log(Offsets::write_reg()), uint32_t{STILL});
     Label done;
     a_.jump(done);
     a_.bind_short(moves);
-    a_.bind_short(late);
+    a_.bind_short(unusual);
     a_.shift(Shift::right, r9, 4);
     a_.alu(Alu::and_, r9, 0x0f0f0f0f);
     a_.move(r11, r9);
@@ -248,7 +248,7 @@ void Translator::write_hmove() {
 }
 
 // Appends the write to the write log. Uses r8.
-void Translator::keep(Reg value) {
+void Translator::append_write(Reg value) {
     a_.address(r8, Mem{kCycles, write_at_});
     a_.store(in_log(Offsets::write_cycle()), r8);
     a_.store(in_log(Offsets::write_reg()), uint32_t{at_->given});

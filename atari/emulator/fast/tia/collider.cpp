@@ -41,11 +41,11 @@ void Collider::begin(unsigned latches) {
     collecting_ = true;
     acted_ = 0;
     noted_ = 0;
-    look_around();
+    derive_again();
 }
 
 // Discards everything derived from the TIA's state, and derives the enabled objects again.
-void Collider::look_around() {
+void Collider::derive_again() {
     const Tia& t = t_;
     line_end_acts_ = true;
     idle_ = false;
@@ -104,7 +104,7 @@ void Collider::go_on_from(const TiaLine& state, uint16_t collisions, int32_t bla
     t_.collisions = collisions;
     blanked_at_ = blanked_at;
     noted_ = 0;
-    look_around();
+    derive_again();
 }
 
 // --- single registers ---
@@ -291,11 +291,11 @@ void Collider::write_nusiz(unsigned player, uint8_t value, int32_t clock) {
 void Collider::write_ctrlpf(uint8_t value, uint32_t cycle_in_line, int32_t clock) {
     Tia& t = t_;
     const bool sized = (t.ctrlpf ^ value) & kBallSize, pending = t.pf_reflect != (t.ctrlpf & kReflects);
-    const bool mirrored = pending || ((t.ctrlpf ^ value) & kReflects);
-    if (sized || mirrored) advance(clock);
+    const bool reflect_changes = pending || ((t.ctrlpf ^ value) & kReflects);
+    if (sized || reflect_changes) advance(clock);
     t.ctrlpf = value;
     if (sized) moved(bit_of(kBL));
-    if (!mirrored) return;
+    if (!reflect_changes) return;
     bring_up(kLooks);
     if (cycle_in_line < kLateReflect) t.pf_reflect = value & kReflects;
     line_end_acts_ |= t.pf_reflect != (value & kReflects);

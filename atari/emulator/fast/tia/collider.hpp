@@ -55,7 +55,7 @@ class Collider {
   private:
     using Registers = uint64_t;  // a set of registers, a bit each
 
-    void look_around();
+    void derive_again();
     void apply_one(const TiaWrite& write);
     void apply_noted(const TiaWrite& write);
     void set_graphics(unsigned player, const TiaWrite& write);
@@ -122,8 +122,8 @@ class Collider {
 
     unsigned watched_ = 0xffff;    // collision latches to find
     unsigned enabled_ = 0;         // objects that are visible at all, a bit each
-    unsigned wanted_ = 0xffff;     // watched latches that are not set yet
-    unsigned open_pairs_ = 0;      // latches of `wanted_` whose two objects are enabled
+    unsigned unset_ = 0xffff;      // watched latches that are not set yet
+    unsigned open_pairs_ = 0;      // latches of `unset_` whose two objects are enabled
     // `touching_`: pairs of objects that could collide at their positions. `unknown_`: pairs not checked yet.
     unsigned touching_ = 0, unknown_ = 0xffff;
 

@@ -42,11 +42,11 @@ inline unsigned objects_in(unsigned latches) { return kObjectsIn[0][latches & 0x
 // pixel. The widths are those of `width_of`.
 constexpr auto kPlayfieldNear = [] {
     std::array<std::array<std::array<uint32_t, kScreenWidth>, 7>, 2> table{};
-    for (size_t mirror = 0; mirror < 2; ++mirror)
+    for (size_t reflect = 0; reflect < 2; ++reflect)
         for (size_t width = 0; width < 7; ++width)
             for (int x = 0; x < kScreenWidth; ++x) {
                 const int pixels = width == 5 ? 17 : width == 6 ? 33 : 1 << width;
-                table[mirror][width][static_cast<size_t>(x)] = playfield_of_cells(cells_of_run(x, pixels), mirror != 0);
+                table[reflect][width][static_cast<size_t>(x)] = playfield_of_cells(cells_of_run(x, pixels), reflect != 0);
             }
     return table;
 }();
@@ -57,13 +57,13 @@ constexpr int width_of_player(int mode) { return mode == 5 ? 17 : mode == 7 ? 33
 // The bits of the playfield near all copies of a player. Indices: the reflect bit, the low bits of NUSIZ, the position.
 constexpr auto kPlayfieldNearPlayer = [] {
     std::array<std::array<std::array<uint32_t, kScreenWidth>, 8>, 2> table{};
-    for (size_t mirror = 0; mirror < 2; ++mirror)
+    for (size_t reflect = 0; reflect < 2; ++reflect)
         for (int mode = 0; mode < 8; ++mode)
             for (int x = 0; x < kScreenWidth; ++x)
                 for (int copy = 0; copy < kCopies[mode].count; ++copy) {
                     const auto width = static_cast<size_t>(std::bit_width(static_cast<unsigned>(width_of_player(mode)) - 1u));
                     const auto at = static_cast<size_t>((x + kCopies[mode].offset[copy]) % kScreenWidth);
-                    table[mirror][static_cast<size_t>(mode)][static_cast<size_t>(x)] |= kPlayfieldNear[mirror][width][at];
+                    table[reflect][static_cast<size_t>(mode)][static_cast<size_t>(x)] |= kPlayfieldNear[reflect][width][at];
                 }
     return table;
 }();
@@ -75,7 +75,7 @@ void Collider::toggle(unsigned object) {
     enabled_ ^= bit_of(object);
     find_open_pairs();
     // Another object that is not enabled acts when it appears. The playfield does not, so its pairs count here.
-    const unsigned pairs = kPairsOf[enabled_ | bit_of(kPF)] & wanted_ & kPairsWith[bit_of(object)];
+    const unsigned pairs = kPairsOf[enabled_ | bit_of(kPF)] & unset_ & kPairsWith[bit_of(object)];
     if (enabled_ >> object & 1 && pairs) reconsider();
 }
 
@@ -89,8 +89,8 @@ void Collider::moved(unsigned objects) {
 }
 
 void Collider::find_open_pairs() {
-    wanted_ = watched_ & ~static_cast<unsigned>(t_.collisions);
-    open_pairs_ = kPairsOf[enabled_] & wanted_;
+    unset_ = watched_ & ~static_cast<unsigned>(t_.collisions);
+    open_pairs_ = kPairsOf[enabled_] & unset_;
     possible_ &= open_pairs_;
 }
 
@@ -106,7 +106,7 @@ void Collider::find_possible() {
     possible_ = 0;
     known_ = true;
     if (!collecting_ || (t_.vblank & kBlanks)) return;
-    if (wanted_ & kPairsWith[bit_of(kPF)]) bring_up(kPlayfieldRegisters);
+    if (unset_ & kPairsWith[bit_of(kPF)]) bring_up(kPlayfieldRegisters);
     if (open_pairs_ & unknown_ & ~kPairsWith[bit_of(kPF)]) bring_up(kLooks);
     for (unsigned unknown = open_pairs_ & unknown_; unknown; unknown &= unknown - 1) {
         const Pair& pair = lowest_pair(unknown);
@@ -131,10 +131,10 @@ void Collider::choose_acting() {
     acting_ = kAlwaysActing;
     if (t.skip_first[0] || t.skip_first[1] || t.m0_variant != kPlain) acting_ |= set_of({STILL});
     if (!collecting_ || (t.vblank & kBlanks)) return;
-    const unsigned objects = (objects_in(wanted_) & ~enabled_) | objects_in(possible_);
+    const unsigned objects = (objects_in(unset_) & ~enabled_) | objects_in(possible_);
     acting_ |= kLooksOf[t.vdelp[0] | t.vdelp[1] << 1 | t.vdelbl << 2][objects & 31];
     acting_playfield_ = 0;
-    unsigned pairs = kPairsOf[enabled_ | bit_of(kPF)] & wanted_ & kPairsWith[bit_of(kPF)];
+    unsigned pairs = kPairsOf[enabled_ | bit_of(kPF)] & unset_ & kPairsWith[bit_of(kPF)];
     if (!(enabled_ & bit_of(kPF)) && pairs) acting_playfield_ = ~0u;
     else for (; pairs; pairs &= pairs - 1) acting_playfield_ |= playfield_near(lowest_pair(pairs).a);
     if (acting_playfield_ & 0xf) acting_ |= set_of({PF0});
@@ -158,11 +158,11 @@ bool Collider::may_touch(unsigned a, unsigned b) {
 
 // Returns the playfield bits that an object could collide with at its position, in cells of four pixels.
 uint32_t Collider::playfield_near(unsigned object) {
-    const size_t mirror = t_.pf_reflect ? 1 : 0;
-    if (object <= kP1) return kPlayfieldNearPlayer[mirror][t_.nusiz[object] & 7][t_.pos[object]];
+    const size_t reflect = t_.pf_reflect ? 1 : 0;
+    if (object <= kP1) return kPlayfieldNearPlayer[reflect][t_.nusiz[object] & 7][t_.pos[object]];
     if (!(near_known_ & bit_of(object))) {
         near_known_ |= bit_of(object);
-        const auto& near = kPlayfieldNear[mirror][static_cast<size_t>(std::bit_width(width_of(object) - 1u))];
+        const auto& near = kPlayfieldNear[reflect][static_cast<size_t>(std::bit_width(width_of(object) - 1u))];
         near_[object] = 0;
         visit_copies(object, [&](int x) { near_[object] |= near[static_cast<size_t>(x % kScreenWidth)]; });
     }

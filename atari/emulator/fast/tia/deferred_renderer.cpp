@@ -312,9 +312,9 @@ inline void DeferredRenderer::line_part(int32_t until) {
     if (t.hmove_blank && from < kBlankEnd) {
         // The HMOVE blank covers eight black pixels. If rendering stops before them, the black reaches further, as in
         // the reference TIA.
-        const int behind_blank = std::max(from, std::min(kHblankClocks, to));
-        if (behind_blank == kHblankClocks) std::memset(row_, 0, kHmoveBlank);
-        else std::memset(row_ + std::max(behind_blank - kHblankClocks, 0), 0, static_cast<size_t>(kBlankEnd - behind_blank));
+        const int after_blank = std::max(from, std::min(kHblankClocks, to));
+        if (after_blank == kHblankClocks) std::memset(row_, 0, kHmoveBlank);
+        else std::memset(row_ + std::max(after_blank - kHblankClocks, 0), 0, static_cast<size_t>(kBlankEnd - after_blank));
         if (to >= kBlankEnd) t.hmove_blank = false;
     }
 }
@@ -370,10 +370,10 @@ void DeferredRenderer::make_layers() {
             player1 |= pf.word[i] & ~half;
             playfield &= ~pf.word[i] | bl.word[i];
         }
-        const uint64_t behind0 = playfield_first ? playfield : 0, behind = playfield_first ? 0 : player0 | player1;
-        layers_.player0.word[i] = player0 & ~behind0;
-        layers_.player1.word[i] = player1 & ~(behind0 | player0);
-        layers_.playfield.word[i] = playfield & ~behind;
+        const uint64_t over_players = playfield_first ? playfield : 0, over_playfield = playfield_first ? 0 : player0 | player1;
+        layers_.player0.word[i] = player0 & ~over_players;
+        layers_.player1.word[i] = player1 & ~(over_players | player0);
+        layers_.playfield.word[i] = playfield & ~over_playfield;
     }
 }
 

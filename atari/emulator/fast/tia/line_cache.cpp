@@ -22,8 +22,8 @@ void LineCache::forget() {
     for (auto& rows : shown_) std::fill(std::begin(rows), std::end(rows), 0u);
 }
 
-void LineCache::draw(const FrameLog& log, Framebuffers& framebuffers, int picture) {
-    uint8_t* const pixels = framebuffers.use(picture, config_.framebuffer_bytes());
+void LineCache::draw(const FrameLog& log, Framebuffers& framebuffers, int buffer) {
+    uint8_t* const pixels = framebuffers.use(buffer, config_.framebuffer_bytes());
     if (straight_ > 0) return draw_straight(log, pixels);
     if (++frame_ == 0) {
         forget();
@@ -32,11 +32,11 @@ void LineCache::draw(const FrameLog& log, Framebuffers& framebuffers, int pictur
     const bool comparable = known_ > 0;
     if (log.start.frame_start != frame_start_) known_ = 0;  // clocks have another origin
     frame_start_ = log.start.frame_start;
-    Drawing d{log.start, {d.tia, config_}, pixels, framebuffers[picture ^ 1], picture, log.writes, log.writes + log.size, log.writes};
+    Drawing d{log.start, {d.tia, config_}, pixels, framebuffers[buffer ^ 1], buffer, log.writes, log.writes + log.size, log.writes};
     d.beam.begin(pixels);
 
-    const int behind_picture = config_.first_line + config_.height;
-    const int most_lines = std::min(behind_picture, kMostLines);
+    const int framebuffer_end = config_.first_line + config_.height;
+    const int most_lines = std::min(framebuffer_end, kMostLines);
     const int lines = std::min((log.reached - frame_start_) / kClocksPerLine, most_lines);
     beginnings_.resize(static_cast<std::size_t>(most_lines) + 1);
     places_.resize(beginnings_.size());
@@ -49,9 +49,9 @@ void LineCache::draw(const FrameLog& log, Framebuffers& framebuffers, int pictur
         ++drawn;
     }
     begin_line(d);
-    if (lines < behind_picture) {
+    if (lines < framebuffer_end) {
         // The frame ends in this line. The rest of its row belongs to an older frame.
-        if (const int row = lines - config_.first_line; row >= 0) shown_[picture][row] = 0;
+        if (const int row = lines - config_.first_line; row >= 0) shown_[buffer][row] = 0;
         d.beam.apply(d.next, d.end);
         d.beam.reach(log.reached);
     }
@@ -124,8 +124,8 @@ bool LineCache::skip_lines(Drawing& d, int lines) {
 int LineCache::first_not_shown(const Drawing& d, int line, int end) {
     if (end <= config_.first_line) return end;
     line = std::max(line, config_.first_line);
-    uint32_t* const shown = shown_[d.picture];
-    const uint32_t* const shown_by_other = shown_[d.picture ^ 1];
+    uint32_t* const shown = shown_[d.buffer];
+    const uint32_t* const shown_by_other = shown_[d.buffer ^ 1];
     int single = line;  // lines before this one are checked one by one
     for (; line < end; ++line) {
         int row = line - config_.first_line;
@@ -162,7 +162,7 @@ void LineCache::begin_line(Drawing& d) {
 void LineCache::draw_line(Drawing& d) {
     begin_line(d);
     const int row = d.line - config_.first_line;
-    const uint32_t shown = row >= 0 && looks_[d.line] == frame_ ? shown_[d.picture][row] : 0;
+    const uint32_t shown = row >= 0 && looks_[d.line] == frame_ ? shown_[d.buffer][row] : 0;
     const uint8_t* const pixels = d.pixels + kScreenWidth * std::max(row, 0);
     uint8_t before[kScreenWidth];
     if (shown) std::memcpy(before, pixels, sizeof before);
@@ -171,12 +171,12 @@ void LineCache::draw_line(Drawing& d) {
     involved_[d.line] = static_cast<uint8_t>(d.beam.involved());
     // Many lines with other TIA writes have the same row as before. Results computed from such a row stay valid.
     if (shown && agree<sizeof before>(before, pixels)) looks_[d.line] = shown;
-    if (row >= 0) shown_[d.picture][row] = looks_[d.line];
+    if (row >= 0) shown_[d.buffer][row] = looks_[d.line];
     ++d.line;
     // A write at the line's end may show in the next line. If the next line begins with an HMOVE blank, part of its row
     // is already black.
     const bool reaches_on = d.tia.hmove_blank && d.tia.drawn_to > line_clock(d.line);
-    if (reaches_on && row + 1 >= 0 && row + 1 < config_.height) shown_[d.picture][row + 1] = 0;
+    if (reaches_on && row + 1 >= 0 && row + 1 < config_.height) shown_[d.buffer][row + 1] = 0;
 }
 
 // Returns whether the line has no TIA writes and begins in the same state as the line above, which had no writes
@@ -187,9 +187,9 @@ bool LineCache::repeats_line_above(const Drawing& d) const {
     if (beginnings_[d.line].drawn_to != beginnings_[d.line - 1].drawn_to + kClocksPerLine) return false;
     if (d.next != d.end && static_cast<int32_t>(3 * d.next->cycle) < line_clock(d.line + 1)) return false;
     constexpr std::size_t kClocks = offsetof(TiaCommon, playfield);
-    const auto behind_clocks = [](const TiaCommon& line) { return reinterpret_cast<const char*>(&line) + kClocks; };
+    const auto after_clocks = [](const TiaCommon& line) { return reinterpret_cast<const char*>(&line) + kClocks; };
     const TiaCommon* const now = &beginnings_[d.line];
-    return agree<sizeof *now - kClocks>(behind_clocks(now[0]), behind_clocks(now[-1])) &&
+    return agree<sizeof *now - kClocks>(after_clocks(now[0]), after_clocks(now[-1])) &&
            agree<sizeof(TiaPlaces)>(&places_[d.line], &places_[d.line - 1]);
 }
 

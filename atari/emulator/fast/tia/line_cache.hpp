@@ -23,7 +23,7 @@ class LineCache {
 
     // Renders a frame into framebuffer 0 or 1. Rows that it already holds are kept, and rows that the other framebuffer
     // holds are copied. The log of the frame rendered before must stay valid.
-    void draw(const FrameLog& log, Framebuffers& framebuffers, int picture);
+    void draw(const FrameLog& log, Framebuffers& framebuffers, int buffer);
 
     // The log of the frame rendered last, or null.
     const TiaWrite* log() const { return known_ > 0 ? log_ : nullptr; }
@@ -32,7 +32,7 @@ class LineCache {
     void forget();
 
     // The look of each row of framebuffer 0 or 1, as a number: rows of equal numbers are equal. 0 means unknown.
-    const uint32_t* looks(int picture) const { return shown_[picture]; }
+    const uint32_t* looks(int buffer) const { return shown_[buffer]; }
 
   private:
     // A frame that is being rendered.
@@ -41,7 +41,7 @@ class LineCache {
         DeferredRenderer beam;
         uint8_t* const pixels;  // of the framebuffer to render into
         const uint8_t* const other_pixels;
-        const int picture;
+        const int buffer;
         const TiaWrite *const log, *const end;
         const TiaWrite* next;       // first TIA write that has not been applied
         int line = 0;
