@@ -134,9 +134,9 @@ class Console:
     A bare console, driven by hand: for tests and for looking inside.
 
     Made as at power-on, after one reset; no frame has begun. `cartridge` names the type of bank
-    switching, "" recognises it; the other arguments are those of a game's screen and controllers.
-    `plain`: by the plain interpreter and TIA; if not, `run_frame` runs frames fast, and `translated`,
-    where that is possible, by translated code of the program.
+    switching, "" detects it. The other arguments are those of a game's screen and controllers.
+    If `plain`, the reference core; if not, `run_frame` runs the fast core, and if `translated`,
+    by translated code where the platform supports it.
     Raises ValueError if the image is of no supported type.
     """
 

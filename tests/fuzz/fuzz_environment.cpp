@@ -1,9 +1,10 @@
-// The fuzz target: plays what an input says, and checks what must hold whatever it says.
+// The fuzz target: runs what an input describes, and checks the properties that hold for every input.
 //
-// An input is a cartridge, the options of a console, and then one of two scenarios: the bare console, whose frames are
-// cheap, or a whole environment with rules, where a construction alone takes 68 frames. Both end with a row of steps,
-// among them snapshots that were damaged. Nothing may crash, hang, leave defined behaviour, or throw anything but the
-// two documented exceptions. Everything is played twice, fast and plainly, and must be the same both times. Inputs are described in seeds.cpp, which writes the ones to start from.
+// An input is a cartridge, the options of a console, and one of two scenarios: the bare console, whose frames take
+// little time, or a whole environment with rules, whose construction alone takes 68 frames. Both end with a sequence of
+// steps, some of which load damaged states. The emulator must not crash, hang, execute undefined behaviour, or throw
+// anything but the two documented exceptions. Every input runs on the fast core and on the reference core, whose
+// results must be equal. seeds.cpp describes inputs and writes the seeds.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -31,15 +32,15 @@ void expect(bool good, const char* what) {
     std::abort();
 }
 
-// Refuses what the binding refuses before it reaches the emulator; here a refused input is simply over.
-[[noreturn]] void refuse() { throw std::invalid_argument("refused at the door"); }
+// Rejects input that the binding rejects before it reaches the emulator. The run of the input ends.
+[[noreturn]] void refuse() { throw std::invalid_argument("the binding rejects this"); }
 
-// Enough to reach every state of interest, and few enough that most inputs take milliseconds.
+// Limits that reach every state of interest, and with which most inputs take milliseconds.
 constexpr int kSteps = 64, kFrames = 6, kActs = 6, kResets = 2;
 constexpr size_t kInstructions = 80;  // of a rule program
 
 std::shared_ptr<const FastCartridge> read_cartridge(Reader& in) {
-    static const char* const kTypes[] = {"",     "2K",   "4K",   "F8", "F8 SWAPPED", "F6", "F4",  "F8SC", "F6SC", "F4SC",
+    static const char* const kTypes[] = {"",     "2K", "4K", "F8", "F8 SWAPPED", "F6", "F4", "F8SC", "F6SC", "F4SC",
                                          "FASC", "E0", "E7", "FE", "DPC",        "3F", "3E",  "UA",   "CV",   "MB"};
     static constexpr size_t kSizes[] = {0,     2048,  4096,  8192,  10240, 12288,  16384,  32768,
                                         65536, 8448, 10495, 3000, 6144,  10496, 524288, 524289};
@@ -49,11 +50,12 @@ std::shared_ptr<const FastCartridge> read_cartridge(Reader& in) {
     const Bytes code = in.chunk();
     if (size == 0) return std::make_shared<const FastCartridge>(code, type);
 
-    // The code at the beginning of every so many bytes, and a vector that starts it at the end of every KiB.
+    // Repeats the code every `every` bytes. If the layout says so, each KiB ends with a vector to the code.
     const size_t every = size_t{1024} << (layout & 7);
     Bytes image(size, fill);
     for (size_t at = 0; at < size; at += every)
-        std::copy_n(code.begin(), std::min({code.size(), every, size - at}), image.begin() + static_cast<ptrdiff_t>(at));
+        std::copy_n(code.begin(), std::min({code.size(), every, size - at}),
+                    image.begin() + static_cast<ptrdiff_t>(at));
     if (layout & 8)
         for (size_t at = 1020; at < size; at += 1024)
             for (size_t k = 0; k < 4; ++k) image[at + k] = k & 1 ? 0xf0 : 0x00;
@@ -74,13 +76,13 @@ ConsoleConfig read_config(Reader& in) {
     return config;
 }
 
-// A rule program as it stands in the input, or with constants put in where the stack would be too shallow.
+// Reads a rule program. A repaired program gets constants where the stack would be too shallow.
 Program read_program(Reader& in, int variables, bool may_act, bool& presses) {
     std::vector<int32_t> words;
     const bool repaired = in.byte() & 1;
     const size_t count = std::min<size_t>(in.byte(), kInstructions);
     for (size_t i = 0; i < count; ++i) {
-        const auto op = static_cast<Op>(in.byte() % (kOpCount + 1));  // one of them does not exist
+        const auto op = static_cast<Op>(in.byte() % (kOpCount + 1));  // one operation more than exist
         const int32_t argument = in.number();
         if (repaired && op > Op::kXram && op < Op::kJump)
             for (int k = 0; k < 2; ++k) words.insert(words.end(), {static_cast<int32_t>(Op::kPush), argument});
@@ -112,13 +114,14 @@ std::shared_ptr<Game> read_game(Reader& in) {
     }
     for (int i = in.byte() & 3; i > 0; --i) game->starting_actions.push_back(in.number());
     if (flags & 32) {
-        for (int* variable : {&game->reward, &game->terminal, &game->lives, &game->mode_variable}) *variable = in.number();
+        for (int* variable : {&game->reward, &game->terminal, &game->lives, &game->mode_variable})
+            *variable = in.number();
     }
     bool presses = false;
     game->step = read_program(in, game->variables, false, presses);
     game->select_mode = read_program(in, game->variables, true, presses);
     game->check();
-    // Selecting a mode may take 20000 frames: of a game whose processor stops at once, or an input takes minutes.
+    // Selecting a mode may take 20000 frames, or minutes for an input. The image therefore stops the processor at once.
     if (presses) game->cartridge = std::make_shared<const FastCartridge>(Bytes(4096, 0x02), "4K");
     return game;
 }
@@ -141,8 +144,8 @@ Bytes saved(Saved& from) {
     return state;
 }
 
-// A state with some of its bytes replaced, or made of bytes of the input altogether. Pictures and random words are most
-// of a state and harmless; `parts` are where the rest begins.
+// Returns a state with some bytes replaced, or made from bytes of the input. Most bytes of a state are framebuffers and
+// random words, which are harmless; `parts` are the offsets of the other parts.
 constexpr size_t kNumbers = offsetof(EnvironmentState, paddle) - sizeof(uint32_t);
 Bytes damaged(Reader& in, Bytes state, std::initializer_list<size_t> parts) {
     const uint8_t flags = in.byte();
@@ -156,9 +159,10 @@ Bytes damaged(Reader& in, Bytes state, std::initializer_list<size_t> parts) {
         const size_t at = (part + static_cast<uint32_t>(in.number())) % state.size();
         const auto value = static_cast<uint32_t>(in.number());
         const size_t width = place & 1 ? 1 : 4;
-        for (size_t k = 0; k < width && at + k < state.size(); ++k) state[at + k] = static_cast<uint8_t>(value >> (8 * k));
+        for (size_t k = 0; k < width && at + k < state.size(); ++k)
+            state[at + k] = static_cast<uint8_t>(value >> (8 * k));
     }
-    // Up to 2^32 random words may be skipped in a reset: two seconds, but minutes under sanitizers.
+    // A reset may skip up to 2^32 random words. That takes two seconds, but minutes with sanitizers.
     uint8_t* const words_field = state.data() + *parts.begin() + offsetof(Machine, random_words);
     uint64_t words;
     std::memcpy(&words, words_field, sizeof words);
@@ -167,7 +171,7 @@ Bytes damaged(Reader& in, Bytes state, std::initializer_list<size_t> parts) {
     return state;
 }
 
-// A state is taken as a whole or not at all, and what was taken is what is saved again.
+// Loads a state. `load` must take all of it or nothing, and a taken state must be saved as the same bytes.
 template <typename Saved>
 bool offer(Saved& to, const Bytes& state) {
     const Bytes before = saved(to);
@@ -176,18 +180,18 @@ bool offer(Saved& to, const Bytes& state) {
     return taken;
 }
 
-// A fast and a plain machine, to which the same is done: the fast one must give what the plain one gives.
+// A machine on the fast core and one on the reference core. Both get the same calls and must give the same results.
 template <typename Machines>
 struct Twins {
     Machines &fast, &plain;
-    bool comparable = true;  // no state that no machine could have saved has been taken since the last reset
+    bool comparable = true;  // no state that a machine could not have saved has been taken since the last reset
 
     void alike(bool same, const char* what) const { expect(same || !comparable, what); }
 
-    // The whole states, for which the fast one has to work out all that it has put off.
+    // Compares whole states. The fast core must render all deferred frames and find all deferred collisions for this.
     void compare_states() const { alike(saved(fast) == saved(plain), "the whole states of fast and plain are equal"); }
 
-    // Each goes on from what the other has saved.
+    // Each machine continues from the state that the other has saved.
     void change_places() const {
         const Bytes state = saved(fast), other = saved(plain);
         alike(state == other, "fast and plain save the same");
@@ -202,13 +206,15 @@ struct Twins {
     }
 };
 
-// What can be compared without asking for a picture or a collision.
+// Compares the state that needs neither deferred rendering nor deferred collisions.
 void compare_quickly(const Twins<Console>& twins) {
     const auto equal = [](const auto& a, const auto& b) { return std::memcmp(&a, &b, sizeof a) == 0; };
     const Machine &a = twins.fast.machine(), &b = twins.plain.machine();
-    const bool same = a.cycles == b.cycles && equal(a.cpu, b.cpu) && equal(a.riot, b.riot) && equal(a.tia.pos, b.tia.pos) &&
+    const bool same = a.cycles == b.cycles && equal(a.cpu, b.cpu) && equal(a.riot, b.riot) &&
+                      equal(a.tia.pos, b.tia.pos) &&
                       a.tia.write_pos == b.tia.write_pos && a.tia.current_line == b.tia.current_line &&
-                      std::equal(twins.fast.cartridge_ram(), twins.fast.cartridge_ram() + twins.fast.cartridge_ram_size(),
+                      std::equal(twins.fast.cartridge_ram(),
+                                 twins.fast.cartridge_ram() + twins.fast.cartridge_ram_size(),
                                  twins.plain.cartridge_ram());
     twins.alike(same, "fast and plain frames end alike");
 }
@@ -242,7 +248,7 @@ void play_console(Reader& in) {
     int frames = 0;
     for (int steps = 0; steps < kSteps && !in.empty(); ++steps) {
         const auto step = static_cast<ConsoleStep>(in.byte() % static_cast<int>(ConsoleStep::kCount));
-        // What follows is done by hand, and so plainly: nothing may be put off any more.
+        // The next steps run single instructions or accesses, in which nothing is deferred.
         if (step == ConsoleStep::kInstructions || step == ConsoleStep::kRead || step == ConsoleStep::kWrite)
             expect(offer(fast, saved(fast)), "load takes what save made");
         switch (step) {
@@ -264,7 +270,8 @@ void play_console(Reader& in) {
                 break;
             case ConsoleStep::kLook: {
                 const size_t shown = static_cast<size_t>(game.console.height) * kScreenWidth;
-                twins.alike(std::equal(fast.framebuffer(), fast.framebuffer() + shown, plain.framebuffer()), "fast and plain framebuffers are equal");
+                twins.alike(std::equal(fast.framebuffer(), fast.framebuffer() + shown, plain.framebuffer()),
+                            "fast and plain framebuffers are equal");
                 break;
             }
             case ConsoleStep::kCompare: twins.compare_states(); break;
@@ -295,7 +302,8 @@ void play_console(Reader& in) {
     }
 }
 
-// Pooling and resizing give the same at every SIMD level of this processor, and read nothing after the last pixel.
+// Checks that pooling and resizing give the same at every SIMD level of this processor, and read nothing after the last
+// pixel.
 void scale(const Bytes& indices, int rows, const uint8_t* table) {
     Bytes expected;
     for (SimdLevel level : {SimdLevel::kScalar, SimdLevel::kAvx2, SimdLevel::kAvx512}) {
@@ -311,7 +319,7 @@ void scale(const Bytes& indices, int rows, const uint8_t* table) {
     }
 }
 
-// All pictures, into memory of exactly their sizes; colours and greys are those of the indices.
+// Returns all screens, written to memory of exactly their sizes. Colours and greys must be those of the indices.
 Bytes look(Environment& environment) {
     const size_t pixels = static_cast<size_t>(environment.height()) * kScreenWidth;
     Bytes indices(pixels), rgb(3 * pixels), gray(pixels);
@@ -321,7 +329,8 @@ Bytes look(Environment& environment) {
     const Palette& palette = *environment.game()->palette;
     for (size_t i = 0; i < pixels; ++i) {
         const uint32_t colour = uint32_t{rgb[3 * i]} << 16 | uint32_t{rgb[3 * i + 1]} << 8 | rgb[3 * i + 2];
-        if (palette.rgb[indices[i]] != colour || palette.gray[indices[i]] != gray[i]) expect(false, "framebuffers agree");
+        if (palette.rgb[indices[i]] != colour || palette.gray[indices[i]] != gray[i])
+            expect(false, "framebuffers agree");
     }
     scale(indices, environment.height(), palette.gray);
     return indices;
@@ -332,11 +341,12 @@ int act(int action, float strength, Environment& environment, const Settings& se
     const bool over = environment.game_over() || environment.truncated();
     const int reward = environment.act(action, strength);
     const uint32_t played = static_cast<uint32_t>(environment.frame_number()) - before;
-    expect(played <= static_cast<uint32_t>(settings.frame_skip) && !(over && played), "an act plays up to frame_skip frames");
+    expect(played <= static_cast<uint32_t>(settings.frame_skip) && !(over && played),
+           "an act plays up to frame_skip frames");
     return reward;
 }
 
-// What can be compared without asking for a picture.
+// Compares the state that does not need deferred rendering.
 void compare_quickly(const Twins<Environment>& twins) {
     const Environment &a = twins.fast, &b = twins.plain;
     twins.alike(std::equal(a.ram(), a.ram() + 128, b.ram()), "fast and plain RAM are equal");
@@ -378,7 +388,9 @@ void play_environment(Reader& in) {
                 if (++resets > kResets) return;
                 both([](Environment& environment) { environment.reset(); });
                 break;
-            case EnvironmentStep::kLook: twins.alike(look(fast) == look(plain), "fast and plain framebuffers are equal"); break;
+            case EnvironmentStep::kLook:
+                twins.alike(look(fast) == look(plain), "fast and plain framebuffers are equal");
+                break;
             case EnvironmentStep::kCompare: twins.compare_states(); break;
             case EnvironmentStep::kChangePlaces: twins.change_places(); break;
             case EnvironmentStep::kRestore:  // the snapshot that the last step of this kind took
@@ -391,7 +403,7 @@ void play_environment(Reader& in) {
                 plain_snapshot = plain.snapshot();
                 break;
             case EnvironmentStep::kDamage: twins.damage(in, {machine, machine + 200, kNumbers}); break;
-            case EnvironmentStep::kSeed: {  // the same as a new environment with that seed
+            case EnvironmentStep::kSeed: {  // the result is that of a new environment with that seed
                 if (++resets > kResets) return;
                 const auto other = static_cast<uint32_t>(in.number());
                 twins.comparable = true;
@@ -435,7 +447,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
             atari::play_environment(in);
         else
             atari::play_console(in);
-    } catch (const std::invalid_argument&) {  // an unsound image, game or program
+    } catch (const std::invalid_argument&) {  // an invalid image, game or program
     } catch (const std::runtime_error&) {     // a mode that cannot be selected
     }
     return 0;

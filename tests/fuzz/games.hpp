@@ -1,4 +1,4 @@
-// Games of real images for the tests of threads.
+// Games of ROM images for the thread tests.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ constexpr int kTestGames = 10;
 
 using Games = std::vector<std::shared_ptr<const Game>>;
 
-// Real images, with rules that read RAM and draw random words each frame.
+// Loads ROM images, with rules that read RAM and draw random words each frame.
 inline Games load_games(const std::filesystem::path& folder) {
     std::vector<std::filesystem::path> files;
     for (const auto& entry : std::filesystem::directory_iterator(folder))

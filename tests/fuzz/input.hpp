@@ -1,5 +1,5 @@
-// How a fuzzing input is read, and written: a row of small numbers and chunks, in the order the target asks for them.
-// An input that ends early goes on as zeros, so every string of bytes is an input.
+// Reads and writes fuzzing inputs: a sequence of small numbers and chunks, in the order in which the target reads them.
+// An input that ends early continues with zeros, so every string of bytes is an input.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace atari {
 
-// Of what the row of steps at the end of an input consists.
+// The steps at the end of an input.
 enum class ConsoleStep : uint8_t {
     kFrame, kInstructions, kPress, kLook, kCompare, kChangePlaces, kDamage, kReset, kSamples, kRead, kWrite, kCount
 };
@@ -27,7 +27,8 @@ class Reader {
         --left_;
         return *at_++;
     }
-    // One byte for 0..239 and for -1..-15, five for anything else: most numbers are small, and any can be reached.
+    // One byte for 0..239 and for -1..-15, five bytes for all other numbers: most numbers are small, but any can be
+    // reached.
     int32_t number() {
         const uint8_t first = byte();
         if (first < 240) return first;

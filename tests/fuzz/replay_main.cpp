@@ -1,5 +1,5 @@
-// Runs the fuzz target without libFuzzer: the seeds, then mutations of them by a fixed generator, so that any compiler
-// with sanitizers can run it and every run is the same.
+// Runs the fuzz target without libFuzzer: first the seeds, then mutations of them by a fixed generator. Any compiler
+// with sanitizers can build it, and every run is the same.
 //
 // usage: fuzz_replay                        the seeds
 //        fuzz_replay --seconds N            the seeds, and mutations of them for that long
@@ -28,11 +28,11 @@ namespace {
 using Bytes = std::vector<uint8_t>;
 
 constexpr size_t kLongest = 4096;
-constexpr unsigned kPatience = 60;  // seconds for an input, after which the process is ended by a signal
+constexpr unsigned kPatience = 60;  // seconds for an input, after which a signal ends the process
 
 void run(const Bytes& input) {
     alarm(kPatience);
-    const Bytes exact(input);  // of no greater capacity, so that a read behind the end is seen
+    const Bytes exact(input);  // without spare capacity, so that sanitizers detect a read after the end
     LLVMFuzzerTestOneInput(exact.data(), exact.size());
     alarm(0);
 }
@@ -47,10 +47,11 @@ Bytes read_file(const std::string& path) {
 }
 
 void write_file(const std::filesystem::path& path, const Bytes& bytes) {
-    std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()),
+                                                static_cast<std::streamsize>(bytes.size()));
 }
 
-// Up to eight changes: a byte or a bit set anew, bytes left out or put in, or the end of another input.
+// Makes up to eight changes: replaces a byte or a bit, removes or inserts bytes, or appends the end of another input.
 Bytes mutated(Bytes input, const Bytes& other, std::mt19937& random) {
     const auto below = [&](size_t limit) { return limit == 0 ? 0 : random() % limit; };
     for (size_t changes = 1 + below(8); changes > 0; --changes) {
@@ -60,11 +61,15 @@ Bytes mutated(Bytes input, const Bytes& other, std::mt19937& random) {
             case 0: if (!input.empty()) input[at] = static_cast<uint8_t>(random()); break;
             case 1: if (!input.empty()) input[at] = static_cast<uint8_t>(input[at] ^ 1u << random() % 8); break;
             case 2: if (!input.empty()) input[at] = random() % 2 ? 0xff : 0x00; break;
-            case 3: input.erase(place, place + static_cast<std::ptrdiff_t>(below(std::min<size_t>(8, input.size() - at)))); break;
+            case 3:
+                input.erase(place, place + static_cast<std::ptrdiff_t>(below(std::min<size_t>(8, input.size() - at))));
+                break;
             case 4: input.insert(place, 1 + below(4), static_cast<uint8_t>(random())); break;
             default:
                 input.resize(at);
-                if (!other.empty()) input.insert(input.end(), other.end() - static_cast<std::ptrdiff_t>(below(other.size())), other.end());
+                if (!other.empty())
+                    input.insert(input.end(), other.end() - static_cast<std::ptrdiff_t>(below(other.size())),
+                                 other.end());
         }
     }
     input.resize(std::min(input.size(), kLongest));
@@ -88,9 +93,10 @@ int main(int count, char** arguments) {
     }
 
     const auto start = std::chrono::steady_clock::now();
-    const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
+    const auto elapsed =
+        [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
     const double seconds = timed ? std::stod(given[1]) : 0;
-    const std::filesystem::path current = "fuzz-current-input";  // stays behind if it is the last
+    const std::filesystem::path current = "fuzz-current-input";  // the file remains if this input ends the process
     const auto play = [&](const Bytes& input) {
         write_file(current, input);
         run(input);

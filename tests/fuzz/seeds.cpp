@@ -1,4 +1,4 @@
-// The seeds: small programs of our own on every type of cartridge, rules that use every operation, and all steps.
+// The seeds: small programs on every cartridge type, rules that use every operation, and all steps.
 //
 // An input, in order. Cartridge: type, size, layout, fill, code. Console: flags, first line, height.
 // Only for an environment: flags, switches, [paddles' range], [legal actions], default mode, variables, start values,
@@ -19,15 +19,15 @@ using Bytes = std::vector<uint8_t>;
 using Step = ConsoleStep;
 using Act = EnvironmentStep;
 
-constexpr uint8_t kTypes = 20;          // the first: recognised
+constexpr uint8_t kTypes = 20;          // number of types; the first means detection
 constexpr uint8_t k2K = 1, k4K = 2, k64K = 8, kDpcSize = 10;  // sizes, by their number
-constexpr uint8_t kWhole = 2, kVectors = 8;  // layouts: the code once in 4 KiB; vectors that start it
+constexpr uint8_t kWhole = 2, kVectors = 8;  // layouts: the code once in each 4 KiB; vectors to the code
 
-// A frame of three lines and few instructions: VSYNC on, two lines, off, and a count in RAM.
+// A frame of three lines and few instructions: VSYNC on, then off, and a counter in RAM.
 const Bytes kShort = {0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00,
                       0xe6, 0x80, 0xf8, 0xa5, 0x81, 0x69, 0x01, 0x85, 0x81, 0xd8, 0x4c, 0x00, 0xf0};
 
-// A whole picture: in each line colours, graphics, positions and motions change with the line's number, and collisions
+// A full frame. In each line, colours, graphics, positions and motions change with the line's number, and collisions
 // and paddles are read.
 const Bytes kFullFrame = {
     0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00,  // vertical sync
@@ -41,25 +41,28 @@ const Bytes kFullFrame = {
     0x85, 0x2c, 0xad, 0x80, 0x02, 0x85, 0x92, 0xad, 0x84, 0x02, 0x85, 0x93, 0xa9, 0x40, 0x8d, 0x96, 0x02,
     0x86, 0x15, 0xe6, 0x80, 0xa5, 0x80, 0x85, 0x17, 0x85, 0x19, 0x4c, 0x00, 0xf0};
 
-// The starfield of Cosmic Ark: missile 0 loses its motion 21 cycles behind HMOVE, and wanders through a hundred lines.
+// The starfield of Cosmic Ark: missile 0 loses its motion 21 cycles after HMOVE, and wanders through a hundred lines.
 const Bytes kStarfield = {
     0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00,
     0xa2, 0x28, 0x85, 0x02, 0xca, 0xd0, 0xfb, 0xa9, 0x70, 0x85, 0x22, 0xa9, 0x02, 0x85, 0x1d,
     0x85, 0x02, 0x85, 0x2a, 0xa9, 0x60, 0xea, 0xea, 0xea, 0xea, 0xea, 0xea, 0xea, 0xea, 0x85, 0x22,
     0xa2, 0x64, 0x85, 0x02, 0xca, 0xd0, 0xfb, 0x4c, 0x00, 0xf0};
 
-// Reads, writes and changes in place all over the window, where hotspots, cartridge RAM and DPC registers are.
+// Reads, writes and read-modify-writes all over the window, where hotspots, cartridge RAM and DPC registers are.
 const Bytes kHotspots = {0xa2, 0x00, 0xbd, 0x00, 0x10, 0x9d, 0x00, 0x11, 0xfe, 0xf0, 0x1f, 0x9d, 0xe0, 0x1f, 0xbd, 0xe0,
                          0x1f, 0x86, 0x3f, 0x86, 0x3e, 0xbd, 0x00, 0x14, 0x9d, 0x00, 0x18, 0xbd, 0x00, 0x19, 0x8d, 0x20,
-                         0x02, 0xad, 0x40, 0x02, 0x9d, 0x40, 0x10, 0x9d, 0x70, 0x10, 0xe8, 0xd0, 0xd7, 0x4c, 0x00, 0xf0};
+                         0x02, 0xad, 0x40, 0x02, 0x9d, 0x40, 0x10, 0x9d, 0x70, 0x10, 0xe8, 0xd0, 0xd7, 0x4c, 0x00,
+                         0xf0};
 
 // Every opcode once, in the order of their numbers, each with operands of 0x81.
 Bytes all_opcodes() {
     Bytes code;
     for (int opcode = 0; opcode < 256; ++opcode) {
         const bool jams = (opcode & 0x1f) == 0x12 || (opcode & 0x9f) == 0x02;
-        const bool leaves = opcode == 0x00 || opcode == 0x20 || opcode == 0x40 || opcode == 0x60 || (opcode & 0xdf) == 0x4c;
-        if (!jams && !leaves && (opcode & 0x1f) != 0x10) code.insert(code.end(), {static_cast<uint8_t>(opcode), 0x81, 0x81});
+        const bool leaves =
+            opcode == 0x00 || opcode == 0x20 || opcode == 0x40 || opcode == 0x60 || (opcode & 0xdf) == 0x4c;
+        if (!jams && !leaves && (opcode & 0x1f) != 0x10)
+            code.insert(code.end(), {static_cast<uint8_t>(opcode), 0x81, 0x81});
     }
     return code;
 }
@@ -99,7 +102,7 @@ struct Patch {
     int32_t value;
 };
 
-// Sets four-byte numbers of the machine, or of the environment's own state from its numbers on.
+// Sets four-byte numbers of the machine, or of the environment's own state from its first number on.
 constexpr int kMachine = 0, kOwn = 2;
 
 template <typename Which>
@@ -113,7 +116,8 @@ Writer& damage(Writer& to, Which which, std::initializer_list<Patch> patches, in
 Bytes all_console_steps(Writer to) {
     step(to, Step::kPress).byte(0x3f).byte(5).byte(10).byte(0x15);
     for (int i = 0; i < 4; ++i) to.number(27450 * (i + 1));
-    for (Step each : {Step::kFrame, Step::kChangePlaces, Step::kFrame, Step::kFrame, Step::kLook, Step::kSamples, Step::kFrame, Step::kCompare})
+    for (Step each : {Step::kFrame, Step::kChangePlaces, Step::kFrame, Step::kFrame, Step::kLook, Step::kSamples,
+                      Step::kFrame, Step::kCompare})
         step(to, each);
     step(to, Step::kInstructions).byte(100);
     step(to, Step::kWrite).word(0x1ff8).byte(1);
@@ -133,7 +137,7 @@ void program(Writer& to, const std::vector<Rule>& rules) {
     for (const Rule& rule : rules) to.byte(static_cast<uint8_t>(rule.op)).number(rule.argument);
 }
 
-// Variables: 0 reward, 1 terminal, 2 lives, 3 free, with the number of the mode in it.
+// Variables: 0 reward, 1 terminal, 2 lives, 3 the number of the mode.
 Writer environment(const Bytes& code, const std::vector<Rule>& rules, const std::vector<Rule>& select_mode,
                    uint8_t config = 2, uint8_t flags = 4 | 32, uint8_t settings = 3) {
     Writer to;
@@ -169,10 +173,12 @@ std::vector<Rule> every_operation() {
 }
 
 const std::vector<Rule> kUnaryOperations = {
-    {Op::kPush, 5}, {Op::kNegate, 0}, {Op::kInvert, 0}, {Op::kNot, 0}, {Op::kSigned8, 0}, {Op::kXram, 0}, {Op::kStore, 3},
+    {Op::kPush, 5}, {Op::kNegate, 0}, {Op::kInvert, 0}, {Op::kNot, 0}, {Op::kSigned8, 0}, {Op::kXram, 0},
+    {Op::kStore, 3},
     {Op::kPush, 0x80}, {Op::kPush, 0xff}, {Op::kSame, 0}, {Op::kPush, 0x80}, {Op::kPush, 0xff}, {Op::kPositiveSum, 0},
     {Op::kPush, 0x80}, {Op::kPush, 0xff}, {Op::kNegativeSum, 0}, {Op::kAdd, 0}, {Op::kAdd, 0},
-    {Op::kJumpIfZeroElsePop, 20}, {Op::kPush, 1}, {Op::kJumpIfNotZeroElsePop, 22}, {Op::kPush, 2}, {Op::kJumpIfZero, 24},
+    {Op::kJumpIfZeroElsePop, 20}, {Op::kPush, 1}, {Op::kJumpIfNotZeroElsePop, 22}, {Op::kPush, 2},
+    {Op::kJumpIfZero, 24},
     {Op::kJump, 24}, {Op::kEnd, 0}};
 
 // SELECT three times, a soft reset, an action.
@@ -182,7 +188,8 @@ const std::vector<Rule> kSelection = {
     {Op::kJump, 2}, {Op::kSoftReset, 0}, {Op::kAct, 1}, {Op::kEnd, 0}};
 
 Bytes all_environment_steps(Writer to) {
-    for (int i = 0; i < 4; ++i) step(step(to, Act::kAct).byte(static_cast<uint8_t>(3 * i)).number(16 - i), Act::kRestore);
+    for (int i = 0; i < 4; ++i)
+        step(step(to, Act::kAct).byte(static_cast<uint8_t>(3 * i)).number(16 - i), Act::kRestore);
     for (Act each : {Act::kLook, Act::kChangePlaces}) step(to, each);
     step(to, Act::kSetRam).byte(3).byte(0x77);
     step(to, Act::kMode).number(2);
@@ -194,7 +201,7 @@ Bytes all_environment_steps(Writer to) {
     return step(step(to, Act::kCompare), Act::kLook).bytes();
 }
 
-// A state no machine could have saved, then some steps.
+// A state that no machine could have saved, then some steps.
 template <typename... Steps>
 Bytes damaged_console(std::initializer_list<Patch> patches, Steps... steps) {
     Writer to = console(2, k4K, kShort);
@@ -203,7 +210,7 @@ Bytes damaged_console(std::initializer_list<Patch> patches, Steps... steps) {
     return to.bytes();
 }
 
-// What fuzzing, or reading with it in mind, has found. Each was a failure once.
+// Inputs for errors that fuzzing, or reading the code with fuzzing in mind, has found. Each failed once.
 void add_found(const std::function<void(const std::string&, const Bytes&)>& add) {
     constexpr size_t kCycles = offsetof(Machine, cycles), kWords = offsetof(Machine, random_words);
     constexpr size_t kStart = offsetof(Machine, tia.draw_start), kDrawn = offsetof(Machine, tia.drawn_to);
@@ -212,7 +219,7 @@ void add_found(const std::function<void(const std::string&, const Bytes&)>& add)
     add("found-clocks-far-apart",
         damaged_console({{kStart + 4, INT32_MIN}, {kDrawn, kMost}}, Step::kFrame));
     add("found-words-without-end", damaged_console({{kWords + 4, kMost}}, Step::kReset));
-    // A frame that goes on for so long that its clock is beyond what a state may have.
+    // A frame that lasts until its clock is greater than a state may contain.
     Writer endless = console(2, k4K, kShort);
     damage(step(endless, Step::kFrame), Step::kDamage, {{kCycles, 1 << 29}});
     step(endless, Step::kRead).word(0);
@@ -221,7 +228,7 @@ void add_found(const std::function<void(const std::string&, const Bytes&)>& add)
     Writer below = console(2, k4K, {0x02});
     damage(step(below, Step::kFrame), Step::kDamage, {{kCycles, -(1 << 28)}, {offsetof(Machine, tia.partial), 1}});
     add("found-line-far-below", step(below, Step::kFrame).bytes());
-    // A bank of which the image has only the beginning, with an operand behind the end.
+    // A bank that the image contains only the beginning of, with an operand after the end.
     add("found-bank-cut-off", console(0, kDpcSize, {0xad, 0xf0, 0xff}).bytes());
     add("found-framebuffer-beyond-numbers", console(2, k4K, kShort, 2, kMost).bytes());
 
@@ -230,15 +237,20 @@ void add_found(const std::function<void(const std::string&, const Bytes&)>& add)
     damage(last_frame, Act::kDamage, {{offsetof(EnvironmentState, frame) - kOwnStart, kMost}}, kOwn);
     add("found-last-frame", step(step(last_frame, Act::kAct).byte(0).number(16), Act::kChangePlaces).bytes());
 
-    // Quotients and remainders by numbers near the end of 64 bits, and of the smallest one.
-    const auto huge = [](int shift) { return std::vector<Rule>{{Op::kPush, 1}, {Op::kPush, 31}, {Op::kShiftLeft, 0}, {Op::kPush, shift}, {Op::kShiftLeft, 0}}; };
-    for (const auto& [name, op] : {std::pair("found-quotient", Op::kDivide), std::pair("found-remainder", Op::kModulo)}) {
+    // Quotients and remainders by numbers near the end of 64 bits, and of the smallest number.
+    const auto huge = [](int shift) {
+        return std::vector<Rule>{
+            {Op::kPush, 1}, {Op::kPush, 31}, {Op::kShiftLeft, 0}, {Op::kPush, shift}, {Op::kShiftLeft, 0}};
+    };
+    for (const auto& [name, op] :
+         {std::pair("found-quotient", Op::kDivide), std::pair("found-remainder", Op::kModulo)}) {
         std::vector<Rule> rules = huge(31);
         for (const Rule& rule : huge(31)) rules.push_back(rule);
         for (const Rule& rule : huge(30)) rules.push_back(rule);
         rules.insert(rules.end(), {{Op::kOr, 0}, {op, 0}, {Op::kStore, 3}});
         for (const Rule& rule : huge(31)) rules.push_back(rule);
-        rules.insert(rules.end(), {{Op::kPush, 1}, {Op::kShiftLeft, 0}, {Op::kPush, 7}, {op, 0}, {Op::kStore, 3}, {Op::kEnd, 0}});
+        rules.insert(rules.end(),
+                     {{Op::kPush, 1}, {Op::kShiftLeft, 0}, {Op::kPush, 7}, {op, 0}, {Op::kStore, 3}, {Op::kEnd, 0}});
         add(name, environment(kShort, rules, kEmpty).bytes());
     }
 }
@@ -265,8 +277,9 @@ std::vector<std::pair<std::string, Bytes>> fuzzing_seeds() {
         add("cartridge-" + std::to_string(type), all_console_steps(console(type, k64K, kHotspots)));
     for (int type : {1, 15, 16, 18})  // 2K, 3F, 3E, CV
         add("cartridge-small-" + std::to_string(type), all_console_steps(console(type, k2K, kHotspots)));
-    for (uint8_t size = 0; size < 16; ++size)  // recognised by its size
-        add("size-" + std::to_string(size), all_console_steps(console(0, size, {0x85, 0x3f, 0x85, 0x3f, 0x4c, 0x00, 0xf0})));
+    for (uint8_t size = 0; size < 16; ++size)  // detected by its size
+        add("size-" + std::to_string(size),
+            all_console_steps(console(0, size, {0x85, 0x3f, 0x85, 0x3f, 0x4c, 0x00, 0xf0})));
 
     add("environment", all_environment_steps(environment(kShort, kUsualRules, kEmpty)));
     add("environment-full-frame", all_environment_steps(environment(kFullFrame, kUsualRules, kEmpty)));

@@ -1,4 +1,4 @@
-// The inputs that fuzzing starts from, named. Among them, one for everything that fuzzing has found.
+// The named inputs that fuzzing starts from, including one for each error that fuzzing has found.
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,7 @@
-// A hundred environments on eight threads must give the same bytes as one after the other. Built with ThreadSanitizer,
-// it also shows that what they share - games, cartridges, palettes, tables made on first use - is shared without races.
+// A hundred environments on eight threads must give the same bytes as one after the other. With ThreadSanitizer, this
+// also checks that games, cartridges, palettes and tables made on first use are shared without races.
 //
-// usage: emulator_threads FOLDER    a folder of ROM images (*.bin), of which ten are taken
+// usage: emulator_threads FOLDER    a folder of ROM images (*.bin), of which ten are used
 #include <atomic>
 #include <cstdio>
 #include <optional>
@@ -14,13 +14,14 @@ namespace atari {
 namespace {
 
 constexpr int kEnvironments = 100, kThreads = 8;
-constexpr int kRounds = 4, kActs = 5;  // an environment plays so many acts at a time, each time on any thread
+constexpr int kRounds = 4, kActs = 5;  // an environment runs kActs acts at a time, each time on any thread
 
-// An environment with a digest (FNV-1a) of everything it has shown, and at the end of its state.
-class Player {
+// Runs an environment. Its digest (FNV-1a) covers all framebuffers and results, and at the end the state.
+class EnvironmentRun {
   public:
-    Player(const Games& games, size_t number)
-        : environment_(games[number % games.size()], settings(number), static_cast<uint32_t>(number)), action_(static_cast<uint32_t>(number)) {}
+    EnvironmentRun(const Games& games, size_t number)
+        : environment_(games[number % games.size()], settings(number), static_cast<uint32_t>(number)),
+          action_(static_cast<uint32_t>(number)) {}
 
     void play() {
         std::vector<uint8_t> pixels(static_cast<size_t>(environment_.height()) * kScreenWidth);
@@ -50,7 +51,8 @@ class Player {
     }
 
     void add(const void* data, size_t size) {
-        for (const auto* byte = static_cast<const uint8_t*>(data); size > 0; --size) digest_ = (digest_ ^ *byte++) * 0x100000001b3ull;
+        for (const auto* byte = static_cast<const uint8_t*>(data); size > 0; --size)
+            digest_ = (digest_ ^ *byte++) * 0x100000001b3ull;
     }
 
     Environment environment_;
@@ -61,14 +63,14 @@ class Player {
 std::vector<uint64_t> one_after_the_other(const Games& games) {
     std::vector<uint64_t> digests;
     for (size_t i = 0; i < kEnvironments; ++i) {
-        Player player(games, i);
-        for (int round = 0; round < kRounds; ++round) player.play();
-        digests.push_back(player.digest());
+        EnvironmentRun run(games, i);
+        for (int round = 0; round < kRounds; ++round) run.play();
+        digests.push_back(run.digest());
     }
     return digests;
 }
 
-// `work` for all environments, on eight threads; which thread takes which is chance.
+// Calls `work` for all environments on eight threads, which claim environments in any order.
 template <typename Work>
 void on_threads(Work&& work) {
     std::atomic<size_t> next{0};
@@ -81,11 +83,11 @@ void on_threads(Work&& work) {
 }
 
 std::vector<uint64_t> all_at_once(const Games& games) {
-    std::vector<std::optional<Player>> players(kEnvironments);
-    on_threads([&](size_t number) { players[number].emplace(games, number); });
-    for (int round = 0; round < kRounds; ++round) on_threads([&](size_t number) { players[number]->play(); });
+    std::vector<std::optional<EnvironmentRun>> runs(kEnvironments);
+    on_threads([&](size_t number) { runs[number].emplace(games, number); });
+    for (int round = 0; round < kRounds; ++round) on_threads([&](size_t number) { runs[number]->play(); });
     std::vector<uint64_t> digests;
-    for (const auto& player : players) digests.push_back(player->digest());
+    for (const auto& run : runs) digests.push_back(run->digest());
     return digests;
 }
 
@@ -107,5 +109,6 @@ int main(int count, char** arguments) {
     } catch (const std::exception& error) {
         return std::fprintf(stderr, "%s\n", error.what()), 2;
     }
-    std::printf("%d environments of %d games on %d threads: the same bytes as one after the other\n", kEnvironments, kTestGames, kThreads);
+    std::printf("%d environments of %d games on %d threads: the same bytes as one after the other\n", kEnvironments,
+                kTestGames, kThreads);
 }

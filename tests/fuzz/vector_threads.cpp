@@ -1,6 +1,6 @@
-// A vector environment must give the same bytes on four threads as on one, whether it waits for all environments or for
-// those that are ready first, and when environments continue from others. Built with ThreadSanitizer, it also shows that
-// batches and states are handed over without races.
+// A vector environment must give the same bytes on four threads as on one. This must hold whether it waits for all
+// environments or for those that are ready first, and when environments continue from others. With ThreadSanitizer,
+// this also checks that batches and states pass between threads without races.
 //
 // usage: vector_threads FOLDER    a folder of ROM images (*.bin), of which ten are taken
 #include <cstdio>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kEnvironments = 20, kSteps = 25;
 
-// By environment, a digest (FNV-1a) of each result it has had.
+// By environment, a digest (FNV-1a) of each of its results.
 using Digests = std::vector<std::vector<uint64_t>>;
 
 struct Arrays {
@@ -50,7 +50,7 @@ struct Arrays {
     Batch batch;
 };
 
-// With `forks`, environments now and then continue from snapshots of others, which the threads restore.
+// With `forks`, environments sometimes continue from snapshots of others, which the threads restore.
 Digests play(const Games& games, int threads, int batch_size, bool forks = false) {
     EpisodeSettings episode;
     episode.max_frames = 40;
@@ -87,13 +87,14 @@ Digests play(const Games& games, int threads, int batch_size, bool forks = false
             vector.restore(i + kEnvironments / 2, vector.snapshot(i));
         vector.step(environments.data(), actions.data(), nullptr, batch_size, batch);
     }
-    return digests;  // with environments in flight
+    return digests;  // environments may still be running
 }
 
 bool agree(const Digests& some, const Digests& others) {
     for (size_t i = 0; i < some.size(); ++i) {
         const size_t common = std::min(some[i].size(), others[i].size());
-        if (common < 3 || !std::equal(some[i].begin(), some[i].begin() + static_cast<std::ptrdiff_t>(common), others[i].begin())) {
+        if (common < 3 ||
+            !std::equal(some[i].begin(), some[i].begin() + static_cast<std::ptrdiff_t>(common), others[i].begin())) {
             std::fprintf(stderr, "environment %zu differs\n", i);
             return false;
         }

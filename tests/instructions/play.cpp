@@ -1,10 +1,10 @@
-// Plays a game for so many frames and does nothing else, so that whoever counts its instructions counts the
-// emulator's. The same game, frames and build always take the same instructions.
+// Plays a game for a number of frames and does nothing else, so that an instruction count of this process is that of
+// the emulator. The same game, frames and build always take the same number of instructions.
 //
 // usage: play ROM GAME FRAMES nothing|rgb    "rgb" reads the screen after every frame
 //
-// GAME is a file of what the emulator is told about a game (`make_game` in atari/_emulator.pyi), a line of words each:
-// name, values. count.py writes it.
+// GAME is a file of the arguments of `make_game` (atari/_emulator.pyi), a line of words for each argument: its name,
+// then its values. counting.py writes the file.
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -55,7 +55,7 @@ std::shared_ptr<const Game> load_game(const char* rom, const Words& words) {
     for (int port : {0, 1}) game->console.paddles[port] = numbers(words, "paddles").at(port) != 0;
     game->console.swap_ports = number("swap_ports") != 0;
     game->console.swap_paddles = number("swap_paddles") != 0;
-    game->detect_format = false;  // what it costs comes before the frames that are counted
+    game->detect_format = false;  // its frames would come before the frames that are counted
     game->starting_actions = numbers(words, "starting_actions");
     game->default_mode = number("default_mode");
     game->variables = number("variables");

@@ -1,9 +1,9 @@
-// Counts which handlers of the fast interpreter run one behind the other, over all ROMs of a folder, for
-// scripts/make-handlers.py. Every ROM counts once, and ten times more for each time it is named: games that are slow.
-// The present pairs were chosen with solaris, twice, beam_rider, carnival, centipede, darkchambers, frostbite, galaxian,
-// gopher, pitfall2, private_eye and seaquest.
-// Prints "count first second ...", counts a million instructions; what the plain interpreter runs and what follows a
-// short loop is left out.
+// Counts which handlers of the fast interpreter run one after the other, over all ROMs of a folder, for
+// scripts/make-handlers.py. Every ROM counts once, and ten times more for each time it is named, for games that run
+// slowly. The present superinstructions were chosen with solaris, twice, beam_rider, carnival, centipede, darkchambers,
+// frostbite, galaxian, gopher, pitfall2, private_eye and seaquest.
+// Prints "count first second ...", with counts per million instructions. It leaves out instructions that the plain
+// interpreter runs, and those after a short loop.
 //
 // usage: runs FOLDER [GAME...] > counts
 #include <algorithm>
@@ -55,7 +55,7 @@ void count(const std::filesystem::path& path, double weight, Counts& counts) {
         console.inputs().switches = frame / 10 == 7 ? 0x3e : 0x3f;  // RESET
         console.start_frame();
         Run run;
-        uint16_t next = 0;  // address behind the last instruction
+        uint16_t next = 0;  // address after the last instruction
         for (int i = 0; i < kInstructionLimit; ++i) {
             const Cpu& cpu = console.machine().cpu;
             const uint8_t* bytes = console.image_at(cpu.pc);
@@ -63,7 +63,8 @@ void count(const std::filesystem::path& path, double weight, Counts& counts) {
             const uint8_t* bank = bytes && one_bank ? bytes - (cpu.pc & in_bank) : nullptr;
             const DecodedInstruction instruction = bytes ? decode(bytes, 3, *cartridge, bank) : DecodedInstruction{};
             const uint16_t now = instruction.handler;
-            const bool loops = is_branch(now) && instruction.jump >= -3 && instruction.jump < 0;  // nearly all are skipped
+            // Nearly all are skipped.
+            const bool loops = is_branch(now) && instruction.jump >= -3 && instruction.jump < 0;
             if (now == kStep || loops || cpu.pc != next || run.size() == kLongest) {
                 if (frame >= 100 && run.size() > 1) here[run] += 1;
                 run.clear();

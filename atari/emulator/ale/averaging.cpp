@@ -31,7 +31,8 @@ uint8_t mixed(uint32_t a, uint32_t b, const Palette& palette) {
 
 using Table = uint8_t[128][128];
 
-// The blend table of a palette. The first call for a palette makes the table under the lock; it never changes after.
+// Returns the blend table of a palette. The first call for a palette makes the table under the lock; it never changes
+// afterwards.
 const Table& table(const Palette& palette) {
     static std::mutex mutex;
     static std::map<const Palette*, std::unique_ptr<Table[]>> tables;

@@ -10,8 +10,8 @@ namespace atari {
 namespace {
 
 #if ATARI_X86_SIMD
-// Source of each of the 192 RGB bytes of 64 pixels. Below 64 it is an index into red, from 64 an index into green;
-// `is_blue` marks the bytes that come from blue.
+// The source of each of the 192 RGB bytes of 64 pixels. An index below 64 is one into red, an index from 64 on is one
+// into green. `is_blue` marks the bytes that come from blue.
 constexpr auto kInterleaved = [] {
     struct {
         uint8_t red_green[3][64] = {}, blue[3][64] = {};
@@ -29,7 +29,8 @@ constexpr auto kInterleaved = [] {
 TARGET_AVX512 void to_rgb_avx512(const uint8_t* framebuffer, int rows, const Palette& palette, uint8_t* out) {
     uint8_t channels[3][256];
     for (int i = 0; i < 256; ++i)
-        for (int channel = 0; channel < 3; ++channel) channels[channel][i] = static_cast<uint8_t>(palette.rgb[i] >> (16 - 8 * channel));
+        for (int channel = 0; channel < 3; ++channel)
+            channels[channel][i] = static_cast<uint8_t>(palette.rgb[i] >> (16 - 8 * channel));
     Avx512Table tables[3];
     __m512i red_green[3], blue[3];
     for (int channel = 0; channel < 3; ++channel) {
@@ -57,9 +58,11 @@ TARGET_AVX512 void to_rgb_avx512(const uint8_t* framebuffer, int rows, const Pal
     });
 }
 
-TARGET_AVX2 inline __m256i load(const uint8_t* from) { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from)); }
+TARGET_AVX2 inline __m256i load(const uint8_t* from) {
+    return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
+}
 
-// `changes` and `copy`, 32 bytes at a time.
+// `changes` and `copy` of 32 bytes at a time.
 TARGET_AVX2 inline uint32_t changes_avx2(const uint8_t* row) {
     uint32_t same = 0;
     for (int k = 0; k < kScreenWidth / 8; k += 4, row += 32) {
@@ -75,7 +78,7 @@ TARGET_AVX2 inline void copy_avx2(const uint8_t* from, uint8_t* to, std::size_t 
 
 inline void copy(const uint8_t* from, uint8_t* to, std::size_t bytes) { std::memcpy(to, from, bytes); }
 
-// Bit k for columns 8k .. 8k+7 of a row that differ from the row above.
+// Returns a set of bits: bit k is set if columns 8k .. 8k+7 of a row differ from the row above.
 inline uint32_t changes(const uint8_t* row) {
     uint8_t any = 0;  // a loop over all columns without a branch, so that the compiler vectorizes it
     for (int x = 0; x < kScreenWidth; ++x) any |= static_cast<uint8_t>(row[x] ^ row[x - kScreenWidth]);
@@ -114,7 +117,7 @@ INLINE void to_rgb_by_changes(const uint8_t* framebuffer, int rows, const Palett
     convert_changes<3, changes, copy>(framebuffer, rows, out, [&](const uint8_t* from, uint8_t* to) {
         uint64_t c[8];
         for (int i = 0; i < 8; ++i) c[i] = colours[from[i]];
-        // Words are put together in registers: byte stores before a wide load would stall store forwarding.
+        // Words are assembled in registers: byte stores before a wide load would stall store forwarding.
         const auto put = [&](int word, uint64_t value) { std::memcpy(to + 8 * word, &value, 8); };
         put(0, c[0] | c[1] << 24 | c[2] << 48);
         put(1, c[2] >> 16 | c[3] << 8 | c[4] << 32 | c[5] << 56);

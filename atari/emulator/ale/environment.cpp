@@ -43,7 +43,8 @@ void Game::check() const {
     if (paddle_min < 0 || paddle_max > 1 << 24 || paddle_min > paddle_max)
         throw std::invalid_argument("the range of paddles must lie within 0..16777216");
     for (int action : starting_actions)
-        if ((action < 0 || action > 17) && action != kReset) throw std::invalid_argument("a starting action does not exist");
+        if ((action < 0 || action > 17) && action != kReset)
+            throw std::invalid_argument("a starting action does not exist");
 }
 
 std::unique_ptr<Console> make_console(const Game& game, bool plain) {
@@ -54,7 +55,8 @@ std::unique_ptr<Console> make_console(const Game& game, bool plain) {
 Environment::Environment(std::shared_ptr<const Game> game, const Settings& settings, uint32_t seed_value,
                          const Environment* twin)
     : game_(std::move(game)), settings_(settings), console_(make_console(*game_, settings.plain)),
-      mode_(game_->default_mode), loaded_(twin ? twin->loaded_ : nullptr), reset_trace_(twin ? twin->reset_trace_ : nullptr) {
+      mode_(game_->default_mode), loaded_(twin ? twin->loaded_ : nullptr),
+      reset_trace_(twin ? twin->reset_trace_ : nullptr) {
     seed(seed_value);
 }
 
@@ -87,8 +89,8 @@ void Environment::boot() {
     console_->construct();
     console_->inputs().switches = game_->power_on_switches;
     if (game_->detect_format) {
-        // Games keep what the detection frames leave in RAM. So these frames run, by NTSC rules, although the format is
-        // known.
+        // Games keep what the detection frames leave in RAM. These frames therefore run by NTSC rules even if the
+        // format is known.
         ConsoleConfig watching = game_->console;
         watching.pal = false;
         if (watching.pal != game_->console.pal && watching.height == 250) watching.height = 210;
@@ -133,8 +135,8 @@ void Environment::begin_game() {
 
 namespace {
 
-// The part of the state that the frames of a reset trace depend on. It leaves out the number of random words drawn, the
-// sound generator and which of the two framebuffers is the current one.
+// Returns the part of the state that the frames of a reset trace depend on: without the number of random words drawn,
+// the sound generator, and which of the two framebuffers is the current one.
 Machine essence(Machine machine) {
     machine.random_words = 0;
     machine.sound.keep_generator_of(Sound{});
@@ -223,7 +225,7 @@ void Environment::release_all() {
     inputs.stick[0] = inputs.stick[1] = 0;
     inputs.fire[0] = inputs.fire[1] = false;
     inputs.paddle_fire[0] = inputs.paddle_fire[1] = false;
-    // Colour switch on, RESET and SELECT up, the difficulty switches as set.
+    // The colour switch is on, RESET and SELECT are up, and the difficulty switches are as set.
     inputs.switches = static_cast<uint8_t>(0x3f | (state_.difficulty & 3) << 6);
 }
 
@@ -268,8 +270,8 @@ void Environment::count_frame() {
         *counter = static_cast<int32_t>(static_cast<uint32_t>(*counter) + 1);
 }
 
-// Takes frames from the budget of a mode selection. Under the rules of another game, a ROM may never reach the mode.
-// Throws std::runtime_error when the budget is used up.
+// Takes frames from the budget of a mode selection, because a ROM may never reach the mode under the rules of another
+// game. Throws std::runtime_error when the budget is used up.
 void Environment::spend(int frames) {
     if (frames < 0 || frames > select_budget_)
         throw std::runtime_error("the mode cannot be selected: the game never reaches it (is this ROM of this game?)");
@@ -286,7 +288,7 @@ void Environment::run(const Program& program) {
     };
     const auto signed8 = [](int64_t value) { return int64_t{static_cast<int8_t>(value)}; };
     const auto wrap = [](uint64_t value) { return static_cast<int64_t>(value); };
-    // The sum of `term` over the bytes lo..hi of RAM.
+    // Returns the sum of `term` over the bytes lo..hi of RAM.
     const auto sum = [&](int64_t low, int64_t high, auto&& term) {
         int64_t total = 0;
         for (int64_t address = low & 0xff; address <= (high & 0xff); ++address) total += term(byte(address));
@@ -308,7 +310,9 @@ void Environment::run(const Program& program) {
             case Op::kSubtract: binary([&](int64_t a, int64_t b) { return wrap(uint64_t(a) - uint64_t(b)); }); break;
             case Op::kMultiply: binary([&](int64_t a, int64_t b) { return wrap(uint64_t(a) * uint64_t(b)); }); break;
             case Op::kDivide: binary([](int64_t a, int64_t b) { return b > 0 ? a / b - (a % b < 0) : 0; }); break;
-            case Op::kModulo: binary([](int64_t a, int64_t b) { return b > 0 ? a % b + (a % b < 0 ? b : 0) : 0; }); break;
+            case Op::kModulo:
+                binary([](int64_t a, int64_t b) { return b > 0 ? a % b + (a % b < 0 ? b : 0) : 0; });
+                break;
             case Op::kAnd: binary([](int64_t a, int64_t b) { return a & b; }); break;
             case Op::kOr: binary([](int64_t a, int64_t b) { return a | b; }); break;
             case Op::kXor: binary([](int64_t a, int64_t b) { return a ^ b; }); break;
@@ -359,13 +363,19 @@ void Environment::run(const Program& program) {
                 break;
             }
             case Op::kSame:
-                binary([&](int64_t low, int64_t high) { return int64_t{sum(low, high, [&](int64_t b) { return int64_t{b != byte(low)}; }) == 0}; });
+                binary([&](int64_t low, int64_t high) {
+                    return int64_t{sum(low, high, [&](int64_t b) { return int64_t{b != byte(low)}; }) == 0};
+                });
                 break;
             case Op::kPositiveSum:
-                binary([&](int64_t low, int64_t high) { return sum(low, high, [&](int64_t b) { return std::max<int64_t>(signed8(b), 0); }); });
+                binary([&](int64_t low, int64_t high) {
+                    return sum(low, high, [&](int64_t b) { return std::max<int64_t>(signed8(b), 0); });
+                });
                 break;
             case Op::kNegativeSum:
-                binary([&](int64_t low, int64_t high) { return sum(low, high, [&](int64_t b) { return std::max<int64_t>(-signed8(b), 0); }); });
+                binary([&](int64_t low, int64_t high) {
+                    return sum(low, high, [&](int64_t b) { return std::max<int64_t>(-signed8(b), 0); });
+                });
                 break;
             case Op::kRandom: *top++ = state_.random.next(); break;
             case Op::kPressSelect: {

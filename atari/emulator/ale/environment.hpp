@@ -91,7 +91,8 @@ std::unique_ptr<Console> make_console(const Game& game, bool plain);
 class Environment {
   public:
     // If there is a `twin` of the same game and settings, the constructor copies its loaded state and its reset trace.
-    Environment(std::shared_ptr<const Game> game, const Settings& settings, uint32_t seed, const Environment* twin = nullptr);
+    Environment(std::shared_ptr<const Game> game, const Settings& settings, uint32_t seed,
+                const Environment* twin = nullptr);
 
     void seed(uint32_t seed);  // acts as a fresh load with this seed; mode and difficulty stay
     void reset();              // throws std::runtime_error if the mode cannot be selected
@@ -115,7 +116,9 @@ class Environment {
     void screen_gray(uint8_t* out);  // height() x 160
     const uint8_t* audio() const { return state_.audio; }
     const uint8_t* ram() const { return console_->ram(); }
-    void set_ram(int index, int value) { console_->poke_ram(static_cast<uint8_t>(0x80 + index), static_cast<uint8_t>(value)); }
+    void set_ram(int index, int value) {
+        console_->poke_ram(static_cast<uint8_t>(0x80 + index), static_cast<uint8_t>(value));
+    }
     const MersenneTwister& generator() const { return state_.random; }
     void set_generator(const MersenneTwister& generator) { state_.random = generator; }
     Console& console() { return *console_; }

@@ -1,5 +1,6 @@
-// The colours of the three TV formats by palette index: 0xRRGGBB, and the luminance of grayscale screens.
-// Even indices are the 128 colours, odd ones their colour-loss greys (PAL only). Values as ale-py 0.12.1 returns them.
+// The colours of the three TV formats by palette index: 0xRRGGBB, and the luminance of grayscale screens. Even indices
+// are the 128 colours. Odd indices are their colour-loss greys (PAL only). The values are those that ale-py 0.12.1
+// returns.
 #pragma once
 
 #include <cstdint>

@@ -7,7 +7,7 @@
 namespace atari {
 namespace {
 
-// The number of values an instruction pops, and the number it pushes.
+// Returns the number of values that an instruction pops, and the number that it pushes.
 std::pair<int, int> stack_effect(const Instruction& instruction) {
     switch (instruction.op) {
         case Op::kPush: case Op::kLoad: case Op::kRandom: return {0, 1};

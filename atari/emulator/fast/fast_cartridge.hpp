@@ -1,4 +1,5 @@
-// A cartridge with what is made of its program once, when it is loaded: decoded instructions and translated code.
+// `FastCartridge`: a cartridge with the decoded instructions and the translated code that are made from its image at
+// load.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +15,7 @@ namespace atari {
 // Immutable, so that all consoles that run the game share it.
 class FastCartridge final : public Cartridge {
   public:
-    // As `Cartridge`. `translated`: the JIT translator makes translated code of it, where that is possible.
+    // As `Cartridge`. If `translated`, the JIT translator runs too, where the platform supports it.
     FastCartridge(std::vector<uint8_t> image, const std::string& type, bool translated = true);
 
     const DecodedInstruction* code() const { return code_.data(); }  // one for each byte of the image

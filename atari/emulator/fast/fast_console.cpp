@@ -8,14 +8,17 @@
 namespace atari {
 
 FastConsole::FastConsole(std::shared_ptr<const FastCartridge> cartridge, const ConsoleConfig& config)
-    : Console(cartridge, config), program_(*cartridge), first_instruction_(program_.code()), base_instruction_(first_instruction_) {
+    : Console(cartridge, config), program_(*cartridge), first_instruction_(program_.code()),
+      base_instruction_(first_instruction_) {
     for (unsigned page = 0; page < 256; ++page)
-        if (const unsigned address = 64 * page; (address & 0x1280) == 0x80) pages_[page] = m_.riot.ram + (address & 0x7f);
+        if (const unsigned address = 64 * page; (address & 0x1280) == 0x80)
+            pages_[page] = m_.riot.ram + (address & 0x7f);
     map_cartridge_ram();
     for (unsigned segment = 0; segment < 4; ++segment)
         if (plain_.from < 1024 * (segment + 1) && 1024 * segment < plain_.from + plain_.size)
             code_segments_ |= 0x1010u << segment;
-    std::fill(std::begin(ram_code_), std::end(ram_code_), DecodedInstruction{code_of(kRamCode), kRamCode, 0, 0, 0, Loop::kNone});
+    std::fill(std::begin(ram_code_), std::end(ram_code_),
+              DecodedInstruction{code_of(kRamCode), kRamCode, 0, 0, 0, Loop::kNone});
 }
 
 void FastConsole::reset() {
@@ -31,7 +34,7 @@ void FastConsole::map_segments() {
     remapped_ = true;
 }
 
-// A page that is only partly plain image is none.
+// A page that is only partly plain image gets no entry.
 void FastConsole::map_pages() {
     const unsigned first = (plain_.from + 63) / 64, last = (plain_.from + plain_.size) / 64;
     for (const unsigned half : {4u, 12u}) {
@@ -52,7 +55,7 @@ void FastConsole::map_pages() {
     }
 }
 
-// The RAM of cartridges that always show it at the same place.
+// Maps the RAM of the cartridge types that always show it at the same addresses.
 void FastConsole::map_cartridge_ram() {
     using Type = CartridgeType;
     unsigned first = 2, count = 2;
@@ -76,8 +79,9 @@ void FastConsole::emulate_frame(bool whole) {
     catch_up();
 }
 
-// Returns false and changes nothing if this frame cannot be deferred: it may meet the limit of instructions, which are not
-// counted here, or an illegal opcode stops the processor and no write ends the frame.
+// Returns false and changes nothing if this frame cannot be deferred. That is so if the frame could reach the
+// instruction limit, as instructions are not counted here, or if an illegal opcode stops the processor before a write
+// ends the frame.
 bool FastConsole::run_deferred() {
     machine_before_ = m_;
     cart_ram_before_ = cart_ram_;
@@ -117,7 +121,7 @@ void FastConsole::end_log() {
     Tia& t = m_.tia;
     FrameLog& log = history_.current();
     log.size = static_cast<int>(log_end_ - log.writes);
-    // A frame that is too long ends at a write, which may show a little later.
+    // The write that ends a frame that is too long may show a little later than the frame's end.
     apply_log(log.size > 0 ? std::max(end_clock_, shown_at(log_end_[-1], first_cycle_)) : end_clock_);
     collider_.finish();
     for (int i = 0; i < 4; ++i) t.colour[i] = colour_of(shadow_.reg[COLUP0 + i], config_.pal, t);
@@ -125,10 +129,11 @@ void FastConsole::end_log() {
     for (int object = kP0; object <= kBL; ++object) t.hm[object] = shadow_.reg[HMP0 + object] >> 4;
     log.reached = t.pending;
     log.replaced = t.write_pos;
-    // Before the last line a blank may reach further.
+    // If the frame ends before its last line, an HMOVE blank may reach further.
     log.extent = t.write_pos + (t.hmove_blank && t.drawn_to < t.draw_stop ? kScreenWidth : 0);
-    if (!history_.cleared()) settle_latches();  // or latches would be pending over more and more logs
-    // An older frame that is still owed would show where it reaches further.
+    if (!history_.cleared()) settle_latches();  // otherwise latches would stay pending over more and more logs
+    // If the framebuffer is still owed an older frame that reaches further than this one, that frame's last pixels stay
+    // visible, so it is rendered first.
     const FrameLog* const owed = history_.owed(t.current);
     if (owed && owed->extent > t.write_pos) rendered(t.current);
     history_.end_frame(t.current);
@@ -214,7 +219,7 @@ void FastConsole::resume(const ConsoleSnapshot& snapshot, bool swapped) {
     history_.note_read(latches);
 }
 
-// From here on frames are rendered as they are run, or the state is another.
+// To be called when the next frames are rendered as they run, or when another state replaces this one.
 void FastConsole::break_off_history() {
     history_.break_off();
     collision_cache_.forget();
@@ -223,7 +228,7 @@ void FastConsole::break_off_history() {
 
 // --- TIA writes ---
 
-// A write that the fast interpreter does not log itself. Each is logged that could delay a later one.
+// A TIA write that no handler of the fast interpreter logs. Every write that could delay a later one is logged.
 void FastConsole::log_write(uint8_t reg, uint8_t value) {
     if (m_.cycles >= deadline_) end_frame();
     TiaShadow& shadow = shadow_;
@@ -256,8 +261,10 @@ void FastConsole::log_write(uint8_t reg, uint8_t value) {
         case TiaStore::kStrobe: shadow.reg[reg] = 1; break;
         case TiaStore::kHmove: case TiaStore::kCxclr: break;
     }
-    // JSR and BRK push two or three bytes at the same time, into the TIA if the stack is there.
-    if (log_end_ != history_.current().writes && log_end_[-1].cycle == m_.cycles) *log_end_++ = {m_.cycles, SAME_TIME, 0, 0};
+    // JSR and BRK push two or three bytes in the same cycle. If the stack pointer is in TIA space, these are TIA
+    // writes.
+    if (log_end_ != history_.current().writes && log_end_[-1].cycle == m_.cycles)
+        *log_end_++ = {m_.cycles, SAME_TIME, 0, 0};
     if (reg == HMOVE) return log_hmove(m_.cycles);
     if (reg == CXCLR) return log_cxclr(m_.cycles);
     *log_end_++ = {m_.cycles, reg, value, beside};

@@ -1,4 +1,4 @@
-// INLINE: for functions whose call would cost more than what they do.
+// INLINE marks functions whose call would take longer than their body.
 #pragma once
 
 #if defined(__GNUC__)

@@ -6,7 +6,7 @@
 #if defined(__x86_64__) && defined(__GNUC__)
 #ifndef __clang__
 #pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"  // the header of GCC 12 warns of itself
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"  // the header of GCC 12 causes warnings
 #include <immintrin.h>
 #pragma GCC diagnostic pop
 #else

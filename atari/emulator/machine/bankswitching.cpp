@@ -13,8 +13,8 @@ using Type = CartridgeType;
 // Writes to these addresses choose the ROM bank of 3F and 3E, and the RAM page of 3E.
 constexpr uint16_t kSelectRam = 0x3e, kSelectRom = 0x3f;
 
-// Which image bytes the window shows, by type and bank: 16 segments of 1 KiB, by bits 10 to 13 of the address. Bit 12
-// is the cartridge's own; bit 13 is that by which FE chooses its bank.
+// Maps image bytes to the window by type and bank: 16 segments of 1 KiB, by bits 10 to 13 of the address. Bit 12
+// selects the cartridge; by bit 13 FE chooses its bank.
 void Console::map_segments() {
     const CartridgeState& cart = m_.cart;
     const auto size = static_cast<uint32_t>(cartridge_->size());
@@ -55,7 +55,8 @@ uint8_t Console::read_cartridge(uint16_t address) {
             hotspot(offset, true);
             if (offset < 0x800 && cart.slice[0] == 7)
                 return offset >= 0x400 ? cart_ram_[offset & 0x3ff] : image[2048 * 7 + offset];
-            if (offset >= 0x900 && offset < 0xa00) return cart_ram_[1024u + 256u * (cart.slice[1] & 3) + (offset & 0xff)];
+            if (offset >= 0x900 && offset < 0xa00)
+                return cart_ram_[1024u + 256u * (cart.slice[1] & 3) + (offset & 0xff)];
             break;
         case Type::k3E:
             if (offset < 0x800 && cart.slice[2]) return cart_ram_[1024u * cart.slice[1] + (offset & 0x3ff)];
@@ -88,7 +89,8 @@ void Console::write_cartridge(uint16_t address, uint8_t value) {
             break;
         case Type::kE7:
             if (offset < 0x400 && m_.cart.slice[0] == 7) cart_ram_[offset] = value;
-            if (offset >= 0x800 && offset < 0x900) cart_ram_[1024u + 256u * (m_.cart.slice[1] & 3) + (offset & 0xff)] = value;
+            if (offset >= 0x800 && offset < 0x900)
+                cart_ram_[1024u + 256u * (m_.cart.slice[1] & 3) + (offset & 0xff)] = value;
             break;
         case Type::kCV:
             if (offset >= 0x400 && offset < 0x800) cart_ram_[offset & 0x3ff] = value;
@@ -121,7 +123,7 @@ void Console::hotspot(uint16_t offset, bool reading) {
         case Type::kF6: case Type::kF6SC: switch_bank(0xff6, 4); break;
         case Type::kF4: switch_bank(0xff4, 8); break;
         case Type::kF4SC:
-            if (reading) switch_bank(0xff4, 8);  // a defect of the reference, kept
+            if (reading) switch_bank(0xff4, 8);  // a defect of the reference that is kept
             break;
         case Type::kFASC: switch_bank(0xff8, 3); break;
         case Type::kMB:
@@ -139,7 +141,7 @@ void Console::hotspot(uint16_t offset, bool reading) {
     if (cart.bank != bank_before || std::to_array(cart.slice) != slices_before) map_segments();
 }
 
-// A write to TIA space on a 3F or 3E cartridge: it selects what the lower half of the window maps.
+// Handles a write to TIA space on a 3F or 3E cartridge, which selects what the lower half of the window maps.
 void Console::select_slice(uint16_t offset, uint8_t value) {
     CartridgeState& cart = m_.cart;
     const bool has_ram = cartridge_->type() == Type::k3E;
@@ -153,7 +155,8 @@ void Console::select_slice(uint16_t offset, uint8_t value) {
     map_segments();
 }
 
-// On 3F and 3E the cartridge serves reads of the TIA's first page. UA switches banks at two addresses in TIA space.
+// Returns whether the cartridge drives a read of TIA space: 3F and 3E do in the TIA's first page. UA switches banks at
+// two addresses in TIA space.
 bool Console::cartridge_answers(uint16_t address) {
     if (!watches_tia_) return false;
     if (cartridge_->type() != Type::kUA) return (address & 0x1fff) < 0x40;
@@ -206,7 +209,7 @@ uint8_t Console::read_fetcher(unsigned offset) {
     }
 }
 
-// The three voices together.
+// Returns the sum of the three voices.
 uint8_t Console::dpc_music() {
     static constexpr uint8_t kAmplitude[8] = {0, 4, 5, 9, 6, 10, 11, 15};
     update_dpc_music();
@@ -241,7 +244,7 @@ void Console::write_dpc(uint16_t offset, uint8_t value) {
     }
 }
 
-// The oscillator runs at 15750 Hz; its pulses since the last access advance the counters of the three voices.
+// Advances the counters of the three voices by the pulses since the last access, of an oscillator of 15750 Hz.
 void Console::update_dpc_music() {
     CartridgeState& cart = m_.cart;
     const auto elapsed = static_cast<int32_t>(m_.cycles - static_cast<uint32_t>(cart.stamp));

@@ -43,8 +43,8 @@ constexpr std::array<TypeRow, 19> kTypes = {{
 
 const TypeRow& row(CartridgeType type) { return kTypes[static_cast<size_t>(type)]; }
 
-// How often `signature` occurs. As in the reference, the last possible place is not tried, and after a hit the search
-// goes on one byte later than right after it.
+// Returns how often `signature` occurs. As in the reference, the last possible position is not tried, and after a match
+// the search continues one byte later than directly after it.
 int occurrences(const Bytes& image, std::initializer_list<uint8_t> signature) {
     int found = 0;
     for (size_t at = 0; at + signature.size() < image.size(); ++at) {
@@ -66,7 +66,7 @@ bool halves_equal(const Bytes& image) {
     return std::equal(image.begin(), middle, middle);
 }
 
-// Whether the first 256 bytes of each bank are RAM. There the image repeats one byte.
+// Returns whether the first 256 bytes of each bank are RAM; if so, the image repeats one byte there.
 bool looks_superchip(const Bytes& image) {
     for (size_t bank = 0; bank + 4096 <= image.size(); bank += 4096) {
         const auto first = image.begin() + static_cast<ptrdiff_t>(bank);

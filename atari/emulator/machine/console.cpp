@@ -43,13 +43,16 @@ void Console::reset() {
 // Makes the current cycle number 0 and moves all time stamps by the same amount. Nothing else changes.
 void Console::rebase_cycles() {
     const uint32_t cycles = m_.cycles, clocks = 3 * m_.cycles;
-    const auto move = [](int32_t& stamp, uint32_t by) { stamp = static_cast<int32_t>(static_cast<uint32_t>(stamp) - by); };
+    const auto move = [](int32_t& stamp, uint32_t by) {
+        stamp = static_cast<int32_t>(static_cast<uint32_t>(stamp) - by);
+    };
     // A stamp without a further use is set to 0, so that states with the same future compare equal.
     move(m_.riot.set_at, cycles);
     if (m_.riot.read_after_expiry) move(m_.riot.irq_at, cycles);
     else m_.riot.irq_at = 0;
     Tia& t = m_.tia;
-    for (int32_t* stamp : {&t.frame_start, &t.draw_start, &t.draw_stop, &t.drawn_to, &t.pending, &t.vsync_done, &t.last_hmove})
+    for (int32_t* stamp :
+         {&t.frame_start, &t.draw_start, &t.draw_stop, &t.drawn_to, &t.pending, &t.vsync_done, &t.last_hmove})
         move(*stamp, clocks);
     if (config_.paddles[0] || config_.paddles[1]) move(t.dump_off_cycle, cycles);
     if (cartridge_->type() == CartridgeType::kDPC) move(m_.cart.stamp, cycles);
@@ -96,7 +99,7 @@ void Console::save(uint8_t* out) {
 
 namespace {
 
-// Whether every index in a machine is within its array. No other value can cause undefined behaviour.
+// Returns whether every index in a machine is within its array. No other value can cause undefined behaviour.
 bool sound_indices(const Machine& m, const Cartridge& cartridge) {
     const Tia& t = m.tia;
     const size_t banks = cartridge.type() == CartridgeType::k3F || cartridge.type() == CartridgeType::k3E
@@ -161,7 +164,8 @@ void Console::restore_from(const ConsoleSnapshot& snapshot, bool swapped) {
     m_.tia.current ^= static_cast<uint8_t>(swapped);
     cart_ram_ = snapshot.cart_ram;
     for (int buffer : {0, 1})
-        framebuffers_.restore(buffer, snapshot.framebuffers[buffer ^ static_cast<int>(swapped)], config_.framebuffer_bytes());
+        framebuffers_.restore(buffer, snapshot.framebuffers[buffer ^ static_cast<int>(swapped)],
+                              config_.framebuffer_bytes());
     touch_all();
     map_segments();
 }

@@ -28,7 +28,7 @@ Mask object_mask(const Tia& tia, int object);
 // Constructs the mask in place: a copy right after the construction would stall on its stores.
 inline void make_mask(Mask& mask, const Tia& tia, int object) { new (&mask) Mask(object_mask(tia, object)); }
 
-// The DPC chip's next random number, by the present one.
+// The next random number of the DPC chip, by the current one.
 inline constexpr auto kDpcRandom = [] {
     std::array<uint8_t, 256> table{};
     for (unsigned random = 0; random < 256; ++random) {
@@ -70,16 +70,16 @@ class Console {
     Console(const Console&) = delete;
     Console& operator=(const Console&) = delete;
 
-    // Powers on for the first time: random RAM. `reset` must follow.
+    // Powers the console on for the first time, with random RAM. `reset` must follow.
     void construct();
 
-    // The reset of all chips; RAM survives it.
+    // Resets all chips; RAM keeps its contents.
     virtual void reset();
 
     // Emulates until the frame ends, for at most 25000 instructions.
     void run_frame();
 
-    // Whether the last frames look like PAL: more than 285 lines. For format detection.
+    // Returns the number of scan lines since the frame began. Format detection takes more than 285 for PAL.
     int scan_lines() const;
     void set_config(const ConsoleConfig& config) {
         config_ = config;
@@ -90,7 +90,7 @@ class Console {
     const Machine& machine() const { return m_; }
     Inputs& inputs() { return m_.inputs; }
     const uint8_t* ram() const { return m_.riot.ram; }
-    // Accesses of RAM by `Environment` leave their value on the data bus. A program that runs in TIA space reads it.
+    // Accesses to RAM by `Environment` leave their value on the data bus. A program that runs in TIA space reads it.
     uint8_t read_ram(uint8_t address) { return m_.bus = m_.riot.ram[address & 0x7f]; }
     void poke_ram(uint8_t address, uint8_t value) { m_.bus = m_.riot.ram[address & 0x7f] = value; }
     void set_ram(const uint8_t* bytes) { std::copy_n(bytes, 128, m_.riot.ram); }
@@ -100,7 +100,8 @@ class Console {
     const uint8_t* framebuffer() { return rendered(m_.tia.current); }
     const uint8_t* previous_framebuffer() { return rendered(m_.tia.current ^ 1); }
     Framebuffers& framebuffers() { return framebuffers_; }
-    // An identifier for the look of each row of a rendered framebuffer (LineCache::looks); null if there are none.
+    // Returns an identifier for the look of each row of a rendered framebuffer (LineCache::looks), or null if there are
+    // none.
     const uint32_t* looks() const { return looks_of(m_.tia.current); }
     const uint32_t* previous_looks() const { return looks_of(m_.tia.current ^ 1); }
     const Cartridge& cartridge() const { return *cartridge_; }

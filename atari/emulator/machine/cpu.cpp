@@ -39,11 +39,11 @@ void set_status(Cpu& cpu, uint8_t value) {
     cpu.c = value & 0x01;
 }
 
-// Decimal mode, invalid digits included: two digits as a number, and a number as two digits.
+// Decimal mode, invalid digits included: converts two digits to a number, and a number to two digits.
 int from_digits(int byte) { return (byte >> 4) * 10 + (byte & 15); }
 int to_digits(int number) { return (number % 100 / 10) << 4 | number % 10; }
 
-// The shifts and increments: the new value of a memory byte or the accumulator, with carry and N, Z.
+// Returns the new value of a memory byte or the accumulator after a shift or an increment, and sets carry, N and Z.
 template <int op>
 uint8_t modify(Cpu& cpu, uint8_t old) {
     int value = old;

@@ -50,7 +50,8 @@ class Framebuffers {
     // blank gets none.
     void restore(int buffer, const std::vector<uint8_t>& last, std::size_t bytes) {
         auto& pixels = pixels_[static_cast<std::size_t>(buffer)];
-        const bool blank = pixels.empty() && std::all_of(last.begin(), last.end(), [](uint8_t pixel) { return pixel == 0; });
+        const bool blank =
+            pixels.empty() && std::all_of(last.begin(), last.end(), [](uint8_t pixel) { return pixel == 0; });
         if (blank) return;
         if (holding_) keep(buffer);
         pixels.resize(bytes);

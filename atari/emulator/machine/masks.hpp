@@ -23,7 +23,7 @@ inline constexpr Pair kPairs[15] = {
     {kM1, kPF, 1 << 5},  {kM1, kBL, 1 << 4},  {kBL, kPF, 1 << 3},  {kP0, kP1, 1 << 1},  {kM0, kM1, 1 << 0},
 };
 
-// The collision latches that a set of enabled objects could switch on.
+// By set of enabled objects, the collision latches that these objects could set.
 inline constexpr auto kPairsOf = [] {
     std::array<uint16_t, 64> table{};
     for (unsigned objects = 0; objects < 64; ++objects)
@@ -32,7 +32,7 @@ inline constexpr auto kPairsOf = [] {
     return table;
 }();
 
-// The collision latches of all pairs with an object of the set.
+// By set of objects, the collision latches of all pairs with one of these objects.
 inline constexpr auto kPairsWith = [] {
     std::array<uint16_t, 64> table{};
     for (unsigned objects = 0; objects < 64; ++objects)
@@ -41,7 +41,7 @@ inline constexpr auto kPairsWith = [] {
     return table;
 }();
 
-// The pair of each latch.
+// By latch, its pair of objects.
 inline constexpr auto kPairOf = [] {
     std::array<Pair, 16> table{};
     for (const Pair& pair : kPairs) table[static_cast<std::size_t>(std::countr_zero(pair.latch))] = pair;
@@ -68,7 +68,7 @@ struct Mask {
     }
     friend bool meets(const Mask& a, const Mask& b) { return (a & b).any(); }
 
-    // Pixels first .. last-1.
+    // Returns the set of pixels first .. last-1.
     static constexpr Mask range(int first, int last) {
         Mask mask;
         for (int w = 0; w < 3; ++w) {
@@ -100,7 +100,7 @@ struct Mask {
     }
 };
 
-// A byte with its bits in the opposite order.
+// Returns a byte with its bits in the opposite order.
 constexpr uint8_t reversed(uint8_t byte) {
     uint8_t result = 0;
     for (int bit = 0; bit < 8; ++bit)
@@ -114,7 +114,7 @@ inline constexpr auto kReversed = [] {
     return table;
 }();
 
-// Every bit of a byte repeated `times` times, lowest first.
+// By byte, its bits each repeated `times` times, lowest first.
 template <int times>
 inline constexpr auto kStretched = [] {
     std::array<uint32_t, 256> table{};
@@ -127,9 +127,10 @@ inline constexpr auto kStretched = [] {
 // Offsets of a player's or missile's copies, by the low three bits of NUSIZ. Unused entries are 0.
 inline constexpr struct {
     uint8_t count, offset[3];
-} kCopies[8] = {{1, {0}}, {2, {0, 16}}, {2, {0, 32}}, {3, {0, 16, 32}}, {2, {0, 64}}, {1, {0}}, {3, {0, 32, 64}}, {1, {0}}};
+} kCopies[8] = {{1, {0}},     {2, {0, 16}}, {2, {0, 32}},     {3, {0, 16, 32}},
+                {2, {0, 64}}, {1, {0}},     {3, {0, 32, 64}}, {1, {0}}};
 
-// `graphics` with its leftmost pixel in bit 0. Double and quadruple width start a pixel late.
+// Returns the pixels of `graphics`, whose leftmost pixel is bit 0. Double and quadruple width start a pixel late.
 inline Mask player_mask(uint8_t graphics, int position, int mode, bool skip_first) {
     Mask mask;
     if (mode == 5 || mode == 7) {
@@ -174,7 +175,7 @@ inline uint64_t playfield_cells(uint32_t playfield, bool reflect) {
     return left | (reflect ? reversed_half(left) : left) << 20;
 }
 
-// The bits of the playfield that light any of these cells.
+// Returns the playfield bits that light any of these cells.
 constexpr uint32_t playfield_of_cells(uint64_t cells, bool reflect) {
     const uint64_t right = cells >> 20, left = (cells & 0xfffff) | (reflect ? reversed_half(right) : right);
     return static_cast<uint32_t>((left & 0xff00f) | uint64_t{kReversed[(left >> 4) & 0xff]} << 4);

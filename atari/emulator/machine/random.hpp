@@ -25,7 +25,7 @@ struct MersenneTwister {
         return y ^ (y >> 18);
     }
 
-    // Uniform in 0 .. count-1, without a bias (Lemire 2019).
+    // Returns a uniform number in 0 .. count-1, without bias (Lemire 2019).
     uint32_t below(uint32_t count) {
         uint64_t product = uint64_t{next()} * count;
         if (static_cast<uint32_t>(product) < count)
@@ -44,7 +44,7 @@ struct MersenneTwister {
     }
 
   private:
-    // Three loops without a modulo: this function takes most of the time of skipping many words.
+    // Has three loops without a modulo, because skipping many words spends most of its time here.
     void refill() {
         const auto twist = [this](uint32_t i, uint32_t next, uint32_t middle) {
             const uint32_t y = (words[i] & 0x80000000u) | (words[next] & 0x7fffffffu);
@@ -62,11 +62,11 @@ struct MersenneTwister {
 class MachineRandom {
   public:
     static constexpr uint32_t kSeed = 4753849;
-    static constexpr uint64_t kFurthest = uint64_t{1} << 32;  // a position that is still reached in two seconds
+    static constexpr uint64_t kFurthest = uint64_t{1} << 32;  // a position that is reached within two seconds
 
     MachineRandom() { twister_.seed(kSeed); }
 
-    // The word at `position`, counted from 0.
+    // Returns the word at `position`, counted from 0.
     uint32_t at(uint64_t position) {
         if (position < drawn_) {
             twister_.seed(kSeed);

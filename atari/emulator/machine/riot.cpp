@@ -50,7 +50,8 @@ void Console::write_riot(uint16_t address, uint8_t value) {
     }
 }
 
-// The eight direction pins of both jacks, 1 when open: left in the high nibble, right in the low one.
+// Returns the eight direction pins of both jacks, 1 if open: the left jack in the high nibble, the right one in the
+// low.
 uint8_t Console::switch_a() const {
     uint8_t nibble[2];
     for (int side = 0; side < 2; ++side) {

@@ -29,7 +29,7 @@ Shifts step(Shifts old, int mode) {
     }
     const uint8_t p5 = poly5(old.p5);
     if (mode == 9) return {push4(old.p4, top5), p5};
-    // The rest clock the four-bit register only where the five-bit one opens a gate.
+    // In all other modes, the five-bit register gates the clock of the four-bit one.
     const bool gate = mode == 3 || mode == 7 || mode == 15 ? (p5 & 16) != 0 : (p5 & 15) == 8;
     if (!gate) return {old.p4, p5};
     if (mode == 2 || mode == 3) return {poly4(old.p4), p5};

@@ -72,7 +72,7 @@ struct TiaCommon {
     MissileVariant m0_variant;
     Flag hmove_blank, cosmic_ark;
     uint8_t ark_counter;
-    uint8_t unused;      // always 0, as states are compared byte by byte
+    uint8_t unused;      // always 0, because states are compared byte by byte
 };
 
 // Positions, which determine a line's look if their object is visible or is placed in it; see line_cache.hpp.

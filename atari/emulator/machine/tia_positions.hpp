@@ -12,7 +12,7 @@
 
 namespace atari {
 
-// The pixels by which HMOVE moves an object, by the write's cycle in the line and the object's motion nibble.
+// Returns the pixels by which HMOVE moves an object, by the write's cycle in the line and the object's motion nibble.
 constexpr int motion(int cycle, int nibble) {
     constexpr int8_t kFloor[17] = {-6, -5, -5, -4, -3, -2, -2, -1, 0, 1, 1, 2, 3, 4, 4, 5, 6};
     constexpr int8_t kOffset[20] = {6, 5, 4, 4, 3, 2, 1, 1, 0, -1, -2, -2, -3, -4, -5, -5, -6, -7, -8, -8};
@@ -23,7 +23,7 @@ constexpr int motion(int cycle, int nibble) {
     return std::min(0, normal + kOffset[cycle - 55]);
 }
 
-// The pixels of HMOVE as a table.
+// The values of `motion` as a table.
 inline constexpr auto kMotion = [] {
     std::array<std::array<int8_t, 16>, kCyclesPerLine> table{};
     for (int cycle = 0; cycle < kCyclesPerLine; ++cycle)
@@ -70,7 +70,7 @@ inline PlayerStrobe player_strobe(int position, int old_position, int mode) {
     return kPlayerStrobes[static_cast<std::size_t>(mode)][static_cast<std::size_t>(distance)];
 }
 
-// The position of a missile or the ball after a strobe. A few moments after HMOVE are special cases.
+// Returns the position of a missile or the ball after a strobe. At some cycles after HMOVE it is a special case.
 inline uint8_t strobe_missile(int missile, int hpos, uint32_t since_hmove) {
     if (missile == 0 && since_hmove == 60 && hpos == 69) return 8;
     if (missile == 1 && since_hmove == 9 && hpos == 18) return 3;
@@ -84,7 +84,7 @@ inline uint8_t strobe_ball(int hpos, uint32_t since_hmove) {
     return hpos < kHblankClocks ? 2 : static_cast<uint8_t>((hpos - kHblankClocks + 4) % kScreenWidth);
 }
 
-// A missile that was locked to its player appears at the player's middle.
+// Returns the position of a missile that is released from its player: the player's middle.
 inline uint8_t released_missile(int player_position, int mode) {
     return wrapped(player_position + (mode == 5 ? 8 : mode == 7 ? 16 : 4));
 }

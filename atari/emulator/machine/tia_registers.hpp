@@ -33,7 +33,7 @@ enum class TiaStore : uint8_t {
     kVsync, kVblank,
     kWsync,
     kValue,  // only holds its value: a write of an equal value changes nothing
-    kNusiz,  // as kValue, unless a strobe hides a copy, or Cosmic Ark's trick lasts
+    kNusiz,  // as kValue, unless a strobe hides a copy, or the Cosmic Ark effect is active
     kCtrlpf, // as kValue, unless a late reflect is pending
     kGrp0, kGrp1,  // as kValue, unless a delayed copy changes
     kStrobe, // acts at every write
@@ -46,7 +46,7 @@ enum class TiaStore : uint8_t {
 enum class Collides : uint8_t {
     kNever,
     kByLook,   // changes the object's shape, not its position: may be deferred until the object could collide
-    kTricks,   // only ends the effect of tricks
+    kTricks,   // only ends the Cosmic Ark effect or a strobe's hiding
     kAlways,   // later writes depend on its effect
 };
 
@@ -110,7 +110,7 @@ inline constexpr auto kTiaRegisters = [] {
         {ENABL, {kValue, 0x02, kNow, BL, kByLook}},
         {HMP0, {kMotion, 0xf0}},
         {HMP1, {kMotion, 0xf0}},
-        {HMM0, {kMotion, 0xf0, kNow, placing}},  // Cosmic Ark's trick
+        {HMM0, {kMotion, 0xf0, kNow, placing}},  // the Cosmic Ark effect
         {HMM1, {kMotion, 0xf0}},
         {HMBL, {kMotion, 0xf0}},
         {VDELP0, {kValue, 0x01}},
@@ -139,7 +139,7 @@ constexpr uint8_t bits_of(uint8_t reg) { return kTiaRegisters[reg].bits; }
 // Returns the delay of a register whose delay does not depend on the cycle.
 constexpr int32_t delay_of(uint8_t reg) { return kTiaRegisters[reg].delay[0]; }
 
-// Registers, as a set of bits.
+// Returns a set of registers as bits.
 constexpr uint64_t set_of(std::initializer_list<uint8_t> registers) {
     uint64_t set = 0;
     for (const uint8_t reg : registers) set |= 1ull << reg;
@@ -160,24 +160,26 @@ inline void Sound::write(uint8_t reg, uint8_t value) {
 // Bits of VBLANK and CTRLPF.
 inline constexpr uint8_t kBlanks = 0x02;
 inline constexpr uint8_t kReflects = 0x01, kScore = 0x02, kPlayfieldFirst = 0x04, kBallSize = 0x30;
-// The bits of CTRLPF that change shapes, not only colours.
+// The bits of CTRLPF that change shapes and not only colours.
 inline constexpr uint8_t kShapesOfCtrlpf = kReflects | kBallSize;
 
-// Before this cycle of a line a write to CTRLPF reflects the playfield at once. From this cycle on the reflection takes
-// effect at the line's end: a late reflect.
+// Before this cycle of a line, a write to CTRLPF reflects the playfield at once. From this cycle on, the reflection
+// takes effect at the line's end: a late reflect.
 inline constexpr uint32_t kLateReflect = 49;
 
-// Cosmic Ark's trick: HMM0 changes from 7 to 6 this many clocks after HMOVE, which leaves missile 0 moving.
+// The Cosmic Ark effect: HMM0 changes from 7 to 6 this many clocks after HMOVE, which leaves missile 0 moving.
 inline constexpr uint8_t kArkMotion = 7;
 inline constexpr uint32_t kArkClocks = 63;
 constexpr bool may_play_ark(uint8_t reg, uint8_t old_value, uint8_t value) {
     return reg == HMM0 && old_value >> 4 == kArkMotion && value >> 4 == kArkMotion - 1;
 }
 
-// HMOVE makes eight pixels at the left edge black if it is written in time.
-constexpr bool hmove_blanks(uint32_t cycle_in_line) { return cycle_in_line <= 20 || cycle_in_line == kCyclesPerLine - 1; }
+// Returns whether an HMOVE at this cycle makes eight pixels at the left edge black.
+constexpr bool hmove_blanks(uint32_t cycle_in_line) {
+    return cycle_in_line <= 20 || cycle_in_line == kCyclesPerLine - 1;
+}
 
-// In the last cycle of a line, or in its first cycles up to this number, HMOVE moves objects by their motions only.
+// In the last cycle of a line, and in its first cycles up to this number, HMOVE moves objects by their motions alone.
 inline constexpr uint32_t kOrdinaryHmoveCycles = 4;
 constexpr bool is_ordinary_hmove(uint32_t cycle) { return (cycle + 1) % kCyclesPerLine <= kOrdinaryHmoveCycles; }
 

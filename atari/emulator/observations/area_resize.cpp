@@ -16,20 +16,21 @@
 namespace atari {
 namespace {
 
-constexpr int kMostResults = 8 * 21;  // places for results: more than 21 windows of eight are never needed, or 10 of 16
+constexpr int kMostResults = 8 * 21;  // upper bound of padded results: at most 21 windows of 8 are needed, or 10 of 16
 
-// Results that are made at once, in a window of so many pixels.
+// Returns the number of results that are computed at once, in one window of pixels.
 constexpr int lanes_of(SimdLevel level) { return level == SimdLevel::kAvx512 ? 16 : 8; }
 constexpr unsigned reach_of(SimdLevel level) { return level == SimdLevel::kAvx512 ? 64u : 16u; }
 
-// Neighbouring results of a row. The sums are float32, each product rounded before it is added, in the order of the
-// pixels: in ties, of which games have many, the last bit of the sum decides.
+// Computes neighbouring results of a row. The sums are float32, and each product is rounded before it is added, in the
+// order of the pixels. In ties, which are frequent in games, the last bit of the sum decides.
 void across_scalar(const uint8_t* pixels, const AreaResize::Taps* taps, int depth, float* __restrict results) {
     constexpr int lanes = lanes_of(SimdLevel::kScalar);
     float sums[lanes] = {};
     for (int n = 0; n < depth; ++n)
         for (int i = 0; i < lanes; ++i) {
-            const float value = pixels[taps[n].pixel[i] % reach_of(SimdLevel::kScalar)];  // of what is unused, the first
+            // Unused taps read the first pixel.
+            const float value = pixels[taps[n].pixel[i] % reach_of(SimdLevel::kScalar)];
             sums[i] += value * taps[n].weight[i];
         }
     std::memcpy(results, sums, sizeof sums);
@@ -43,7 +44,7 @@ INLINED void add(const float* __restrict line, float weight, int count, float* _
     for (int i = 0; i < count; ++i) sum[i] += weight * line[i];
 }
 
-// To nearest, ties to even: the last bit of so large a number is worth one.
+// Rounds to nearest, ties to even: the last bit of so large a number is worth one.
 INLINED void round(const float* __restrict sum, int count, uint8_t* __restrict bytes) {
     for (int i = 0; i < count; ++i) bytes[i] = static_cast<uint8_t>(std::bit_cast<uint32_t>(sum[i] + 12582912.0f));
 }
@@ -61,11 +62,13 @@ TARGET_AVX2 inline void across_avx2(const uint8_t* pixels, const AreaResize::Tap
     _mm256_storeu_ps(results, sums);
 }
 
-TARGET_AVX512 inline void across_avx512(const uint8_t* pixels, const AreaResize::Taps* taps, int depth, float* results) {
+TARGET_AVX512 inline void across_avx512(const uint8_t* pixels, const AreaResize::Taps* taps, int depth,
+                                        float* results) {
     const __m512i window = _mm512_loadu_si512(pixels);
     __m512 sums = _mm512_setzero_ps();
     for (int n = 0; n < depth; ++n) {
-        const __m512i chosen = _mm512_maskz_permutexvar_epi8(0x1111111111111111, _mm512_loadu_si512(taps[n].pixel), window);
+        const __m512i chosen = _mm512_maskz_permutexvar_epi8(0x1111111111111111, _mm512_loadu_si512(taps[n].pixel),
+                                                             window);
         sums = _mm512_add_ps(sums, _mm512_mul_ps(_mm512_cvtepi32_ps(chosen), _mm512_loadu_ps(taps[n].weight)));
     }
     _mm512_storeu_ps(results, sums);
@@ -93,7 +96,7 @@ AreaResize::AreaResize(int rows, int height, int width, SimdLevel level)
     make_windows(taps(kScreenWidth, width));
 }
 
-// OpenCV's weights: worked out in doubles, slivers left out, rounded to float.
+// Returns OpenCV's weights: computed in doubles, without slivers, and rounded to float.
 std::vector<AreaResize::Tap> AreaResize::taps(int source, int target) {
     std::vector<Tap> all;
     const double scale = static_cast<double>(source) / target;
@@ -145,15 +148,15 @@ void AreaResize::make_windows(const std::vector<Tap>& across) {
     }
 }
 
-// The windows that reach into columns which have changed.
+// Returns the set of windows that reach into changed columns.
 INLINED uint32_t AreaResize::changed_windows(uint32_t changes) const {
     uint32_t windows = 0;
     for (; changes != 0; changes &= changes - 1) windows |= windows_with_[std::countr_zero(changes)];
     return windows;
 }
 
-// Each row's results are made once, where they change, and then go into the sums of the one or two rows below that have a
-// share in it.
+// The results of a source row are computed once, where the row changes. They are then added to the sums of the one or
+// two result rows that the source row has a share in.
 template <auto across, int lanes>
 INLINED void AreaResize::run(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first, int last) const {
     float line[kMostResults], sum[kMostResults];
@@ -162,7 +165,7 @@ INLINED void AreaResize::run(const uint8_t* frame, const uint32_t* changes, uint
     const Taps* const taps = across_.data();
     const int count = static_cast<int>(windows_.size()), depth = depth_;
     const uint32_t all = (1u << count) - 1;
-    int row = sources(first).first - 1;  // that `line` is of
+    int row = sources(first).first - 1;  // the source row that `line` holds
     for (size_t i = first_taps_[static_cast<size_t>(first)]; i < down_.size() && down_[i].result < last; ++i) {
         const Tap& tap = down_[i];
         while (row < tap.source) {
@@ -178,7 +181,7 @@ INLINED void AreaResize::run(const uint8_t* frame, const uint32_t* changes, uint
         round(sum, lanes * count, bytes);
         uint8_t* const results = out + width_ * tap.result;
         const bool more = tap.result < last - 1;
-        // All lanes at once; what is no window's result is overwritten by the next window or the next row.
+        // All lanes are written at once. The next window or the next row overwrites the lanes after a window's results.
         for (int k = 0; k < count; ++k)
             if (more) std::memcpy(results + windows[k].result, bytes + lanes * k, lanes);
             else std::copy_n(bytes + lanes * k, windows[k].count, results + windows[k].result);

@@ -12,8 +12,8 @@
 
 namespace atari {
 
-// Reduces a gray frame, rows x 160, to height x width. Each result is the mean of the area that it covers. Immutable, so
-// threads may share one.
+// Reduces a gray frame, rows x 160, to height x width. Each result is the mean of the area that it covers. Immutable,
+// so threads may share one.
 //
 // Serves heights 1..rows and widths 11..160, except sizes that divide the frame's in both directions (105 x 80 of
 // 210 x 160): for those OpenCV rounds differently. For sizes larger than the frame, INTER_AREA interpolates.
@@ -26,13 +26,13 @@ class AreaResize {
     int height() const { return height_; }
     int width() const { return width_; }
 
-    // `changes` as `pool_gray` writes them; null if every row is new.
+    // `changes` is as `pool_gray` writes it; null if every row is new.
     void operator()(const uint8_t* frame, const uint32_t* changes, uint8_t* out) const {
         make_rows(frame, changes, out, 0, height_);
     }
 
-    // Rows first .. last-1 of the result. They depend on the frame's rows from `sources(first).first` to
-    // `sources(last - 1).last`; if there are `changes`, all are set for the first of these.
+    // Computes rows first .. last-1 of the result. They depend on the frame's rows from `sources(first).first` to
+    // `sources(last - 1).last`. If `changes` is not null, all bits must be set for the first of these rows.
     void make_rows(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first, int last) const;
 
     struct Sources {
@@ -40,20 +40,20 @@ class AreaResize {
     };
     Sources sources(int result) const { return sources_[static_cast<size_t>(result)]; }
 
-    // The n-th tap of each of eight or sixteen neighbouring results. `pixel` is counted from where the results' window begins; its
-    // upper bytes are 0x80, with which a shuffle of bytes makes zeros. What is unused weighs nothing.
+    // The n-th tap of each of eight or sixteen neighbouring results. `pixel` is counted from the start of the results'
+    // window. Its upper bytes are 0x80, for which a byte shuffle returns zeros. Unused taps have weight 0.
     struct Taps {
         uint32_t pixel[16];
         float weight[16];
     };
 
   private:
-    struct Tap {  // a source pixel's share in a result
+    struct Tap {  // the share of a source pixel in a result
         int source, result;
         float weight;
-        bool first, last;  // of the result's taps
+        bool first, last;  // of the taps of the result
     };
-    // Neighbouring results, at most as many as are made at once, that depend on pixels close together.
+    // Neighbouring results that are computed at once and depend on pixels close together.
     struct Window {
         int source, result, count;
     };
@@ -72,9 +72,9 @@ class AreaResize {
     std::vector<Sources> sources_;
     std::vector<size_t> first_taps_;  // of each result, in down_
     std::vector<Window> windows_;     // 21 at most
-    uint32_t windows_with_[kScreenWidth / 8] = {};  // those that reach into columns 8k .. 8k+7, a bit each
+    uint32_t windows_with_[kScreenWidth / 8] = {};  // by columns 8k .. 8k+7, the windows in them, a bit each
     std::vector<Taps> across_;  // depth_ for each window
-    int depth_ = 0;             // the most taps that a result has in its row
+    int depth_ = 0;             // the largest number of taps that a result has in its row
 };
 
 }  // namespace atari

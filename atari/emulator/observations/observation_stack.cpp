@@ -10,7 +10,7 @@
 namespace atari {
 namespace {
 
-// Scratch memory of the calling thread, valid until the next call for the same type. Environments share it.
+// Returns scratch memory of the calling thread, valid until the next call for the same type. Environments share it.
 template <typename Value>
 Value* working_memory(size_t size) {
     thread_local std::vector<Value> memory;
@@ -18,7 +18,7 @@ Value* working_memory(size_t size) {
     return memory.data();
 }
 
-// Frees the memory too, which an assignment of {} keeps.
+// Frees the memory too; an assignment of {} would keep it.
 void release(std::vector<uint8_t>& values) { std::vector<uint8_t>().swap(values); }
 
 }  // namespace
@@ -68,9 +68,11 @@ void ObservationStack::repeat(bool new_stack) {
     }
 }
 
-// The console renders the next frame into its other framebuffer, except after a partial frame, which it continues.
+// Notes the last frame but one of a skip. The console renders the next frame into its other framebuffer. It continues a
+// partial frame in place, so a partial frame is copied.
 void ObservationStack::frame_played(int left, bool ended) {
-    if (left != 1 || !planes_ || !settings_.max_pool || (ended && settings_.end_frames == EndFrames::kGymnasium)) return;
+    if (left != 1 || !planes_ || !settings_.max_pool || (ended && settings_.end_frames == EndFrames::kGymnasium))
+        return;
     early_noted_ = true;
     early_copied_ = environment_.console().machine().tia.partial;
     if (early_copied_) early_.assign(current().pixels, current().pixels + plane_size());
@@ -82,7 +84,8 @@ void ObservationStack::skip_ended(int left, bool ended) {
     const bool pools = std::exchange(early_noted_, false);
     if (left == 0 && !(ended && settings_.end_frames == EndFrames::kGymnasium)) {
         drop_last();
-        // In the order in which they were played: consecutive frames share more lines, which are not rendered again.
+        // In the order in which the frames were played: consecutive frames share more lines, which are not rendered
+        // again.
         const Frame first = pools ? early() : current(), last = current();
         if (!late_.empty()) std::copy_n(last.pixels, late_.size(), late_.begin());
         return add(first, last);
@@ -117,14 +120,14 @@ void ObservationStack::add(Frame early, Frame late) {
     if (pools_last_again_) keep_last(early, late);
 }
 
-// Pools all planes of two frames, with what changes from row to row.
+// Pools all planes of two frames, and sets `changes`.
 void ObservationStack::pool_all(Frame early, Frame late, uint8_t* out, uint32_t* changes) const {
     const int height = environment_.height();
     for (int plane = 0; plane < planes_; ++plane, out += plane_size(), changes += height)
         pool_plane(early, late, plane, 0, height, out, changes);
 }
 
-// Keeps what the newest resized frame was pooled from, instead of what was kept before.
+// Keeps the frames that the newest resized frame was pooled from, in place of the frames kept before.
 void ObservationStack::keep_last(Frame early, Frame late) {
     last_[0] = early.framebuffer;
     last_[1] = late.framebuffer;
@@ -144,7 +147,7 @@ void ObservationStack::drop_last() {
 void ObservationStack::pool_last(uint8_t* out) const {
     if (!pooled_.empty()) {
         std::copy(pooled_.begin(), pooled_.end(), out);
-    } else if (last_[0] < 0) {  // none is kept
+    } else if (last_[0] < 0) {  // no frame is kept
         std::fill_n(out, pooled_size(), uint8_t{0});
     } else {
         const Framebuffers& framebuffers = environment_.console().framebuffers();
@@ -161,7 +164,7 @@ void ObservationStack::find_changed_rows(Frame early, Frame late, uint8_t* chang
     const uint32_t* const first = early.looks ? early.looks : kUnknown;
     const uint32_t* const second = late.looks ? late.looks : kUnknown;
     uint32_t *const first_before = looks_[0].data(), *const second_before = looks_[1].data();
-    for (size_t row = 0; row < height; ++row) {  // without a branch: the compiler makes vectors of this
+    for (size_t row = 0; row < height; ++row) {  // no branch, so that the compiler vectorizes the loop
         const bool same = (first[row] == first_before[row]) & (second[row] == second_before[row]);
         changed[row] = !(same & (first[row] != 0) & (second[row] != 0));
     }
@@ -169,7 +172,7 @@ void ObservationStack::find_changed_rows(Frame early, Frame late, uint8_t* chang
     std::copy_n(second, height, second_before);
 }
 
-// Rows of the result whose source rows have not changed are copied from the newest resized frame.
+// Copies the result rows whose source rows have not changed from the newest resized frame.
 // (tests/vector/test_equals_ale_py.py and test_presets.py compare every byte)
 void ObservationStack::add_changed_rows(Frame early, Frame late, const AreaResize& resize) {
     const int height = environment_.height(), results = settings_.height;
@@ -198,8 +201,9 @@ void ObservationStack::add_changed_rows(Frame early, Frame late, const AreaResiz
     }
 }
 
-// Pools rows first .. first+count-1 of a plane, to the same rows of `out` and `changes`.
-void ObservationStack::pool_plane(Frame early, Frame late, int plane, int first, int count, uint8_t* out, uint32_t* changes) const {
+// Pools rows first .. first+count-1 of a plane into the same rows of `out` and `changes`.
+void ObservationStack::pool_plane(Frame early, Frame late, int plane, int first, int count, uint8_t* out,
+                                  uint32_t* changes) const {
     const auto offset = kScreenWidth * first;
     const auto pooling = [&](auto function) {
         function(early.pixels + offset, late.pixels + offset, count, tables_[plane], out + offset, changes + first);
@@ -222,7 +226,7 @@ void ObservationStack::pool_rgb(Frame frame, uint8_t* colours) const {
     for (size_t i = 0; i < size; ++i) colours[i] = std::max(colours[i], others[i]);
 }
 
-// Adds the skip's last frame but one, pooled with what the newest resized frame was pooled from.
+// Adds the last frame but one of the skip, pooled with the frames that the newest resized frame was pooled from.
 void ObservationStack::add_pooled_with_last() {
     if (is_screen_rgb()) {
         repeat(false);
@@ -245,7 +249,7 @@ uint8_t* ObservationStack::next_slot() {
     return newest_slot();
 }
 
-// `changes` has an entry for each row of each plane; null if they are unknown.
+// `changes` has an entry for each row of each plane; null if the changes are unknown.
 void ObservationStack::resize_and_add(const uint8_t* pooled, const uint32_t* changes) {
     uint8_t* const slot = next_slot();
     if (planes_ == 1) return (*resizer_)(pooled, changes, slot);

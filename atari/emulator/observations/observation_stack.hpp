@@ -1,7 +1,8 @@
-// `ObservationStack`: what an agent sees of an environment, the last frames of each skip pooled, resized and stacked.
+// `ObservationStack`: an agent's observation of an environment. The last frames of each skip are pooled, resized and
+// stacked.
 //
-// Frames are rendered only when this class reads them. Implementations of the preprocessing differ in what they show when
-// an episode ends inside a skip: see `EndFrames`. atari/wrappers/dqn_preprocessing.py does the same in Python.
+// Frames are rendered only when this class reads them. Implementations of the preprocessing differ in the observation
+// when an episode ends inside a skip: see `EndFrames`. atari/wrappers/dqn_preprocessing.py does the same in Python.
 #pragma once
 
 #include <cstdint>
@@ -40,7 +41,8 @@ class ObservationStack {
 
     void begin(bool new_stack);   // adds the current screen
     void repeat(bool new_stack);  // adds the last resized frame again
-    // To be called after each frame of a skip: `left` frames of the skip remain; whether the episode has ended.
+    // To be called after each frame of a skip. `left` frames of the skip remain; `ended` is set if the episode has
+    // ended.
     void frame_played(int left, bool ended);
     // Adds the resized frame of a skip. If the episode ended inside the skip, `left` frames were not played.
     void skip_ended(int left, bool ended);
@@ -49,12 +51,13 @@ class ObservationStack {
     void write(uint8_t* out) const;  // (stack, height, width), for kRgb (stack, height, width, 3); the oldest first
 
     size_t state_size() const;
-    uint8_t* save(uint8_t* out) const;  // Returns the end of what was written; `load` of what was read.
+    // Returns the end of the written bytes; `load` returns the end of the bytes read.
+    uint8_t* save(uint8_t* out) const;
     const uint8_t* load(const uint8_t* in);
 
   private:
-    // A frame of palette indices. `looks` are those of its rows (LineCache::looks), or null; `framebuffer` is the number of
-    // the console's framebuffer that holds it, or -1.
+    // A frame of palette indices. `looks` are those of its rows (LineCache::looks), or null. `framebuffer` is the
+    // number of the console's framebuffer that holds it, or -1.
     struct Frame {
         const uint8_t* pixels;
         const uint32_t* looks;
@@ -111,7 +114,7 @@ class ObservationStack {
     std::vector<uint8_t> late_;          // for kBaselines: the last frame of the last whole skip
     std::vector<uint8_t> early_;         // a copy of the skip's last frame but one, where the console overwrites it
     bool early_noted_ = false, early_copied_ = false;
-    std::vector<uint32_t> looks_[2];     // by row, of both frames that the newest resized frame was made of; 0 is unknown
+    std::vector<uint32_t> looks_[2];     // by row, looks of the two frames of the newest resized frame; 0 is unknown
     std::vector<uint8_t> ring_;          // of `stack` resized frames
     size_t frame_size_;                  // bytes of a resized frame
     int newest_ = 0;                     // slot of the newest resized frame

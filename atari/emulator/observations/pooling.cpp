@@ -20,7 +20,7 @@ constexpr uint32_t kWholeRow = (1u << kScreenWidth / 8) - 1;
 
 // Bit k is set if either frame differs from its row above in columns 8k .. 8k+7.
 uint32_t changes_scalar(const uint8_t* early, const uint8_t* late) {
-    uint8_t differences = 0;  // all of them, without a branch: the compiler makes vectors of this
+    uint8_t differences = 0;  // one byte for all columns; no branch, so that the compiler vectorizes the loop
     for (int x = 0; x < kScreenWidth; ++x)
         differences |= static_cast<uint8_t>((early[x] ^ early[x - kScreenWidth]) | (late[x] ^ late[x - kScreenWidth]));
     if (differences == 0) return 0;
@@ -87,7 +87,7 @@ TARGET_AVX2 inline uint32_t changes_avx2(const uint8_t* early, const uint8_t* la
     return same ^ kWholeRow;
 }
 
-// A row as two vectors of 64 pixels and half a one.
+// A row as two vectors of 64 pixels and one half-filled vector.
 struct Avx512Row {
     __m512i part[3];
 };
@@ -107,7 +107,7 @@ TARGET_AVX512 inline uint32_t changes_avx512(const Avx512Row& a, const Avx512Row
     uint32_t changes = 0;
     for (int part = 0; part < 3; ++part)
         changes |= uint32_t{_mm512_cmpneq_epi64_mask(a.part[part], b.part[part])} << (8 * part);
-    return changes & kWholeRow;  // the last part is half a one
+    return changes & kWholeRow;  // the last vector is half filled
 }
 
 TARGET_AVX512 void pool_avx512(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
@@ -116,10 +116,12 @@ TARGET_AVX512 void pool_avx512(const uint8_t* early, const uint8_t* late, int ro
     Avx512Row early_above{}, late_above{}, pooled{};
     for (int row = 0; row < rows; ++row, early += kScreenWidth, late += kScreenWidth, out += kScreenWidth) {
         const Avx512Row early_row = load_row(early), late_row = load_row(late);
-        changes[row] = row > 0 ? changes_avx512(early_row, early_above) | changes_avx512(late_row, late_above) : kWholeRow;
+        changes[row] =
+            row > 0 ? changes_avx512(early_row, early_above) | changes_avx512(late_row, late_above) : kWholeRow;
         if (changes[row])
             for (int part = 0; part < 3; ++part)
-                pooled.part[part] = _mm512_max_epu8(look_up(grays, early_row.part[part]), look_up(grays, late_row.part[part]));
+                pooled.part[part] = _mm512_max_epu8(look_up(grays, early_row.part[part]),
+                                                    look_up(grays, late_row.part[part]));
         store_row(out, pooled);
         early_above = early_row;
         late_above = late_row;
@@ -131,7 +133,8 @@ TARGET_AVX2 void pool_avx2(const uint8_t* early, const uint8_t* late, int rows, 
     pool<changes_avx2, pool_eight>(early, late, rows, table, out, changes);
 }
 
-TARGET_AVX2 void pool_pairs_avx2(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
+TARGET_AVX2 void pool_pairs_avx2(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table,
+                                 uint8_t* out,
                     uint32_t* changes) {
     pool<changes_avx2, pool_eight_pairs>(early, late, rows, table, out, changes);
 }

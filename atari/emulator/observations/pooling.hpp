@@ -1,7 +1,7 @@
 // Pooling: the maximum of two frames in gray (Mnih et al. 2015).
 //
 // In frames of games most rows repeat the row above, and the others differ from it in a few places only. Pooling looks
-// colours up only where a row differs, and reports where, so that `AreaResize` skips what repeats.
+// up colours only where a row differs from the row above. It reports these places, so that `AreaResize` skips the rest.
 //
 // A `SimdLevel` other than the best is for tests: the results are the same.
 #pragma once
@@ -13,11 +13,12 @@
 namespace atari {
 
 // Writes the maximum of two frames of palette indices, rows x 160, in the gray values of `table` (256). Bit k of
-// `changes` (rows) is set if either frame differs from its row above in columns 8k .. 8k+7; in the first row all are set.
+// `changes` (rows) is set if either frame differs from its row above in columns 8k .. 8k+7. In the first row all bits
+// are set.
 void pool_gray(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
                uint32_t* changes, SimdLevel level = best_simd_level());
 
-// The same by `table` of 65,536 gray values, of early * 256 + late.
+// As `pool_gray`, with a table of 65,536 gray values, by early * 256 + late.
 void pool_pairs(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
                 uint32_t* changes, SimdLevel level = best_simd_level());
 

@@ -20,11 +20,12 @@ Resizer::Resizer(int rows, int height, int width) : rows_(rows), height_(height)
 
 void Resizer::operator()(const uint8_t* frame, const uint32_t* changes, uint8_t* out) const {
     if (resize_) (*resize_)(frame, changes, out);
-    else if (height_ == rows_ && width_ == kScreenWidth) std::memcpy(out, frame, static_cast<size_t>(rows_) * kScreenWidth);
+    else if (height_ == rows_ && width_ == kScreenWidth)
+        std::memcpy(out, frame, static_cast<size_t>(rows_) * kScreenWidth);
     else sum_blocks(frame, out);
 }
 
-// OpenCV rounds halves up in blocks of 2 x 2, elsewhere to even, after a multiplication in float.
+// OpenCV rounds halves up in blocks of 2 x 2. In other blocks it rounds to even, after a multiplication in float.
 void Resizer::sum_blocks(const uint8_t* frame, uint8_t* out) const {
     const int down = rows_ / height_, across = kScreenWidth / width_;
     const float share = static_cast<float>(1.0 / (down * across));

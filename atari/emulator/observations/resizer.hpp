@@ -12,14 +12,14 @@ namespace atari {
 
 class Resizer {
   public:
-    // From rows x 160. Throws std::invalid_argument if the size is not served: larger than the frame, or narrower than 11
-    // without dividing it.
+    // Takes frames of rows x 160. Throws std::invalid_argument if the size is not served: larger than the frame, or
+    // narrower than 11 without dividing the frame's width and height.
     Resizer(int rows, int height, int width);
 
-    // `changes` as `pool_gray` writes them; null if every row is new.
+    // `changes` is as `pool_gray` writes it; null if every row is new.
     void operator()(const uint8_t* frame, const uint32_t* changes, uint8_t* out) const;
 
-    // For making single rows of the result; null if this size is served by sums of blocks or a copy.
+    // Returns the resizer of single rows; null if this size is served by sums of blocks or by a copy.
     const AreaResize* area_resize() const { return resize_ ? &*resize_ : nullptr; }
 
   private:

@@ -35,7 +35,8 @@ std::shared_ptr<Game> make_game(nb::bytes image, const std::string& cartridge, c
                                 const std::vector<int32_t>& step, const std::vector<int32_t>& select_mode) {
     auto game = std::make_shared<Game>();
     const auto* bytes = static_cast<const uint8_t*>(image.data());
-    game->cartridge = std::make_shared<const FastCartridge>(std::vector<uint8_t>(bytes, bytes + image.size()), cartridge);
+    game->cartridge = std::make_shared<const FastCartridge>(std::vector<uint8_t>(bytes, bytes + image.size()),
+                                                            cartridge);
     game->console.first_line = first_line;
     game->console.height = height;
     game->console.pal = format == "PAL";
@@ -99,7 +100,7 @@ bool same_cartridge(const Game& a, const Game& b) {
            std::equal(first.image(), first.image() + first.size(), second.image());
 }
 
-// The result of clone_state.
+// The bytes of a state, as `clone_state` returns them.
 struct State {
     std::shared_ptr<const Game> game;
     bool include_rng;
@@ -123,8 +124,8 @@ class Emulator {
         return briefly(work);
     }
 
-    // As `locked`, but keeps the GIL, for work that takes less time than releasing it. A thread with the core's lock
-    // never waits for the GIL, so waiting for the lock here cannot deadlock.
+    // As `locked`, but keeps the GIL, for work that takes less time than releasing it. A thread that holds the core's
+    // lock never waits for the GIL, so waiting for the lock here cannot deadlock.
     template <typename Work>
     auto briefly(Work&& work) {
         const std::lock_guard lock(mutex_);
@@ -231,7 +232,8 @@ NB_MODULE(_emulator, m) {
         .def_prop_ro("cartridge_type", [](const Game& game) { return game.cartridge->type_name(); },
                      "The bank switching that was given or recognised, for example \"F8\".");
 
-    m.def("make_game", &make_game, nb::kw_only(), "image"_a, "cartridge"_a, "format"_a, "detect_format"_a, "first_line"_a,
+    m.def("make_game", &make_game, nb::kw_only(), "image"_a, "cartridge"_a, "format"_a, "detect_format"_a,
+          "first_line"_a,
           "height"_a, "hmove_blanks"_a, "paddles"_a, "swap_ports"_a, "swap_paddles"_a, "paddle_range"_a,
           "power_on_switches"_a, "legal_actions"_a, "starting_actions"_a, "default_mode"_a, "variables"_a, "initial"_a,
           "kept"_a, "outputs"_a, "step"_a, "select_mode"_a,
@@ -242,7 +244,8 @@ NB_MODULE(_emulator, m) {
     const auto array = [](auto method, bool colour) {
         return [method, colour](Emulator& emulator, nb::object out) {
             const size_t height = emulator.height();
-            const auto shape = colour ? std::vector<size_t>{height, kScreenWidth, 3} : std::vector<size_t>{height, kScreenWidth};
+            const auto shape =
+                colour ? std::vector<size_t>{height, kScreenWidth, 3} : std::vector<size_t>{height, kScreenWidth};
             return emulator.filled(shape, out, [method](Environment& e, uint8_t* to) { (e.*method)(to); });
         };
     };
@@ -257,13 +260,17 @@ NB_MODULE(_emulator, m) {
              "repeat_action_probability"_a, "frame_skip"_a, "max_num_frames_per_episode"_a, "sound"_a,
              "color_averaging"_a, "seed"_a, "plain"_a = false,
              "`plain`: by the plain interpreter and TIA, which are slower and give the same.")
-        .def("seed", [](Emulator& x, uint32_t seed) { x.locked([&](Environment& e) { e.seed(seed); return 0; }); }, "seed"_a)
+        .def("seed", [](Emulator& x, uint32_t seed) { x.locked([&](Environment& e) { e.seed(seed); return 0; }); },
+             "seed"_a)
         .def("reset", [](Emulator& x) { x.locked([](Environment& e) { e.reset(); return 0; }); })
         .def("act", &Emulator::act, "action"_a.none(), "strength"_a.none() = 1.0,
              nb::sig("def act(self, action: int, strength: float = 1.0) -> int"))
-        .def("set_mode", [](Emulator& x, int mode) { x.locked([&](Environment& e) { e.set_mode(mode); return 0; }); }, "mode"_a)
+        .def("set_mode", [](Emulator& x, int mode) { x.locked([&](Environment& e) { e.set_mode(mode); return 0; }); },
+             "mode"_a)
         .def("set_difficulty",
-             [](Emulator& x, int difficulty) { x.locked([&](Environment& e) { e.set_difficulty(difficulty); return 0; }); },
+             [](Emulator& x, int difficulty) {
+                 x.locked([&](Environment& e) { e.set_difficulty(difficulty); return 0; });
+             },
              "difficulty"_a)
         .def_prop_ro("lives", number(&Environment::lives))
         .def_prop_ro("game_over", number(&Environment::game_over))
@@ -280,8 +287,10 @@ NB_MODULE(_emulator, m) {
                                  [](Environment& e, uint8_t* to) { std::copy_n(e.audio(), kAudioSamples, to); });
              }, "out"_a = nb::none(), nb::sig(RETURNS_ARRAY("audio")))
         .def("screen", array(&Environment::screen, false), "out"_a = nb::none(), nb::sig(RETURNS_ARRAY("screen")))
-        .def("screen_rgb", array(&Environment::screen_rgb, true), "out"_a = nb::none(), nb::sig(RETURNS_ARRAY("screen_rgb")))
-        .def("screen_grayscale", array(&Environment::screen_gray, false), "out"_a = nb::none(), nb::sig(RETURNS_ARRAY("screen_grayscale")))
+        .def("screen_rgb", array(&Environment::screen_rgb, true), "out"_a = nb::none(),
+             nb::sig(RETURNS_ARRAY("screen_rgb")))
+        .def("screen_grayscale", array(&Environment::screen_gray, false), "out"_a = nb::none(),
+             nb::sig(RETURNS_ARRAY("screen_grayscale")))
         .def("set_ram",
              [](Emulator& x, int index, int value) {
                  if (index < 0 || index > 127) throw nb::value_error("index must be within 0..127");
@@ -299,14 +308,16 @@ NB_MODULE(_emulator, m) {
     using Frame = nb::ndarray<const uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
     using Small = nb::ndarray<uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
     nb::class_<AreaResize>(m, "AreaResize",
-                           "Scales a gray frame, (rows, 160), down to (height, width) as OpenCV's INTER_AREA does, to the byte.\n\n"
+                           "Scales a gray frame, (rows, 160), down to (height, width) as OpenCV's INTER_AREA does, to "
+                           "the byte.\n\n"
                            "Raises ValueError if the size is not served: larger than the frame, narrower than 11, or\n"
                            "dividing the frame's in both directions.")
         .def(nb::init<int, int, int>(), "rows"_a, "height"_a, "width"_a)
         .def("__call__",
              [](const AreaResize& resize, Frame frame, Small out) {
                  if (static_cast<int>(frame.shape(0)) != resize.rows() || frame.shape(1) != kScreenWidth ||
-                     static_cast<int>(out.shape(0)) != resize.height() || static_cast<int>(out.shape(1)) != resize.width())
+                     static_cast<int>(out.shape(0)) != resize.height() ||
+                     static_cast<int>(out.shape(1)) != resize.width())
                      throw nb::value_error("the frame or `out` is not of the shape that this was made for");
                  resize(frame.data(), nullptr, out.data());
              },

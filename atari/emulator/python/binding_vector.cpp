@@ -62,7 +62,8 @@ struct BoundSnapshot {
     // Returns the snapshot for one environment; null if it does not fit.
     VectorEngine::Snapshot within(VectorEngine& engine, int environment) const {
         if (snapshot) return engine.fits(environment, *snapshot) ? snapshot : nullptr;
-        const bool same = bytes.size() == engine.state_size(environment) && image == image_digest(engine.game(environment));
+        const bool same =
+            bytes.size() == engine.state_size(environment) && image == image_digest(engine.game(environment));
         return same ? engine.parse(environment, bytes.data()) : nullptr;
     }
 };
@@ -99,7 +100,8 @@ class BoundEngine {
     void reset(List<bool> mask, List<bool> seeded, Seeds seeds, nb::object batch) {
         const auto lock = acquire();
         const auto size = static_cast<size_t>(engine_->size());
-        if (mask.shape(0) != size || seeded.shape(0) != size || seeds.shape(0) != size || seeds.shape(1) != SeedWords{}.size())
+        if (mask.shape(0) != size || seeded.shape(0) != size || seeds.shape(0) != size ||
+            seeds.shape(1) != SeedWords{}.size())
             throw nb::value_error("there must be an entry for each environment");
         {
             const nb::gil_scoped_release release;
@@ -150,14 +152,16 @@ class BoundEngine {
     }
 
     void restore(const std::vector<int>& environments, const std::vector<const BoundSnapshot*>& states) {
-        if (environments.size() != states.size()) throw nb::value_error("there must be a snapshot for each environment");
+        if (environments.size() != states.size())
+            throw nb::value_error("there must be a snapshot for each environment");
         while_idle(environments, [&](VectorEngine& engine) {
             std::vector<VectorEngine::Snapshot> snapshots;
             for (size_t i = 0; i < states.size(); ++i) {
                 snapshots.push_back(states[i] ? states[i]->within(engine, environments[i]) : nullptr);
                 if (!snapshots[i])
                     throw nb::value_error(("snapshot " + std::to_string(i) + " is of another game than environment " +
-                                           std::to_string(environments[i]) + ", or was taken with other options").c_str());
+                                           std::to_string(environments[i]) +
+                                           ", or was taken with other options").c_str());
             }
             for (size_t i = 0; i < states.size(); ++i) engine.restore(environments[i], std::move(snapshots[i]));
             return 0;
@@ -197,7 +201,9 @@ class BoundEngine {
 
     template <typename Value, typename Get>
     Value get(int environment, Get&& get) {
-        return while_idle({environment}, [&](VectorEngine& engine) { return Value(get(engine.episode(environment).environment())); });
+        return while_idle({environment}, [&](VectorEngine& engine) {
+            return Value(get(engine.episode(environment).environment()));
+        });
     }
 
     VectorEngine& engine() { return *engine_; }
@@ -240,7 +246,8 @@ void make_batch(BoundBatch* self, BoundEngine& engine, nb::object pixels, nb::ob
     bound.rows = rows;
     Batch& batch = bound.batch;
     const size_t size = rows * engine.engine().pixels();
-    batch.observation = {rows_of<uint8_t>(bound, pixels, size, "pixels"), rows_of<uint8_t>(bound, ram, 128 * rows, "ram")};
+    batch.observation = {rows_of<uint8_t>(bound, pixels, size, "pixels"),
+                         rows_of<uint8_t>(bound, ram, 128 * rows, "ram")};
     batch.final_observation = {rows_of<uint8_t>(bound, final_pixels, size, "final_pixels"),
                                rows_of<uint8_t>(bound, final_ram, 128 * rows, "final_ram")};
     int32_t* const number = rows_of<int32_t>(bound, numbers, 8 * rows, "numbers");
@@ -293,7 +300,8 @@ void make_engine(BoundEngine* self, const std::vector<const MemberSpec*>& member
 }
 
 void make_gray_of_pairs(GrayOfPairs* self, nb::bytes values) {
-    if (values.size() != GrayOfPairs::kSize) throw nb::value_error("the gray values of pairs of colours are 65536 bytes");
+    if (values.size() != GrayOfPairs::kSize)
+        throw nb::value_error("the gray values of pairs of colours are 65536 bytes");
     const auto* data = static_cast<const uint8_t*>(values.data());
     new (self) GrayOfPairs{{data, data + values.size()}};
 }
@@ -316,7 +324,8 @@ nb::object screen_of(BoundEngine& engine, int environment) {
 
 void register_settings(nb::module_& m) {
     nb::enum_<EpisodeKind>(m, "EpisodeKind", 
-                           "In which order no-ops, FIRE, lost lives and the frame skip are applied: as in ale-py's AtariVectorEnv,\n"
+                           "In which order no-ops, FIRE, lost lives and the frame skip are applied: as in ale-py's "
+                           "AtariVectorEnv,\n"
                            "as by wrappers of single frames inside of the frame skip, or as in OpenAI's Baselines.")
         .value("ALE", EpisodeKind::kAle)
         .value("FRAMES", EpisodeKind::kFrames)
@@ -375,10 +384,12 @@ void register_settings(nb::module_& m) {
         .def_rw("threads", &VectorSettings::threads)
         .def_rw("first_core", &VectorSettings::first_core)
         .def_rw("autoreset", &VectorSettings::autoreset);
-    nb::class_<GrayOfPairs>(m, "GrayOfPairs", "For GRAY_OF_RGB: the gray value of the maximum of two colours, 256 x 256.")
+    nb::class_<GrayOfPairs>(m, "GrayOfPairs",
+                            "For GRAY_OF_RGB: the gray value of the maximum of two colours, 256 x 256.")
         .def("__init__", &make_gray_of_pairs, "values"_a);
     nb::class_<MemberSpec>(m, "MemberSpec",
-                           "What differs between the environments of a vector. `seed` is nine words: the emulator's, and\n"
+                           "What differs between the environments of a vector. `seed` is nine words: the emulator's, "
+                           "and\n"
                            "eight of the episode's generator.")
         .def(nb::init<>())
         .def_prop_rw("game", [](const MemberSpec& x) { return std::const_pointer_cast<Game>(x.game); },
@@ -396,15 +407,20 @@ void register_settings(nb::module_& m) {
 
 void register_vector(nb::module_& m) {
     register_settings(m);
-    nb::class_<BoundBatch>(m, "Batch", "Arrays for the results of a batch. Threads write to them between start and receive.")
-        .def("__init__", &make_batch, "engine"_a, nb::kw_only(), "pixels"_a.none(), "ram"_a.none(), "final_pixels"_a.none(),
+    nb::class_<BoundBatch>(m, "Batch",
+                           "Arrays for the results of a batch. Threads write to them between start and receive.")
+        .def("__init__", &make_batch, "engine"_a, nb::kw_only(), "pixels"_a.none(), "ram"_a.none(),
+             "final_pixels"_a.none(),
              "final_ram"_a.none(), "numbers"_a, "flags"_a,
-             nb::sig("def __init__(self, engine: VectorEngine, *, pixels: " ARRAY("uint8") " | None, ram: " ARRAY("uint8")
+             nb::sig("def __init__(self, engine: VectorEngine, *, pixels: " ARRAY("uint8")
+                     " | None, ram: " ARRAY("uint8")
                      " | None, final_pixels: " ARRAY("uint8") " | None, final_ram: " ARRAY("uint8")
                      " | None, numbers: " ARRAY("int32") ", flags: " ARRAY("bool") ") -> None"),
-             "`numbers` is int32 (8, rows): reward, environment, lives, frame and episode frame number, and the last three\n"
+             "`numbers` is int32 (8, rows): reward, environment, lives, frame and episode frame number, and the last "
+             "three\n"
              "of the final observation; `flags` bool (3, rows): terminated, truncated, has a final observation.");
-    nb::class_<BoundSnapshot>(m, "MemberSnapshot", "The state of an environment of a vector, in memory. It can be pickled.")
+    nb::class_<BoundSnapshot>(m, "MemberSnapshot",
+                              "The state of an environment of a vector, in memory. It can be pickled.")
         .def("__getstate__",
              [](const BoundSnapshot& state) {
                  if (!state.snapshot) return std::tuple(nb::bytes(state.bytes.data(), state.bytes.size()), state.image);
@@ -416,18 +432,22 @@ void register_vector(nb::module_& m) {
             const auto* data = reinterpret_cast<const uint8_t*>(bytes.c_str());
             new (&state) BoundSnapshot{nullptr, {data, data + bytes.size()}, image};
         });
-    nb::class_<Loan>(m, "Loan", nb::type_slots(kLoanSlots), "A share in an array's memory, for `numpy.ndarray(buffer=)`.");
+    nb::class_<Loan>(m, "Loan", nb::type_slots(kLoanSlots),
+                     "A share in an array's memory, for `numpy.ndarray(buffer=)`.");
     nb::class_<ArrayLender>(m, "ArrayLender", "Lends the memory of a uint8 array, without a copy.")
         .def(nb::init<Rows<uint8_t>>(), "array"_a.noconvert(),
              nb::sig("def __init__(self, array: " ARRAY("uint8") ") -> None"))
         .def("lend", &ArrayLender::lend)
-        .def_prop_ro("lent", &ArrayLender::lent, "Whether a loan exists: an array made of one, or a view or tensor of that.");
-    nb::class_<BoundEngine>(m, "VectorEngine", "Environments played by a pool of threads. Use it through atari.AtariVectorEnv.")
+        .def_prop_ro("lent", &ArrayLender::lent,
+                     "Whether a loan exists: an array made of one, or a view or tensor of that.");
+    nb::class_<BoundEngine>(m, "VectorEngine",
+                            "Environments played by a pool of threads. Use it through atari.AtariVectorEnv.")
         .def("__init__", &make_engine, "members"_a, "episode"_a, "observation"_a, "settings"_a)
         .def("start", &BoundEngine::start, "actions"_a, "strengths"_a.none(), "batch"_a.none(),
              nb::sig("def start(self, actions: " ARRAY("int64") ", strengths: " ARRAY("float32")
                      " | None, batch: Batch | None) -> None"),
-             "Begin a step of the environments of the last batch; the batch is where results go if it is of all of them.")
+             "Begin a step of the environments of the last batch; the batch is where results go if it is of all of "
+             "them.")
         .def("reset", &BoundEngine::reset, "mask"_a, "seeded"_a, "seeds"_a, "batch"_a.none(),
              nb::sig("def reset(self, mask: " ARRAY("bool") ", seeded: " ARRAY("bool") ", seeds: " ARRAY("uint32")
                      ", batch: Batch | None) -> None"),

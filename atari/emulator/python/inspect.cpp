@@ -1,6 +1,6 @@
-// Bindings for tests and inspection. `_emulator.Console` is the console without a game's rules or a seed; its methods
-// run single accesses or instructions. `pool_gray` and `resize_area` are the two steps of an observation. Environments
-// use nothing of this file.
+// Bindings for tests and inspection. `_emulator.Console` is a console without a game's rules or a seed; its methods run
+// single accesses or instructions. `pool_gray` and `resize_area` are the two steps of an observation. Environments use
+// nothing from this file.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
@@ -37,21 +37,25 @@ using Array = nb::ndarray<nb::numpy, uint8_t, nb::c_contig, nb::device::cpu>;
 using Flags = std::pair<bool, bool>;
 
 std::unique_ptr<Console> make(nb::bytes image, const std::string& cartridge, int first_line, int height, bool pal,
-                              bool hmove_blanks, Flags paddles, bool swap_ports, bool swap_paddles, bool plain, bool translated) {
+                              bool hmove_blanks, Flags paddles, bool swap_ports, bool swap_paddles, bool plain,
+                              bool translated) {
     if (first_line < 0 || height < 1 || first_line + height > kFrameRows)
         throw nb::value_error("the framebuffer must lie within 300 lines");
     const auto* bytes = static_cast<const uint8_t*>(image.data());
     const std::vector<uint8_t> copy(bytes, bytes + image.size());
-    const ConsoleConfig config{first_line, height, pal, hmove_blanks, {paddles.first, paddles.second}, swap_ports, swap_paddles};
+    const ConsoleConfig config{first_line, height, pal, hmove_blanks, {paddles.first, paddles.second}, swap_ports,
+                               swap_paddles};
     std::unique_ptr<Console> console;
     if (plain) console = std::make_unique<Console>(std::make_shared<const Cartridge>(copy, cartridge), config);
-    else console = std::make_unique<FastConsole>(std::make_shared<const FastCartridge>(copy, cartridge, translated), config);
+    else
+        console = std::make_unique<FastConsole>(std::make_shared<const FastCartridge>(copy, cartridge, translated),
+                                                config);
     console->construct();
     console->reset();
     return console;
 }
 
-// Whether the cartridge has translated code.
+// Returns whether the cartridge has translated code.
 bool translated(const Console& console) {
     const auto* const fast = dynamic_cast<const FastConsole*>(&console);
     return fast && fast->cartridge().translated_code().any();
@@ -114,7 +118,7 @@ void set_registers(Console& console, nb::kwargs changes) {
     console.raw_machine().cpu = cpu;
 }
 
-// The registers and latches of the chips that programs cannot read, by their names in state.hpp.
+// Returns the registers and latches of the chips that programs cannot read, by their names in state.hpp.
 nb::dict state(const Console& console) {
     const Machine& m = console.machine();
     const Tia& t = m.tia;
@@ -248,8 +252,8 @@ void restore(Console& console, const Snapshot& snapshot) {
     console.restore(*snapshot.state);
 }
 
-// Whether two machines of a cartridge are in the same state. Only if `complete`, framebuffers and collision latches,
-// which `FastConsole` defers, are updated and compared.
+// Returns whether two machines of a cartridge are in the same state. Framebuffers and collision latches, which
+// `FastConsole` defers, are brought up to date and compared only if `complete`.
 bool same_state(Console& first, Console& second, bool complete) {
     if (first.state_size() != second.state_size()) throw nb::value_error("the consoles are of different cartridges");
     if (complete) {
@@ -263,7 +267,8 @@ bool same_state(Console& first, Console& second, bool complete) {
     std::memcpy(&machines[1], &second.machine(), sizeof(Machine));
     machines[0].tia.collisions = machines[1].tia.collisions;
     return std::memcmp(&machines[0], &machines[1], sizeof(Machine)) == 0 &&
-           std::equal(first.cartridge_ram(), first.cartridge_ram() + first.cartridge_ram_size(), second.cartridge_ram());
+           std::equal(first.cartridge_ram(), first.cartridge_ram() + first.cartridge_ram_size(),
+                      second.cartridge_ram());
 }
 
 using Bytes = nb::ndarray<const uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
@@ -284,11 +289,13 @@ std::pair<Array, std::vector<uint32_t>> pooled(Frame early, Frame late, Bytes ta
     std::vector<uint8_t> gray(early.size());
     std::vector<uint32_t> changes(rows);
     const auto pool = pairs ? pool_pairs : pool_gray;
-    pool(early.data(), late.data(), static_cast<int>(rows), table.data(), gray.data(), changes.data(), checked_level(level));
+    pool(early.data(), late.data(), static_cast<int>(rows), table.data(), gray.data(), changes.data(),
+         checked_level(level));
     return {as_array(gray.data(), {rows, kScreenWidth}), std::move(changes)};
 }
 
-Array resized(Frame frame, int height, int width, const std::optional<std::vector<uint32_t>>& changes, std::optional<SimdLevel> level) {
+Array resized(Frame frame, int height, int width, const std::optional<std::vector<uint32_t>>& changes,
+              std::optional<SimdLevel> level) {
     const size_t rows = frame.shape(0);
     if (rows < 1 || rows > kFrameRows) throw nb::value_error("a frame has 1..300 rows");
     if (changes && changes->size() != rows) throw nb::value_error("`changes` has an entry for each row");
@@ -308,10 +315,12 @@ Array painted(std::array<Bytes, 3> layers, std::array<uint8_t, 4> colours, int f
     Mask masks[3];
     for (size_t i = 0; i < 3; ++i) {
         if (layers[i].shape(0) != kScreenWidth) throw nb::value_error("a layer has 160 pixels");
-        for (size_t x = 0; x < kScreenWidth; ++x) masks[i].word[x / 64] |= uint64_t{layers[i].data()[x] != 0} << (x % 64);
+        for (size_t x = 0; x < kScreenWidth; ++x)
+            masks[i].word[x / 64] |= uint64_t{layers[i].data()[x] != 0} << (x % 64);
     }
     uint8_t row[kScreenWidth] = {};
-    painters()[static_cast<size_t>(checked_level(level))](row, {masks[0], masks[1], masks[2]}, colours.data(), first, last);
+    painters()[static_cast<size_t>(checked_level(level))](row, {masks[0], masks[1], masks[2]}, colours.data(), first,
+                                                          last);
     return as_array(row, {kScreenWidth});
 }
 
@@ -326,7 +335,8 @@ Array colours_of(const std::string& format) {
 
 Array coloured(Frame frame, const std::string& format, std::optional<SimdLevel> level) {
     const size_t rows = frame.shape(0);
-    if (rows < 1 || rows > kFrameRows || frame.shape(1) != kScreenWidth) throw nb::value_error("a frame is (1..300, 160)");
+    if (rows < 1 || rows > kFrameRows || frame.shape(1) != kScreenWidth)
+        throw nb::value_error("a frame is (1..300, 160)");
     std::vector<uint8_t> rgb(3 * frame.size());
     to_rgb(frame.data(), static_cast<int>(rows), palette_of(format), rgb.data(), checked_level(level));
     return as_array(rgb.data(), {rows, kScreenWidth, 3});
@@ -339,9 +349,10 @@ void register_inspection(nb::module_& m) {
     nb::class_<Console>(m, "Console",
                         "A bare console, driven by hand: for tests and for looking inside.\n\n"
                         "Made as at power-on, after one reset; no frame has begun. `cartridge` names the type of bank\n"
-                        "switching, \"\" recognises it; the other arguments are those of a game's screen and controllers.\n"
-                        "`plain`: by the plain interpreter and TIA; if not, `run_frame` runs frames fast, and `translated`,\n"
-                        "where that is possible, by translated code of the program.\n"
+                        "switching, \"\" detects it. The other arguments are those of a game's screen and "
+                        "controllers.\n"
+                        "If `plain`, the reference core; if not, `run_frame` runs the fast core, and if `translated`,\n"
+                        "by translated code where the platform supports it.\n"
                         "Raises ValueError if the image is of no supported type.")
         .def(nb::new_(&make), "image"_a, "cartridge"_a = "", nb::kw_only(), "first_line"_a = 34, "height"_a = 210,
              "pal"_a = false, "hmove_blanks"_a = true, "paddles"_a = Flags{false, false}, "swap_ports"_a = false,
@@ -362,7 +373,8 @@ void register_inspection(nb::module_& m) {
         .def("set_registers", &set_registers, "changes"_a, nb::sig("def set_registers(self, **changes: int) -> None"),
              "Change some of `registers`, given by name.")
         .def_prop_rw("ram", [](const Console& x) { return as_bytes(x.ram(), 128); }, &set_ram, "The 128 bytes of RAM.")
-        .def_prop_ro("cartridge_ram", [](const Console& x) { return as_bytes(x.cartridge_ram(), x.cartridge_ram_size()); },
+        .def_prop_ro("cartridge_ram",
+                     [](const Console& x) { return as_bytes(x.cartridge_ram(), x.cartridge_ram_size()); },
                      "The cartridge's own RAM, empty if it has none.")
         .def_prop_ro("translated", &translated, "Whether there is translated code of the program.")
         .def_prop_ro("cartridge_type", [](const Console& x) { return x.cartridge().type_name(); })
@@ -370,7 +382,8 @@ void register_inspection(nb::module_& m) {
                      nb::for_getter(nb::sig("def positions(self, /) -> list[int]")),
                      "Of player 0, player 1, missile 0, missile 1 and ball: five columns within 0..159.")
         .def("framebuffer", &framebuffer, nb::sig("def framebuffer(self) -> numpy.typing.NDArray[numpy.uint8]"),
-             "The current frame's framebuffer up to the latest access of the TIA: uint8 (height, 160), palette indices.")
+             "The current frame's framebuffer up to the latest access of the TIA: uint8 (height, 160), palette "
+             "indices.")
         .def("make_samples",
              [](Console& x) {
                  uint8_t samples[kAudioSamples];
@@ -387,7 +400,8 @@ void register_inspection(nb::module_& m) {
         .def("save", &save, "The whole state as bytes.")
         .def("load", &load, "state"_a, "Continue from `save`; ValueError if the bytes cannot be a state.")
         .def("snapshot", &snapshot, "The whole state in memory, deferred frames included.")
-        .def("restore", &restore, "snapshot"_a, "Continue from a `snapshot` of this console; ValueError if it is of another one.");
+        .def("restore", &restore, "snapshot"_a,
+             "Continue from a `snapshot` of this console; ValueError if it is of another one.");
 
     nb::enum_<SimdLevel>(m, "SimdLevel", "A level of SIMD instructions. The results of all levels are equal.")
         .value("SCALAR", SimdLevel::kScalar)
@@ -396,12 +410,15 @@ void register_inspection(nb::module_& m) {
     m.def("best_simd_level", &best_simd_level,
           "The highest level that this processor supports. The functions below use it where `level` is None.");
     m.def("paint", &painted, "layers"_a, "colours"_a, "first"_a, "last"_a, "level"_a,
-          nb::sig("def paint(layers: Sequence[numpy.typing.NDArray[numpy.uint8]], colours: Sequence[int], first: int, last: int, "
+          nb::sig("def paint(layers: Sequence[numpy.typing.NDArray[numpy.uint8]], colours: Sequence[int], first: int, "
+                  "last: int, "
                   "level: SimdLevel) -> numpy.typing.NDArray[numpy.uint8]"),
-          "A row of 160 zeros in which pixels first .. last-1 have been painted: those of the three layers, (160,) each,\n"
+          "A row of 160 zeros in which pixels first .. last-1 have been painted: those of the three layers, (160,) "
+          "each,\n"
           "in the first three colours, the others in the fourth.");
     m.def("to_rgb", &coloured, "frame"_a, "format"_a, "level"_a = nb::none(),
-          nb::sig("def to_rgb(frame: numpy.typing.NDArray[numpy.uint8], format: str, level: SimdLevel | None = None) -> "
+          nb::sig("def to_rgb(frame: numpy.typing.NDArray[numpy.uint8], format: str, "
+                  "level: SimdLevel | None = None) -> "
                   "numpy.typing.NDArray[numpy.uint8]"),
           "A frame of palette indices, (rows, 160), in the colours of a TV format.");
     m.def("short_jump",
@@ -423,7 +440,8 @@ void register_inspection(nb::module_& m) {
           nb::sig("def pool_gray(early: numpy.typing.NDArray[numpy.uint8], late: numpy.typing.NDArray[numpy.uint8], "
                   "table: numpy.typing.NDArray[numpy.uint8], level: SimdLevel | None = None) -> "
                   "tuple[numpy.typing.NDArray[numpy.uint8], list[int]]"),
-          "The brighter of two frames, (rows, 160) palette indices, by a table of 256 grays, or what a table of 65,536\n"
+          "The brighter of two frames, (rows, 160) palette indices, by a table of 256 grays, or what a table of "
+          "65,536\n"
           "has for early * 256 + late; and for each row bit k if columns 8k .. 8k+7 differ from the row above.");
     m.def("resize_area", &resized, "frame"_a, "height"_a, "width"_a, "changes"_a = nb::none(), "level"_a = nb::none(),
           nb::sig("def resize_area(frame: numpy.typing.NDArray[numpy.uint8], height: int, width: int, "

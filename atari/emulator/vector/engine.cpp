@@ -79,7 +79,7 @@ void VectorEngine::drain() {
     try {
         pool_->wait(left);
         if (queued()) pool_->take(left);
-    } catch (...) {  // the deferred error of a batch that is dropped
+    } catch (...) {  // the deferred error of a batch whose results are dropped
     }
 }
 
@@ -122,7 +122,8 @@ void VectorEngine::keep_final(Slot& slot, int environment) {
         slot.final_pixels.resize(episode.observation().size());
         episode.observation().write(slot.final_pixels.data());
     } else if (batch_->final_observation.pixels) {
-        episode.observation().write(batch_->final_observation.pixels + episode.observation().size() * static_cast<size_t>(environment));
+        const size_t at = episode.observation().size() * static_cast<size_t>(environment);
+        episode.observation().write(batch_->final_observation.pixels + at);
     }
     std::copy_n(e.ram(), 128, slot.final_ram);
     const int32_t numbers[3] = {e.lives(), e.frame_number(), e.episode_frame_number()};
@@ -134,7 +135,8 @@ void VectorEngine::write_results(Slot& slot, int environment, int row, const Bat
     Environment& e = episode.environment();
     const auto at = static_cast<size_t>(row);
     const Outcome& outcome = slot.outcome;
-    if (batch.observation.pixels) episode.observation().write(batch.observation.pixels + episode.observation().size() * at);
+    if (batch.observation.pixels)
+        episode.observation().write(batch.observation.pixels + episode.observation().size() * at);
     if (batch.observation.ram) std::copy_n(e.ram(), 128, batch.observation.ram + 128 * at);
     batch.environment[at] = environment;
     batch.reward[at] = outcome.reward;
@@ -155,7 +157,7 @@ void VectorEngine::write_final(Slot& slot, int row, const Batch& batch) {
     if (slot.has_final) {
         if (pixels && queued()) std::copy(slot.final_pixels.begin(), slot.final_pixels.end(), pixels);
         if (ram) std::copy_n(slot.final_ram, 128, ram);
-    } else if (batch.ended[at]) {  // of an earlier step
+    } else if (batch.ended[at]) {  // a final observation of an earlier step
         if (pixels) std::memset(pixels, 0, size);
         if (ram) std::memset(ram, 0, 128);
     }

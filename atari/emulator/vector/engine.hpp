@@ -1,5 +1,5 @@
-// `VectorEngine`: plays many environments by a pool of threads, and writes their results straight into the arrays that the
-// user gets.
+// `VectorEngine`: plays many environments by a pool of threads, and writes their results straight into the arrays that
+// the user gets.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,8 @@ namespace atari {
 
 enum class Autoreset { kNextStep, kSameStep, kDisabled };
 
-// Where the results of a batch go: arrays with a row for each environment of the batch. Null parts are not written.
+// The arrays that the results of a batch are written to, with a row for each environment of the batch. Null parts are
+// not written.
 struct Batch {
     struct Observation {
         uint8_t* pixels = nullptr;
@@ -37,8 +38,8 @@ struct VectorSettings {
     Autoreset autoreset = Autoreset::kNextStep;
 };
 
-// Owns the environments and the threads. One call at a time, except that the threads run between a `reset` or `step` and
-// the `receive` of its results.
+// Owns the environments and the threads. Calls must not overlap. The threads run between a `reset` or `step` and the
+// `receive` of its results.
 class VectorEngine {
   public:
     struct Member {
@@ -56,7 +57,8 @@ class VectorEngine {
     int actions_of(int environment) const { return static_cast<int>(slot(environment).member.actions.size()); }
 
     // `reset` and `step` start work on environments; `receive` waits for the results. If a batch has all environments,
-    // the results of environment i go to row i, and `batch` must live until `receive`; otherwise `batch` may be null.
+    // the results of environment i go to row i, and `batch` must live until `receive`. Otherwise `batch` may be null.
+    //
     // Resets the chosen environments, with `seeds[i]` if it is not null. The others repeat their last observation.
     void reset(const std::vector<bool>& chosen, const std::vector<const Seed*>& seeds, const Batch* batch);
     // Row i is for environment `environments[i]`; an action is an index, a strength is a factor for paddles.
@@ -72,13 +74,16 @@ class VectorEngine {
     }
     const Game& game(int environment) const { return *slot(environment).member.episode->environment().game(); }
     size_t pixels() const { return slot(0).member.episode->observation().size(); }  // bytes of an observation
-    // The state of a member as bytes. `load` returns false, and changes nothing, if no such member can have saved them.
+    // The state of a member as bytes. `load` returns false and changes nothing if no such member can have saved the
+    // bytes.
     size_t state_size(int environment) const { return 1 + slot(environment).member.episode->state_size(); }
     void save(int environment, uint8_t* out);
     bool load(int environment, const uint8_t* in);
 
     // The state of the member's emulator alone, as Environment::save writes it.
-    size_t emulator_state_size(int environment) const { return slot(environment).member.episode->environment().state_size(); }
+    size_t emulator_state_size(int environment) const {
+        return slot(environment).member.episode->environment().state_size();
+    }
     void save_emulator(int environment, uint8_t* out) { episode(environment).environment().save(out); }
 
     // The state of a member in memory, for members of the same game and settings.
@@ -90,10 +95,11 @@ class VectorEngine {
     };
     using Snapshot = std::shared_ptr<const MemberSnapshot>;
     Snapshot snapshot(int environment);
-    // The snapshot of the state that `load` would read; null if `load` would fail. The environment does not change.
+    // Returns the snapshot of the state that `load` would read, or null if `load` would fail. The environment does not
+    // change.
     Snapshot parse(int environment, const uint8_t* in);
     bool fits(int environment, const MemberSnapshot& snapshot) const;
-    // The state is copied when the environment is next played or read, so mostly by the threads, and not at all if
+    // The state is copied when the environment is next played or read, so mostly by the threads. It is never copied if
     // another restore comes first.
     void restore(int environment, Snapshot snapshot) { slot(environment).pending_restore = std::move(snapshot); }
 
@@ -111,7 +117,7 @@ class VectorEngine {
         float strength = 1.0f;
         Outcome outcome;  // of the last step
         bool has_final = false;
-        std::vector<uint8_t> final_pixels;  // if the row of the batch is not known yet
+        std::vector<uint8_t> final_pixels;  // used while the row of the batch is not known
         uint8_t final_ram[128];
         int32_t final_numbers[3];
     };
@@ -124,14 +130,14 @@ class VectorEngine {
     void keep_final(Slot& slot, int environment);
     void write_results(Slot& slot, int environment, int row, const Batch& batch);
     void write_final(Slot& slot, int row, const Batch& batch);
-    // Whether results go to rows in the order in which environments finish.
+    // Returns whether results go to rows in the order in which environments finish.
     bool queued() const { return settings_.batch_size < size(); }
 
     const VectorSettings settings_;
     std::vector<Slot> slots_;
     const Batch* batch_ = nullptr;  // of all environments: the threads write to it
     std::unique_ptr<ThreadPool> pool_;
-    long process_;  // that made the threads
+    long process_;  // the process that made the threads
 };
 
 }  // namespace atari

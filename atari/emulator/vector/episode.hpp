@@ -1,5 +1,5 @@
-// `Episode`: plays the episodes of one environment of the vector engine. How an episode begins, how long an action is
-// held, and what ends an episode differ between implementations of the preprocessing; each order is a derived class.
+// `Episode`: plays the episodes of one environment of the vector engine. Implementations of the preprocessing differ in
+// how an episode begins, how long an action is held, and what ends an episode. Each order is a derived class.
 #pragma once
 
 #include <cstdint>
@@ -33,22 +33,22 @@ enum class OnReset { kNoop, kContinue, kNewGame };  // what a reset does after a
 struct EpisodeSettings {
     EpisodeKind kind = EpisodeKind::kAle;
     double repeat_action_probability = 0.0;
-    int max_num_frames_per_episode = 0;  // of the emulator: no-ops count, 0 is no limit
+    int max_num_frames_per_episode = 0;  // the emulator's limit: no-ops count, 0 is no limit
     std::pair<int, int> frame_skip{4, 5};  // each step draws from first .. second-1
     std::pair<int, int> noops{0, 29};      // an episode begins with first .. second no-ops
     bool fire_counts = true;               // whether FIRE is one of the no-ops
     FirePress fire = FirePress::kBeforeNoops;  // in games that have FIRE
     bool episodic_life = false, life_loss_info = false;
     OnReset on_reset = OnReset::kNewGame;
-    bool last_life = false;       // whether losing the last life counts, where the game goes on after it
+    bool last_life = false;       // whether losing the last life counts if the game continues after it
     bool seamless_lives = false;  // a lost life does not cut the skip and its reset does not clear the stack
     bool clip_reward = true;
-    int max_frames = 108000;      // of an episode, without the no-ops and FIRE that begin it
+    int max_frames = 108000;      // the episode's limit, without the no-ops and FIRE that begin it
 
     Settings emulator() const { return {repeat_action_probability, 1, max_num_frames_per_episode, false, false}; }
 };
 
-// Which of the game's actions can begin an episode.
+// The actions of a game that can begin an episode.
 struct StartActions {
     bool has_noop, has_fire;
     int third;  // ALE's number of the action with index 2
@@ -60,12 +60,13 @@ struct EpisodeSnapshot {
     std::vector<uint8_t> rest;  // observation and own state, as `save` writes them
 };
 
-// Owns the environment that it plays and the stack of frames that the agent sees.
+// Owns the environment that it plays and the agent's stack of frames.
 class Episode {
   public:
     Episode(std::unique_ptr<Environment> environment, std::unique_ptr<ObservationStack> observation,
             const EpisodeSettings& settings, const StartActions& start)
-        : settings_(settings), start_(start), environment_(std::move(environment)), observation_(std::move(observation)) {}
+        : settings_(settings), start_(start), environment_(std::move(environment)),
+          observation_(std::move(observation)) {}
     virtual ~Episode() = default;
 
     // Begins an episode, after seeding all generators if `seed` is not null. Throws as Environment::reset does.
@@ -118,8 +119,7 @@ class AleEpisode final : public Episode {
     } state_{};
 };
 
-// The wrappers of atari/wrappers in C++, to the byte: what they share. The classes below are the two orders in which the
-// presets apply them.
+// The wrappers of atari/wrappers in C++, to the byte: the parts that both orders of the wrappers share.
 class WrappedEpisode : public Episode {
   public:
     WrappedEpisode(std::unique_ptr<Environment> environment, std::unique_ptr<ObservationStack> observation,
@@ -154,7 +154,7 @@ class WrappedEpisode : public Episode {
     void load_own(const uint8_t* in) override;
 };
 
-// EpisodicLife, NoopReset and FireReset see single frames; DqnPreprocessing is outside of them.
+// The order in which EpisodicLife, NoopReset and FireReset handle single frames, inside of DqnPreprocessing.
 class FrameEpisode final : public WrappedEpisode {
   public:
     using WrappedEpisode::WrappedEpisode;
@@ -172,7 +172,8 @@ class FrameEpisode final : public WrappedEpisode {
     Ends frame(int action, float strength, int64_t& reward);
 };
 
-// OpenAI's Baselines: NoopReset is inside of DqnPreprocessing; EpisodicLife and FireReset are outside and see whole skips.
+// The order of OpenAI's Baselines: NoopReset is inside of DqnPreprocessing; EpisodicLife and FireReset are outside and
+// handle whole skips.
 class BaselinesEpisode final : public WrappedEpisode {
   public:
     using WrappedEpisode::WrappedEpisode;

@@ -26,7 +26,9 @@ std::unique_ptr<Episode> make_episode(EpisodeKind kind, Arguments&&... arguments
 }
 
 StartActions start_actions(const std::vector<int>& action_set) {
-    const auto has = [&](int action) { return std::find(action_set.begin(), action_set.end(), action) != action_set.end(); };
+    const auto has = [&](int action) {
+        return std::find(action_set.begin(), action_set.end(), action) != action_set.end();
+    };
     return {has(0), has(1), action_set.size() > 2 ? action_set[2] : 0};
 }
 

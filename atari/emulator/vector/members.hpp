@@ -1,4 +1,4 @@
-// `make_members`: the environments of a vector engine, made from what Python declares about each.
+// `make_members`: makes the environments of a vector engine from their declarations in Python.
 #pragma once
 
 #include <array>

@@ -9,7 +9,7 @@ namespace atari {
 struct Pcg64 {
     uint64_t low, high;                      // the state, 128 bits
     uint64_t increment_low, increment_high;  // odd
-    uint32_t kept;                           // the upper half of a word whose lower half has been given out
+    uint32_t kept;                           // the upper half of a word whose lower half has been returned
     uint32_t has_kept;
 
     // Words of the state and the increment, least significant first, as `PCG64(...).state` has them.
@@ -37,7 +37,8 @@ struct Pcg64 {
         return static_cast<uint32_t>(word);
     }
 
-    // Uniform in low .. high-1, as `integers(low, high)`; nothing is drawn where there is no choice.
+    // Returns a uniform number in low .. high-1, as `integers(low, high)`. Draws nothing if only one number is
+    // possible.
     int integers(int from, int to) {
         const auto count = static_cast<uint32_t>(to - from);
         if (count <= 1) return from;
@@ -49,7 +50,7 @@ struct Pcg64 {
     }
 
   private:
-    // In pieces of 32 bits, because not every compiler has integers of 128.
+    // Multiplies in parts of 32 bits, because not every compiler has integers of 128 bits.
     static uint64_t high_of_product(uint64_t a, uint64_t b) {
         const uint64_t a_low = a & 0xffffffffu, a_high = a >> 32, b_low = b & 0xffffffffu, b_high = b >> 32;
         const uint64_t low = a_low * b_low, cross = a_high * b_low, other = a_low * b_high;

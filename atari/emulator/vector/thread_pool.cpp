@@ -14,7 +14,7 @@
 namespace atari {
 namespace {
 
-// Some tens of microseconds: less than a step takes, and more than a fast user of its results takes to send the next.
+// Some tens of microseconds: less than a step takes, and more than a fast user needs between two steps.
 constexpr int kSpins = 1000;
 
 void relax() {
@@ -109,14 +109,15 @@ int ThreadPool::claim(size_t thread) {
         Range& range = *ranges_[(thread + i) % ranges_.size()];
         uint64_t number = range.next;
         while (number < range.submitted) {
-            const int item = range.items[number % range.items.size()];  // read before the claim: afterwards the slot may be reused
+            // Read before the claim: afterwards the slot may be reused.
+            const int item = range.items[number % range.items.size()];
             if (range.next.compare_exchange_weak(number, number + 1)) return item;
         }
     }
     return -1;
 }
 
-// Works on one item; returns false if there is none.
+// Works on one item. Returns false if there is none.
 bool ThreadPool::work_on_one(size_t thread) {
     const int item = claim(thread);
     if (item < 0) return false;

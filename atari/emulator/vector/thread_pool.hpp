@@ -1,8 +1,8 @@
 // `ThreadPool`: threads that wait for numbered items and work on them.
 //
-// With n threads, each thread owns an n-th part of the items, so that an environment's state mostly stays in the cache of
-// one processor. A thread without items of its own left takes items of other threads. If the items are `queued`, all
-// threads take them in the order in which they were submitted.
+// With n threads, each thread owns an n-th part of the items, so that an environment's state mostly stays in the cache
+// of one processor. A thread without items of its own left takes items of other threads. If the items are `queued`,
+// all threads take them in the order in which they were submitted.
 //
 // The thread that calls `wait` works too. A pool of one thread starts none, and does all work in `wait`.
 #pragma once
@@ -35,13 +35,13 @@ class ThreadPool {
     // Waits until `count` more items are done. If an item has thrown, waits for all submitted items and rethrows that
     // deferred error.
     void wait(int count);
-    // With `queued`: the items that were waited for, in the order in which they were done.
+    // With `queued`: returns the items that were waited for, in the order in which they were done.
     std::vector<int> take(int count);
     // Submitted items that have not been waited for.
     int pending() const { return pending_; }
 
   private:
-    // Numbers next .. submitted-1 wait to be claimed, and only grow; number n stands for items[n % items.size()].
+    // Numbers next .. submitted-1 wait to be claimed. Numbers only grow; number n stands for items[n % items.size()].
     struct alignas(64) Range {
         explicit Range(int size) : items(static_cast<size_t>(size)) {}
         std::atomic<uint64_t> next{0}, submitted{0};
@@ -60,7 +60,7 @@ class ThreadPool {
     std::vector<std::unique_ptr<Range>> ranges_;
     std::vector<std::thread> threads_;
     std::atomic<uint32_t> submissions_{0};  // counts, and wakes the threads
-    std::atomic<uint32_t> done_{0};         // counts, and wakes the one that waits
+    std::atomic<uint32_t> done_{0};         // counts, and wakes the thread that waits
     std::atomic<bool> stop_{false};
     uint32_t awaited_ = 0;  // of `done_`
     int pending_ = 0;

@@ -60,7 +60,9 @@ void FrameEpisode::reset_life(const Request& request) {
 
 // FireReset.reset
 void FrameEpisode::reset_with_fire(const Request& request) {
-    const auto reset = [&] { settings_.fire == FirePress::kAfterNoops ? reset_with_noops(request) : reset_life(request); };
+    const auto reset = [&] {
+        settings_.fire == FirePress::kAfterNoops ? reset_with_noops(request) : reset_life(request);
+    };
     reset();
     int64_t reward = 0;
     if (start_.has_fire && frame(1, 1.0f, reward).any()) reset();
@@ -68,7 +70,9 @@ void FrameEpisode::reset_with_fire(const Request& request) {
 
 // NoopReset.reset
 void FrameEpisode::reset_with_noops(const Request& request) {
-    const auto reset = [&] { settings_.fire == FirePress::kBeforeNoops ? reset_with_fire(request) : reset_life(request); };
+    const auto reset = [&] {
+        settings_.fire == FirePress::kBeforeNoops ? reset_with_fire(request) : reset_life(request);
+    };
     reset();
     int64_t reward = 0;
     for (int left = draw_noops(); left > 0; --left) {

@@ -13,7 +13,7 @@ namespace {
 using Type = CartridgeType;
 using HandlerTable = std::array<std::array<uint16_t, static_cast<size_t>(Operand::kCount)>, 256>;
 
-// The handler of an operation with an operand, kStep where there is none.
+// The handler by operation and operand; kStep if there is none.
 constexpr HandlerTable kSingles = [] {
     HandlerTable table{};
 #define SINGLE(operation, operand) table[operation][static_cast<size_t>(Operand::operand)] = operation##_##operand;
@@ -31,25 +31,26 @@ constexpr auto kSuperinstructions = [] {
 #define SINGLE(...)
 #define PAIR(o1, k1, o2, k2) Superinstruction{o1##_##k1, o2##_##k2, o1##_##k1##_##o2##_##k2},
 #include "handlers.def"
-        Superinstruction{kHandlers, kHandlers, kStep},  // behind all others
+        Superinstruction{kHandlers, kHandlers, kStep},  // sorts after all others
     };
     std::sort(rows.begin(), rows.end());
     return rows;
 }();
 
-// The handler of two instructions, or of the first alone.
+// Returns the superinstruction of two handlers, or the first handler if there is none.
 uint16_t superinstruction_of(uint16_t first, uint16_t second) {
-    const auto row = std::lower_bound(kSuperinstructions.begin(), kSuperinstructions.end(), Superinstruction{first, second, 0});
+    const auto row = std::lower_bound(kSuperinstructions.begin(), kSuperinstructions.end(),
+                                      Superinstruction{first, second, 0});
     return row->first == first && row->second == second ? row->handler : first;
 }
 
-// Whether the whole window is one bank of the image.
+// Returns whether the whole window is one bank of the image.
 bool one_bank(Type type) {
     return type != Type::kE0 && type != Type::kE7 && type != Type::kFE && type != Type::k3F && type != Type::k3E &&
            type != Type::kCV;
 }
 
-// The size of the parts of the image that are switched as a whole: no instruction is decoded across their ends.
+// Returns the size of the parts of the image that are switched as a whole. No instruction is decoded across their ends.
 size_t slice_size(Type type) {
     switch (type) {
         case Type::kE0: return 1024;
@@ -60,13 +61,13 @@ size_t slice_size(Type type) {
 
 bool within(unsigned value, Window window) { return value - window.from < window.size; }
 
-// Whether an image byte is always seen as plain image, whichever part of the window shows it.
+// Returns whether an image byte is plain image in every part of the window that can show it.
 bool plain_in_image(const Cartridge& cartridge, size_t offset) {
     const Window plain = cartridge.plain_window();
     switch (cartridge.type()) {
         case Type::kE0: return offset < 7168 || within(0xc00 + offset % 1024, plain);  // slice 7 is always the last
         case Type::kE7: return offset >= 14336 && within(0x800 + offset % 2048, plain);
-        case Type::k3F: case Type::k3E: case Type::kCV: return true;  // asked again when the code is entered
+        case Type::k3F: case Type::k3E: case Type::kCV: return true;  // checked again when the code is entered
         case Type::k2K: return true;
         default: return within(offset % 4096, plain);
     }
@@ -93,11 +94,12 @@ Operand absolute(uint16_t address, const Cartridge& cartridge, const uint8_t* ba
     return Operand::Fixed;
 }
 
-// The kind of an indexed operand; `base` becomes an offset in the bank where all it can reach is plain image.
+// Returns whether an indexed operand can only reach plain image. If so, `base` becomes an offset in the bank.
 bool reaches_plain_image(uint16_t& base, const Cartridge& cartridge, const uint8_t* bank) {
     if (!bank || (base & 0x1fff) < 0x1000) return false;
     const unsigned offset = base & (cartridge.type() == Type::k2K ? 0x7ff : 0xfff);
-    const unsigned end = cartridge.type() == Type::k2K ? 0x800 : cartridge.plain_window().from + cartridge.plain_window().size;
+    const unsigned end =
+        cartridge.type() == Type::k2K ? 0x800 : cartridge.plain_window().from + cartridge.plain_window().size;
     if (offset < cartridge.plain_window().from || offset + 256 > end) return false;
     base = static_cast<uint16_t>(offset);
     return true;
@@ -105,7 +107,7 @@ bool reaches_plain_image(uint16_t& base, const Cartridge& cartridge, const uint8
 
 bool is_store(Operation operation) { return operation == STA || operation == STX || operation == STY; }
 
-// A store to what is not RAM, by an address of two bytes.
+// Returns the kind of a store outside RAM by an address of two bytes.
 Operand stored_at(uint16_t& address, const Cartridge& cartridge) {
     if ((address & 0x1080) || cartridge.watches_tia()) return Operand::PortA;
     const uint8_t reg = tia_register(address);
@@ -157,7 +159,7 @@ Operand operand_of(Opcode opcode, uint16_t& operand, const Cartridge& cartridge,
 
 bool is_expiry(uint16_t address) { return (address & 0x1285) == 0x285; }
 
-// The loop that begins with these records, which are of instructions one behind the other.
+// Returns the loop that these three successive instructions begin.
 Loop loop_of(const DecodedInstruction& first, const DecodedInstruction& second, const DecodedInstruction& third) {
     const auto either = [](uint16_t handler, auto... of) { return ((handler == of) || ...); };
     const auto counts = [&](const DecodedInstruction& step, const DecodedInstruction& branch) {
@@ -170,11 +172,12 @@ Loop loop_of(const DecodedInstruction& first, const DecodedInstruction& second, 
     if (second.jump != -3) return Loop::kNone;
     if (either(first.handler, LDA_Timer, LDX_Timer, LDY_Timer) && either(second.handler, BNE_Rel, BPL_Rel, BMI_Rel))
         return Loop::kTimer;
-    const bool reads_expiry = either(first.handler, LDA_PortA, LDX_PortA, LDY_PortA, BIT_PortA) && is_expiry(first.operand);
+    const bool reads_expiry =
+        either(first.handler, LDA_PortA, LDX_PortA, LDY_PortA, BIT_PortA) && is_expiry(first.operand);
     return reads_expiry && second.handler == BPL_Rel ? Loop::kExpiry : Loop::kNone;
 }
 
-// How many cycles one round takes; behind a WSYNC, what follows it.
+// Returns the cycles of one round; for a loop with WSYNC, of the instructions after WSYNC.
 int round_cycles(Loop loop, const DecodedInstruction& second, const DecodedInstruction& third) {
     switch (loop) {
         case Loop::kLinesX: case Loop::kLinesY: return 2 + third.taken;
@@ -200,7 +203,7 @@ DecodedInstruction decode(const uint8_t* bytes, int available, const Cartridge& 
     if (opcode.form == Rel) {
         const int distance = static_cast<int8_t>(bytes[1]);
         instruction.jump = static_cast<int16_t>(2 + distance);
-        // The caller says by `bytes` only where in a bank this is; crossing a page depends on the low eight bits.
+        // `bytes` gives only the position in a bank. Whether a branch crosses a page depends on the low eight bits.
         instruction.operand = static_cast<uint16_t>(distance & 0xff);
         instruction.handler = kSingles[opcode.operation][static_cast<size_t>(Operand::Rel)];
         return instruction;
@@ -220,7 +223,8 @@ std::vector<DecodedInstruction> decode_image(const Cartridge& cartridge) {
     const uint8_t* image = cartridge.image();
     std::vector<DecodedInstruction> decoded(size + 1, DecodedInstruction{nullptr, kStep, 0, 0, 0, Loop::kNone});
     const auto decodable = [&](size_t first, size_t from, size_t to) {
-        // An instruction that ends a slice is not: behind it is another slice, or the TIA, where programs see the bus.
+        // An instruction at the end of a slice is not decoded: the next byte belongs to another slice, or to the TIA,
+        // where programs can read what is on the bus.
         if (to >= first + slice || first + slice > size) return false;
         for (size_t i = from; i < to; ++i)
             if (!plain_in_image(cartridge, i)) return false;
@@ -230,7 +234,8 @@ std::vector<DecodedInstruction> decode_image(const Cartridge& cartridge) {
         const size_t first = i - i % slice;
         const int length = length_of(kOpcodes[image[i]].form);
         if (!decodable(first, i, i + static_cast<size_t>(length))) continue;
-        DecodedInstruction instruction = decode(image + i, 3, cartridge, one_bank(cartridge.type()) ? image + first : nullptr);
+        const uint8_t* const bank = one_bank(cartridge.type()) ? image + first : nullptr;
+        DecodedInstruction instruction = decode(image + i, 3, cartridge, bank);
         const size_t next = i + static_cast<size_t>(length);
         if (is_branch(instruction.handler)) {
             const auto target = static_cast<std::ptrdiff_t>(i) + instruction.jump;
@@ -239,11 +244,13 @@ std::vector<DecodedInstruction> decode_image(const Cartridge& cartridge) {
                 continue;
             instruction.taken = ((static_cast<size_t>(target) ^ next) & 0xff00) ? 4 : 3;
         } else if (instruction.handler == JMP_Near || instruction.handler == JSR_Near) {
-            instruction.jump = static_cast<int16_t>(static_cast<int>(instruction.operand & 0xfff) - static_cast<int>(i - first));
+            instruction.jump =
+                static_cast<int16_t>(static_cast<int>(instruction.operand & 0xfff) - static_cast<int>(i - first));
         }
         decoded[i] = instruction;
     }
-    // Loops and pairs. What the second instruction of a pair does is in its own record, fused or not.
+    // Chooses loops and superinstructions. The second instruction of a superinstruction keeps its own decoded
+    // instruction.
     const std::vector<DecodedInstruction> plain = decoded;
     const auto after = [&](size_t i) { return i + static_cast<size_t>(length_of(kOpcodes[image[i]].form)); };
     for (size_t i = 0; i < size; ++i) {

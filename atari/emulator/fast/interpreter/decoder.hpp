@@ -1,10 +1,10 @@
-// A cartridge's code, decoded once: a record for every byte of the image at which an instruction might begin.
+// Decodes a cartridge's code once: a decoded instruction for every byte of the image at which an instruction may begin.
 //
-// A record names the handler that runs the instruction, chosen by operation and by what its operand is, so that a
-// handler decides nothing that could be known here. Jumps into the middle of an instruction find a record of their own,
-// so no analysis of the program is needed. What is not worth a handler, or could touch what only the bus knows, gets
-// the handler `kStep`, which runs the plain interpreter for one instruction.
-// Records never change, so all machines with the cartridge share them.
+// A decoded instruction names its handler, which is chosen by the operation and by the kind of its operand, so that the
+// handler decides nothing at run time that the decoder can decide. A jump into the middle of an instruction finds a
+// decoded instruction there too, so no analysis of the program is needed. Rare instructions, and those whose effect
+// depends on the bus, get the handler `kStep`: they fall back to the plain interpreter. Decoded instructions never
+// change, so all machines with the cartridge share them.
 #pragma once
 
 #include <array>
@@ -19,29 +19,29 @@ namespace atari {
 
 class Cartridge;
 
-// What an operand is, as far as the bytes of the instruction tell.
+// The kind of an operand, as far as the bytes of the instruction determine it.
 enum class Operand : uint8_t {
     Imp, Acc, Imm, Rel,
     Near, Far, Ind,    // jumps: within the 4 KiB bank, anywhere, through a pointer
-    Ram, RamX, RamY,   // zero page: RAM, and indexed (RAM or TIA, as the index says)
+    Ram, RamX, RamY,   // zero page: RAM; indexed, RAM or TIA by the index
     RamA,              // RAM by an address of two bytes
-    Fixed,             // a byte of the image that this code always sees at this address: a constant
+    Fixed,             // a constant: a byte of the image that this code always sees at this address
     Timer,             // INTIM
-    Input,             // INPT0 .. INPT5 and the two addresses behind them, in the zero page
+    Input,             // INPT0 .. INPT5 and the two addresses after them, in the zero page
     Dpc,               // the registers of the DPC chip
-    RomX, RomY,        // indexed, the whole reach plain image
+    RomX, RomY,        // indexed; every address in reach is plain image
     AnyX, AnyY,        // indexed, anywhere
     IndX, IndY,
     PortZ, PortA,      // anything else, by an address of one byte or two
-    Tia,               // stores: a register whose value can be written again without effect
-    Strobe,            //         one that acts at every write
-    Motion,            //         HMP0 .. HMBL, which act when HMOVE is written
+    Tia,               // stores: a register for which writing an equal value again has no effect
+    Strobe,            // stores: a register that acts at every write
+    Motion,            // stores: HMP0 .. HMBL, which act when HMOVE is written
     Nusiz, Hmove, Ctrlpf, Grp0, Grp1, Wsync, Sound, Hmclr, Cxclr,
     TiaA, Grp0A, Grp1A,  // the same by an address of two bytes
     kCount
 };
 
-// The kind of operand that a register of the TIA is to a store.
+// Returns the kind of operand that a TIA register is to a store.
 constexpr Operand stored_in(uint8_t reg) {
     switch (kTiaRegisters[reg].store) {
         case TiaStore::kWsync: return Operand::Wsync;
@@ -66,7 +66,7 @@ constexpr auto kStoredIn = [] {
     return table;
 }();
 
-// Bytes of an instruction with such an operand.
+// Returns the length in bytes of an instruction with such an operand.
 constexpr int length_of(Operand operand) {
     switch (operand) {
         case Operand::Imp: case Operand::Acc: return 1;
@@ -78,7 +78,7 @@ constexpr int length_of(Operand operand) {
     }
 }
 
-// Base cost of a read, a store and a read-modify-write.
+// The cycles of a read, a store and a read-modify-write, without page crossings.
 constexpr uint32_t read_cost(Operand operand) {
     switch (operand) {
         case Operand::Imm: return 2;
@@ -102,8 +102,8 @@ constexpr uint32_t modify_cost(Operand operand) {
 }
 
 enum Handler : uint16_t {
-    kStep,     // one instruction by the plain interpreter
-    kLoop,     // a loop whose rounds, but for the last, can be skipped (loops.hpp)
+    kStep,     // falls back to the plain interpreter for one instruction
+    kLoop,     // a loop of which all rounds but the last can be skipped (loops.hpp)
     kRamCode,  // an instruction in RAM, which may have changed since it was decoded
     kTranslated,  // only reached through `code`: translated code begins here (translated_code.hpp)
 #define SINGLE(operation, operand) operation##_##operand,
@@ -112,39 +112,39 @@ enum Handler : uint16_t {
     kHandlers
 };
 
-// Loops that only wait, count, or divide.
+// Loops that only wait, count, or divide. They are skipped by arithmetic.
 enum class Loop : uint8_t {
     kNone,
     kTimer,   // LDA, LDX or LDY of INTIM; BNE, BPL or BMI
     kExpiry,  // LDA, LDX, LDY or BIT of TIMINT; BPL
     kCountX, kCountY,  // DEX or DEY; BNE or BPL
-    kLinesX, kLinesY,  // the same behind a WSYNC
+    kLinesX, kLinesY,  // the same after a WSYNC
     kDivide,  // SBC of a constant; BCS
 };
 
 struct DecodedInstruction {
-    const void* code;  // where the handler begins, see `code_of`
+    const void* code;  // label of the handler, see `code_of`
     uint16_t handler;
     uint16_t operand;  // index into RAM, address, constant or register
-    int16_t jump;      // records to the target of a branch or near jump; under kLoop, what is the handler otherwise
+    int16_t jump;      // to the target of a branch or near jump; under kLoop, the first instruction's handler
     uint8_t taken;     // cycles of the branch when it is taken; under kLoop, of one round
     Loop loop;         // under kLoop
 };
 
-// The label of a handler in the fast interpreter, so that one jump through the record gets there (interpreter.cpp). Null
-// where handlers are chosen by a switch.
+// Returns the label of a handler in the fast interpreter, so that one indirect jump reaches it (interpreter.cpp).
+// Returns null in builds that choose handlers by a switch.
 const void* code_of(uint16_t handler);
 
 bool is_branch(uint16_t handler);
 
-// Whether both bytes of a pointer in the zero page are in RAM, and the second is not the TIA's $0100.
+// Returns whether both bytes of a zero-page pointer are in RAM. The second byte must not be the TIA's $0100.
 constexpr bool pointer_in_ram(uint32_t zero_page) { return zero_page - 0x80 < 0x7f; }
 
-// The record of the instruction that begins at `bytes`, of which `available` can be read. `bank` is the image of the
-// window it runs in if that window is one bank, and null if the operand's bytes cannot be foreseen.
+// Decodes the instruction that begins at `bytes`, of which `available` can be read. `bank` is the image of the window
+// that the instruction runs in. It is null if that window is not one bank, so that the operand's bytes may change.
 DecodedInstruction decode(const uint8_t* bytes, int available, const Cartridge& cartridge, const uint8_t* bank);
 
-// One record for each byte of the image, and a last one that leaves it.
+// Returns a decoded instruction for each byte of the image, and one more, on which execution leaves the image.
 std::vector<DecodedInstruction> decode_image(const Cartridge& cartridge);
 
 }  // namespace atari

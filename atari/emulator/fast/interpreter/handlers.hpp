@@ -1,8 +1,8 @@
 // The bodies of the handlers of the fast interpreter (interpreter.cpp), one for each operation and kind of operand.
 //
-// A handler either completes its instruction, or hands it to the plain interpreter before it has changed anything
-// (`kInterpret`). Only what the plain interpreter would do in the same place is ever done here; that it is the same is
-// tested frame by frame on all games, random ROMs and random programs (tests/emulator/test_fast_equals_plain.py).
+// A handler either completes its instruction, or returns `kInterpret` before it has changed anything, so that the plain
+// interpreter runs the instruction. A handler must have exactly the effect of the plain interpreter. This is tested
+// frame by frame on all games, random ROMs and random programs (tests/emulator/test_fast_equals_plain.py).
 #pragma once
 
 #include "fast/fast_console.hpp"
@@ -15,15 +15,15 @@ struct Registers {
     const DecodedInstruction* at;
     uint32_t cycles;
     uint32_t a, x, y;  // bytes
-    uint32_t nz;       // Z is that the low byte is 0, N is bit 7 or bit 8
+    uint32_t nz;       // Z is set if the low byte is 0; N is bit 7 or bit 8
     uint32_t carry;    // 0 or 1
 };
 
 enum Exit {
-    kNext,     // go on with r.at
-    kInterpret,  // run the instruction at r.at plainly; nothing has changed
-    kLeave,    // the frame has ended, or the window shows another bank: look before going on
-    kLimit,    // so many cycles that the limit of instructions may be near
+    kNext,     // continue at r.at
+    kInterpret,  // fall back for the instruction at r.at; nothing has changed
+    kLeave,    // the frame has ended, or the window shows another bank: check before continuing
+    kLimit,    // the instruction limit may be near
 };
 
 constexpr bool is_read(int op) {
@@ -37,17 +37,17 @@ constexpr bool is_modify(int op) {
 
 // The bodies of the handlers; a friend of the console.
 struct Interpreter {
-    // Until the frame ends, or so many cycles have passed that the limit of instructions may be near (kLimit). With
-    // `labels` it runs nothing, but tells where its handlers begin, which only it knows.
+    // Runs until the frame ends, or until the instruction limit may be near (kLimit). If `labels` is not null it runs
+    // nothing, and returns the handlers' labels, which exist only in this function.
     static Exit run(FastConsole* console, const void* const** labels = nullptr);
 
-    // So many instructions, one by one, or to the end of the frame.
+    // Runs up to `left` instructions one by one, or to the end of the frame.
     static void run_counted(FastConsole& c, int left);
 
     static const void* label(uint16_t handler);
 
-    // What translated code calls (translator.hpp): a handler, or that of the first of a pair; and what skips the rounds of
-    // the loop that begins at `r.at`.
+    // The functions that translated code calls (translator.hpp): a handler, or that of a superinstruction's first
+    // instruction, and the skipping of the rounds of the loop that begins at `r.at`.
     using Step = Exit (*)(Registers&, FastConsole&) noexcept;
     static Step step_of(uint16_t handler);
     static Exit skip_loop(Registers& r, FastConsole& c) noexcept;
@@ -62,7 +62,7 @@ struct Interpreter {
         return static_cast<uint16_t>(c.origin_ + (at - c.base_instruction_));
     }
 
-    // The record of the instruction at `pc`, null where it cannot be run from one.
+    // Returns the decoded instruction at `pc`, or null if the plain interpreter must run it.
     INLINE static const DecodedInstruction* enter(FastConsole& c, uint32_t pc) {
         const uint32_t segment = pc >> 10 & 15;
         if (!(c.code_segments_ >> segment & 1)) return enter_ram(c, pc);
@@ -81,10 +81,10 @@ struct Interpreter {
         return c.ram_code_ + (pc & 0x7f);
     }
 
-    // Code in RAM: the record is made again where the bytes are not those it was made from. Its own handler is returned.
+    // Decodes the code in RAM at `at` again if its bytes have changed. Returns the handler of the instruction.
     static uint16_t decode_ram(FastConsole& c, const DecodedInstruction* at);
 
-    // A jump to an address that only now is known. All paths of unlimited length come through here or `branch`.
+    // Jumps to an address that is computed at run time. Every path of unlimited length passes here or through `branch`.
     INLINE static Exit jump(R& r, FastConsole& c, uint32_t pc, uint32_t cost) {
         const DecodedInstruction* target = enter(c, pc);
         if (!target) return kInterpret;
@@ -108,7 +108,7 @@ struct Interpreter {
 
     static bool is_ram(uint32_t address) { return (address & 0x1280) == 0x80; }
 
-    // A read that is neither RAM nor plain image. `bus` is the byte last on the data bus.
+    // Reads an address that is neither RAM nor plain image. `bus` is the last byte on the data bus.
     [[gnu::noinline]] static uint32_t read_port(FastConsole& c, uint32_t cycles, uint32_t address, uint32_t bus) {
         if (is_input(c, address)) return input(c, cycles, address, bus);
         c.m_.cycles = cycles;
@@ -125,20 +125,20 @@ struct Interpreter {
         return (address & 0x1088) == 0 && c.deferred_ && !c.watches_tia_;
     }
 
-    // INPT0 .. INPT5, and two addresses at which nothing answers. Where writes are kept for later, a read changes nothing:
-    // what the TIA would draw before it is in the log.
+    // Reads INPT0 .. INPT5, or one of two addresses that no chip drives. In a deferred frame a read changes nothing,
+    // because the pixels that the reference TIA would render before it follow from the log.
     INLINE static uint32_t input(const FastConsole& c, uint32_t cycles, uint32_t address, uint32_t bus) {
         return (cycles >= c.inputs_from_[address & 7] ? 0x80u : 0u) | (bus & 0x3f);
     }
 
-    // A store that is not to RAM. True if the frame has ended or another bank is shown.
+    // Stores outside RAM. Returns true if the frame has ended or the window shows another bank.
     static bool write_port(FastConsole& c, uint32_t cycles, uint32_t address, uint32_t value);
 
-    // The same to a register of the TIA. False, and nothing done, if it is none that can be kept for later.
+    // Stores to a TIA register. Returns false and changes nothing if writes to that register cannot be logged here.
     static bool write_register(uint32_t& cycles, FastConsole& c, uint32_t reg, uint32_t value);
 
-    // `slow` is set if it was none of RAM and plain image: then the window may show another bank. The bits of `address`
-    // above the sixteenth, where the sum of base and index may have left one, mean nothing.
+    // Sets `slow` if the address is neither RAM nor plain image; the window may then show another bank. Bits of
+    // `address` above the sixteenth, which the sum of base and index may set, are ignored.
     INLINE static uint32_t read_any(R& r, FastConsole& c, uint32_t address, uint32_t bus, bool& slow) {
         const uint8_t* page = c.pages_[address >> 6 & 255];
         if (page) [[likely]] return page[address & 63];
@@ -152,7 +152,7 @@ struct Interpreter {
             return kNext;
         }
         const bool leave = write_port(c, r.cycles, address, value);
-        r.cycles = c.m_.cycles;  // WSYNC waits
+        r.cycles = c.m_.cycles;  // a write to WSYNC waits
         return leave ? kLeave : kNext;
     }
 
@@ -163,7 +163,7 @@ struct Interpreter {
 
     static uint32_t page_crossed(uint32_t base, uint32_t index) { return ((base & 0xff) + index) >> 8; }
 
-    // The operand of a read. Adds the instruction's cycles first: its accesses happen at their end.
+    // Returns the operand of a read. Adds the instruction's cycles first, because its accesses happen at their end.
     template <Operand operand>
     INLINE static Exit load(R& r, FastConsole& c, uint32_t& value, bool& slow) {
         const uint32_t given = r.at->operand;
@@ -242,8 +242,8 @@ struct Interpreter {
             r.nz = (reg - o) & 0xff;
         }
         if constexpr (op == ADC || op == SBC) {
-            // V: both terms have another sign than the sum. SBC adds o ^ 0xff: where A's sign is not the sum's, that one's
-            // is not the sum's just where o's is not A's.
+            // V is set if both terms differ in sign from the sum. SBC adds o ^ 0xff. If A's sign is not the sum's, the
+            // sign of o ^ 0xff differs from the sum's exactly if o's differs from A's.
             uint32_t sum = op == ADC ? r.a + r.carry + o : r.a + r.carry + 0xff - o;
             c.overflow_ = (r.a ^ sum) & (op == ADC ? o ^ sum : r.a ^ o) & 0x80;
             if (c.m_.cpu.d) [[unlikely]] sum = decimal_sum<op>(c, r.a, r.carry, o);
@@ -253,7 +253,7 @@ struct Interpreter {
         return slow && c.remapped_ ? kLeave : kNext;
     }
 
-    // A sum in decimal mode, as the plain interpreter makes it; the carry is bit 8.
+    // Returns a sum in decimal mode, computed as the plain interpreter does; bit 8 is the carry.
     template <int op>
     [[gnu::noinline]] static uint32_t decimal_sum(FastConsole& c, uint32_t a, uint32_t carry, uint32_t o) {
         Cpu& cpu = c.m_.cpu;
@@ -264,8 +264,9 @@ struct Interpreter {
         return cpu.a | (cpu.c ? 0x100u : 0u);
     }
 
-    // Keeps a write to the TIA for later. There is room: see `kLogSize`.
-    INLINE static void append_write(uint32_t cycles, FastConsole& c, uint32_t reg, uint32_t value, uint16_t beside = 0) {
+    // Appends a TIA write to the write log. There is always room: see `kLogSize`.
+    INLINE static void append_write(uint32_t cycles, FastConsole& c, uint32_t reg, uint32_t value,
+                                    uint16_t beside = 0) {
         *c.log_end_++ = {cycles, static_cast<uint8_t>(reg), static_cast<uint8_t>(value), beside};
     }
 
@@ -297,7 +298,7 @@ struct Interpreter {
         return write_any(r, c, address, value);
     }
 
-    // Stores to the TIA whose effect is only on the picture: `TiaShadow` says whether the log needs them.
+    // Stores to a TIA register that affects only the framebuffer. `TiaShadow` decides whether the log needs the write.
     // (tests: test_fast_equals_plain.py; the list of writes that change nothing is tia.md 11.3)
     template <Operand operand>
     INLINE static void write_tia(uint32_t& cycles, FastConsole& c, uint32_t reg, uint32_t value) {
@@ -333,7 +334,8 @@ struct Interpreter {
         }
     }
 
-    // WSYNC: the beginning of the next line, or now if a line begins now. Below `deadline_` nothing overflows.
+    // Returns the cycle to which WSYNC waits: the start of the next line, or the current cycle if a line starts there.
+    // Before `deadline_` nothing overflows.
     INLINE static uint32_t line_start(const FastConsole& c, uint32_t cycles) {
         return c.first_cycle_ + (cycles - c.first_cycle_ + kCyclesPerLine - 1) / kCyclesPerLine * kCyclesPerLine;
     }
@@ -366,7 +368,7 @@ struct Interpreter {
         return kNext;
     }
 
-    // The stack pointer may point at the TIA, too: several games push flags into its registers.
+    // The stack pointer may also be in TIA space: several games push flags into its registers.
     INLINE static Exit push(R& r, FastConsole& c, uint32_t value) {
         const uint32_t sp = c.m_.cpu.sp--, reg = tia_register(sp);
         r.cycles += 3;
@@ -379,7 +381,7 @@ struct Interpreter {
         return write_any(r, c, 0x100 | sp, value);
     }
 
-    // What is at the stack pointer is read first, and stays on the bus; `bus` is what was there before.
+    // The byte at the stack pointer is read first, and stays on the bus. `bus` is the byte before it.
     INLINE static uint32_t pull(R& r, FastConsole& c, uint32_t bus) {
         const uint32_t sp = c.m_.cpu.sp++;
         r.cycles += 4;
@@ -388,7 +390,7 @@ struct Interpreter {
         return pull_port(c, r.cycles, sp, bus);
     }
 
-    // The same where the TIA is read, or RAM and the TIA. No cartridge is switched by such addresses.
+    // Pulls where the stack is in TIA space, or partly. Such addresses switch no cartridge's banks.
     [[gnu::noinline]] static uint32_t pull_port(FastConsole& c, uint32_t cycles, uint32_t sp, uint32_t bus) {
         const uint32_t next = (sp + 1) & 0xff;
         if (is_input(c, sp) && is_input(c, next)) return input(c, cycles, next, input(c, cycles, sp, bus));
@@ -397,7 +399,8 @@ struct Interpreter {
     }
 
     INLINE static uint32_t status(const R& r, const FastConsole& c) {
-        return ((r.nz | r.nz >> 1) & 0x80) | (c.overflow_ ? 0x40u : 0u) | c.modes_ | ((r.nz & 0xff) ? 0u : 2u) | r.carry;
+        return ((r.nz | r.nz >> 1) & 0x80) | (c.overflow_ ? 0x40u : 0u) | c.modes_ | ((r.nz & 0xff) ? 0u : 2u) |
+               r.carry;
     }
 
     INLINE static void set_status(R& r, FastConsole& c, uint32_t value) {
@@ -443,7 +446,7 @@ struct Interpreter {
         if (cpu.sp - 0x80u >= 0x7e) return kInterpret;
         const uint8_t* stack = c.m_.riot.ram + (cpu.sp & 0x7f);
         const uint32_t back = stack[1] | uint32_t{stack[2]} << 8;
-        if (!c.pages_[back >> 6 & 255]) return kInterpret;  // the byte at `back` is read, too
+        if (!c.pages_[back >> 6 & 255]) return kInterpret;  // the byte at `back` is read too
         const Exit exit = jump(r, c, (back + 1) & 0xffff, 6);
         if (exit != kInterpret) cpu.sp = static_cast<uint8_t>(cpu.sp + 2);
         return exit;
@@ -518,7 +521,7 @@ struct Interpreter {
         return run_one<op, operand>(r, c);
     }
 
-    // loops.hpp
+    // Defined in loops.hpp.
     static void skip_rounds(R& r, const FastConsole& c);
     static uint32_t rounds_of_count(uint32_t& counter, uint16_t branch);
     static uint32_t rounds_until_timer(const R& r, const FastConsole& c);

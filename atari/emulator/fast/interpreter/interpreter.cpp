@@ -1,11 +1,11 @@
-// The 6507 at speed: the decoded records of the cartridge, one handler after the other, the registers in locals.
+// The fast interpreter of the 6507: runs a cartridge's decoded instructions, with the registers in local variables.
 #include "loops.hpp"
 
 namespace atari {
 
-// A handler ends by going to the next one. Where the compiler has labels as values the record holds the next handler's,
-// and every handler jumps there itself, which lets the processor predict each such jump on its own. Elsewhere they come
-// back to one switch.
+// A handler ends with the jump to the next handler. If the compiler has labels as values, the decoded instruction holds
+// the next handler's label and every handler has a jump of its own, which the host processor predicts separately.
+// Otherwise all handlers return to one switch.
 #if defined(__GNUC__) && !defined(ATARI_NO_COMPUTED_GOTO)
 #define COMPUTED_GOTO 1
 #define HANDLER(name) handle_##name:
@@ -39,7 +39,7 @@ Exit Interpreter::run(FastConsole* console, [[maybe_unused]] const void* const**
     take(r, c);
     uint32_t pc = c.m_.cpu.pc;
 
-look:  // where the processor is, and whether it goes on
+look:  // finds the decoded instruction at `pc`, unless the frame has ended
     if (c.m_.cpu.stop || c.m_.cpu.jammed) goto stop;
     c.remapped_ = false;
     r.at = enter(c, pc);
@@ -78,8 +78,9 @@ dispatch:
     }
 
     HANDLER(kTranslated) {
-        Registers there = r;  // a copy, so that the others stay in registers of the processor
-        exit = static_cast<Exit>(c.program_.translated_code().run(there, c, static_cast<std::size_t>(r.at - c.first_instruction_)));
+        Registers there = r;  // a copy, so that the members of `r` stay in registers of the host
+        const auto place = static_cast<std::size_t>(r.at - c.first_instruction_);
+        exit = static_cast<Exit>(c.program_.translated_code().run(there, c, place));
         r = there;
         if (exit != kNext) goto other;
         NEXT;
@@ -133,7 +134,7 @@ const void* code_of(uint16_t handler) { return Interpreter::label(handler); }
 
 namespace {
 
-// The handler of a record's first instruction alone.
+// By handler, the handler of its first instruction alone.
 constexpr auto kSingleOf = [] {
     std::array<uint16_t, kHandlers> table{kStep, kLoop, kRamCode, kTranslated};
 #define SINGLE(operation, operand) table[operation##_##operand] = operation##_##operand;
@@ -142,7 +143,8 @@ constexpr auto kSingleOf = [] {
     return table;
 }();
 
-// The same where the TIA draws as it goes, so that reading an input makes it draw.
+// The same for frames that are rendered as they run. Reading an input then makes the TIA render, so the plain
+// interpreter does it.
 constexpr auto kFirstOf = [] {
     std::array<uint16_t, kHandlers> table = kSingleOf;
 #define SINGLE(operation, operand) \
@@ -154,7 +156,7 @@ constexpr auto kFirstOf = [] {
 
 }  // namespace
 
-// By handlers of single instructions.
+// By handler of a single instruction.
 constexpr Interpreter::Step Interpreter::kSteps[] = {
     nullptr, nullptr, nullptr, nullptr,
 #define SINGLE(operation, operand) run_single<operation, Operand::operand>,
@@ -166,7 +168,7 @@ void Interpreter::run_counted(FastConsole& c, int left) {
     Registers r;
     take(r, c);
     uint32_t pc = c.m_.cpu.pc;
-    bool here = false;  // r.at is the record at which to go on
+    bool here = false;  // whether r.at is the decoded instruction to continue at
     for (; left > 0 && !c.m_.cpu.stop && !c.m_.cpu.jammed; --left) {
         if (!here || c.remapped_) {
             c.remapped_ = false;
@@ -175,7 +177,7 @@ void Interpreter::run_counted(FastConsole& c, int left) {
         uint16_t handler = r.at ? kFirstOf[r.at->handler] : uint16_t{kStep};
         if (handler == kLoop) handler = kFirstOf[r.at->jump];
         if (handler == kRamCode) handler = kFirstOf[decode_ram(c, r.at)];
-        if (left == 1) handler = kStep;  // what the last instruction leaves on the bus stays in the state
+        if (left == 1) handler = kStep;  // the byte that the last instruction leaves on the bus must be in the state
         here = handler != kStep && kSteps[handler](r, c) != kInterpret;
         if (here) {
             pc = pc_of(c, r.at);
@@ -203,16 +205,17 @@ uint16_t Interpreter::decode_ram(FastConsole& c, const DecodedInstruction* at) {
     if (place >= 128) return kStep;
     const std::size_t available = 128 - place;
     std::array<uint8_t, 4> bytes{};
-    if (available >= 4) std::memcpy(bytes.data(), c.m_.riot.ram + place, 4);  // all at once: this is looked at most
+    // One access of fixed size, the most frequent case.
+    if (available >= 4) std::memcpy(bytes.data(), c.m_.riot.ram + place, 4);
     else std::memcpy(bytes.data(), c.m_.riot.ram + place, available);
     bytes[3] = 0;
     FastConsole::RamCode& known = c.ram_known_[place];
     if (known.bytes == bytes && known.handler != kHandlers) return known.handler;
     DecodedInstruction instruction = decode(bytes.data(), static_cast<int>(available), c.program_, nullptr);
     known = {bytes, instruction.handler};
-    // What runs out of RAM goes on in the TIA, where a program sees the byte last on the bus.
+    // An instruction that reaches past RAM continues in TIA space, where a program can read the last byte on the bus.
     if (static_cast<int>(place) + length_of(kOpcodes[bytes[0]].form) > 127) known.handler = kStep;
-    if (instruction.handler == JSR_Far) known.handler = kStep;  // what it pushes may be its own address
+    if (instruction.handler == JSR_Far) known.handler = kStep;  // its push may overwrite its own operand
     if (is_branch(instruction.handler)) {
         const int target = static_cast<int>(place) + instruction.jump;
         if (target < 0 || target > 127 || place + 2 > 127) known.handler = kStep;
@@ -238,17 +241,18 @@ bool Interpreter::write_register(uint32_t& cycles, FastConsole& c, uint32_t reg,
     switch (kStoredIn[reg]) {
 #define KIND(kind) \
     case Operand::kind: write_tia<Operand::kind>(cycles, c, reg, value); return true;
-        KIND(Tia) KIND(Strobe) KIND(Nusiz) KIND(Motion) KIND(Hmove) KIND(Ctrlpf) KIND(Grp0) KIND(Grp1) KIND(Wsync) KIND(Sound)
+        KIND(Tia) KIND(Strobe) KIND(Nusiz) KIND(Motion) KIND(Hmove) KIND(Ctrlpf) KIND(Grp0) KIND(Grp1)
+        KIND(Wsync) KIND(Sound)
         KIND(Hmclr) KIND(Cxclr)
 #undef KIND
         default: return false;
     }
 }
 
-// The whole frame, or what is left of it, with every instruction counted and the TIA drawing as it goes.
+// Runs the frame, or the rest of it, with every instruction counted and without deferred rendering.
 void FastConsole::run_counted() {
     m_.cpu.stop = false;
-    deadline_ = 0;  // no write is kept for later
+    deadline_ = 0;  // no write is logged
     cycle_limit_ = 0xffffffff;
     Interpreter::run_counted(*this, kInstructionLimit);
 }

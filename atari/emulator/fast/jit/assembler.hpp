@@ -1,5 +1,5 @@
-// An assembler of x86-64, as far as the JIT translator (translator.cpp) needs it: instructions with two operands, one of
-// which may be in memory, and jumps, which may be emitted before their target.
+// An assembler of the x86-64 instructions that the JIT translator (translator.cpp) needs: instructions with two
+// operands, one of which may be in memory, and jumps, which may be emitted before their target.
 #pragma once
 
 #include <cstddef>
@@ -28,14 +28,14 @@ enum class If : uint8_t { overflow, not_overflow, below, not_below, zero, not_ze
 
 constexpr If opposite(If condition) { return static_cast<If>(static_cast<int>(condition) ^ 1); }
 
-// A place in the code. Jumps to it that are emitted before it is bound are a list: each holds the end of the one before it
-// in place of its distance.
+// A position in the code. Before it is bound, the jumps to it form a linked list: each holds the end of the previous
+// jump in place of its distance.
 struct Label {
     int32_t at = -1;
     int32_t last_jump = -1;
 };
 
-// A jump forward whose distance is one byte, until `bind_short`.
+// A forward jump with a distance of one byte. `bind_short` sets its target.
 struct ShortJump {
     std::size_t end;  // of the jump instruction
 };
@@ -45,7 +45,7 @@ class Assembler {
     const std::vector<uint8_t>& bytes() const { return bytes_; }
     std::size_t size() const { return bytes_.size(); }
 
-    // 32 bits, unless the name says otherwise; a write of 32 bits to a register clears its upper half.
+    // Operands have 32 bits unless the name says otherwise. A write of 32 bits to a register clears its upper half.
     void move(Reg to, Reg from) { code({0x8b}, to, from); }
     void move(Reg to, uint32_t value) {
         prefix(false, rax, rax, to);
@@ -174,7 +174,7 @@ class Assembler {
         put(0xe8);
         distance(to);
     }
-    // The address of a label.
+    // Loads the address of a label.
     void address_of(Reg to, Label& label) {
         prefix(true, to, rax, rax);
         put(0x8d);
@@ -191,7 +191,7 @@ class Assembler {
         }
     }
 
-    // A jump over at most `kShortReach` bytes, to where `bind_short` is called.
+    // Emits a jump over at most `kShortReach` bytes. `bind_short` sets its target.
     static constexpr std::size_t kShortReach = 127;
     ShortJump jump_short(If condition) {
         put(static_cast<uint8_t>(0x70 + static_cast<int>(condition)));
@@ -223,7 +223,8 @@ class Assembler {
         std::memcpy(bytes_.data() + end - 4, &distance, 4);
     }
 
-    // REX, where it is needed: 64 bits, one of the upper eight registers, or the low byte of rsi and rdi.
+    // Emits a REX prefix if it is needed: for 64 bits, for one of the upper eight registers, or for the low byte of rsi
+    // and rdi.
     void prefix(bool wide, Reg reg, Reg index, Reg base, bool always = false) {
         const int rex = 0x40 | wide << 3 | (reg >> 3) << 2 | (index >> 3) << 1 | base >> 3;
         if (rex != 0x40 || always) put(static_cast<uint8_t>(rex));

@@ -21,8 +21,8 @@ class Finder {
         : image_(image), decoded_(decoded), size_(decoded.size() - 1), covered_(size_ + 3),
           found_{std::vector<bool>(size_ + 1), std::vector<bool>(size_ + 1)} {}
 
-    // First what is reached from where a bank begins, then whatever else can be decoded between: code that is reached
-    // through tables, and data, which never runs. Instructions that are not found are run by their handlers.
+    // Finds first the code that is reached from the start of a bank, then everything else that can be decoded: code
+    // that is reached through tables, and data, which never runs. Handlers run the instructions that are not found.
     Found find() {
         const std::size_t bank_size = std::min<std::size_t>(size_, 4096);
         for (std::size_t bank = 0; bank + bank_size <= size_; bank += bank_size) {
@@ -35,7 +35,7 @@ class Finder {
     }
 
   private:
-    // The instructions from here on, and where they branch, as far as they have not been found.
+    // Finds the instructions from here on, and those that they branch to, up to instructions that were found before.
     void reach(std::size_t first) {
         std::vector<std::size_t> pending{first};
         while (!pending.empty()) {
@@ -100,7 +100,7 @@ constexpr bool sets_nz(int op) {
            op == INY || op == DEX || op == DEY || op == PLA;
 }
 
-// The register of which an inlined instruction makes N and Z; none where they are of anything else.
+// Returns the register whose value an inlined instruction leaves in N and Z; none if N and Z depend on something else.
 constexpr std::optional<CpuRegister> nz_register(Kind kind) {
     switch (kind.operation) {
         case LDA: case AND: case ORA: case EOR: case ADC: case SBC: case TXA: case TYA: case PLA: return CpuRegister::A;
@@ -113,7 +113,7 @@ constexpr std::optional<CpuRegister> nz_register(Kind kind) {
     }
 }
 
-// Whether translated code does this without reading or changing N and Z.
+// Returns whether translated code runs this without reading or changing N and Z.
 constexpr bool leaves_nz(Kind kind) {
     if (is_store(kind.operation)) return is_stored_inline(kind.operand);
     const int op = kind.operation;
@@ -124,7 +124,7 @@ constexpr bool changes_carry(int op) {
     return op == ADC || op == SBC || op == CMP || op == CPX || op == CPY || op == PLP || is_modify(op);
 }
 
-// Cycles of an inlined instruction that does not jump, without those of page crossings.
+// Returns the cycles of an inlined instruction that does not jump, without page crossings.
 constexpr int32_t base_cycles(Kind kind) {
     if (is_read(kind.operation)) return static_cast<int32_t>(read_cost(kind.operand));
     if (is_store(kind.operation)) return static_cast<int32_t>(store_cost(kind.operand));
@@ -136,9 +136,9 @@ Kind kind_of(const BlockInstruction& instruction) { return {instruction.operatio
 
 // --- the states ---
 
-// N and Z are made of a register only where something can read them. A handler that is called meanwhile gets them.
+// N and Z are computed only if something can read them. A handler that is called in between gets them.
 void find_omitted_nz(std::vector<BlockInstruction>& instructions) {
-    bool replaced = false;  // by a later instruction of the block, and not read before
+    bool replaced = false;  // by a later instruction of the block, before anything reads them
     for (auto at = instructions.rbegin(); at != instructions.rend(); ++at) {
         at->omits_nz = replaced && at->is_inlined && nz_register(kind_of(*at));
         replaced = sets_nz(at->operation) || (replaced && leaves_nz(kind_of(*at)));
@@ -151,7 +151,8 @@ void find_omitted_nz(std::vector<BlockInstruction>& instructions) {
     }
 }
 
-// ADC after CLC and SBC after SEC need no carry: the instructions between must be reached from the CLC or SEC.
+// ADC after CLC and SBC after SEC do not read the carry, provided that the instructions between are reached from CLC or
+// SEC.
 void find_known_carry(std::vector<BlockInstruction>& instructions) {
     std::optional<bool> carry;
     std::size_t since = 0;  // the instruction after the CLC or SEC
@@ -206,7 +207,7 @@ std::vector<Block> find_blocks(const uint8_t* image, const std::vector<DecodedIn
     std::vector<bool> in_block(decoded.size());
     std::vector<Block> blocks;
     for (std::size_t first = 0; first + 1 < decoded.size(); ++first) {
-        // A leader, and what follows it in a straight line: block after block.
+        // Splits the code from a leader on into successive blocks.
         for (std::size_t place = first; found.is_instruction[place] && !in_block[place];) {
             if (place == first || found.is_leader[place]) {
                 if (place != first) blocks.back().falls_through = true;

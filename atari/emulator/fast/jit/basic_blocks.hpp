@@ -1,9 +1,10 @@
 // The basic blocks of a cartridge's code, for the JIT translator (translator.hpp), with the block-entry state of each
 // instruction.
 //
-// A block is a straight line of 6502 instructions that jumps enter at its first one only (its leader). It is an extended
-// basic block: a branch leaves it when taken, and the block goes on where it is not. What the instructions of a block
-// may leave to each other is decided here, before any code is emitted, and stands in one struct: `EntryState`.
+// A block is a straight line of 6502 instructions that jumps enter only at the first one, its leader. It is an extended
+// basic block: a taken branch leaves it, and the block continues if the branch is not taken. `find_blocks` decides what
+// an instruction leaves to later instructions of its block, before any code is emitted; struct `EntryState` holds the
+// result.
 #pragma once
 
 #include <array>
@@ -16,7 +17,8 @@
 
 namespace atari {
 
-// What an instruction is, by its handler: of a superinstruction or a loop, what the first instruction is.
+// An instruction's operation and operand, by its handler. For a superinstruction or a loop, those of its first
+// instruction.
 struct Kind {
     Operation operation;
     Operand operand;
@@ -29,7 +31,7 @@ inline constexpr auto kKinds = [] {
     return table;
 }();
 
-// The handler of a decoded instruction, also where it begins a loop.
+// Returns the handler of a decoded instruction; for a loop, that of its first instruction.
 inline uint16_t handler_of(const DecodedInstruction& instruction) {
     return instruction.handler == kLoop ? static_cast<uint16_t>(instruction.jump) : instruction.handler;
 }
@@ -42,26 +44,26 @@ enum class CpuRegister : uint8_t { A, X, Y };
 struct EntryState {
     // Cycles of earlier instructions of the block that have not been added to the cycle counter.
     int32_t cycles = 0;
-    // N and Z are those of this register; the register of the flags is out of date.
+    // If not empty, N and Z are those of this register, and kNz is out of date.
     std::optional<CpuRegister> nz;
-    // The known carry, if this instruction or a later one of the block relies on it.
+    // The value of the carry, if this instruction or a later one of the block relies on it.
     std::optional<bool> carry;
 
-    // Whether only the instructions before it in the block can establish this state.
+    // Returns whether only the preceding instructions of the block can establish this state.
     bool needs_block() const { return nz || carry; }
     bool empty() const { return !cycles && !needs_block(); }
 };
 
 struct BlockInstruction {
-    std::size_t place;   // of its first byte in the image
+    std::size_t place;   // offset of the first byte in the image
     Operation operation;
     Operand operand;
     uint16_t given;      // the operand's value, as in the decoded instruction
-    bool loops;          // begins a loop, of which all rounds but the last are skipped
-    bool is_inlined;     // translated code runs it; otherwise translated code calls its handler
+    bool loops;          // begins a loop of which all rounds but the last are skipped
+    bool is_inlined;     // translated code runs it; otherwise it calls the handler
 
     EntryState entry;
-    int32_t cycles_after = 0;    // not yet added after it: `entry.cycles` of the next instruction
+    int32_t cycles_after = 0;    // not yet added after the instruction: `entry.cycles` of the next one
     bool omits_nz = false;       // N and Z are replaced before anything reads them
 };
 
@@ -69,16 +71,16 @@ struct Block {
     std::vector<BlockInstruction> instructions;  // at least one
     std::size_t next = 0;        // the place after the last instruction
     bool ends_in_jump = false;   // JMP or RTS: `next` is not reached
-    bool falls_through = false;  // the block that begins at `next` is the one that follows in the list
+    bool falls_through = false;  // the next block of the list begins at `next`
 };
 
 inline bool is_jump(Operation operation) { return operation == JMP || operation == JSR || operation == RTS; }
 
 std::size_t next_place(const std::vector<DecodedInstruction>& decoded, std::size_t place);
-// Where a branch or a near jump leads.
+// Returns the target of a branch or a near jump.
 std::size_t target_place(const std::vector<DecodedInstruction>& decoded, std::size_t place);
 
-// Whether translated code stores there, in the likely case.
+// Returns whether translated code stores to such an operand inline, in the likely case.
 constexpr bool is_stored_inline(Operand operand) {
     switch (operand) {
         case Operand::Ram: case Operand::RamA: case Operand::RamX: case Operand::RamY:
@@ -89,8 +91,8 @@ constexpr bool is_stored_inline(Operand operand) {
     }
 }
 
-// All blocks of an image, each with the states of its instructions. Every instruction that can be decoded and that the
-// search finds is in one block. `records` has one more element than the image has bytes.
+// Returns all blocks of an image, with the block-entry state of each instruction. Each decodable instruction that the
+// search finds is in exactly one block. `decoded` has one more element than the image has bytes.
 std::vector<Block> find_blocks(const uint8_t* image, const std::vector<DecodedInstruction>& decoded);
 
 }  // namespace atari

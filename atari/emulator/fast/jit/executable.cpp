@@ -7,7 +7,7 @@
 
 namespace atari {
 
-// The memory is writable first and executable then: many systems forbid both at a time.
+// The memory is first writable and then executable: many systems forbid both at once.
 void Executable::fill(const std::vector<uint8_t>& code) {
     size_ = code.size();
     void* const memory = mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);

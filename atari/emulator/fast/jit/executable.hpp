@@ -1,4 +1,4 @@
-// Executable memory, for translated code.
+// Executable memory for translated code.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace atari {
 
-// A copy of machine code that can be run, and not written any more. Empty where the system does not allow that.
+// A copy of machine code that can be run but no longer written. Empty if the system does not allow that.
 class Executable {
   public:
     Executable() = default;

@@ -1,5 +1,5 @@
-// Byte offsets of the fields that translated code uses, from the start of the console, of the registers and of the
-// write log's entries. All that translated code assumes of their sizes and values is asserted here.
+// Byte offsets of the fields that translated code uses, from the start of the console, of the registers and of a write
+// log entry. The assertions here cover all assumptions of translated code about sizes and values.
 #pragma once
 
 #include <cstddef>
@@ -9,20 +9,22 @@
 
 namespace atari {
 
-// Translated code is for x86-64 with the calling convention of Unix. Its block entries are reached through the labels of
-// the decoded instructions (interpreter.cpp).
-#if defined(__x86_64__) && defined(__LP64__) && defined(__GNUC__) && !defined(_WIN32) && !defined(ATARI_NO_COMPUTED_GOTO)
+// Translated code is for x86-64 with the calling convention of Unix. Its block entries are reached through the labels
+// of the decoded instructions (interpreter.cpp).
+#if defined(__x86_64__) && defined(__LP64__) && defined(__GNUC__) && !defined(_WIN32) && \
+    !defined(ATARI_NO_COMPUTED_GOTO)
 inline constexpr bool kTranslates = true;
 #else
 inline constexpr bool kTranslates = false;
 #endif
 
-// GCC and Clang, the only compilers whose builds translate, define offsetof for structs like these.
+// Only GCC and Clang build the translator, and both define offsetof for structs like these.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Winvalid-offsetof"
 
 struct Offsets {
-    // A field of `size` bytes, as wide as the accesses of translated code; ELEMENTS is an array of such.
+    // A field of `size` bytes, which is the width of the accesses of translated code. ELEMENTS is an array of such
+    // fields.
 #define OFFSET(name, type, member, size)                                                              \
     static constexpr int32_t name() { return static_cast<int32_t>(offsetof(type, member)); }          \
     static_assert(!kTranslates || sizeof(type::member) == (size), "translated code accesses it by as many bytes");
@@ -77,34 +79,36 @@ struct Offsets {
 #undef ELEMENTS
 #undef OFFSET
 
-    // The sound registers from AUDC0 on, in their order.
-    static_assert(offsetof(Sound, audc) == 0 && offsetof(Sound, audf) == AUDF0 - AUDC0 && offsetof(Sound, audv) == AUDV0 - AUDC0);
+    // The sound registers from AUDC0 on, in the order of their addresses.
+    static_assert(offsetof(Sound, audc) == 0 && offsetof(Sound, audf) == AUDF0 - AUDC0 &&
+                  offsetof(Sound, audv) == AUDV0 - AUDC0);
     static_assert(sizeof(Sound::audc[0]) == 1 && AUDC1 == AUDC0 + 1 && AUDF1 == AUDF0 + 1 && AUDV1 == AUDV0 + 1);
 };
 
 #pragma GCC diagnostic pop
 
-// Indexes of decoded instructions become pointers by a shift.
+// The size of a decoded instruction as a shift, which turns its index into an offset.
 inline constexpr uint8_t kInstructionShift = 4;
 static_assert(!kTranslates || sizeof(DecodedInstruction) == std::size_t{1} << kInstructionShift);
 
-// An entry of the table that translated code begins with: where an instruction's code is.
+// An entry of the table at the start of translated code: the offset of an instruction's entry.
 using TableEntry = int32_t;
 inline constexpr uint8_t kTableShift = 2;
 static_assert(sizeof(TableEntry) == std::size_t{1} << kTableShift && kTableShift <= kInstructionShift);
 
-// A log entry's register, value and `beside` are written together, as one number of 32 bits.
+// A log entry's register, value and `beside` are written together as one number of 32 bits.
 inline constexpr int32_t kWriteSize = 8;
 static_assert(sizeof(TiaWrite) == kWriteSize);
-static_assert(Offsets::write_value() == Offsets::write_reg() + 1 && Offsets::write_beside() == Offsets::write_reg() + 2);
+static_assert(Offsets::write_value() == Offsets::write_reg() + 1 &&
+              Offsets::write_beside() == Offsets::write_reg() + 2);
 
-// HMOVE reads the motions of players and missiles as one number, the ball's beside it.
+// HMOVE reads the motions of players and missiles as one number of 32 bits, and the ball's separately.
 static_assert(HMP1 == HMP0 + 1 && HMM0 == HMP0 + 2 && HMM1 == HMP0 + 3 && HMBL == HMP0 + 4);
 static_assert(RESP1 - NUSIZ1 == RESP0 - NUSIZ0);
 
-// Translated code tests what a handler returns against 0, as a number of 32 bits.
+// Translated code compares the result of a handler with 0, as a number of 32 bits.
 static_assert(kNext == 0 && sizeof(Exit) == 4);
-// It stores 0 and 1 in flags, and reads them as bytes.
+// Translated code stores 0 and 1 in flags, and reads flags as bytes.
 static_assert(sizeof(bool) == 1 && sizeof(Flag) == 1);
 
 }  // namespace atari

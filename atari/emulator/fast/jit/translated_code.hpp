@@ -1,10 +1,10 @@
-// A cartridge's code as translated code: machine code of the processor that runs this program, made from the decoded
-// instructions (decoder.hpp) by the JIT translator (translator.hpp) when the cartridge is loaded. It does what the
-// handlers do, without going from one decoded instruction to the next.
+// `TranslatedCode`: a cartridge's code as machine code of the host. The JIT translator (translator.hpp) makes it from
+// the decoded instructions (decoder.hpp) when the cartridge is loaded. It has the effect of the handlers without a
+// dispatch from one decoded instruction to the next.
 //
-// The handlers stay: they run code in RAM, everything on processors other than x86-64, and everything where memory cannot
-// be made executable. Each instruction of translated code either does its work itself in the likely case, or calls its
-// handler; so the two agree if the likely cases do (tests/emulator/test_fast_equals_plain.py, which runs both).
+// The handlers stay in use for code in RAM, on processors other than x86-64, and if memory cannot be made executable.
+// Translated code of an instruction either handles the likely case inline, or calls the handler. Both agree if the
+// likely cases agree (tests/emulator/test_fast_equals_plain.py runs both).
 #pragma once
 
 #include <cstddef>
@@ -21,16 +21,17 @@ struct Registers;
 
 class TranslatedCode {
   public:
-    // Of a cartridge's image and decoded instructions. Where translated code cannot run `has` stays false for all of them.
+    // Makes translated code of a cartridge's image and decoded instructions. If the platform cannot run it, `has` stays
+    // false for all instructions.
     void make(const uint8_t* image, const std::vector<DecodedInstruction>& decoded);
 
     bool any() const { return code_.begin() != nullptr; }
 
-    // Whether the instruction at this place of the image has been translated.
+    // Returns whether the instruction at this offset of the image is translated.
     bool has(std::size_t place) const { return any() && entry(place) != kNowhere; }
 
-    // Runs from there on, until it gets to an instruction that has not been translated or the handlers would leave their
-    // loop. Returns an `Exit`, with the registers as the handlers leave them.
+    // Runs from that instruction on, until it reaches an untranslated instruction or a handler returns anything but
+    // kNext. Returns an `Exit`, with the registers as the handlers leave them.
     int run(Registers& registers, FastConsole& console, std::size_t place) const {
         using Begin = int (*)(Registers&, FastConsole&, const uint8_t*);
         const uint8_t* const code = code_.begin();
@@ -39,7 +40,7 @@ class TranslatedCode {
     }
 
   private:
-    // The code begins with a table: for each byte of the image, where the instruction there is entered.
+    // The code begins with a table: by byte of the image, the entry of the instruction there.
     static constexpr int32_t kNowhere = 0;
     int32_t entry(std::size_t place) const { return reinterpret_cast<const int32_t*>(code_.begin())[place]; }
 

@@ -37,7 +37,7 @@ void Translator::emit_block(const Block& block) {
     else go_to(block.next, cycles, false);
 }
 
-// To any instruction, whether it has been translated or not, with so many cycles that have not been added.
+// Emits a jump to any instruction, translated or not, with `cycles` not yet added.
 void Translator::go_to(std::size_t target, int32_t cycles, bool backward) {
     add_cycles(cycles);
     if (!instructions_[target]) {
@@ -57,14 +57,14 @@ void Translator::add_cycles(int32_t cycles) {
     if (cycles) a_.alu(Alu::add, kCycles, cycles);
 }
 
-// Calls the handler of an instruction, which adds its cycles itself.
+// Emits a call of the instruction's handler, which adds all cycles.
 void Translator::call_handler(std::size_t place) {
     a_.move(r8, static_cast<uint32_t>(place));
     a_.call(handlers_[handler_of(decoded_[place])]);
 }
 
-// Where code that does not come from the instruction before enters. It establishes the block-entry state; if only the
-// block can, the handler runs the instruction and the next one is entered.
+// Emits the entry for code that does not come from the preceding instruction. The entry establishes the block-entry
+// state. If only the block can do that, the entry calls the handler and continues at the next instruction.
 void Translator::emit_entry(const BlockInstruction& instruction) {
     const EntryState& state = instruction.entry;
     Label& entry = entries_[instruction.place];
@@ -125,9 +125,9 @@ void Translator::load_registers() {
     a_.load64(kLog, in_console(Offsets::log_end()));
 }
 
-// A routine that calls a function of the registers and the console, for the decoded instruction whose index is in r8. If
-// that function returns anything but kNext, translated code ends, and the routine drops its return address: a check after
-// every call would cost in the likely case. A hardware shadow stack would refuse that.
+// Emits a routine that calls a function of the registers and the console, for the decoded instruction whose index is in
+// r8. If that function returns anything but kNext, the routine drops its own return address and translated code ends,
+// so that the likely case needs no check after each call. A hardware shadow stack would forbid this.
 void Translator::emit_call(Label& label, Interpreter::Step function) {
     a_.bind(label);
     find_instruction();
@@ -147,7 +147,7 @@ void Translator::emit_call(Label& label, Interpreter::Step function) {
     a_.ret();
 }
 
-// The decoded instruction in r8, which held its index.
+// Turns the index in r8 into the address of the decoded instruction.
 void Translator::find_instruction() {
     a_.shift64(Shift::left, r8, kInstructionShift);
     a_.alu64(Alu::add, r8, in_console(Offsets::first_instruction()));
@@ -155,8 +155,8 @@ void Translator::find_instruction() {
 }
 
 void Translator::emit_common() {
-    static constexpr Reg kSaved[] = {rbx, rbp, r12, r13, r14};  // an odd number: calls find the stack aligned
-    a_.bind(start_);  // (registers, console, where to go on)
+    static constexpr Reg kSaved[] = {rbx, rbp, r12, r13, r14};  // an odd number, which aligns the stack for calls
+    a_.bind(start_);  // arguments: registers, console, entry
     for (const Reg reg : kSaved) a_.push(reg);
     a_.move64(kRegisters, rdi);
     a_.move64(kConsole, rsi);
@@ -171,7 +171,7 @@ void Translator::emit_common() {
     emit_far(call_far_, JSR_Far);
     emit_far(jump_indirect_, JMP_Ind);
 
-    a_.bind(dispatch_);  // to the decoded instruction to which a handler has jumped
+    a_.bind(dispatch_);  // continues at the decoded instruction to which a handler has jumped
     a_.load64(r8, in_registers(Offsets::at()));
     a_.alu64(Alu::sub, r8, in_console(Offsets::first_instruction()));
     a_.alu64(Alu::cmp, r8, static_cast<int32_t>(sizeof(DecodedInstruction) * size_));
@@ -184,7 +184,7 @@ void Translator::emit_common() {
     a_.address64(r8, Mem{r9, -table_size(), r8});
     a_.jump(r8);
 
-    a_.bind(limit_);  // at the decoded instruction whose index is in r8
+    a_.bind(limit_);  // r8 is the index of the decoded instruction at which translated code ends
     find_instruction();
     save_registers();
     a_.move(rax, uint32_t{kLimit});
@@ -199,7 +199,7 @@ void Translator::emit_common() {
     a_.ret();
 }
 
-// The routine of a handler. It calls the handler, but for the likely cases of some that run many times a frame.
+// Emits the routine that calls a handler. For some frequent handlers it first tries the likely cases inline.
 void Translator::emit_routine(uint16_t handler) {
     Label slow;
     a_.bind(handlers_[handler]);
@@ -210,21 +210,21 @@ void Translator::emit_routine(uint16_t handler) {
     emit_call(slow, Interpreter::step_of(handler));
 }
 
-// PHP, into RAM or a register of the TIA.
+// PHP, into RAM or a TIA register.
 void Translator::emit_push_status(Label& slow) {
     constexpr uint64_t kValues = registers_where([](const TiaRegister& reg) { return reg.store == TiaStore::kValue; });
     a_.move(r10, kNz);
     a_.shift(Shift::right, r10, 1);
     a_.alu(Alu::or_, r10, kNz);
     a_.alu(Alu::and_, r10, 0x80);
-    a_.alu8(Alu::cmp, in_console(Offsets::overflow()), uint8_t{1});  // a borrow if it is clear
+    a_.alu8(Alu::cmp, in_console(Offsets::overflow()), uint8_t{1});  // sets the carry if V is clear
     a_.alu(Alu::sbb, r11, r11);
     a_.alu(Alu::add, r11, 1);
     a_.shift(Shift::left, r11, 6);
     a_.alu(Alu::or_, r10, r11);
     a_.alu8(Alu::or_, r10, in_console(Offsets::modes()));
     a_.shift(Shift::right, r10, 2);
-    a_.alu8(Alu::cmp, kNz, uint8_t{1});  // a borrow if it is zero
+    a_.alu8(Alu::cmp, kNz, uint8_t{1});  // sets the carry if Z is set
     a_.alu(Alu::adc, r10, r10);
     a_.address(r10, Mem{kCarry, 0, r10, 2});
 
@@ -257,7 +257,7 @@ void Translator::emit_push_status(Label& slow) {
     a_.ret();
 }
 
-// Loads the operand of the instruction whose place is in r8 into r9.
+// Loads the operand of the instruction whose index is in r8 into r9.
 void Translator::load_operand() {
     a_.move64(r9, r8);
     a_.shift64(Shift::left, r9, kInstructionShift);
@@ -265,7 +265,7 @@ void Translator::load_operand() {
     a_.load16(r9, Mem{r9, Offsets::instruction_operand()});
 }
 
-// Loads the input of the TIA at the address in r9 into A: bit 7 is the input, the others are those of the bus, in r10.
+// Loads the TIA input at the address in r9 into A: bit 7 is the input, the other bits are those of the bus, from r10.
 void Translator::emit_input(int32_t cost) {
     a_.alu(Alu::add, kCycles, cost);
     a_.alu(Alu::and_, r9, 7);
@@ -279,7 +279,7 @@ void Translator::emit_input(int32_t cost) {
     a_.ret();
 }
 
-// LDA by an index that leads to an input.
+// LDA with an index that leads to an input.
 void Translator::emit_read_input(Operand operand, Label& slow) {
     if (operand != Operand::RamX && operand != Operand::AnyX && operand != Operand::AnyY) return;
     load_operand();
@@ -295,13 +295,13 @@ void Translator::emit_read_input(Operand operand, Label& slow) {
         a_.move(r11, r10);
         a_.alu(Alu::xor_, r11, r9);
         a_.test(r11, uint32_t{0xff00});
-        a_.jump(If::not_zero, slow);  // across a page
+        a_.jump(If::not_zero, slow);  // page crossing
         a_.shift(Shift::right, r10, 8);
     }
     emit_input(4);
 }
 
-// PLA from an input, with another below it that is read first.
+// PLA from an input, if the byte that is read first is an input too.
 void Translator::emit_pull_input(Label& slow) {
     a_.load8(r9, in_console(Offsets::sp()));
     a_.move(r10, r9);
@@ -320,7 +320,7 @@ void Translator::emit_pull_input(Label& slow) {
     emit_input(4);
 }
 
-// The target of an RTS, JMP or JSR, into r9. The place of the instruction is in r8.
+// Loads the target of an RTS, JMP or JSR into r9. r8 is the index of the instruction.
 void Translator::find_target(uint16_t handler, Label& slow) {
     if (handler == RTS_Imp) {
         a_.load8(r8, in_console(Offsets::sp()));
@@ -328,7 +328,7 @@ void Translator::find_target(uint16_t handler, Label& slow) {
         a_.alu(Alu::cmp, r9, 0x7e);
         a_.jump(If::not_below, slow);
         a_.load16(r9, Mem{kRam, 1 - 0x80, r8});
-        a_.move(r10, r9);  // the byte there is read, too
+        a_.move(r10, r9);  // the byte there is read too
         a_.shift(Shift::right, r10, 6);
         a_.extend8(r10, r10);
         a_.alu64(Alu::cmp, Mem{kConsole, Offsets::pages(), r10, 8}, 0);
@@ -354,7 +354,7 @@ void Translator::find_target(uint16_t handler, Label& slow) {
     }
 }
 
-// A jump to an address that is only known when it is run, of the instruction whose place is in r8: RTS, JMP or JSR.
+// Emits RTS, JMP or JSR to an address that is computed at run time. r8 is the index of the instruction.
 void Translator::emit_far(Label& label, uint16_t handler) {
     Label slow;
     a_.bind(label);
@@ -379,8 +379,8 @@ void Translator::emit_far(Label& label, uint16_t handler) {
     a_.jump(dispatch_);
 }
 
-// The entry for the address in r9, into r11, and the place of its 1 KiB segment in the image, into r10. Jumps to `slow` if
-// there is none. Uses r8.
+// Loads the entry for the address in r9 into r11, and the image offset of its 1 KiB segment into r10. Jumps to `slow`
+// if there is no entry. Uses r8.
 void Translator::find_entry(Label& slow) {
     a_.move(r10, r9);
     a_.shift(Shift::right, r10, 10);
@@ -399,7 +399,7 @@ void Translator::find_entry(Label& slow) {
     a_.address64(r11, Mem{r8, -table_size(), r11});
 }
 
-// The return address of the JSR whose place is in `at`.
+// Pushes the return address of the JSR whose index is in `at`.
 void Translator::push_return_address() {
     a_.load64(r8, in_console(Offsets::first_instruction()));
     a_.alu64(Alu::sub, r8, in_console(Offsets::base_instruction()));

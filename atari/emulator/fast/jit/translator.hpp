@@ -1,9 +1,10 @@
-// The JIT translator: makes translated code of a cartridge's basic blocks (basic_blocks.hpp) when the cartridge is loaded.
+// The JIT translator: makes translated code of a cartridge's basic blocks (basic_blocks.hpp) when the cartridge is
+// loaded.
 //
-// Translated code keeps A, X, Y, the flags and the cycles in registers, as well as the end of the write log and the
-// frame's deadline for TIA writes. Cycles are added where something may read them: at jumps and at the end of blocks.
-// Between, each instruction's block-entry state (`EntryState`) says how many are missing. What is unlikely stands in slow
-// paths, out of line after all blocks.
+// Translated code keeps A, X, Y, the flags and the cycle count in registers of the host, as well as the end of the
+// write log. Cycles are added where something may read the count: at jumps and at the end of blocks. Between those,
+// each instruction's block-entry state (`EntryState`) holds the number of cycles not yet added. Unlikely cases are in
+// slow paths, out of line after all blocks.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +18,7 @@
 
 namespace atari {
 
-// The registers of translated code. Of the rest, r8 to r11 are for any use.
+// The host registers of translated code. Registers r8 to r11 are free for any use.
 inline constexpr Reg kA = rax, kX = rcx, kY = rdx, kNz = rsi, kCarry = rdi;
 inline constexpr Reg kConsole = rbx, kRam = rbp, kRegisters = r12, kCycles = r13, kLog = r14;
 
@@ -28,7 +29,7 @@ inline Mem in_log(int32_t offset) { return {kLog, offset}; }  // from the next e
 
 constexpr Reg reg_of(CpuRegister reg) { return reg == CpuRegister::A ? kA : reg == CpuRegister::X ? kX : kY; }
 
-// The register that an indexed operand is indexed by.
+// Returns the index register of an indexed operand.
 inline Reg index_of(Operand operand) {
     return operand == Operand::RamX || operand == Operand::RomX || operand == Operand::AnyX ? kX : kY;
 }
@@ -37,12 +38,12 @@ class Translator {
   public:
     Translator(const uint8_t* image, const std::vector<DecodedInstruction>& decoded);
 
-    // The translated code, after a table: for each decoded instruction where it is entered, from the beginning of the
-    // table, or 0. `start` is where to call it, with such an entry as third argument.
+    // Returns the translated code. It begins with a table: by decoded instruction, the offset of its entry from the
+    // start of the table, or 0. `start` is the offset of the function to call; its third argument is an entry.
     std::vector<uint8_t> translate(std::size_t& start);
 
   private:
-    // translator.cpp: blocks, their entries and slow paths, and the code that they share
+    // translator.cpp: blocks, their entries and slow paths, and shared routines
     void emit_block(const Block& block);
     void emit_entry(const BlockInstruction& instruction);
     void emit_slow_paths();
@@ -69,10 +70,10 @@ class Translator {
     int32_t table_size() const { return static_cast<int32_t>((sizeof(int32_t) * (size_ + 1) + 15) / 16 * 16); }
 
     // translator_instructions.cpp: one instruction
-    struct Source {  // of a byte
+    struct Source {  // where a byte comes from
         std::optional<uint8_t> constant;
         std::optional<Mem> memory;
-        Reg reg;  // otherwise
+        Reg reg;  // if it is not in memory
     };
     void emit(const BlockInstruction& instruction);
     void emit_inline();
@@ -102,37 +103,37 @@ class Translator {
     void whole_lines(Reg cycles);
     void cycle_in_line(Reg to, int32_t later = 0);
 
-    // An out-of-line stub for what is unlikely.
+    // An out-of-line stub for an unlikely case.
     struct SlowPath {
         Label from;
         enum {
-            kHandler,        // the handler runs the instruction, and its block goes on at `back`
+            kHandler,        // the handler runs the instruction, and the block continues at `back`
             kJumpByHandler,  // the handler jumps
-            kBranchTaken,    // to `place`
-            kLimit,          // the limit of instructions may be near: translated code ends at `place`
+            kBranchTaken,    // the branch to `place` is taken
+            kLimit,          // the instruction limit may be near: translated code ends at `place`
         } what;
         std::size_t place;
         int32_t cycles, cycles_after;   // not yet added at `from`, and at `back`
-        std::optional<CpuRegister> nz;  // of which N and Z have to be made
+        std::optional<CpuRegister> nz;  // the register from which N and Z must be computed
         Label back;
     };
 
     const std::vector<DecodedInstruction>& decoded_;
     const std::size_t size_;
     const std::vector<Block> blocks_;
-    std::vector<const BlockInstruction*> instructions_;  // by place, null where there is none
-    std::vector<int32_t> code_at_;      // by place: the code of an instruction, reached with its block-entry state
-    std::vector<Label> entries_;        // by place: where it is entered from elsewhere
-    std::vector<Label> handlers_;       // routines that call them
+    std::vector<const BlockInstruction*> instructions_;  // by place; null where no block has one
+    std::vector<int32_t> code_at_;      // by place: the code, which expects the block-entry state
+    std::vector<Label> entries_;        // by place: the entry, which establishes that state
+    std::vector<Label> handlers_;       // by handler: the routine that calls it
     std::vector<SlowPath> slow_paths_;
     Assembler a_;
     Label start_, skip_, dispatch_, return_, call_far_, jump_far_, jump_indirect_, leave_, left_, limit_, exit_;
 
     // The instruction that is being translated.
     const BlockInstruction* at_ = nullptr;
-    int32_t cycles_ = 0;    // missing in kCycles while it runs
-    int32_t write_at_ = 0;  // its TIA write comes so much later than kCycles
-    Label slow_;            // to its slow path
+    int32_t cycles_ = 0;    // cycles not yet added to kCycles at the start of the instruction
+    int32_t write_at_ = 0;  // cycles from kCycles to its TIA write
+    Label slow_;            // the start of its slow path
 };
 
 }  // namespace atari

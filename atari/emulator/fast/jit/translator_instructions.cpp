@@ -1,5 +1,5 @@
-// Translated code of each instruction but stores: what its handler (handlers.hpp) does in the likely case. All other cases
-// it leaves to the handler, in a slow path, before it has changed anything.
+// Translated code of each instruction but stores. It handles the likely case of the handler (handlers.hpp). In all
+// other cases a slow path calls the handler, before anything has changed.
 #include <stdexcept>
 
 #include "offsets.hpp"
@@ -8,7 +8,7 @@
 namespace atari {
 namespace {
 
-// Where `is_inlined` (basic_blocks.cpp) and the code below disagree.
+// Reached if `is_inlined` (basic_blocks.cpp) and the code below disagree.
 [[noreturn]] void refuse() { throw std::logic_error("an instruction has no inline code"); }
 
 }  // namespace
@@ -40,8 +40,8 @@ void Translator::emit_inline() {
     emit_implied();
 }
 
-// Skips all rounds but the last of a loop that only waits, counts or divides. Loops that count are skipped inline; for
-// all others `Interpreter::skip_rounds` is called.
+// Skips all rounds but the last of a loop that only waits, counts or divides. Counting loops are skipped inline;
+// `Interpreter::skip_rounds` skips the others.
 void Translator::skip_rounds() {
     add_cycles(cycles_);
     cycles_ = 0;
@@ -52,7 +52,8 @@ void Translator::skip_rounds() {
         return;
     }
     const Reg counter = instruction.loop == Loop::kCountX ? kX : kY;
-    const bool until_zero = kind_of(decoded_[at_->place + 1]).operation == BNE;  // otherwise until it is past that
+    // Otherwise until the counter is past 0.
+    const bool until_zero = kind_of(decoded_[at_->place + 1]).operation == BNE;
     std::optional<ShortJump> many;
     a_.move(r8, counter);
     if (until_zero) {
@@ -120,7 +121,7 @@ void Translator::emit_jump() {
         a_.alu(Alu::cmp, r8, 0x81);
         a_.jump(If::below, slow_);
     }
-    a_.load(r9, in_console(Offsets::origin()));  // in the same 4 KiB
+    a_.load(r9, in_console(Offsets::origin()));  // the likely target is in the same 4 KiB
     a_.move(r10, r9);
     a_.alu(Alu::xor_, r10, int32_t{at_->given});
     a_.test(r10, uint32_t{0xf000});
@@ -141,11 +142,11 @@ void Translator::emit_jump() {
 // Adds the cycle of a page crossing.
 void Translator::add_page_crossing(Reg index) {
     if (!(at_->given & 0xff)) return;
-    a_.alu8(Alu::cmp, index, static_cast<uint8_t>(-at_->given));  // a borrow where it does not
+    a_.alu8(Alu::cmp, index, static_cast<uint8_t>(-at_->given));  // sets the carry if no page is crossed
     a_.alu(Alu::sbb, kCycles, -1);
 }
 
-// The byte at the address in r9, if it can be read without side effects.
+// Returns the byte at the address in r9, if it can be read without side effects.
 Translator::Source Translator::paged() {
     a_.move(r10, r9);
     a_.shift(Shift::right, r10, 6);
@@ -191,7 +192,7 @@ void Translator::emit_read() {
             break;
         }
         case Operand::Timer: {
-            // Its value, until it has run out.
+            // The timer's value, as long as the timer has not expired.
             a_.address(r8, Mem{kCycles, cycles_ + cost - 1});
             a_.alu(Alu::sub, r8, in_console(Offsets::timer_set_at()));
             a_.move(r9, kX);
@@ -213,7 +214,7 @@ void Translator::emit_read() {
             a_.load16(r8, in_ram(at_->given));
             a_.address(r9, Mem{r8, 0, kY});
             source = paged();
-            a_.alu8(Alu::add, r8, kY);  // a carry where this crosses a page
+            a_.alu8(Alu::add, r8, kY);  // sets the carry on a page crossing
             a_.alu(Alu::adc, kCycles, 0);
             break;
         default: refuse();
@@ -221,7 +222,7 @@ void Translator::emit_read() {
     operate(source);
 }
 
-// The offset in RAM of an indexed operand, into r8.
+// Loads the offset in RAM of an indexed operand into r8.
 void Translator::indexed_ram() {
     a_.move(r8, index_of(at_->operand));
     a_.alu8(Alu::add, r8, static_cast<uint8_t>(at_->given - 0x80));
@@ -271,9 +272,10 @@ void Translator::operate(const Source& source) {
             a_.alu(Alu::and_, kNz, r8);
             a_.alu(Alu::or_, kNz, r9);
             break;
-        default: {  // ADC and SBC. This processor's carry is a borrow in subtractions.
+        default: {  // ADC and SBC. In subtractions the host's carry is a borrow.
             const bool adds = at_->operation == ADC;
-            const bool without = at_->entry.carry.has_value();  // the carry of ADC, or the borrow of SBC, is known to be none
+            // The carry of ADC, or the borrow of SBC, is known to be 0.
+            const bool without = at_->entry.carry.has_value();
             if (!without && adds) a_.test_bit(kCarry, uint8_t{0});
             if (!without && !adds) a_.alu(Alu::cmp, kCarry, 1);
             combine(adds ? without ? Alu::add : Alu::adc : without ? Alu::sub : Alu::sbb, kA, source);

@@ -1,11 +1,12 @@
-// Translated code of stores: to RAM, and to registers of the TIA as `Interpreter::write_tia` does it.
+// Translated code of stores to RAM and to TIA registers. The latter have the effect of `Interpreter::write_tia`.
 #include "offsets.hpp"
 #include "translator.hpp"
 
 namespace atari {
 namespace {
 
-// Multiplied by this and shifted by so many bits, a number of cycles in a frame is divided by those of a line.
+// A number of cycles in a frame, times kInverse76 and shifted right by kInverseShift, is divided by the cycles of a
+// line.
 constexpr uint32_t kInverse76 = 55189, kInverseShift = 22;
 constexpr bool divides_by_76() {
     for (uint32_t n = 0; n < 30000; ++n)
@@ -14,7 +15,7 @@ constexpr bool divides_by_76() {
 }
 static_assert(divides_by_76());
 
-// A register's byte in the TIA's shadow.
+// The byte of a register in the TIA's shadow.
 Mem shadow(uint32_t reg) { return in_console(Offsets::shadow() + static_cast<int32_t>(reg)); }
 
 Reg stored_by(Operation operation) { return operation == STX ? kX : operation == STY ? kY : kA; }
@@ -45,7 +46,7 @@ void Translator::emit_store() {
     }
 }
 
-// Stores to the address in r8, if that is in RAM.
+// Stores to the address in r8 if that is in RAM; otherwise jumps to the slow path.
 void Translator::store_in_ram(Reg value) {
     a_.move(r9, r8);
     a_.alu(Alu::and_, r9, 0x1280);
@@ -55,7 +56,8 @@ void Translator::store_in_ram(Reg value) {
     a_.store8(Mem{kRam, 0, r8}, value);
 }
 
-// The deadline check: a TIA write so many cycles later that no longer belongs to this frame is left to `late`. Uses r8.
+// The deadline check: jumps to `past_deadline` if a TIA write `later` cycles after kCycles does not belong to this
+// frame. Uses r8.
 void Translator::check_deadline(int32_t later, Label& past_deadline) {
     if (later < Offsets::kDeadlines) {
         a_.alu(Alu::cmp, kCycles, in_console(Offsets::deadlines() + 4 * later));
@@ -66,7 +68,7 @@ void Translator::check_deadline(int32_t later, Label& past_deadline) {
     a_.jump(If::not_below, past_deadline);
 }
 
-// A store to the TIA, as `Interpreter::write_tia` does it.
+// Stores to a TIA register, with the effect of `Interpreter::write_tia`.
 void Translator::emit_tia_store(Reg value) {
     const auto cost = static_cast<int32_t>(store_cost(at_->operand));
     const uint32_t reg = at_->given;
@@ -127,7 +129,7 @@ void Translator::emit_tia_store(Reg value) {
             append_write(value);
             break;
         case Operand::Motion:
-            if (reg == HMM0) {  // perhaps Cosmic Ark's trick
+            if (reg == HMM0) {  // may be the Cosmic Ark effect
                 a_.load8(r9, shadow(reg));
                 a_.shift(Shift::right, r9, 4);
                 a_.alu(Alu::cmp, r9, int32_t{kArkMotion});
@@ -168,7 +170,7 @@ void Translator::whole_lines(Reg cycles) {
     a_.multiply(cycles, cycles, kCyclesPerLine);
 }
 
-// The cycle in its line, so many cycles after the write. Uses r11.
+// Computes the cycle in the line, `later` cycles after the write. Uses r11.
 void Translator::cycle_in_line(Reg to, int32_t later) {
     a_.address(to, Mem{kCycles, write_at_ + later});
     a_.alu(Alu::sub, to, in_console(Offsets::first_cycle()));
@@ -177,7 +179,7 @@ void Translator::cycle_in_line(Reg to, int32_t later) {
     a_.alu(Alu::sub, to, r11);
 }
 
-// GRP0 and GRP1 also renew the delayed copy of the other, and GRP1 that of ENABL.
+// A write to GRP0 or GRP1 also updates the delayed copy of the other; a write to GRP1 also updates that of ENABL.
 void Translator::write_graphics(Reg value) {
     const bool first = at_->given == GRP0;
     const Mem mine = shadow(at_->given), other = shadow(first ? GRP1 : GRP0);
@@ -209,7 +211,7 @@ void Translator::write_graphics(Reg value) {
     a_.bind_short(same);
 }
 
-// The log's HMOVE has all motions with it. An HMOVE at its ordinary time that moves nothing is logged as STILL.
+// The log entry of HMOVE contains all motions. An HMOVE at an ordinary cycle that moves no object is logged as STILL.
 void Translator::write_hmove() {
     a_.load(r9, shadow(HMP0));
     a_.load8(r10, shadow(HMBL));
@@ -247,7 +249,7 @@ void Translator::write_hmove() {
     a_.address64(kLog, in_log(kWriteSize));
 }
 
-// Appends the write to the write log. Uses r8.
+// Appends the TIA write to the write log. Uses r8.
 void Translator::append_write(Reg value) {
     a_.address(r8, Mem{kCycles, write_at_});
     a_.store(in_log(Offsets::write_cycle()), r8);

@@ -11,7 +11,7 @@ namespace atari {
 
 namespace {
 
-// Effects on registers of the TIA writes whose application can be put off.
+// Effects on registers of the TIA writes whose application can be deferred.
 
 void set_graphics_of(TiaLine& t, unsigned player, const TiaWrite& write) {
     t.grp[player] = write.value;
@@ -94,7 +94,8 @@ TiaLine Collider::state_at(int32_t clock) {
         set_register(state, *latest_[std::countr_zero(rest)]);
     state.ctrlpf &= kShapesOfCtrlpf;
     // The same values as after `skip_to_pending`.
-    if (state.pending >= t_.draw_start) state.drawn_to = std::max(state.drawn_to, std::min(state.pending, t_.draw_stop));
+    if (state.pending >= t_.draw_start)
+        state.drawn_to = std::max(state.drawn_to, std::min(state.pending, t_.draw_stop));
     if (state.hmove_blank && blank_is_over(state.drawn_to)) state.hmove_blank = false;
     return state;
 }

@@ -65,7 +65,8 @@ void CollisionCache::begin(const TiaWrite* log, unsigned latches) {
     acted_ = 0;
 }
 
-void CollisionCache::apply(const TiaWrite* first, const TiaWrite* last, const TiaWrite* collisions_from, int32_t clock) {
+void CollisionCache::apply(const TiaWrite* first, const TiaWrite* last, const TiaWrite* collisions_from,
+                           int32_t clock) {
     if (collisions_from > first) {
         collider_.collect(false);
         apply(first, collisions_from, false, static_cast<int32_t>(3 * collisions_from->cycle));
@@ -81,7 +82,8 @@ void CollisionCache::apply(const TiaWrite* first, const TiaWrite* last, bool exa
     const TiaWrite* next = first;
     while (next_ <= kMostBlocks && clock_of(next_) <= clock) {
         const TiaWrite* end = next;
-        for (; end != last && static_cast<int32_t>(3 * end->cycle) < clock_of(next_); ++end) written_ |= 1ull << end->reg;
+        for (; end != last && static_cast<int32_t>(3 * end->cycle) < clock_of(next_); ++end)
+            written_ |= 1ull << end->reg;
         collider_.apply(next, end);
         next = begin_block(end, last, exact, clock);
     }
@@ -118,7 +120,8 @@ const TiaWrite* CollisionCache::begin_block(const TiaWrite* next, const TiaWrite
                 blocks_[i].exact &= exact;
             }
             next_ = until + 1;
-            collider_.go_on_from({beginnings_[until], places_[until]}, blocks_[until].collisions, blocks_[until].blanked_at);
+            collider_.go_on_from({beginnings_[until], places_[until]}, blocks_[until].collisions,
+                                 blocks_[until].blanked_at);
             return log_ + blocks_[until].first;
         }
     }
@@ -145,7 +148,8 @@ int CollisionCache::written_alike_until(const TiaWrite* next, const TiaWrite* la
     int until = next_;
     while (until < known_ && blocks_[until + 1].first <= agreed_ && clock_of(until + 1) <= clock) ++until;
     if (disagrees != last)
-        while (until > next_ && blocks_[until].first == agreed_ && static_cast<int32_t>(3 * disagrees->cycle) < clock_of(until))
+        while (until > next_ && blocks_[until].first == agreed_ &&
+               static_cast<int32_t>(3 * disagrees->cycle) < clock_of(until))
             --until;
     return until;
 }

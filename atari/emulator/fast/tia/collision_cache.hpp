@@ -1,9 +1,11 @@
 // Collisions of a frame, found in its write log as the log grows. Only blocks that differ from the previous frame are
 // run.
-// | A frame is cut into blocks of lines. If a block has the same beginning state and the same TIA writes as in the
+//
+// A frame is cut into blocks of lines. If a block has the same beginning state and the same TIA writes as in the
 // previous frame, it has the same end state. The collider (collider.hpp) then resumes after the block. Registers that
 // take no part in the block may differ, such as the position of an object that does not show.
-// | tests/emulator/test_fast_equals_plain.py compares this with the reference TIA.
+//
+// tests/emulator/test_fast_equals_plain.py compares this with the reference TIA.
 #pragma once
 
 #include <cstdint>
@@ -25,8 +27,8 @@ class CollisionCache {
     // are left out, because a CXCLR will clear them.
     void apply(const TiaWrite* first, const TiaWrite* last, const TiaWrite* collisions_from, int32_t clock);
 
-    // The next frame cannot reuse the collisions of the blocks so far. Callers need this when the collisions change by
-    // other means, or when the previous frame is no longer known.
+    // To be called if the next frame cannot reuse the collisions of the blocks so far. That is so if the collisions
+    // change by other means, or if the previous frame is not available any more.
     void forget() {
         comparing_ = false;
         next_ = known_ = 0;
@@ -67,7 +69,7 @@ class CollisionCache {
     const TiaWrite *log_ = nullptr, *log_before_ = nullptr;
     uint64_t written_ = 0;         // registers written in the current block so far
     int acted_ = 0;                // TIA writes that acted before the current block
-    // the log has the previous frame's writes up to `agreed_`, `moved_` entries further on
+    // The log contains the previous frame's writes up to `agreed_`, `moved_` entries further on.
     int agreed_ = -1, moved_ = 0;
     Block blocks_[kMostBlocks + 1];
     TiaCommon beginnings_[kMostBlocks + 1];

@@ -10,7 +10,7 @@
 namespace atari {
 namespace {
 
-// By the set of delayed players and ball: the registers of an object's look. A delayed copy changes when the other
+// By the set of delayed players and ball, the registers of an object's look. A delayed copy changes when the other
 // player's graphics are written.
 constexpr auto kLooksOf = [] {
     std::array<std::array<uint64_t, 32>, 8> table{};
@@ -18,7 +18,8 @@ constexpr auto kLooksOf = [] {
         for (unsigned objects = 0; objects < 32; ++objects) {
             uint64_t& looks = table[delayed][objects];
             for (unsigned i : {0u, 1u}) {
-                if (objects >> (kP0 + i) & 1) looks |= 1ull << (delayed >> i & 1 ? GRP1 - i : GRP0 + i) | 1ull << (REFP0 + i);
+                if (objects >> (kP0 + i) & 1)
+                    looks |= 1ull << (delayed >> i & 1 ? GRP1 - i : GRP0 + i) | 1ull << (REFP0 + i);
                 if (objects >> (kM0 + i) & 1) looks |= 1ull << (ENAM0 + i);
             }
             if (objects >> kBL & 1) looks |= 1ull << (delayed & 4 ? GRP1 : ENABL);
@@ -26,7 +27,7 @@ constexpr auto kLooksOf = [] {
     return table;
 }();
 
-// The objects of a set of latches. The tables are indexed by the low and by the high byte of the set.
+// By low and by high byte of a set of latches, the objects of these latches.
 constexpr auto kObjectsIn = [] {
     std::array<std::array<uint8_t, 256>, 2> table{};
     for (unsigned latches = 0; latches < 256; ++latches)
@@ -38,39 +39,42 @@ constexpr auto kObjectsIn = [] {
 }();
 inline unsigned objects_in(unsigned latches) { return kObjectsIn[0][latches & 0xff] | kObjectsIn[1][latches >> 8]; }
 
-// The bits of the playfield near a run of pixels. Indices: the reflect bit, the bits of the width less one, the first
-// pixel. The widths are those of `width_of`.
+// The playfield bits near a run of pixels. Indices: the reflect bit, the bit width of the run's width less one, the
+// first pixel. The widths are those of `width_of`.
 constexpr auto kPlayfieldNear = [] {
     std::array<std::array<std::array<uint32_t, kScreenWidth>, 7>, 2> table{};
     for (size_t reflect = 0; reflect < 2; ++reflect)
         for (size_t width = 0; width < 7; ++width)
             for (int x = 0; x < kScreenWidth; ++x) {
                 const int pixels = width == 5 ? 17 : width == 6 ? 33 : 1 << width;
-                table[reflect][width][static_cast<size_t>(x)] = playfield_of_cells(cells_of_run(x, pixels), reflect != 0);
+                table[reflect][width][static_cast<size_t>(x)] =
+                    playfield_of_cells(cells_of_run(x, pixels), reflect != 0);
             }
     return table;
 }();
 
-// double and quadruple size begin one pixel later
+// Double and quadruple size begin one pixel later.
 constexpr int width_of_player(int mode) { return mode == 5 ? 17 : mode == 7 ? 33 : 8; }
 
-// The bits of the playfield near all copies of a player. Indices: the reflect bit, the low bits of NUSIZ, the position.
+// The playfield bits near all copies of a player. Indices: the reflect bit, the low bits of NUSIZ, the position.
 constexpr auto kPlayfieldNearPlayer = [] {
     std::array<std::array<std::array<uint32_t, kScreenWidth>, 8>, 2> table{};
     for (size_t reflect = 0; reflect < 2; ++reflect)
         for (int mode = 0; mode < 8; ++mode)
             for (int x = 0; x < kScreenWidth; ++x)
                 for (int copy = 0; copy < kCopies[mode].count; ++copy) {
-                    const auto width = static_cast<size_t>(std::bit_width(static_cast<unsigned>(width_of_player(mode)) - 1u));
+                    const auto width =
+                        static_cast<size_t>(std::bit_width(static_cast<unsigned>(width_of_player(mode)) - 1u));
                     const auto at = static_cast<size_t>((x + kCopies[mode].offset[copy]) % kScreenWidth);
-                    table[reflect][static_cast<size_t>(mode)][static_cast<size_t>(x)] |= kPlayfieldNear[reflect][width][at];
+                    table[reflect][static_cast<size_t>(mode)][static_cast<size_t>(x)] |=
+                        kPlayfieldNear[reflect][width][at];
                 }
     return table;
 }();
 
 }  // namespace
 
-// An object has appeared or disappeared.
+// To be called when an object appears or disappears.
 void Collider::toggle(unsigned object) {
     enabled_ ^= bit_of(object);
     find_open_pairs();
@@ -79,7 +83,7 @@ void Collider::toggle(unsigned object) {
     if (enabled_ >> object & 1 && pairs) reconsider();
 }
 
-// The positions or the sizes of objects have changed.
+// To be called when the positions or sizes of objects change.
 void Collider::moved(unsigned objects) {
     const unsigned pairs = kPairsWith[objects];
     stale_ |= objects;
@@ -125,7 +129,7 @@ void Collider::find_possible() {
 void Collider::choose_acting() {
     const Tia& t = t_;
     if (!known_) find_possible();
-    // the line's end moves objects, so no write can be deferred
+    // The line's end moves objects, so no write can be deferred.
     if (t.cosmic_ark || t.pf_reflect != (t.ctrlpf & kReflects)) return;
     chosen_ = true;
     acting_ = kAlwaysActing;

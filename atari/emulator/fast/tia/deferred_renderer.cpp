@@ -187,7 +187,7 @@ INLINE void DeferredRenderer::apply_one(Tia& t, const TiaWrite& write, int32_t& 
     }
 }
 
-// The visible graphics of a player have changed.
+// To be called when a player's visible graphics change.
 inline void DeferredRenderer::show(unsigned player) {
     const Tia& t = t_;
     enable(player, t.vdelp[player] ? t.old_grp[player] : t.grp[player]);
@@ -243,7 +243,8 @@ void DeferredRenderer::reset_player(unsigned player, int hpos, int32_t clock, in
     outdate(bit_of(kP0 + player));
 }
 
-inline void DeferredRenderer::move_objects(const TiaWrite& write, uint32_t cycle_in_line, int32_t clock, int32_t pending) {
+inline void DeferredRenderer::move_objects(const TiaWrite& write, uint32_t cycle_in_line, int32_t clock,
+                                           int32_t pending) {
     Tia& t = t_;
     advance(pending);
     if (config_.hmove_blanks && hmove_blanks(cycle_in_line)) t.hmove_blank = true;
@@ -274,7 +275,8 @@ INLINE void DeferredRenderer::advance(int32_t pending) {
     Tia& t = t_;
     if (pending < t.draw_start || t.drawn_to >= t.draw_stop || t.drawn_to >= pending) return;
     const int32_t target = std::min(pending, t.draw_stop);
-    if (!t.hmove_blank && target <= line_end_ - kScreenWidth) t.drawn_to = target;  // before the first pixel
+    // Still before the line's first pixel.
+    if (!t.hmove_blank && target <= line_end_ - kScreenWidth) t.drawn_to = target;
     else go_to(target);
 }
 
@@ -314,7 +316,9 @@ inline void DeferredRenderer::line_part(int32_t until) {
         // the reference TIA.
         const int after_blank = std::max(from, std::min(kHblankClocks, to));
         if (after_blank == kHblankClocks) std::memset(row_, 0, kHmoveBlank);
-        else std::memset(row_ + std::max(after_blank - kHblankClocks, 0), 0, static_cast<size_t>(kBlankEnd - after_blank));
+        else
+            std::memset(row_ + std::max(after_blank - kHblankClocks, 0), 0,
+                        static_cast<size_t>(kBlankEnd - after_blank));
         if (to >= kBlankEnd) t.hmove_blank = false;
     }
 }
@@ -360,17 +364,19 @@ void DeferredRenderer::make_layers() {
     const auto lit = [&](int object) -> const Mask& { return enabled_ & bit_of(object) ? masks_[object] : kNone; };
     const Mask &p0 = lit(kP0), &p1 = lit(kP1), &m0 = lit(kM0), &m1 = lit(kM1), &bl = lit(kBL), &pf = lit(kPF);
     const bool score = t_.ctrlpf & kScore, playfield_first = t_.ctrlpf & kPlayfieldFirst;
-    // score mode: the playfield has the players' colours
+    // In score mode the playfield has the players' colours.
     const bool halved = score && (!playfield_first || enabled_ == bit_of(kPF));
     for (int i = 0; i < 3; ++i) {
         const uint64_t half = pf.word[i] & kLeft.word[i];
-        uint64_t player0 = p0.word[i] | m0.word[i], player1 = p1.word[i] | m1.word[i], playfield = pf.word[i] | bl.word[i];
+        uint64_t player0 = p0.word[i] | m0.word[i], player1 = p1.word[i] | m1.word[i];
+        uint64_t playfield = pf.word[i] | bl.word[i];
         if (halved) {
             player0 |= half;
             player1 |= pf.word[i] & ~half;
             playfield &= ~pf.word[i] | bl.word[i];
         }
-        const uint64_t over_players = playfield_first ? playfield : 0, over_playfield = playfield_first ? 0 : player0 | player1;
+        const uint64_t over_players = playfield_first ? playfield : 0;
+        const uint64_t over_playfield = playfield_first ? 0 : player0 | player1;
         layers_.player0.word[i] = player0 & ~over_players;
         layers_.player1.word[i] = player1 & ~(over_players | player0);
         layers_.playfield.word[i] = playfield & ~over_playfield;

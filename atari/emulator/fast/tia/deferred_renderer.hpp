@@ -1,8 +1,10 @@
 // Deferred rendering: applies the TIA writes of a log to a TIA, each at its own time, and renders the pixels.
-// | The collider (collider.hpp) has already found collisions and positions while the frame was run. When a framebuffer
-// is needed, the renderer runs the log again from the state at the beginning of the frame. Between two changes only
-// line ends have an effect, so whole spans are rendered at once.
-// | tests/emulator/test_fast_equals_plain.py compares this with the reference TIA (tia.cpp, tia_renderer.cpp).
+//
+// The collider (collider.hpp) has already found collisions and positions while the frame was run. When a framebuffer is
+// needed, the renderer runs the log again from the state at the beginning of the frame. Between two changes only line
+// ends have an effect, so whole spans are rendered at once.
+//
+// tests/emulator/test_fast_equals_plain.py compares this with the reference TIA (tia.cpp, tia_renderer.cpp).
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,5 @@
-// The write log of one frame, with the TIA's state at its beginning: all that rendering the frame takes.
+// `FrameLog`: the write log of one frame, with the TIA's state at its beginning. Rendering the frame needs nothing
+// else.
 #pragma once
 
 #include <cstdint>

@@ -32,7 +32,8 @@ void LineCache::draw(const FrameLog& log, Framebuffers& framebuffers, int buffer
     const bool comparable = known_ > 0;
     if (log.start.frame_start != frame_start_) known_ = 0;  // clocks have another origin
     frame_start_ = log.start.frame_start;
-    Drawing d{log.start, {d.tia, config_}, pixels, framebuffers[buffer ^ 1], buffer, log.writes, log.writes + log.size, log.writes};
+    Drawing d{log.start, {d.tia, config_}, pixels, framebuffers[buffer ^ 1], buffer, log.writes, log.writes + log.size,
+              log.writes};
     d.beam.begin(pixels);
 
     const int framebuffer_end = config_.first_line + config_.height;
@@ -93,7 +94,8 @@ void LineCache::find_agreement(Drawing& d, int lines) const {
     while (line + 8 <= until && first_[line + 8] <= d.agreed) line += 8;
     while (line < until && first_[line + 1] <= d.agreed) ++line;
     if (const TiaWrite* next = d.log + d.agreed + moved; next != d.end)
-        while (line > d.line && first_[line] == d.agreed && static_cast<int32_t>(3 * next->cycle) < line_clock(line)) --line;
+        while (line > d.line && first_[line] == d.agreed && static_cast<int32_t>(3 * next->cycle) < line_clock(line))
+            --line;
     d.agreed_lines = line;
 }
 
@@ -112,7 +114,8 @@ bool LineCache::skip_lines(Drawing& d, int lines) {
     if (differing) carry(d.difference, &places_[d.line], &places_[line]);
     const int begins = first_[line];
     if (d.moved)
-        for (int skipped = d.line; skipped < line; ++skipped) first_[skipped] = static_cast<uint16_t>(first_[skipped] + d.moved);
+        for (int skipped = d.line; skipped < line; ++skipped)
+            first_[skipped] = static_cast<uint16_t>(first_[skipped] + d.moved);
     d.line = line;
     d.next = d.log + begins + d.moved;
     d.live = false;

@@ -1,9 +1,11 @@
-// Renders write logs into framebuffers. Only lines that differ from the frame rendered last are rendered.
-// | A line depends on the TIA's state at its beginning and on the TIA writes during it. If both are equal to those of
-// the frame rendered last, the line has the same pixels and the same end state, and is not rendered again. In most
-// games this holds for more than half of all lines. Registers that take no part in the line may differ, such as the
-// position of an object that does not show.
-// | tests/emulator/test_fast_equals_plain.py compares this with the reference TIA, which renders every line.
+// `LineCache`: renders write logs into framebuffers. Only lines that differ from the frame rendered last are rendered.
+//
+// A line depends on the TIA's state at its beginning and on the TIA writes during it. If both are equal to those of the
+// frame rendered last, the line has the same pixels and the same end state, and is not rendered again. In most games
+// this holds for more than half of all lines. Registers that take no part in the line may differ, such as the position
+// of an object that does not show.
+//
+// tests/emulator/test_fast_equals_plain.py compares this with the reference TIA, which renders every line.
 #pragma once
 
 #include <cstdint>

@@ -42,7 +42,8 @@ static_assert(bytes_set(0x80000000000100ff) == 0b10000101 && bytes_set(0x0001007
 Difference difference(const TiaPlaces& now, const TiaPlaces& before) {
     if (agree<sizeof now>(&now, &before)) return {};
     const uint64_t new_word = word_of(now), old_word = word_of(before);
-    Difference d{0, back(old_word & kPositions, new_word & kPositions), (old_word ^ new_word) & ~kPositions, now.last_hmove};
+    Difference d{0, back(old_word & kPositions, new_word & kPositions), (old_word ^ new_word) & ~kPositions,
+                 now.last_hmove};
     const unsigned positions = bytes_set(d.positions), flags = bytes_set(d.flags) >> 5;
     d.objects = positions | (flags & 3) << kP0 | flags >> 2 << kBL;
     if (before.last_hmove != now.last_hmove) d.objects |= kPlacing;

@@ -22,7 +22,8 @@ struct TiaWrite {
 
 inline constexpr uint64_t kPlayfieldRegisters = set_of({PF0, PF1, PF2});
 // Registers of the objects' looks, not of their positions.
-inline constexpr uint64_t kLooks = registers_where([](const TiaRegister& reg) { return reg.collides == Collides::kByLook; });
+inline constexpr uint64_t kLooks =
+    registers_where([](const TiaRegister& reg) { return reg.collides == Collides::kByLook; });
 // Writes to these registers always act, because later writes depend on their effects.
 inline constexpr uint64_t kAlwaysActing =
     registers_where([](const TiaRegister& reg) { return reg.collides == Collides::kAlways; });
