@@ -81,6 +81,10 @@ def check_strength(strength: Any) -> float:
 
 def check_poke(index: Any, value: Any) -> tuple[int, int]:
     """The arguments of `set_ram` as two ints."""
+    if isinstance(index, int) and 128 <= index <= 255:
+        raise ValueError(
+            f"index must be within 0..127, got {index}; the address ${index:02X} has the index {index - 128}"
+        )
     return check_integer("index", index, 0, 127), check_integer("value", value, 0, 255)
 
 

@@ -309,6 +309,23 @@ def _layers(protocol: Protocol) -> Iterator[Layer]:
         yield ClipReward, {}
 
 
+# What users of other projects call a preset, for the suggestion in an error.
+OTHER_NAMES = {
+    "nature": "dqn2015",
+    "machado": "machado2018",
+    "cleanrl": "baselines",
+    "sb3": "baselines",
+    "zoo": "baselines",
+    "deepmind": "baselines",
+    "rainbow": "dopamine",
+    "iqn": "dopamine",
+    "100k": "atari100k",
+    "spr": "atari100k",
+    "ale": "ale_vector",
+    "dqn": "dqn2015",
+}
+
+
 def preset_options(name: str) -> dict[str, Any]:
     """The options of `AtariEnv` with which to make an environment for a preset.
 
@@ -321,7 +338,9 @@ def preset_options(name: str) -> dict[str, Any]:
 def _find(name: Any) -> Preset:
     if name in PRESETS:
         return PRESETS[name]
-    near = difflib.get_close_matches(str(name).lower(), PRESETS, n=1, cutoff=0.4)
+    wanted = str(name).lower()
+    known = next((preset for other, preset in OTHER_NAMES.items() if other in wanted), None)
+    near = [known] if known else difflib.get_close_matches(wanted, PRESETS, n=1, cutoff=0.4)
     hint = f"did you mean {near[0]!r}?" if near else "see the list"
     raise ValueError(f"there is no preset {name!r}; {hint} ({', '.join(PRESETS)})")
 

@@ -5,6 +5,7 @@ is 0, 1 for a failure, 2 for a wrong command line, 130 after Ctrl-C.
 """
 
 import argparse
+import difflib
 import os
 import sys
 from collections.abc import Sequence
@@ -51,7 +52,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _run(argv: Sequence[str] | None) -> int:
     try:
         words = sys.argv[1:] if argv is None else [*argv]
-        args = _parser(words).parse_args(words)
+        args, unknown = _parser(words).parse_known_args(words)
+        if unknown:  # argparse itself would print the usage of `atari`, not that of the command
+            args.parser.error(f"unrecognized arguments: {' '.join(unknown)}")
     except SystemExit as exit_:  # argparse has printed help, the version or the error
         return int(exit_.code or 0)
     code: int = args.run(args)
@@ -70,6 +73,9 @@ def _parser(words: Sequence[str]) -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"atari-envs {atari.__version__}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     chosen = next((word for word in words if not word.startswith("-")), None)
+    near = difflib.get_close_matches(chosen or "", _COMMANDS, n=1) if chosen not in _COMMANDS else []
+    if near:
+        parser.error(f"there is no command {chosen!r}; did you mean {near[0]!r}?")
     for name in (chosen,) if chosen in _COMMANDS else _COMMANDS:
         import_module(f"atari.cli.{name}").register(commands)
     return parser

@@ -3,7 +3,12 @@
 import argparse
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING
+
+from atari.games.catalog import games
+from atari.games.game import Game
+from atari.registration import resolve
 
 if TYPE_CHECKING:
     Commands = argparse._SubParsersAction[argparse.ArgumentParser]
@@ -15,8 +20,39 @@ def add_command(
     """Add a command with the option --json. `run` gets the parsed arguments and returns the exit code."""
     parser = commands.add_parser(name, help=help_, description=f"{help_[0].upper()}{help_[1:]}.", allow_abbrev=False)
     parser.add_argument("--json", action="store_true", help="print one JSON document")
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=run, parser=parser)
     return parser
+
+
+def add_rom(parser: argparse.ArgumentParser) -> None:
+    """Add the option --rom, for game definitions of one's own."""
+    parser.add_argument(
+        "--rom",
+        type=Path,
+        metavar="FILE",
+        help="the ROM of a game definition (default: the file beside it with the ending .bin or .a26)",
+    )
+
+
+def find_game(name: str, playable: bool = True) -> Game:
+    """The game of an argument: a game's id, an environment ID, or the file of a game definition (.toml).
+
+    If it must be `playable`, two-player cartridges are refused.
+
+    Raises:
+        ValueError, FileNotFoundError, gymnasium.error.NameNotFound: there is no such game; the nearest is suggested.
+    """
+    if not name.endswith(".toml") and ("-v" in name or "/" in name):
+        name = resolve(name)[1]
+    return games.find(name) if playable else games.resolve(name)
+
+
+def find_rom(name: str, rom: Path | None) -> Path | None:
+    """The ROM file of an argument that `find_game` takes: `rom`, or the one beside a game definition, or None."""
+    if rom is not None or not name.endswith(".toml"):
+        return rom
+    beside = (Path(name).with_suffix(ending) for ending in (".bin", ".a26"))
+    return next((file for file in beside if file.is_file()), None)
 
 
 def number(kind: type[int] | type[float], low: float) -> Callable[[str], float]:

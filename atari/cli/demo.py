@@ -18,11 +18,10 @@ import gymnasium
 from tqdm import tqdm
 
 import atari
-from atari.cli.arguments import add_command, number
+from atari.cli.arguments import add_command, find_game, number
 from atari.cli.interrupt import ctrl_c_as_event
 from atari.cli.observers import ScoreCounter, VideoObserver
 from atari.cli.output import print_json
-from atari.games.catalog import games
 from atari.games.game import Game
 from atari.recording import VideoWriter, frame_rate
 
@@ -59,7 +58,7 @@ def register(commands: "Commands") -> None:
 
 
 def _demo(args: argparse.Namespace) -> int:
-    game = games.find(args.game)
+    game = find_game(args.game)
     steps = args.steps
     if args.seconds is not None:
         steps = math.ceil(args.seconds * frame_rate(game) / _FRAMES_PER_STEP)

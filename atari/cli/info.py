@@ -4,9 +4,8 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from atari import registration
-from atari.cli.arguments import add_command
+from atari.cli.arguments import add_command, find_game
 from atari.cli.output import print_json, to_json_types
-from atari.games.catalog import games
 from atari.games.game import Controllers, Game
 from atari.games.rules import Rules
 
@@ -17,13 +16,11 @@ if TYPE_CHECKING:
 def register(commands: "Commands") -> None:
     """Add `atari info`."""
     parser = add_command(commands, "info", _info, "show the facts of a game: actions, modes, rules, ROM, IDs")
-    parser.add_argument("game", metavar="GAME", help="a game, such as breakout")
+    parser.add_argument("game", metavar="GAME", help="a game, such as breakout, or an ID, such as Pong-v4")
 
 
 def _info(args: argparse.Namespace) -> int:
-    if args.game not in games:
-        raise ValueError(games.unknown(args.game))
-    game = games[args.game]
+    game = find_game(args.game, playable=False)
     ids = [family.id(game.id) for family in registration.FAMILIES if game.id in family.games()]
     print_json({**to_json_types(game), "ids": ids}) if args.json else print(_description(game, ids))
     return 0

@@ -6,9 +6,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from atari.cli.arguments import add_command, number
+from atari.cli.arguments import add_command, add_rom, find_game, find_rom, number
 from atari.cli.output import print_json
-from atari.games.catalog import games
 from atari.play import Session, play
 from atari.play.controls import HELP
 from atari.play.window import start_pygame
@@ -22,7 +21,8 @@ def register(commands: "Commands") -> None:
     parser = add_command(commands, "play", _play, "play a game in a window, and write a replay of it")
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.epilog = f"keys:\n{HELP}"
-    parser.add_argument("game", metavar="GAME", help="a game, such as breakout")
+    parser.add_argument("game", metavar="GAME", help="a game, such as breakout, or a game definition, such as own.toml")
+    add_rom(parser)
     parser.add_argument("--mode", type=number(int, 0), metavar="N", help="mode of the game; see `atari info GAME`")
     parser.add_argument("--difficulty", type=number(int, 0), metavar="N", help="difficulty of the game")
     parser.add_argument("--seed", type=number(int, 0), metavar="N", help="seed of the game (default: random)")
@@ -42,14 +42,15 @@ def register(commands: "Commands") -> None:
 
 
 def _play(args: argparse.Namespace) -> int:
-    game = games.find(args.game)
+    game = find_game(args.game)
     start_pygame()  # raises without pygame or a display, before any file is created or replaced
     replay, new_folders = None, []
     if not args.no_replay:
         replay = args.replay or Path("replays", f"{game.id}-{time.strftime('%Y%m%d-%H%M%S')}.a26")
         new_folders = [folder for folder in replay.parents if not folder.exists()]
     session = Session(
-        args.game,
+        game,
+        rom=find_rom(args.game, args.rom),
         replay=replay,
         state=args.state or Path("states", f"{game.id}.state"),
         mode=args.mode,

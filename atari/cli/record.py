@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from tqdm import tqdm
 
 import atari
-from atari.cli.arguments import add_command, number
+from atari.cli.arguments import add_command, add_rom, find_game, find_rom, number
 from atari.cli.interrupt import ctrl_c_as_event
 from atari.cli.observers import ScoreCounter, VideoObserver
 from atari.cli.output import print_json
@@ -31,7 +31,12 @@ Policy = Callable[[Any], Any]
 def register(commands: "Commands") -> None:
     """Add `atari record`."""
     parser = add_command(commands, "record", _record, "let a policy play a game, and record a video or a replay")
-    parser.add_argument("game", metavar="GAME", help="a game, such as breakout, or an ID, such as PongNoFrameskip-v4")
+    parser.add_argument(
+        "game",
+        metavar="GAME",
+        help="a game, such as breakout, an ID, such as PongNoFrameskip-v4, or a game definition, such as own.toml",
+    )
+    add_rom(parser)
     parser.add_argument(
         "--policy",
         default="random",
@@ -124,7 +129,7 @@ def _play(env: Any, policy: Policy, score_counter: ScoreCounter, args: argparse.
 
 def _film_replay(args: argparse.Namespace) -> int:
     replay = Replay.load(args.policy)
-    game = atari.games.find(args.game)
+    game = find_game(args.game)
     if replay.game != game:
         raise ValueError(f"{args.policy} is a replay of {replay.game.id}, not of {game.id}")
     outputs = args.output or [Path("videos", f"{game.id}-{Path(args.policy).stem}.mp4")]
@@ -145,7 +150,12 @@ def _make(args: argparse.Namespace) -> Any:
     options: dict[str, Any] = {"preset": args.preset}
     if args.policy == "noop" and args.preset is None:
         options["full_action_space"] = True  # some games do not use NOOP
-    return atari.make(args.game, **options)
+    if not args.game.endswith(".toml"):
+        return atari.make(args.game, **options)
+    preset = options.pop("preset")
+    options |= atari.wrappers.preset_options(preset) if preset else {}
+    env = AtariEnv(args.game, rom=find_rom(args.game, args.rom), **options)
+    return atari.wrappers.preset(env, preset) if preset else env
 
 
 def _policy(name: str, env: Any) -> Policy:

@@ -57,8 +57,14 @@ def register(commands: "Commands") -> None:
 def _show(args: argparse.Namespace) -> int:
     replay = _load(args.file)
     episodes = replay.episodes
+    rewound = replay.frames_total - sum(episode.frames for episode in episodes)
     if args.json:
-        facts = {"complete": replay.complete, "frames": replay.frames_total, "episodes": episodes}
+        facts = {
+            "complete": replay.complete,
+            "frames": replay.frames_total,
+            "frames_rewound": rewound,
+            "episodes": episodes,
+        }
         print_json({**replay.header, **facts})
         return 0
     rate = float(frame_rate(replay.game))
@@ -66,7 +72,9 @@ def _show(args: argparse.Namespace) -> int:
     print(f"{args.file}: {replay.game.title}")
     for name, fact in {
         "length": f"{replay.frames_total:,} frames, {_time(replay.frames_total / rate)}, "
-        f"{args.file.stat().st_size:,} bytes" + ("" if replay.complete else ", cut while it was recorded"),
+        f"{args.file.stat().st_size:,} bytes"
+        + (f", {rewound:,} frames of it played and then rewound" if rewound else "")
+        + ("" if replay.complete else ", cut while it was recorded"),
         "recorded": f"{replay.header.get('source')} on core {replay.header.get('core')!r}, "
         f"atari-envs {replay.header.get('package')}",
         "options": options,

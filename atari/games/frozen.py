@@ -1,5 +1,6 @@
 """A mapping for frozen dataclasses."""
 
+import difflib
 from collections.abc import Iterable, Iterator, Mapping
 from typing import TypeVar
 
@@ -14,7 +15,12 @@ class FrozenDict(Mapping[K, V]):
         self._items = dict(items)
 
     def __getitem__(self, key: K) -> V:
-        return self._items[key]
+        try:
+            return self._items[key]
+        except KeyError:
+            near = difflib.get_close_matches(str(key), map(str, self._items), n=1)
+            hint = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(map(str, self._items)) or 'none'}"
+        raise KeyError(f"there is no {key!r}; {hint}")
 
     def __iter__(self) -> Iterator[K]:
         return iter(self._items)

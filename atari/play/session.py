@@ -36,6 +36,7 @@ class Session:
         self,
         game: str | PathLike[str] | Game,
         *,
+        rom: Path | None = None,
         replay: Path | None = None,
         state: Path = Path("game.state"),
         videos: Path = Path("videos"),
@@ -46,6 +47,7 @@ class Session:
     ) -> None:
         self._atari = AtariEnv(
             game,
+            rom=rom,
             frameskip=1,
             repeat_action_probability=0.0,
             full_action_space=True,

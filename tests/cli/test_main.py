@@ -48,7 +48,8 @@ def test_each_command_has_help(command: list[str], capsys: pytest.CaptureFixture
     [
         ([], "arguments are required: COMMAND"),
         (["roms"], "arguments are required: COMMAND"),
-        (["paly"], "invalid choice: 'paly'"),
+        (["paly"], "there is no command 'paly'; did you mean 'play'?"),
+        (["xyz"], "invalid choice: 'xyz'"),
         (["play"], "arguments are required: GAME"),
         (["record"], "arguments are required: GAME"),
         (["replay"], "arguments are required: COMMAND"),
@@ -57,6 +58,8 @@ def test_each_command_has_help(command: list[str], capsys: pytest.CaptureFixture
         (["info"], "arguments are required: GAME"),
         (["explain"], "arguments are required: ID"),
         (["list", "--i"], "unrecognized arguments: --i"),
+        (["record", "pong", "--secnds", "2"], "usage: atari record [-h]"),
+        (["replay", "show", "a.a26", "--core", "ale"], "usage: atari replay show [-h]"),
         (["roms", "identify"], "arguments are required: FILE"),
     ],
 )

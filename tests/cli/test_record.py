@@ -1,6 +1,7 @@
 """`atari record`: every kind of policy, recorded as videos and replays."""
 
 import json
+import shutil
 import signal
 import subprocess
 import sys
@@ -144,3 +145,20 @@ def test_ctrl_c_keeps_what_was_recorded(folder: Path) -> None:
     replay = Replay.load("a.a26")
     assert replay.complete
     assert replay.frames_total >= 396
+
+
+CATCH = Path(__file__).parents[2] / "examples" / "catch"
+
+
+def test_a_game_definition_with_the_rom_beside_it(capsys: pytest.CaptureFixture[str]) -> None:
+    result = record_json(capsys, str(CATCH / "catch.toml"), "--seconds", "1", "-o", "catch.a26")
+    assert (result["game"], result["frames"]) == ("catch", 60)
+    assert Path("catch.a26").stat().st_size > 0
+
+
+def test_a_game_definition_with_its_rom_elsewhere(capsys: pytest.CaptureFixture[str]) -> None:
+    shutil.copy(CATCH / "catch.toml", "mine.toml")
+    assert main(["record", "mine.toml"]) == 1
+    assert "rom" in capsys.readouterr().err
+    words = ("mine.toml", "--rom", str(CATCH / "catch.bin"), "--preset", "dqn2015", "--seconds", "1", "-o", "mine.mp4")
+    assert record_json(capsys, *words)["frames"] >= 60

@@ -8,6 +8,7 @@ import pytest
 from replay_tools import record
 
 from atari.cli import main
+from atari.play import Session
 from atari.recording import Replay
 from atari.recording.replay.file_format import ReplayFileWriter, read
 
@@ -110,3 +111,19 @@ def test_what_cannot_be_done_is_one_line(words: list[str], text: str, capsys: py
     assert err.startswith("atari: error: ")
     assert text in err
     assert err.count("\n") == 1
+
+
+def test_rewound_frames_are_counted(capsys: pytest.CaptureFixture[str]) -> None:
+    session = Session("pong", replay=Path("rewound.a26"), seed=1)
+    for _ in range(100):
+        session.play(session.legal_actions[0])
+    assert session.rewind()
+    session.close()
+    assert main(["replay", "show", "rewound.a26", "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    (episode,) = facts["episodes"]
+    assert facts["frames"] == 100
+    assert episode["frames"] + facts["frames_rewound"] == 100
+    assert facts["frames_rewound"] > 0
+    assert main(["replay", "show", "rewound.a26"]) == 0
+    assert f"{facts['frames_rewound']} frames of it played and then rewound" in capsys.readouterr().out

@@ -314,3 +314,11 @@ def test_the_schema_names_every_key() -> None:
     names |= {"minimal", "legal", "starting", "modes", "default_mode", "difficulties", "title", "players", "notes"}
     names |= set(HELPERS) | set(_OPERATION_KEYS)
     assert [name for name in sorted(names) if f"`{name}" not in schema] == []
+
+
+def test_an_unknown_label_suggests_the_nearest() -> None:
+    labels = atari.games["breakout"].ram_labels
+    with pytest.raises(KeyError, match="there is no 'live'; did you mean 'lives'?"):
+        labels["live"]
+    assert labels.get("live") is None
+    assert "live" not in labels

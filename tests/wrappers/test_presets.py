@@ -230,6 +230,9 @@ def test_the_set_of_actions_counts_not_the_option(game_env):
     [
         ("baseline", r"there is no preset 'baseline'; did you mean 'baselines'\?"),
         ("Dopamine", r"did you mean 'dopamine'\?"),
+        ("nature", r"did you mean 'dqn2015'\?"),
+        ("cleanrl", r"did you mean 'baselines'\?"),
+        ("sb3_zoo", r"did you mean 'baselines'\?"),
         ("machado", r"did you mean 'machado2018'\?"),
         (
             "???",

@@ -7,6 +7,9 @@ colour clock. A frame's sound lasts exactly as long as the frame.
 FFmpeg encodes, inside PyAV (extra `video`). `formats.py` has the formats.
 """
 
+import errno
+import os
+from contextlib import suppress
 from fractions import Fraction
 from os import PathLike
 from types import MappingProxyType, TracebackType
@@ -124,17 +127,33 @@ class VideoWriter:
             image = add_caption(image, caption, lines, scale)
         try:
             self._encoder.write(image, samples)
-        except Exception:
+        except Exception as error:
             encoder, self._encoder = self._encoder, None
-            encoder.close(broken=True)
-            raise
+            with suppress(OSError):  # closing meets the same error
+                encoder.close(broken=True)
+            raise self._incomplete(error) from error
         self.frames += 1
 
     def close(self) -> None:
-        """Complete the file. A second call does nothing."""
+        """Complete the file. A second call does nothing.
+
+        Raises:
+            OSError: the rest of the file cannot be written.
+        """
         encoder, self._encoder = self._encoder, None
-        if encoder is not None:
+        if encoder is None:
+            return
+        try:
             encoder.close()
+        except OSError as error:
+            raise self._incomplete(error) from error
+
+    def _incomplete(self, error: Exception) -> Exception:
+        """`error`, or for an OSError one that names the file and says what it contains."""
+        if not isinstance(error, OSError):
+            return error
+        number = error.errno or errno.EIO
+        return OSError(number, f"{os.strerror(number)}; incomplete, after {self.frames:,} frames", str(self.path))
 
     def __enter__(self) -> "VideoWriter":
         return self

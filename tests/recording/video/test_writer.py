@@ -1,5 +1,6 @@
 """`VideoWriter`: files read back have the written frames at the console's frame rate."""
 
+import errno
 import subprocess
 import sys
 from fractions import Fraction
@@ -16,6 +17,7 @@ from video_reader import NTSC, Screen, video_frames
 import atari
 from atari.cores import AleCore
 from atari.recording import VideoWriter, frame_rate
+from atari.recording.video.encoder import FFmpegEncoder
 
 
 def moving_bar(frames: int, size: tuple[int, int] = (210, 160)) -> list[Screen]:
@@ -238,3 +240,16 @@ def test_without_pyav_the_error_names_the_extra(tmp_path: Path, monkeypatch: pyt
 def test_importing_does_not_import_pyav() -> None:
     program = "import sys, atari.recording; sys.exit('av' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
+
+
+def test_a_full_disk_names_the_incomplete_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(encoder: Any, image: Any, samples: Any) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    writer = VideoWriter(tmp_path / "a.mp4", (210, 160), 60)
+    writer.write(np.zeros((210, 160, 3), np.uint8))
+    monkeypatch.setattr(FFmpegEncoder, "write", full)
+    with pytest.raises(OSError, match="No space left on device; incomplete, after 1 frames") as caught:
+        writer.write(np.zeros((210, 160, 3), np.uint8))
+    assert (caught.value.errno, caught.value.filename) == (errno.ENOSPC, str(tmp_path / "a.mp4"))
+    writer.close()
