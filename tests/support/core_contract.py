@@ -415,7 +415,8 @@ class CoreContract(SnapshotContract):
         ("index", "value", "text"),
         [
             (-1, 0, "index must be within 0..127, got -1"),
-            (128, 0, "index must be within 0..127, got 128"),
+            (128, 0, "index must be within 0..127, got 128; the address $80 has the index 0"),
+            (256, 0, "index must be within 0..127, got 256"),
             (0.0, 0, "index must be an integer within 0..127, got 0.0"),
             (0, 256, "value must be within 0..255, got 256"),
             (0, -1, "value must be within 0..255, got -1"),

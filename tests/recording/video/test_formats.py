@@ -1,5 +1,6 @@
 """The content of files of each format, read back with PyAV and OpenCV."""
 
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -209,8 +210,8 @@ def test_a_full_disk_is_an_error_and_no_crash(tmp_path: Path, name: str, limit: 
     """
     words = [sys.executable, "-c", program, str(tmp_path / name), str(limit)]
     result = subprocess.run(words, capture_output=True, text=True, timeout=120, check=False)
-    expected = "File too large\nmake a new VideoWriter\n"
-    assert (result.returncode, result.stdout, result.stderr) == (0, expected, "")
+    assert (result.returncode, result.stderr) == (0, "")
+    assert re.fullmatch(r"File too large(; incomplete, after \d+ frames)?\nmake a new VideoWriter\n", result.stdout)
 
 
 @pytest.mark.parametrize("suffix", SOUNDING)

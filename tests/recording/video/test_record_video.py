@@ -470,7 +470,7 @@ def test_a_full_disk_ends_the_video_and_the_game_continues(tmp_path: Path) -> No
     result = subprocess.run(words, capture_output=True, text=True, timeout=120, check=False)
     path = tmp_path / "videos" / "rl-video-episode-0.mkv"
     assert (result.stdout, result.stderr, result.returncode) == (
-        f"1 the recording has ended File too large\n{path}\n",
+        f"1 the recording has ended File too large; incomplete, after 17 frames\n{path}\n",
         "",
         0,
     )
