@@ -318,7 +318,7 @@ def test_the_schema_names_every_key() -> None:
 
 def test_an_unknown_label_suggests_the_nearest() -> None:
     labels = atari.games["breakout"].ram_labels
-    with pytest.raises(KeyError, match="there is no 'live'; did you mean 'lives'?"):
+    with pytest.raises(KeyError, match=r"there is no 'live'; did you mean 'lives'\?"):
         labels["live"]
     assert labels.get("live") is None
     assert "live" not in labels
