@@ -102,6 +102,18 @@ def test_gymnasium_imports_the_package_by_the_module_prefix(tmp_path: Path) -> N
     assert run(program, tmp_path, "-W", "error") == "(128,)\n"
 
 
+def test_a_second_import_after_the_first_was_deleted(tmp_path: Path) -> None:
+    """As test runners and notebooks do. Environments of both imports work."""
+    program = (
+        "import sys, atari\nold = atari.make('pong')\nold.reset(seed=0)\n"
+        "for name in [name for name in sys.modules if name.partition('.')[0] == 'atari']: del sys.modules[name]\n"
+        "import atari\nnew = atari.make('pong')\nnew.reset(seed=0)\nassert type(new.unwrapped) is not type(old.unwrapped)\n"
+        "vector = atari.AtariVectorEnv('pong', 2)\nvector.reset(seed=0)\nvector.close()\n"
+        "print(old.step(2)[1:] == new.step(2)[1:], atari.wrappers.__name__, atari.games['pong'].title)"
+    )
+    assert run(program, tmp_path, "-W", "error") == "True atari.wrappers Pong\n"
+
+
 ROOT = Path(__file__).parents[1]
 
 

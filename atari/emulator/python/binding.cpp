@@ -225,6 +225,12 @@ void register_vector(nb::module_& m);      // binding_vector.cpp
 
 NB_MODULE(_emulator, m) {
     using namespace atari;
+    // Types can be registered once in a process. An import after a deletion from `sys.modules` shares the first module's.
+    static nb::object* const first = new nb::object(m);
+    if (!first->is(m)) {
+        nb::borrow<nb::dict>(m.attr("__dict__")).update(nb::borrow<nb::dict>(first->attr("__dict__")));
+        return;
+    }
     m.attr("END") = static_cast<int>(Op::kEnd);
     m.doc() = "The native emulator, bound. Use it through atari.cores.NativeCore, which checks options and finds ROMs.";
 
