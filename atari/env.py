@@ -22,6 +22,7 @@ from atari.validation import check_action_index, check_frameskip, check_name, ch
 
 ObsType = Literal["rgb", "grayscale", "ram"]
 RenderMode = Literal["human", "rgb_array", "rgb_array_list"]
+Phase = Literal["new", "playing", "over", "warned"]
 
 
 class FrameObserver(Protocol):
@@ -125,7 +126,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         self.metadata = {**self.metadata, "render_fps": self._steps_per_second()}
         self._window = Window(self.game, self.metadata["render_fps"]) if render_mode == "human" else None
         self._frames: list[ByteArray] = []
-        self._phase: Literal["new", "playing", "over", "warned"] = "new"
+        self._phase: Phase = "new"
 
     @property
     def ale(self) -> AleInterface:
@@ -256,13 +257,19 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         """Continue from a snapshot.
 
         Raises:
-            TypeError, ValueError: not a snapshot, damaged, or of another game, core or other options.
+            TypeError, ValueError: not a snapshot, damaged, or of another game, core or other options. The environment
+                is as it was.
         """
-        facts, blobs = snapshot.unpack(data)
+        facts, blobs = snapshot.unpack(data, "core")
         snapshot.require(facts, {"of": "AtariEnv"})
+        phase = facts.get("phase")
+        if phase not in get_args(Phase):
+            raise ValueError(f"the snapshot is damaged: its phase is none of {', '.join(get_args(Phase))}")
+        generator = self.np_random.bit_generator
+        state = snapshot.check_generator(facts.get("np_random"), type(generator))
         self.core.restore(blobs["core"])
-        self.np_random.bit_generator.state = facts["np_random"]
-        self._phase = facts["phase"]
+        generator.state = state
+        self._phase = phase
         self._frames.clear()
 
     def __getstate__(self) -> dict[str, Any]:

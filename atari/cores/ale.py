@@ -200,12 +200,7 @@ class AleCore:
         Raises:
             RuntimeError: as `snapshot`.
         """
-        if self.sound:
-            return self
-        journal = self._complete_journal()
-        core = AleCore(self.game, seed=self._seed, rom=self._rom, **{**asdict(self._options), "sound": True})
-        core._play_again(journal)
-        return core
+        return self if self.sound else self._twin(self._seed, self._complete_journal(), sound=True)
 
     def snapshot(self) -> bytes:
         """The whole state: the calls since the last reset (with `sound`, since loading).
@@ -224,17 +219,27 @@ class AleCore:
         """Continue from a snapshot: load the game and replay the calls, which takes as long as they took.
 
         Raises:
-            TypeError, ValueError: not a snapshot, damaged, or of another game, core, ale-py or other options.
-            RuntimeError: the replay did not lead to the saved state.
+            TypeError, ValueError: not a snapshot, damaged, or of another game, core, ale-py or other options; or its
+                calls do not lead to the state that it was taken in. The core is as it was.
         """
-        facts, blobs = snapshot.unpack(data)
+        facts, blobs = snapshot.unpack(data, "base", "events", "digest")
         snapshot.require(facts, self._facts())
+        seed = facts.get("seed")
+        if type(seed) is not int or not 0 <= seed < SEED_LIMIT:
+            raise ValueError(f"the snapshot is damaged: its seed is no integer within 0..{SEED_LIMIT - 1}")
         journal = Journal(blobs["base"], bytearray(blobs["events"]))
-        list(journal.replay())  # a damaged journal raises before anything changes
-        self._load(facts["seed"])
-        self._play_again(journal)
-        if self._digest() != blobs["digest"]:
-            raise RuntimeError(f"ale-py did not reproduce this snapshot of {self.game.id}; please report it")
+        journal.check()
+        self._ale.lives()  # raises if this core is closed
+        try:
+            twin = self._twin(seed, journal)
+        except Exception as error:  # ale-py raises errors of several classes, SystemError too, for a damaged state
+            raise ValueError(f"ale-py cannot continue from this snapshot of {self.game.id} ({error})") from error
+        if twin._digest() != blobs["digest"]:
+            raise ValueError(
+                f"the calls in this snapshot of {self.game.id} do not lead to the state that it was taken in, so it "
+                "was changed; take a new one"
+            )
+        self._ale, self._seed, self._journal = twin._ale, seed, twin._journal
 
     def close(self) -> None:
         """Release the emulator."""
@@ -261,6 +266,12 @@ class AleCore:
                 "leave out part of the machine; use snapshot() and restore() throughout instead"
             )
         return self._journal
+
+    def _twin(self, seed: int, journal: Journal, **options: Any) -> "AleCore":
+        """A new core of this game on which a journal has been replayed; `options` override those of this core."""
+        twin = AleCore(self.game, seed=seed, rom=self._rom, **{**asdict(self._options), **options})
+        twin._play_again(journal)
+        return twin
 
     def _play_again(self, journal: Journal) -> None:
         """Replay a journal; the game has just been loaded with its seed."""

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from atari.actions import PLAYER_ACTIONS
+from atari.validation import check_action, check_poke, check_strength
 
 # Events: one byte for an action of full strength (0..17), else a code and its arguments.
 _ACT_WITH_STRENGTH = 0x40
@@ -39,6 +40,22 @@ class Journal:
     def poke(self, index: int, value: int) -> None:
         """Append a write to RAM."""
         self.events += bytes((_POKE, index, value))
+
+    def check(self) -> None:
+        """Check every event, as those of a file must be.
+
+        Raises:
+            ValueError: an event is unknown, cut short, or has an argument out of range.
+        """
+        try:
+            for event, first, second in self.replay():
+                if event == "act":
+                    check_action(first)
+                    check_strength(second)
+                elif event == "poke":
+                    check_poke(first, int(second))
+        except (IndexError, struct.error):
+            raise ValueError("the snapshot's journal ends within an event") from None
 
     def replay(self) -> Iterator[tuple[str, int, float]]:
         """The events in order, as ("act", action, strength), ("reset", 0, 0) or ("poke", index, value).

@@ -126,7 +126,7 @@ class NativeCore(_emulator.Emulator):
         Raises:
             TypeError, ValueError: not a snapshot, damaged, or of another game, core, version or other options.
         """
-        facts, blobs = snapshot.unpack(data)
+        facts, blobs = snapshot.unpack(data, "state")
         snapshot.require(facts, self._facts())
         unpacker = zlib.decompressobj()
         try:

@@ -39,12 +39,18 @@ def pack(facts: Mapping[str, Any], blobs: Mapping[str, bytes]) -> bytes:
     return _MAGIC + struct.pack("<H", VERSION) + _digest(body) + body
 
 
-def unpack(data: bytes) -> tuple[dict[str, Any], dict[str, bytes]]:
+def unpack(data: bytes, *names: str) -> tuple[dict[str, Any], dict[str, bytes]]:
     """The facts and blobs of a snapshot, after checking that it is complete.
+
+    The checksum finds damage. It is no signature: the facts can have any value, and a blob any content.
+
+    Args:
+        data: what `pack` returned.
+        names: of blobs that must be there.
 
     Raises:
         TypeError: `data` is not bytes.
-        ValueError: `data` is empty, not a snapshot, of another version, truncated or damaged.
+        ValueError: `data` is empty, not a snapshot, of another version, truncated or damaged, or lacks a blob.
     """
     if not isinstance(data, bytes):
         raise TypeError(f"a snapshot is bytes as snapshot() returned them, got {type(data).__name__}")
@@ -62,12 +68,10 @@ def unpack(data: bytes) -> tuple[dict[str, Any], dict[str, bytes]]:
     body = data[_HEAD:]
     if _digest(body) != data[_HEAD - _DIGEST_SIZE : _HEAD]:
         raise ValueError("the snapshot is damaged or truncated: its checksum does not match its content")
-    (size,) = struct.unpack_from("<I", body)
-    facts = json.loads(body[4 : 4 + size])
-    blobs, start = {}, 4 + size
-    for name, length in facts.pop("blobs"):
-        blobs[name] = body[start : start + length]
-        start += length
+    facts, blobs = _parse(body)
+    for name in names:
+        if name not in blobs:
+            raise ValueError(f"the snapshot has no {name!r}; pass what snapshot() of this object returned")
     return facts, blobs
 
 
@@ -80,9 +84,53 @@ def require(facts: Mapping[str, Any], expected: Mapping[str, Any]) -> None:
     for name, value in expected.items():
         if facts.get(name) != value:
             raise ValueError(
-                f"the snapshot was taken with {name} = {facts.get(name)!r}, but this environment has {value!r}; "
+                f"the snapshot was taken with {name} = {_shown(facts.get(name))}, but this environment has {value!r}; "
                 "restore it into one made with the same options"
             )
+
+
+def check_generator(state: Any, kind: type[Any]) -> Any:
+    """`state`, if it is a state of NumPy's bit generators of this kind.
+
+    Raises:
+        ValueError: it is not.
+    """
+    generator = kind()
+    try:
+        generator.state = state
+        sound = generator.state == state
+    except (TypeError, ValueError, KeyError, OverflowError):
+        sound = False
+    if not sound:
+        raise ValueError(f"the snapshot is damaged: np_random is no state of {kind.__name__}")
+    return state
+
+
+def _parse(body: bytes) -> tuple[dict[str, Any], dict[str, bytes]]:
+    """The facts and blobs in what follows the checksum.
+
+    Raises:
+        ValueError: the facts are not a JSON object, or the blobs do not fill the rest.
+    """
+    start = 4 + struct.unpack_from("<I", body)[0]
+    try:
+        facts = json.loads(body[4:start])
+        sizes = facts.pop("blobs")
+        sound = all(type(name) is str and type(size) is int and size >= 0 for name, size in sizes)
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        sound = False
+    if not sound or start + sum(size for _, size in sizes) != len(body):
+        raise ValueError("the snapshot is damaged: its facts are no JSON object with the sizes of its blobs")
+    blobs = {}
+    for name, size in sizes:
+        blobs[name] = body[start : start + size]
+        start += size
+    return facts, blobs
+
+
+def _shown(fact: Any) -> str:
+    """A fact for a message; any value but a scalar is only named, because it can be nested too deeply for `repr`."""
+    return repr(fact) if fact is None or isinstance(fact, (bool, int, float, str)) else f"a {type(fact).__name__}"
 
 
 def _digest(body: bytes) -> bytes:

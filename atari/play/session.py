@@ -145,10 +145,13 @@ class Session:
             FileNotFoundError: there is no saved state.
             ValueError: the file is damaged, or of another game, mode or difficulty.
         """
-        facts, blobs = snapshot.unpack(self._state.read_bytes())
+        facts, blobs = snapshot.unpack(self._state.read_bytes(), "env")
         snapshot.require(facts, {"of": "play"})
+        score = facts.get("score")
+        if type(score) is not int:
+            raise ValueError(f"{self._state} is damaged: its score is no whole number")
         self._atari.restore(blobs["env"])
-        self.score = int(facts["score"])
+        self.score = score
         self._rewind_points.clear()
 
     def toggle_video(self) -> Path | None:

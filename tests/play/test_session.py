@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from atari.actions import Action
+from atari.cores import snapshot
 from atari.play.session import FRAMES_PER_REWIND_POINT, Session
 from atari.recording import Replay, VideoWriter
 
@@ -105,6 +106,14 @@ def test_states_of_something_else_are_refused(tmp_path: Path) -> None:
         other.load()
     (tmp_path / "s" / "a.state").write_bytes(b"nonsense")
     with pytest.raises(ValueError, match="are not a snapshot"):
+        other.load()
+    facts, blobs = snapshot.unpack((other.save()).read_bytes())
+    for forged in ({}, {"score": "many"}, {"score": None}, {"score": 10**30 + 0.5}):
+        (tmp_path / "s" / "a.state").write_bytes(snapshot.pack({"of": "play", **forged}, blobs))
+        with pytest.raises(ValueError, match="score is no whole number"):
+            other.load()
+    (tmp_path / "s" / "a.state").write_bytes(snapshot.pack(facts, {}))
+    with pytest.raises(ValueError, match="the snapshot has no 'env'"):
         other.load()
     assert np.array_equal(other.screen, before)
     other.close()

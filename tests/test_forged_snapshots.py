@@ -1,0 +1,184 @@
+"""Snapshots with a valid checksum whose facts or blobs were changed: ValueError, and everything as it was.
+
+The checksum is no signature: a program that writes any snapshot can compute it.
+"""
+
+import copy
+import json
+import random
+import struct
+import zlib
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from typing import Any
+
+import pytest
+from env_tools import started
+
+from atari import AtariVectorEnv
+from atari.cores import AleCore, Core, NativeCore, snapshot
+
+VALUES: list[Any] = [
+    None, True, -1, 1, 2**31, 2**64, 10**300, 0.5, 1e300, float("nan"), "", "x", [], [[]], {}, {"state": {}},
+    [["core", -1]], [["core", 10**30]], [[["core"], 1]], [["core", 1, 2]],
+]  # fmt: skip
+TEXTS = [
+    b"", b"{", b"[]", b"1", b"null", b'"blobs"', b"\xff", b"{}", b'{"blobs": []}', b'{"blobs": 1}', b'{"blobs": [1]}',
+    b"[" * 100_000, b'{"a":' * 100_000, b'{"a": ' + b"[" * 900 + b"]" * 900 + b', "blobs": []}', b"9" * 5000,
+    b'{"a": 1e999, "blobs": []}',
+]  # fmt: skip
+
+
+def forge(text: bytes, blobs: bytes) -> bytes:
+    body = struct.pack("<I", len(text)) + text + blobs
+    return b"ATARISNP" + struct.pack("<H", snapshot.VERSION) + snapshot._digest(body) + body
+
+
+def places(value: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    """The path of each fact in nested facts."""
+    for key, inner in value.items():
+        yield (*path, key)
+        if isinstance(inner, dict):
+            yield from places(inner, (*path, key))
+
+
+def forgeries(data: bytes) -> Iterator[bytes]:
+    """Snapshots like `data` with each fact missing and of each other value, and with each of `TEXTS` for the facts."""
+    (size,) = struct.unpack_from("<I", data, 26)
+    facts, blobs = json.loads(data[30 : 30 + size]), data[30 + size :]
+    for *path, name in places(facts):
+        for value in [KeyError, *VALUES]:
+            changed = copy.deepcopy(facts)
+            table = changed
+            for key in path:
+                table = table[key]
+            if value is KeyError:
+                del table[name]
+            else:
+                table[name] = value
+            yield forge(json.dumps(changed).encode(), blobs)
+    for text in TEXTS:
+        yield forge(text, blobs)
+    yield forge(data[30 : 30 + size], blobs[:-1])
+    yield forge(data[30 : 30 + size], blobs + b"?")
+    body = struct.pack("<I", 2**32 - 1) + data[30:]
+    yield data[:10] + snapshot._digest(body) + body
+
+
+def with_blob(data: bytes, name: str, blob: bytes) -> bytes:
+    facts, blobs = snapshot.unpack(data)
+    return snapshot.pack(facts, {**blobs, name: blob})
+
+
+def check(target: Any, forged: Iterator[bytes], at_least: int) -> None:
+    """Each is refused with ValueError, which changes nothing, or is a state like any other."""
+    good = target.snapshot()
+    refused = 0
+    for data in forged:
+        try:
+            target.restore(data)
+        except ValueError:
+            assert target.snapshot() == good
+            refused += 1
+        else:
+            if target.snapshot() != good:
+                target.restore(good)
+    assert refused >= at_least
+
+
+def core_of(kind: Callable[..., Core], **options: Any) -> Core:
+    core = kind("breakout", **options)
+    core.reset()
+    for _ in range(5):
+        core.act(1)
+    return core
+
+
+def test_facts_of_an_environment() -> None:
+    env = started("breakout", frameskip=(2, 5))
+    env.step(1)
+    check(env, forgeries(env.snapshot()), 200)
+    core = env.core.snapshot()
+    check(env, (with_blob(env.snapshot(), "core", data) for data in forgeries(core)), 200)
+    assert env.step(0)[3] is False
+
+
+@pytest.mark.parametrize("kind", [NativeCore, AleCore])
+def test_facts_of_a_core(kind: Callable[..., Core]) -> None:
+    core = core_of(kind)
+    check(core, forgeries(core.snapshot()), 200)
+
+
+def test_the_native_state() -> None:
+    core = core_of(NativeCore)
+    good = core.snapshot()
+    state = zlib.decompress(snapshot.unpack(good)[1]["state"])
+    rng = random.Random(0)
+
+    def states() -> Iterator[bytes]:
+        yield b""
+        yield zlib.compress(state)[:-5]
+        yield zlib.compress(bytes(10**7))
+        for _ in range(20):
+            yield zlib.compress(state[: rng.randrange(len(state))])
+        for _ in range(300):
+            changed = bytearray(state)
+            for _ in range(rng.choice([1, 3, 300])):
+                changed[rng.randrange(len(state))] = rng.choice([0, 0x7F, 0x80, 0xFF, rng.randrange(256)])
+            yield zlib.compress(changed, 1)
+
+    check(core, (with_blob(good, "state", blob) for blob in states()), 25)
+
+
+def test_the_journal_of_ale_py() -> None:
+    core = core_of(AleCore)
+    good = core.snapshot()
+    nan, huge = struct.pack("<f", float("nan")), struct.pack("<f", 1e30)
+    events = [b"\x12", b"\x3f", b"\xff", b"\x40", b"\x40\x12" + bytes(4), b"\x40\x00" + nan, b"\x40\x01" + huge]
+    events += [b"\x40\x01\x00", b"\x42", b"\x42\x00", b"\x42\x80\x00", b"", b"\x41", b"\x01" * 9]
+    check(core, (with_blob(good, "events", event) for event in events), len(events))
+    check(core, iter([with_blob(good, "digest", b""), with_blob(good, "digest", bytes(16))]), 2)
+    base = snapshot.unpack(good)[1]["base"]
+    bases = [b"", b"?", bytes(len(base)), base[:-1], base[: len(base) // 2], b"\xff" * len(base)]
+    check(core, (with_blob(good, "base", state) for state in bases), 3)
+
+
+def test_snapshots_of_a_vector() -> None:
+    envs = AtariVectorEnv("breakout", 2, num_threads=1)
+    envs.reset(seed=0)
+    good = envs.snapshot()
+    state, image = good[0].__getstate__()
+    rng = random.Random(0)
+
+    def forged(state: bytes, image: int) -> Any:
+        snapshot = type(good[0]).__new__(type(good[0]))
+        snapshot.__setstate__((state, image))
+        return snapshot
+
+    def states() -> Iterator[Any]:
+        yield forged(b"", image)
+        yield forged(state[:-1], image)
+        yield forged(state + b"?", image)
+        yield forged(state, image ^ 1)
+        yield None
+        yield b"?"
+        for _ in range(200):
+            changed = bytearray(state)
+            for _ in range(rng.choice([1, 3, 300])):
+                changed[rng.randrange(len(state))] = rng.choice([0, 0x7F, 0x80, 0xFF, rng.randrange(256)])
+            yield forged(bytes(changed), image)
+
+    before = [each.__getstate__() for each in good]
+    refused = 0
+    for each in states():
+        try:
+            envs.restore(None, [good[0], each])
+        except (TypeError, ValueError):
+            refused += 1
+            assert [each.__getstate__() for each in envs.snapshot()] == before
+        else:
+            with suppress(ValueError):
+                envs.step([1, 1])  # type: ignore[arg-type]
+            envs.restore(None, good)
+    assert refused >= 7
+    envs.close()
