@@ -6,7 +6,9 @@ value out of range; the message has the argument's name, what is accepted, and t
 
 import math
 import operator
+import stat
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 
@@ -102,3 +104,28 @@ def check_frameskip(frameskip: Any) -> int | tuple[int, int]:
     if low >= high:
         raise ValueError(f"a frameskip range (low, high) is low..high-1 frames and needs low < high, got {frameskip!r}")
     return low, high
+
+
+def check_file(file: Path, instead: str = "give a regular file") -> Path:
+    """`file`, which must be a regular file: to open a pipe or a device could block or read for ever.
+
+    Args:
+        file: the path; symbolic links are followed.
+        instead: what to do if it is a folder, for the message.
+
+    Raises:
+        FileNotFoundError, PermissionError: there is no such file, or a folder of its path is closed.
+        IsADirectoryError: it is a folder.
+        ValueError: it is a device, a pipe or a socket, or the path has a null character.
+    """
+    try:
+        mode = file.stat().st_mode
+    except (FileNotFoundError, NotADirectoryError):
+        raise FileNotFoundError(f"there is no file {file}; check the path") from None
+    except PermissionError:
+        raise PermissionError(f"{file} may not be read; check the permissions of its folders") from None
+    if stat.S_ISDIR(mode):
+        raise IsADirectoryError(f"{file} is a folder; {instead}")
+    if not stat.S_ISREG(mode):
+        raise ValueError(f"{file} is a device or a pipe; give a regular file")
+    return file

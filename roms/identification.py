@@ -8,6 +8,7 @@ import hashlib
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -58,8 +59,12 @@ def identify(file: str | os.PathLike[str]) -> Identification:
 
 def by_content(image: bytes) -> Game | None:
     """The game whose ROM has exactly these bytes."""
-    wanted = md5(image)
-    return next((game for game in games.values() if game.rom.md5 == wanted), None)
+    return _games_by_md5().get(md5(image))
+
+
+@cache
+def _games_by_md5() -> dict[str, Game]:
+    return {game.rom.md5: game for game in games.values()}
 
 
 def known_images() -> dict[str, bytes]:
@@ -71,18 +76,20 @@ def known_images() -> dict[str, bytes]:
 def recognise(name: str, image: bytes, known: Mapping[str, bytes]) -> Identification:
     """Identify an image; an unknown one is compared with the `known` images."""
     game = by_content(image)
-    nearest, verdict = (None, f"is {game.title}") if game else _describe(image, known)
+    nearest, verdict = (None, f"is {game.title}") if game else describe(image, known)
     digest = hashlib.sha256(image).hexdigest()
     return Identification(name, len(image), md5(image), digest, game, nearest, verdict)
 
 
-def _describe(image: bytes, known: Mapping[str, bytes]) -> tuple[Game | None, str]:
-    """The most similar game and the verdict, for an unknown image."""
+def describe(image: bytes, known: Mapping[str, bytes] | None) -> tuple[Game | None, str]:
+    """The most similar game and the verdict, for an unknown image; it is not compared if the `known` ones are None."""
     size = f"{len(image):,} bytes"
     if not image:
         return None, "is empty"
-    if len(set(image)) == 1:
+    if image.count(image[0]) == len(image):
         return None, f"is no game: its {size} are all {image[0]:#04x}"
+    if known is None:
+        return None, f"is unknown: its {size} are no known game; `atari roms identify` compares them"
     return (
         _piece(image, known)
         or _overdump(image, known)

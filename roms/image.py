@@ -4,12 +4,11 @@ All files that users name are read by this module, so that a folder, a pipe, a h
 exception.
 """
 
-import gzip
 import hashlib
-import io
-import stat
 import zlib
 from pathlib import Path
+
+from atari.validation import check_file
 
 LIMIT = 512 * 1024
 """The greatest number of bytes of an image. The largest known cartridge has 64 KiB; ale-py reads up to this limit."""
@@ -25,27 +24,13 @@ def read_image(file: Path) -> bytes:
         FileNotFoundError, IsADirectoryError, PermissionError: it cannot be read.
         ValueError: it is no regular file, is larger than `LIMIT`, is damaged gzip, or a zip archive.
     """
-    check_file(file)
+    check_file(file, "give the ROM file in it, or set ATARI_ROMS to the folder")
     try:
         with file.open("rb") as stream:
             data = stream.read(LIMIT + 1)
     except PermissionError:
         raise PermissionError(f"{file} may not be read; give yourself the permission, or another file") from None
     return unpack(str(file), data)
-
-
-def check_file(file: Path) -> None:
-    """Raise the errors of `read_image` if `file` is not a regular file: opening a pipe could block for ever."""
-    try:
-        mode = file.stat().st_mode
-    except (FileNotFoundError, NotADirectoryError):
-        raise FileNotFoundError(f"there is no file {file}; check the path") from None
-    except PermissionError:
-        raise PermissionError(f"{file} may not be read; check the permissions of its folders") from None
-    if stat.S_ISDIR(mode):
-        raise IsADirectoryError(f"{file} is a folder; give the ROM file in it, or set ATARI_ROMS to the folder")
-    if not stat.S_ISREG(mode):
-        raise ValueError(f"{file} is a device or a pipe; give a regular file")
 
 
 def unpack(name: str, data: bytes) -> bytes:
@@ -57,14 +42,26 @@ def unpack(name: str, data: bytes) -> bytes:
     if data.startswith(_ZIP_MAGICS):
         raise ValueError(f"{name} is a zip archive, not a ROM file; `atari roms import` unpacks it, if it is sound")
     if data.startswith(_GZIP_MAGIC) and len(data) <= LIMIT:
-        try:
-            with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream:
-                data = stream.read(LIMIT + 1)
-        except (OSError, EOFError, zlib.error) as error:
-            raise ValueError(f"{name} is a damaged gzip file ({error}); get it again") from None
+        data = _gunzip(name, data)
     if len(data) > LIMIT:
         raise ValueError(f"{name} has more than {LIMIT:,} bytes, which no cartridge has, so it is no ROM file")
     return data
+
+
+def _gunzip(name: str, data: bytes) -> bytes:
+    """The content of a gzip file of one member, up to `LIMIT` + 1 bytes.
+
+    A file can consist of thousands of empty members, each of which costs time, so more than one is an error.
+    """
+    unpacker = zlib.decompressobj(16 + zlib.MAX_WBITS)
+    try:
+        image = unpacker.decompress(data, LIMIT + 1)
+    except zlib.error as error:
+        raise ValueError(f"{name} is a damaged gzip file ({error}); get it again") from None
+    if len(image) <= LIMIT and (not unpacker.eof or unpacker.unused_data.strip(b"\0")):
+        fault = "there is more after its end" if unpacker.eof else "it ends too early"
+        raise ValueError(f"{name} is a damaged gzip file ({fault}); get it again")
+    return image
 
 
 def md5(image: bytes) -> str:

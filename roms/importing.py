@@ -5,18 +5,28 @@ identified by its content, and written under the game's id: names in an archive 
 """
 
 import os
+import re
 import zipfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from atari.roms.identification import known_images, recognise
-from atari.roms.image import LIMIT, check_file, read_image, unpack
-from atari.roms.locations import holds, path, store
+from atari.roms.identification import by_content, describe, known_images
+from atari.roms.image import LIMIT, read_image, unpack
+from atari.roms.locations import store, stored
+from atari.validation import check_file
 
-# With LIMIT, this bounds the time that a malicious archive can cost to some seconds.
 _MOST_MEMBERS = 20_000
+
+# The bytes that an import may unpack, in all its archives together: so many, and so many for each byte of an archive.
+# Collections of ROM files are packed to a third or so.
+_UNPACKED, _UNPACKED_PER_BYTE = 64 << 20, 32
+
+# Unknown files are compared with all known games until their sizes add up to this. A comparison also has a fixed cost.
+_COMPARED, _COMPARED_PER_FILE = 4 << 20, 16 << 10
+
+_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # others unpack 4 KB to gigabytes before a limit can act
 
 _Read = Callable[[], bytes]
 
@@ -37,11 +47,14 @@ class ImportReport:
 def import_from(source: str | os.PathLike[str]) -> ImportReport:
     """Copy the known ROM files in a folder (and its subfolders), a zip archive or a single file to `path()`.
 
-    Zip archives in a folder are opened too, and gzip is unpacked. A file in `path()` that has the name of a game but
-    another content is replaced.
+    Zip archives in a folder are opened too, and gzip is unpacked. No file in `path()` is replaced: a ROM whose usual
+    name is taken gets the start of its MD5 in its name. A file that cannot be read, and a member that is damaged,
+    encrypted or has a name that no file could have, is rejected with a message, and the others are imported. The time
+    is bounded by the size of `source`.
 
     Raises:
         FileNotFoundError, PermissionError: `source` cannot be read.
+        ValueError: it is a device or a pipe.
         OSError: `path()` cannot be written to.
     """
     source = Path(source)
@@ -53,70 +66,93 @@ def import_from(source: str | os.PathLike[str]) -> ImportReport:
     imported: dict[str, Path] = {}
     present: dict[str, Path] = {}
     rejected: list[str] = []
-    for name, read in _files(source):
+    comparable = _COMPARED
+    for name, read in _Files(source):
         try:
             image = read()
         except (OSError, ValueError) as error:
             rejected.append(str(error))
             continue
-        found = recognise(name, image, known)
-        if found.game is None:
-            rejected.append(str(found))
-        elif found.game.id not in imported and found.game.id not in present:
-            target = path() / f"{found.game.id}.bin"
-            if holds(target, found.game):
-                present[found.game.id] = target
+        game = by_content(image)
+        if game is None:
+            comparable -= len(image) + _COMPARED_PER_FILE
+            rejected.append(f"{name} {describe(image, known if comparable > 0 else None)[1]}")
+        elif game.id not in imported and game.id not in present:
+            if file := stored(game):
+                present[game.id] = file
             else:
-                imported[found.game.id] = store(found.game, image)
+                imported[game.id] = store(game, image)
     return ImportReport(imported, present, tuple(rejected))
 
 
-def _files(source: Path) -> Iterator[tuple[str, _Read]]:
-    """Each file in `source`, as its name and a function that reads it, or raises OSError or ValueError."""
-    if not source.is_dir():
-        yield from _in_file(source)
-        return
-    closed: list[OSError] = []
-    for folder, subfolders, names in os.walk(source, onerror=closed.append):
-        subfolders.sort()
-        for name in sorted(names):
-            yield from _in_file(Path(folder, name))
-    for error in closed:
-        yield str(error.filename), partial(_fail, error)
+class _Files:
+    """The files in `source`. Each is its name and a function that reads it, or raises OSError or ValueError."""
 
+    def __init__(self, source: Path) -> None:
+        self._source = source
+        self._unpackable = _UNPACKED  # bytes that may still be unpacked
 
-def _in_file(file: Path) -> Iterator[tuple[str, _Read]]:
-    # Checked in this order, because opening a pipe could block for ever.
-    if os.path.isfile(file) and zipfile.is_zipfile(file):
-        yield from _in_zip(file)
-    else:
-        yield str(file), partial(read_image, file)
-
-
-def _in_zip(file: Path) -> Iterator[tuple[str, _Read]]:
-    try:
-        archive = zipfile.ZipFile(file)
-    except Exception as error:  # of many classes, all for a damaged archive
-        yield str(file), partial(_fail, ValueError(f"{file} is a damaged zip archive ({error}); get it again"))
-        return
-    with archive:
-        members = [info for info in archive.infolist() if not info.is_dir()]
-        if len(members) > _MOST_MEMBERS:
-            fault = f"{file} has {len(members):,} files in it; take at most {_MOST_MEMBERS:,} at a time"
-            yield str(file), partial(_fail, ValueError(fault))
+    def __iter__(self) -> Iterator[tuple[str, _Read]]:
+        if not self._source.is_dir():
+            yield from self._in_file(self._source)
             return
-        for info in members:
-            name = f"{info.filename!r} in {file}"
-            yield name, partial(_read_member, name, archive, info)
+        closed: list[OSError] = []
+        for folder, subfolders, names in os.walk(self._source, onerror=closed.append):
+            subfolders.sort()
+            for name in sorted(names):
+                yield from self._in_file(Path(folder, name))
+        for error in closed:
+            yield str(error.filename), partial(_fail, error)
+
+    def _in_file(self, file: Path) -> Iterator[tuple[str, _Read]]:
+        # Checked in this order, because opening a pipe could block for ever.
+        if os.path.isfile(file) and zipfile.is_zipfile(file):
+            yield from self._in_zip(file)
+        else:
+            yield str(file), partial(read_image, file)
+
+    def _in_zip(self, file: Path) -> Iterator[tuple[str, _Read]]:
+        try:
+            archive = zipfile.ZipFile(file)
+        except Exception as error:  # of many classes, all for a damaged archive
+            yield str(file), partial(_fail, ValueError(f"{file} is a damaged zip archive ({error}); get it again"))
+            return
+        with archive:
+            members = [info for info in archive.infolist() if not info.filename.endswith("/")]
+            if len(members) > _MOST_MEMBERS:
+                fault = f"{file} has {len(members):,} files in it; take at most {_MOST_MEMBERS:,} at a time"
+                yield str(file), partial(_fail, ValueError(fault))
+                return
+            self._unpackable += _UNPACKED_PER_BYTE * file.stat().st_size
+            for info in members:
+                name = f"{info.filename!r} in {file}"
+                yield name, partial(self._read_member, name, archive, info)
+
+    def _read_member(self, name: str, archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> bytes:
+        if not _names_a_file(info.filename):
+            raise ValueError(f"{name} has a name that leads out of the archive, or none; unpack it yourself")
+        if info.compress_type not in _METHODS:
+            raise ValueError(f"{name} is packed in another way than by Deflate; unpack it yourself")
+        if self._unpackable <= 0:
+            raise ValueError(f"{name} was not unpacked, because the archives become too large; unpack it yourself")
+        self._unpackable -= min(info.file_size, LIMIT)
+        try:
+            with archive.open(info) as stream:
+                data = stream.read(LIMIT + 1)
+        except Exception as error:  # any error of its decompressor, or encryption
+            raise ValueError(f"{name} cannot be unpacked ({error}); unpack it yourself, or get it again") from None
+        try:
+            image = unpack(name, data)
+        except ValueError:
+            self._unpackable -= LIMIT  # which gzip may have produced
+            raise
+        self._unpackable -= len(image)
+        return image
 
 
-def _read_member(name: str, archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> bytes:
-    try:
-        with archive.open(info) as stream:
-            data = stream.read(LIMIT + 1)
-    except Exception as error:  # any error of its decompressor, or encryption
-        raise ValueError(f"{name} cannot be unpacked ({error}); unpack it yourself, or get it again") from None
-    return unpack(name, data)
+def _names_a_file(name: str) -> bool:
+    """Whether a member's name is one that an archiver gives to a file in a folder."""
+    return bool(name) and not name.startswith(("/", "\\")) and ".." not in re.split(r"[/\\]", name)
 
 
 def _fail(error: Exception) -> bytes:

@@ -7,6 +7,7 @@ hashed; a hash is cached until the file's size or modification time changes.
 import os
 import uuid
 from collections.abc import Iterator
+from contextlib import suppress
 from functools import lru_cache
 from importlib.util import find_spec
 from itertools import chain
@@ -91,20 +92,49 @@ def misleads(file: Path, game: Game) -> bool:
     return stem in games and stem != game.id
 
 
-def store(game: Game, image: bytes) -> Path:
-    """Write `image` to your own folder under the usual name and return its path.
+def stored(game: Game) -> Path | None:
+    """The file in your own folder that `store` has written for this game, or one of its names with its content."""
+    return next((file for file in _own_files(game) if holds(file, game)), None)
 
-    It appears there complete or not at all, also when several processes store the same game.
+
+def store(game: Game, image: bytes) -> Path:
+    """Write `image`, the ROM of `game`, to your own folder and return its path.
+
+    No file is ever replaced: if there is another file of the usual name, the name gets the start of the MD5. The file
+    appears complete or not at all, also when several processes store the same game.
 
     Raises:
-        OSError: the folder cannot be made or written to.
+        OSError: the folder cannot be made or written to, or has other files of both names.
     """
-    target = path() / f"{game.id}.bin"
+    for target in _own_files(game):
+        with suppress(FileExistsError):
+            _create(target, image)
+        if holds(target, game):
+            return target
+    raise FileExistsError(f"{target} exists and is not {game.title}; rename it")
+
+
+def _own_files(game: Game) -> tuple[Path, Path]:
+    return path() / f"{game.id}.bin", path() / f"{game.id}-{game.rom.md5[:8]}.bin"
+
+
+def _create(target: Path, image: bytes) -> None:
+    """Write a new file.
+
+    Raises:
+        FileExistsError: there is one.
+        OSError: it cannot be written.
+    """
     target.parent.mkdir(parents=True, exist_ok=True)
-    part = target.with_name(f".{game.id}.{uuid.uuid4().hex}")
+    part = target.with_name(f".{target.stem}.{uuid.uuid4().hex}")
     try:
         part.write_bytes(image)
-        part.replace(target)
+        try:
+            target.hardlink_to(part)  # unlike a rename, this never replaces a file
+        except FileExistsError:
+            raise
+        except OSError:  # a file system without hard links
+            target.open("xb").close()
+            part.replace(target)
     finally:
         part.unlink(missing_ok=True)
-    return target

@@ -14,7 +14,7 @@ from atari.games.catalog import games
 from atari.games.game import Game
 from atari.roms.identification import identify, known_images, recognise
 from atari.roms.image import md5, read_image
-from atari.roms.locations import folders, holds, lookup, misleads, path, store, usual_files
+from atari.roms.locations import folders, holds, lookup, misleads, path, store, stored, usual_files
 
 
 def find(game: str | Game, path: str | os.PathLike[str] | None = None) -> Path:
@@ -24,8 +24,8 @@ def find(game: str | Game, path: str | os.PathLike[str] | None = None) -> Path:
         game: id of a game, for example "breakout", or a `Game`. One of your own without a hash accepts any file.
         path: the file to use; None searches `folders()`.
 
-    A file that is named as another game would be played by ale-py under that game's rules. It is copied to your own
-    folder under its right name, and the copy is returned.
+    A file of a known game that is named as another game would be played by ale-py under that game's rules. It is copied
+    to your own folder under its right name, and the copy is returned. No file there is replaced.
 
     Raises:
         TypeError: `game` or `path` is of the wrong kind.
@@ -49,7 +49,7 @@ def find(game: str | Game, path: str | os.PathLike[str] | None = None) -> Path:
     else:
         file = Path(path).absolute()
         _check(known, file)
-    return _rightly_named(known, file) if misleads(file, known) else file
+    return _rightly_named(known, file) if _is_ours(known) and misleads(file, known) else file
 
 
 def installed() -> dict[str, Path]:
@@ -129,14 +129,16 @@ def _check(game: Game, file: Path) -> None:
         raise ValueError(f"the ROM of {game.title} is needed, but {fault}; without a path, the file is searched for")
 
 
+def _is_ours(game: Game) -> bool:
+    """Whether this is a game that ale-py knows, not one of a user's with the same id."""
+    return game.id in games and game.rom.md5 == games[game.id].rom.md5
+
+
 def _rightly_named(game: Game, file: Path) -> Path:
-    copy = path() / f"{game.id}.bin"
-    if holds(copy, game):
-        return copy
     try:
-        return store(game, read_image(file))
+        return stored(game) or store(game, read_image(file))
     except OSError as error:
         raise PermissionError(
-            f"{file} is {game.title}, but named as another game, and no copy can be made at {copy} "
-            f"({error.strerror}); rename it to {copy.name}"
+            f"{file} is {game.title}, but named as another game, and no copy can be made in {path()} "
+            f"({error.strerror or error}); rename it to {game.id}.bin"
         ) from error

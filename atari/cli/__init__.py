@@ -6,6 +6,7 @@ is 0, 1 for a failure, 2 for a wrong command line, 130 after Ctrl-C.
 
 import argparse
 import difflib
+import io
 import os
 import sys
 from collections.abc import Sequence
@@ -34,6 +35,8 @@ examples:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command line (without the program's name; None is `sys.argv`) and return its exit code."""
+    if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.errors == "strict":
+        sys.stdout.reconfigure(errors="backslashreplace")  # a file's name can have bytes that are no text
     try:
         code = _run(argv)
         print(end="", flush=True)  # a closed pipe raises here, not at the interpreter's exit

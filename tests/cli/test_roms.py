@@ -1,6 +1,8 @@
 """`atari roms`: the commands around `atari.roms`, on real files."""
 
 import json
+import os
+import subprocess
 import sys
 import types
 from pathlib import Path
@@ -138,6 +140,17 @@ def test_import_from_nowhere(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert captured.err.startswith("atari: error: ")
     assert str(tmp_path / "nowhere") in captured.err
     assert captured.out == ""
+
+
+def test_a_name_that_is_no_text_is_printed(tmp_path: Path) -> None:
+    folder = tmp_path / "names"
+    folder.mkdir()
+    (folder / os.fsdecode(b"\xff")).write_bytes(b"hello")
+    command = [sys.executable, "-m", "atari", "roms", "import", str(folder)]
+    environment = {**os.environ, "PYTHONIOENCODING": "utf-8:strict", "PYTHONSAFEPATH": "1"}
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+    assert (done.returncode, done.stderr) == (1, "")
+    assert "\\udcff is unknown: its 5 bytes are near to no known game" in done.stdout
 
 
 def test_install_without_autorom_names_the_extra(

@@ -88,11 +88,80 @@ def test_zip_archives(own: Path, tmp_path: Path, pong: bytes, breakout: bytes) -
 
 
 def test_names_in_an_archive_decide_nothing(own: Path, tmp_path: Path, pong: bytes, breakout: bytes) -> None:
-    _zip(tmp_path / "evil.zip", {"../../../escaped.bin": pong, "/absolute.bin": breakout, "..\\up": b"?"})
+    names = ["../../../escaped.bin", "/absolute.bin", "..\\up", "a/../../b", "\\\\host\\a"]
+    _zip(tmp_path / "evil.zip", {**dict.fromkeys(names, pong), "asterix.bin": breakout})
     before = set(tmp_path.iterdir())
-    assert set(roms.import_from(tmp_path / "evil.zip").imported) == {"pong", "breakout"}
-    assert sorted(own.iterdir()) == [own / "breakout.bin", own / "pong.bin"]
+    report = roms.import_from(tmp_path / "evil.zip")
+    assert report.imported == {"breakout": own / "breakout.bin"}
+    assert report.rejected == tuple(
+        f"{name!r} in {tmp_path / 'evil.zip'} has a name that leads out of the archive, or none; unpack it yourself"
+        for name in names
+    )
+    assert list(own.iterdir()) == [own / "breakout.bin"]
     assert set(tmp_path.iterdir()) - before == {own.parent}
+
+
+def test_a_bad_member_never_stops_the_others(own: Path, tmp_path: Path, pong: bytes, breakout: bytes) -> None:
+    with zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
+        archive.writestr("X", pong)
+        archive.writestr("bz2", pong, zipfile.ZIP_BZIP2)
+        archive.writestr("lzma", pong, zipfile.ZIP_LZMA)
+        archive.writestr("NUL\0", pong)
+        archive.writestr("b", breakout)
+    data = (tmp_path / "a.zip").read_bytes()
+    central = data.rindex(b"X")
+    data = data[: central - 18] + bytes(2) + data[central - 16 : central] + b"" + data[central + 1 :]
+    end = data.index(b"PK\x05\x06")  # the directory has become a byte shorter
+    (size,) = struct.unpack_from("<I", data, end + 12)
+    data = data[: end + 12] + struct.pack("<I", size - 1) + data[end + 16 :]
+    (tmp_path / "a.zip").write_bytes(data)
+    assert zipfile.ZipFile(tmp_path / "a.zip").namelist()[0] == ""
+    report = roms.import_from(tmp_path)
+    assert set(report.imported) == {"breakout", "pong"}
+    assert [sentence.partition(".zip ")[2].partition(";")[0] for sentence in report.rejected] == [
+        "has a name that leads out of the archive, or none",
+        "is packed in another way than by Deflate",
+        "is packed in another way than by Deflate",
+    ]
+
+
+def test_the_work_of_an_import_is_bounded(tmp_path: Path, breakout: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
+    """12 MB of unknown files took hours: each was searched for every known ROM. Counted in bytes, not in seconds."""
+    monkeypatch.setattr("atari.roms.importing._UNPACKED", 10 << 20)
+    monkeypatch.setattr("atari.roms.importing._COMPARED", 1 << 20)
+    with zipfile.ZipFile(tmp_path / "a.zip", "w", zipfile.ZIP_DEFLATED, compresslevel=1) as file:
+        file.writestr("breakout", breakout)
+        for number in range(40):
+            file.writestr(f"{number}", number.to_bytes(2, "big") + bytes(500_000))
+    compared, unpacked = [0], [0]
+
+    def compare(image: bytes, known: object) -> None:
+        compared[0] += len(image)
+
+    def unpack(name: str, data: bytes) -> bytes:
+        unpacked[0] += 2 * len(data)
+        return data
+
+    monkeypatch.setattr("atari.roms.identification._piece", compare)
+    monkeypatch.setattr("atari.roms.importing.unpack", unpack)
+    report = roms.import_from(tmp_path / "a.zip")
+    assert set(report.imported) == {"breakout"}
+    assert len(report.rejected) == 40
+    assert 500_000 <= compared[0] <= 1 << 20
+    allowed = (10 << 20) + 32 * (tmp_path / "a.zip").stat().st_size
+    assert allowed - 1_000_000 <= unpacked[0] <= allowed + 1_000_000
+    assert "is unknown: its 500,002 bytes are no known game; `atari roms identify` compares them" in report.rejected[5]
+    assert report.rejected[-1].endswith("was not unpacked, because the archives become too large; unpack it yourself")
+
+
+def test_gzip_of_many_members_is_refused(tmp_path: Path, pong: bytes) -> None:
+    (tmp_path / "many.gz").write_bytes(gzip.compress(b"") * 20_000 + gzip.compress(pong))
+    (tmp_path / "padded.gz").write_bytes(gzip.compress(pong) + bytes(100))
+    report = roms.import_from(tmp_path)
+    assert set(report.imported) == {"pong"}
+    assert report.rejected == (
+        f"{tmp_path / 'many.gz'} is a damaged gzip file (there is more after its end); get it again",
+    )
 
 
 def test_bombs_are_not_unpacked(own: Path, tmp_path: Path, pong: bytes) -> None:
@@ -204,17 +273,38 @@ def test_an_unreadable_subfolder_is_reported(tmp_path: Path, monkeypatch: pytest
     assert report.rejected == (f"[Errno 13] Permission denied: '{tmp_path / 'source' / 'closed'}'",)
 
 
-def test_a_damaged_file_of_ours_is_replaced(own: Path, shipped: Path, pong: bytes) -> None:
+def test_no_file_is_replaced(own: Path, shipped: Path, pong: bytes) -> None:
     own.mkdir(parents=True)
     (own / "pong.bin").write_bytes(pong[:100])
-    assert roms.import_from(shipped / "pong.bin").imported == {"pong": own / "pong.bin"}
-    assert (own / "pong.bin").read_bytes() == pong
+    second = own / f"pong-{games['pong'].rom.md5[:8]}.bin"
+    assert roms.import_from(shipped / "pong.bin").imported == {"pong": second}
+    assert (own / "pong.bin").read_bytes() == pong[:100]
+    assert second.read_bytes() == pong
+    assert roms.find("pong") == second
+    assert roms.import_from(shipped / "pong.bin").present == {"pong": second}
+    second.write_bytes(b"mine")
+    with pytest.raises(FileExistsError, match=r"pong-.*\.bin exists and is not Pong; rename it"):
+        roms.import_from(shipped / "pong.bin")
+    assert second.read_bytes() == b"mine"
 
 
-@pytest.mark.parametrize("failing", ["write_bytes", "replace"])
-def test_a_failed_write_leaves_what_was_there(
-    own: Path, shipped: Path, monkeypatch: pytest.MonkeyPatch, failing: str
+def test_a_folder_of_the_usual_name(own: Path, shipped: Path) -> None:
+    (own / "pong.bin").mkdir(parents=True)
+    assert roms.find("pong", roms.import_from(shipped / "pong.bin").imported["pong"]).parent == own
+
+
+def test_a_file_system_without_hard_links(
+    own: Path, shipped: Path, pong: bytes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    def fail(self: Path, other: object) -> None:
+        raise OSError(95, "Operation not supported")
+
+    monkeypatch.setattr(Path, "hardlink_to", fail)
+    assert roms.import_from(shipped / "pong.bin").imported == {"pong": own / "pong.bin"}
+    assert [(file.name, file.read_bytes()) for file in own.iterdir()] == [("pong.bin", pong)]
+
+
+def test_a_failed_write_leaves_what_was_there(own: Path, shipped: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     own.mkdir(parents=True)
     (own / "pong.bin").write_bytes(b"old")
 
@@ -223,10 +313,10 @@ def test_a_failed_write_leaves_what_was_there(
             file.write(b"half")
         raise OSError(28, "No space left on device", str(self))
 
-    monkeypatch.setattr(Path, failing, fail)
+    monkeypatch.setattr(Path, "write_bytes", fail)
     with pytest.raises(OSError, match="No space left on device"):
         roms.import_from(shipped / "pong.bin")
-    assert [(file.name, file.read_bytes()) for file in own.iterdir()] == [("pong.bin", b"old")]
+    assert [(file.name, (own / file.name).stat().st_size) for file in own.iterdir()] == [("pong.bin", 3)]
 
 
 def test_the_own_folder_can_be_imported_from(own: Path, shipped: Path) -> None:

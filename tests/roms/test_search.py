@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 from ale_py import ALEInterface
 
+import atari
 from atari import roms
 from atari.games.catalog import games
 
@@ -75,6 +76,38 @@ def test_a_misleading_name_where_no_copy_can_be_made(own: Path, tmp_path: Path, 
     own.parent.write_bytes(b"a file where the folder should be")
     with pytest.raises(PermissionError, match=r"is Breakout, but named as another game.*rename it to breakout\.bin"):
         roms.find("breakout", tmp_path / "asterix.bin")
+
+
+@pytest.mark.parametrize("hashes", ["", f'[rom]\nmd5 = "{"0" * 32}"\n', "pong's"])
+def test_a_game_of_ones_own_never_stores_its_rom(
+    own: Path, tmp_path: Path, pong: bytes, breakout: bytes, hashes: str
+) -> None:
+    """A game file named breakout.toml, played with pong.bin, replaced breakout.bin in the user's folder."""
+    own.mkdir(parents=True)
+    (own / "breakout.bin").write_bytes(breakout)
+    if hashes == "pong's":
+        hashes = f'[rom]\nmd5 = "{games["pong"].rom.md5}"\n'
+    catch = Path(__file__).parents[2] / "examples" / "catch" / "catch.toml"
+    (tmp_path / "breakout.toml").write_text(catch.read_text() + "\n" + hashes)
+    (tmp_path / "pong.bin").write_bytes(pong)
+    if "000" in hashes:
+        with pytest.raises(ValueError, match="is Pong"):
+            atari.AtariEnv(tmp_path / "breakout.toml", rom=tmp_path / "pong.bin")
+    else:
+        atari.AtariEnv(tmp_path / "breakout.toml", rom=tmp_path / "pong.bin").reset()
+    assert [(file.name, file.read_bytes()) for file in own.iterdir()] == [("breakout.bin", breakout)]
+
+
+def test_the_copy_of_a_misleading_name_replaces_nothing(own: Path, tmp_path: Path, breakout: bytes) -> None:
+    own.mkdir(parents=True)
+    (own / "breakout.bin").write_bytes(b"mine")
+    (tmp_path / "asterix.bin").write_bytes(breakout)
+    copy = roms.find("breakout", tmp_path / "asterix.bin")
+    assert copy.parent == own
+    assert copy.read_bytes() == breakout
+    assert _minimal_actions(copy) == 4
+    assert (own / "breakout.bin").read_bytes() == b"mine"
+    assert roms.find("breakout", tmp_path / "asterix.bin") == copy
 
 
 def _minimal_actions(file: Path) -> int:
