@@ -14,11 +14,15 @@ from typing import Any, Literal, TypeVar, get_args, get_origin
 from atari.actions import PLAYER_ACTIONS, Action
 from atari.games.frozen import FrozenDict
 from atari.games.rules import LABEL_ADDRESSES, Rules, check_expression, parse_rules
+from atari.validation import check_file
 
 if sys.version_info >= (3, 11):
     import tomllib
 else:
     import tomli as tomllib
+
+_MOST_BYTES = 256 << 10
+_DEEPEST = 16
 
 TV_FRAME_RATES = MappingProxyType({"NTSC": 60.0, "PAL": 50.0, "SECAM": 50.0})
 """Nominal frames a second by TV format."""
@@ -147,10 +151,19 @@ def load_game(path: Path) -> Game:
     """Read a game definition; the file's name without the suffix is the game's id.
 
     Raises:
-        ValueError: the file is not valid TOML or not a game definition; the message names the file and the fault.
+        ValueError: the file is not valid TOML or not a game definition; the message names the file and the fault. Or
+            it is a device or a pipe.
+        FileNotFoundError, IsADirectoryError, PermissionError: it cannot be read.
     """
+    check_file(path)
+    with path.open("rb") as stream:
+        data = stream.read(_MOST_BYTES + 1)
     try:
-        return parse_game(path.stem, tomllib.loads(path.read_text(encoding="utf-8")))
+        if len(data) > _MOST_BYTES:
+            raise ValueError(f"a game definition has at most {_MOST_BYTES:,} bytes")
+        return parse_game(path.stem, tomllib.loads(data.decode("utf-8")))
+    except RecursionError:
+        raise ValueError(f"{path}: its tables or lists are nested too deeply") from None
     except (ValueError, TypeError, AttributeError) as error:
         raise ValueError(f"{path}: {error}") from error
 
@@ -161,6 +174,7 @@ def parse_game(game_id: str, table: Mapping[str, Any]) -> Game:
     Raises:
         ValueError: the content is not a game definition; the message says where, and what is expected.
     """
+    _check_numbers(table, "")
     playing = ("actions", "settings", "rules")
     needed = playing if any(key in table for key in playing) else ()
     _check_keys(table, "the file", ("title", "players", "notes", "screen", "controllers", *needed), ("rom", "ram"))
@@ -173,7 +187,7 @@ def parse_game(game_id: str, table: Mapping[str, Any]) -> Game:
         players=table["players"],
         rom=_rom(table.get("rom", {})),
         screen=_screen(table["screen"]),
-        controllers=_build(Controllers, table["controllers"], "[controllers]"),
+        controllers=_controllers(table["controllers"]),
         **_play(table) if "rules" in table else _NO_PLAY,
         ram_labels=FrozenDict((name, _ram_label(name, label)) for name, label in table.get("ram", {}).items()),
         notes=tuple(table["notes"]),
@@ -199,9 +213,12 @@ def _play(table: Mapping[str, Any]) -> dict[str, Any]:
     minimal, legal, starting = (_actions(actions[key]) for key in ("minimal", "legal", "starting"))
     if not set(minimal) <= set(legal):
         raise ValueError("[actions] a minimal action is not legal")
+    if not minimal or not set(legal) <= set(PLAYER_ACTIONS):
+        raise ValueError("[actions] minimal needs an action, and RESET can only be in starting")
     _check_keys(settings, "[settings]", ("modes", "default_mode", "difficulties"))
     for key in ("modes", "difficulties"):
         _check_value(f"[settings] {key}", settings[key], tuple[int, ...])
+    _check_value("[settings] default_mode", settings["default_mode"], int)
     if settings["default_mode"] not in settings["modes"]:
         raise ValueError(f"[settings] default_mode {settings['default_mode']} is not one of the modes")
     if not settings["difficulties"] or not set(settings["difficulties"]) <= {0, 1, 2, 3}:
@@ -227,14 +244,27 @@ def _rom(table: Mapping[str, Any]) -> Rom:
 
 def _screen(table: Mapping[str, Any]) -> Screen:
     screen = _build(Screen, table, "[screen]")
-    if not 1 <= screen.height <= 256:
-        raise ValueError(f"[screen] height {screen.height} is not within 1..256")
+    if not 200 <= screen.height <= 256:
+        raise ValueError(f"[screen] height {screen.height} is not within 200..256")
+    if not 0 <= screen.first_line <= 300 - screen.height:
+        raise ValueError(f"[screen] first_line {screen.first_line} is not within 0..{300 - screen.height}")
+    if screen.width != 160:
+        raise ValueError(f"[screen] width is always 160, got {screen.width}; leave it out")
     return screen
+
+
+def _controllers(table: Mapping[str, Any]) -> Controllers:
+    controllers = _build(Controllers, table, "[controllers]")
+    low, high = controllers.paddle_range or (0, 0)
+    if not 0 <= low <= high <= 2**24:
+        raise ValueError(f"[controllers] paddle_range must be two integers within 0..{2**24}, got {low}, {high}")
+    return controllers
 
 
 def _actions(names: "Literal['all'] | list[str]") -> tuple[Action, ...]:
     if names == "all":
         return PLAYER_ACTIONS
+    _check_value("[actions] a list of actions", names, tuple[str, ...])
     unknown = [name for name in names if name not in Action.__members__]
     if unknown:
         raise ValueError(f"[actions] unknown action {unknown[0]!r}")
@@ -243,6 +273,8 @@ def _actions(names: "Literal['all'] | list[str]") -> tuple[Action, ...]:
 
 def _ram_label(name: str, table: Mapping[str, Any]) -> RamLabel:
     where = f"[ram] {name}"
+    if not isinstance(table, Mapping) or "name" in table:
+        raise ValueError(f"{where} must be a table, without the key 'name'")
     label = _build(RamLabel, {"name": name, **table}, where)
     if label.index not in LABEL_ADDRESSES:
         raise ValueError(f"{where}: index {label.index} is not within 0..127")
@@ -266,7 +298,19 @@ def _build(kind: type[T], table: Mapping[str, Any], where: str) -> T:
     return kind(**{key: tuple(value) if isinstance(value, list) else value for key, value in table.items()})
 
 
+def _check_numbers(value: Any, where: str, depth: int = 0) -> None:
+    """Check all numbers in a value, which the emulator stores in 32 bits."""
+    if depth > _DEEPEST:
+        raise ValueError(f"{where} is nested too deeply")
+    if isinstance(value, int) and not -(2**31) <= value < 2**31:
+        raise ValueError(f"{where} is not an integer of 32 bits")
+    for key, item in value.items() if isinstance(value, Mapping) else enumerate(value) if type(value) is list else ():
+        _check_numbers(item, f"{where}.{key}" if where else key, depth + 1)
+
+
 def _check_keys(table: Mapping[str, Any], where: str, required: Iterable[str], optional: Iterable[str] = ()) -> None:
+    if not isinstance(table, Mapping):
+        raise ValueError(f"{where} must be a table, got {table!r}")
     allowed = (*required, *optional)
     for key in table:
         if key not in allowed:

@@ -34,6 +34,9 @@ HELPERS: Mapping[str, Helper] = {
 MEMORIES = ("ram", "xram")
 OUTPUTS = ("reward", "terminal", "lives")
 RULE_ADDRESSES = range(0x80, 0x100)
+_LONGEST, _DEEPEST = 2000, 100
+"""The most characters of an expression, and levels of nesting in it."""
+
 LABEL_ADDRESSES = range(128)
 """Addresses of the bytes of RAM: rules use addresses on the console's bus, RAM labels indices into `ram()`."""
 
@@ -109,6 +112,8 @@ def parse_rules(table: Mapping[str, Any]) -> Rules:
     missing = {"lives_initial", "state", "step"} - set(table)
     if missing:
         raise ValueError(f"[rules] needs the key {sorted(missing)[0]!r}")
+    if not isinstance(table["state"], Mapping):
+        raise ValueError(f"[rules] state must be a table of integers, got {table['state']!r}")
     state = FrozenDict(table["state"])
     numbers = {"lives_initial": table["lives_initial"], "selection_frames": table.get("selection_frames", 0)}
     for name, value in {**state, **numbers}.items():
@@ -118,7 +123,7 @@ def parse_rules(table: Mapping[str, Any]) -> Rules:
     for name in OUTPUTS:
         if name not in dict(step):
             raise ValueError(f"[rules] step never assigns {name!r}")
-    kept = tuple(table.get("kept_over_reset", ()))
+    kept = tuple(_check_list("kept_over_reset", table.get("kept_over_reset", []), str))
     for name in kept:
         if name not in state:
             raise ValueError(f"[rules] kept_over_reset names {name!r}, which is not in state")
@@ -126,7 +131,7 @@ def parse_rules(table: Mapping[str, Any]) -> Rules:
         **numbers,
         state=state,
         step=step,
-        mode_select=_parse_operations(table.get("mode_select", ()), {*state, "mode"}),
+        mode_select=_parse_operations(table.get("mode_select", []), {*state, "mode"}),
         kept_over_reset=kept,
     )
 
@@ -145,10 +150,16 @@ def check_expression(
     Raises:
         ValueError: `source` is not an expression of this language; the message says where and what is wrong.
     """
+    if not isinstance(source, str) or len(source) > _LONGEST:
+        raise ValueError(f"{where}: an expression is a text of at most {_LONGEST:,} characters")
     try:
         tree = ast.parse(source.strip(), mode="eval")
     except SyntaxError as error:
         raise ValueError(f"{where}: {source!r} is not an expression: {error.msg}") from None
+    except (ValueError, RecursionError, MemoryError) as error:  # a null character; nested too deeply for the parser
+        raise ValueError(f"{where}: {source!r} is not an expression: {error or 'it is nested too deeply'}") from None
+    if _depth(tree) > _DEEPEST:
+        raise ValueError(f"{where}: {source!r} is nested too deeply")
     scope = set(names)
     indexed = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Subscript)}
     called = {id(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
@@ -157,6 +168,14 @@ def check_expression(
         if problem:
             raise ValueError(f"{where}: in {source!r}, {problem}")
     return tree
+
+
+def _depth(tree: ast.AST) -> int:
+    """How deeply the nodes of an expression are nested."""
+    depth, level = 0, [tree]
+    while level := [child for node in level for child in ast.iter_child_nodes(node)]:
+        depth += 1
+    return depth
 
 
 def _problem(node: ast.AST, scope: set[str], addresses: range) -> str | None:
@@ -206,12 +225,19 @@ def _parse_step(text: str, state: Mapping[str, int]) -> tuple[tuple[str, str], .
     return tuple(lines)
 
 
-def _parse_operations(tables: Iterable[Mapping[str, Any]], scope: set[str]) -> tuple[Operation, ...]:
+def _check_list(where: str, values: Any, kind: type) -> list[Any]:
+    if not isinstance(values, list) or not all(isinstance(value, kind) for value in values):
+        kinds = "texts" if kind is str else "tables"
+        raise ValueError(f"[rules] {where} must be a list of {kinds}, got {values!r}")
+    return values
+
+
+def _parse_operations(tables: Any, scope: set[str]) -> tuple[Operation, ...]:
     operations = []
-    for table in tables:
+    for table in _check_list("mode_select", tables, dict):
         keys = dict(table)
         op = keys.pop("op", None)
-        if op not in _OPERATION_KEYS:
+        if not isinstance(op, str) or op not in _OPERATION_KEYS:
             raise ValueError(f"[rules] mode_select: unknown operation {op!r}")
         required, optional = _OPERATION_KEYS[op]
         if not required <= set(keys) <= required | optional:
@@ -220,7 +246,11 @@ def _parse_operations(tables: Iterable[Mapping[str, Any]], scope: set[str]) -> t
             if key in keys:
                 keys[key] = str(keys[key])
                 check_expression(keys[key], scope, f"[rules] mode_select, {op} {key}")
-        if "action" in keys and keys["action"] not in {action.name for action in PLAYER_ACTIONS}:
+        if "max" in keys and (type(keys["max"]) is not int or keys["max"] < 0):
+            raise ValueError(f"[rules] mode_select: {op} max must be an integer of 0 or more, got {keys['max']!r}")
+        if "var" in keys and not (isinstance(keys["var"], str) and keys["var"].isidentifier()):
+            raise ValueError(f"[rules] mode_select: {op} var must be the name of a variable, got {keys['var']!r}")
+        if "action" in keys and keys["action"] not in [action.name for action in PLAYER_ACTIONS]:
             raise ValueError(f"[rules] mode_select: unknown action {keys['action']!r}")
         if "do" in keys:
             keys["do"] = _parse_operations(keys["do"], scope)
