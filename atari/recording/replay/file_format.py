@@ -42,6 +42,7 @@ from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
 from atari.cores import Core
+from atari.validation import check_file
 
 FORMAT = 1
 SUFFIX = ".a26"
@@ -191,6 +192,7 @@ def read(path: str | PathLike[str]) -> ReplayContent:
 
     Raises:
         Corrupt: the file is not a replay, of another version, or damaged; the message has the offset.
+        ValueError: it is a device or a pipe.
         OSError: the file cannot be read.
     """
     header: dict[str, Any] | None = None
@@ -225,6 +227,7 @@ def read(path: str | PathLike[str]) -> ReplayContent:
 
 def _chunks(path: Path) -> Iterator[tuple[int, bytes, bytes]]:
     """Yield offset, kind and payload of each complete chunk."""
+    check_file(path)
     with path.open("rb") as file:
         if file.read(len(_MAGIC)) != _MAGIC:
             raise Corrupt(f"{path} is no replay of atari-envs; those begin with {_MAGIC!r}")

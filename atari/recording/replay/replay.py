@@ -4,6 +4,7 @@ The file has the calls of the core and hashes, so half an hour takes tens of kil
 game again: screens, RAM, sound and rewards are the same on each core and on any machine.
 """
 
+import inspect
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
@@ -11,22 +12,24 @@ from dataclasses import dataclass
 from itertools import chain
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from atari.cores import CORES, ByteArray, Core, snapshot
-from atari.env import AtariEnv
+from atari.cores.options import CoreOptions
+from atari.env import AtariEnv, ObsType
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.recording.replay import file_format
 from atari.recording.replay.events import Event, Kind, unpack
 from atari.recording.replay.file_format import FRAMES_PER_FULL_HASH, Corrupt
-from atari.recording.replay.recorder import rom_md5
+from atari.recording.replay.recorder import UNRECORDED_OPTIONS, rom_md5
 from atari.recording.replay.runner import Call, Checkpoint, ReplayRunner
 from atari.recording.video.formats import has_sound
 from atari.recording.video.writer import VideoWriter, frame_rate
-from atari.validation import check_integer, check_name
+from atari.validation import check_frameskip, check_integer, check_name, check_probability
 
 _CHUNKS_PER_CHECKPOINT = 4
+_OPTIONS = set(inspect.signature(AtariEnv).parameters) - set(UNRECORDED_OPTIONS)
 
 
 @dataclass(frozen=True)
@@ -148,7 +151,10 @@ class Replay:
         header = content.header
         if not isinstance(header.get("game"), str) or not isinstance(header.get("options"), dict):
             raise Corrupt("the replay is damaged: its header has no game, or no options")
+        if game is None and header["game"] not in games:  # never a path: a replay must not choose files to read
+            raise ValueError(f"{games.unknown(header['game'])}; pass the game file of a game of your own as game=")
         found = games.find(header["game"] if game is None else game)
+        _check_header(header, found)
         md5 = rom_md5(found, rom)
         if md5 != header.get("rom"):
             raise ValueError(
@@ -176,7 +182,10 @@ class Replay:
         """
         end = self._content.end
         try:
-            return tuple(Episode(**episode) for episode in (end["episodes"] if end else self._play_for_episodes()))
+            episodes = [Episode(**episode) for episode in (end["episodes"] if end else self._play_for_episodes())]
+            if all((type(x.frames), type(x.score), type(x.end)) == (int, int, str) for x in episodes):
+                return tuple(episodes)
+            raise TypeError
         except (KeyError, TypeError):
             raise Corrupt(f"the replay is damaged: the end of {self.path} has no episodes") from None
 
@@ -365,6 +374,41 @@ class Replay:
             pass
         runner.end_episode()
         return runner.episodes
+
+
+def _check_header(header: Mapping[str, Any], game: Game) -> None:
+    """Check what `Replay` and `AtariEnv` use of a header.
+
+    Raises:
+        Corrupt: a value is of the wrong kind or out of range, or an option is not one of `AtariEnv`'s.
+    """
+    options = header["options"]
+    flags = ("full_action_space", "continuous", "sound_obs")
+    limit = options.get("max_num_frames_per_episode")
+    try:
+        for name, value in header.items():
+            if name != "options" and not isinstance(value, (str, int, type(None))):
+                raise TypeError(f"{name} is a {type(value).__name__}")
+        for name in options:
+            check_name("an option", name, _OPTIONS)
+        for name in flags:
+            if not isinstance(options.get(name, False), int):
+                raise TypeError(f"{name} is no bool")
+        CoreOptions.check(
+            game,
+            repeat_action_probability=options.get("repeat_action_probability", 0.25),
+            mode=options.get("mode"),
+            difficulty=options.get("difficulty"),
+            frame_skip=1,
+            max_num_frames_per_episode=0 if limit is None else limit,
+            sound=False,
+            color_averaging=False,
+        )
+        check_frameskip(options.get("frameskip", 4))
+        check_name("obs_type", options.get("obs_type", "rgb"), get_args(ObsType))
+        check_probability("continuous_action_threshold", options.get("continuous_action_threshold", 0.5))
+    except (TypeError, ValueError, OverflowError) as error:
+        raise Corrupt(f"the replay is damaged: its header is wrong ({error})") from None
 
 
 def _frame(runner: ReplayRunner, call: Call) -> Frame:

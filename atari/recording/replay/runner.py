@@ -69,7 +69,7 @@ class ReplayRunner:
             return
         try:
             self._do(event.kind, *event.numbers)
-        except (KeyError, IndexError, AttributeError, TypeError, ValueError) as error:
+        except (KeyError, IndexError, AttributeError, TypeError, ValueError, OverflowError, RuntimeError) as error:
             raise ValueError(
                 f"the replay cannot continue after frame {self.frame} on core {self.core.name!r}, at "
                 f"{event.kind.name} {event.numbers}: {error}"
