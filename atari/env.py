@@ -260,9 +260,10 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             TypeError, ValueError: not a snapshot, damaged, or of another game, core or other options. The environment
                 is as it was.
         """
-        facts, blobs = snapshot.unpack(data, "core")
+        facts, blobs = snapshot.unpack(data)
         snapshot.require(facts, {"of": "AtariEnv"})
-        phase = facts.get("phase")
+        snapshot.require_blobs(blobs, "core")
+        phase: Any = facts.get("phase")
         if phase not in get_args(Phase):
             raise ValueError(f"the snapshot is damaged: its phase is none of {', '.join(get_args(Phase))}")
         generator = self.np_random.bit_generator

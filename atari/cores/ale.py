@@ -222,8 +222,9 @@ class AleCore:
             TypeError, ValueError: not a snapshot, damaged, or of another game, core, ale-py or other options; or its
                 calls do not lead to the state that it was taken in. The core is as it was.
         """
-        facts, blobs = snapshot.unpack(data, "base", "events", "digest")
+        facts, blobs = snapshot.unpack(data)
         snapshot.require(facts, self._facts())
+        snapshot.require_blobs(blobs, "base", "events", "digest")
         seed = facts.get("seed")
         if type(seed) is not int or not 0 <= seed < SEED_LIMIT:
             raise ValueError(f"the snapshot is damaged: its seed is no integer within 0..{SEED_LIMIT - 1}")

@@ -126,8 +126,9 @@ class NativeCore(_emulator.Emulator):
         Raises:
             TypeError, ValueError: not a snapshot, damaged, or of another game, core, version or other options.
         """
-        facts, blobs = snapshot.unpack(data, "state")
+        facts, blobs = snapshot.unpack(data)
         snapshot.require(facts, self._facts())
+        snapshot.require_blobs(blobs, "state")
         unpacker = zlib.decompressobj()
         try:
             state = unpacker.decompress(blobs["state"], 1 << 20)

@@ -39,18 +39,14 @@ def pack(facts: Mapping[str, Any], blobs: Mapping[str, bytes]) -> bytes:
     return _MAGIC + struct.pack("<H", VERSION) + _digest(body) + body
 
 
-def unpack(data: bytes, *names: str) -> tuple[dict[str, Any], dict[str, bytes]]:
+def unpack(data: bytes) -> tuple[dict[str, Any], dict[str, bytes]]:
     """The facts and blobs of a snapshot, after checking that it is complete.
 
     The checksum finds damage. It is no signature: the facts can have any value, and a blob any content.
 
-    Args:
-        data: what `pack` returned.
-        names: of blobs that must be there.
-
     Raises:
         TypeError: `data` is not bytes.
-        ValueError: `data` is empty, not a snapshot, of another version, truncated or damaged, or lacks a blob.
+        ValueError: `data` is empty, not a snapshot, of another version, truncated or damaged.
     """
     if not isinstance(data, bytes):
         raise TypeError(f"a snapshot is bytes as snapshot() returned them, got {type(data).__name__}")
@@ -68,11 +64,7 @@ def unpack(data: bytes, *names: str) -> tuple[dict[str, Any], dict[str, bytes]]:
     body = data[_HEAD:]
     if _digest(body) != data[_HEAD - _DIGEST_SIZE : _HEAD]:
         raise ValueError("the snapshot is damaged or truncated: its checksum does not match its content")
-    facts, blobs = _parse(body)
-    for name in names:
-        if name not in blobs:
-            raise ValueError(f"the snapshot has no {name!r}; pass what snapshot() of this object returned")
-    return facts, blobs
+    return _parse(body)
 
 
 def require(facts: Mapping[str, Any], expected: Mapping[str, Any]) -> None:
@@ -87,6 +79,17 @@ def require(facts: Mapping[str, Any], expected: Mapping[str, Any]) -> None:
                 f"the snapshot was taken with {name} = {_shown(facts.get(name))}, but this environment has {value!r}; "
                 "restore it into one made with the same options"
             )
+
+
+def require_blobs(blobs: Mapping[str, bytes], *names: str) -> None:
+    """Check that a snapshot has blobs of these names.
+
+    Raises:
+        ValueError: one is missing.
+    """
+    for name in names:
+        if name not in blobs:
+            raise ValueError(f"the snapshot has no {name!r}; pass what snapshot() of this object returned")
 
 
 def check_generator(state: Any, kind: type[Any]) -> Any:

@@ -305,7 +305,7 @@ def _check_numbers(value: Any, where: str, depth: int = 0) -> None:
     if isinstance(value, int) and not -(2**31) <= value < 2**31:
         raise ValueError(f"{where} is not an integer of 32 bits")
     for key, item in value.items() if isinstance(value, Mapping) else enumerate(value) if type(value) is list else ():
-        _check_numbers(item, f"{where}.{key}" if where else key, depth + 1)
+        _check_numbers(item, f"{where}.{key}" if where else str(key), depth + 1)
 
 
 def _check_keys(table: Mapping[str, Any], where: str, required: Iterable[str], optional: Iterable[str] = ()) -> None:

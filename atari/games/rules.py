@@ -237,7 +237,7 @@ def _parse_operations(tables: Any, scope: set[str]) -> tuple[Operation, ...]:
     for table in _check_list("mode_select", tables, dict):
         keys = dict(table)
         op = keys.pop("op", None)
-        if not isinstance(op, str) or op not in _OPERATION_KEYS:
+        if op not in list(_OPERATION_KEYS):  # a list, because `op` may not be hashable
             raise ValueError(f"[rules] mode_select: unknown operation {op!r}")
         required, optional = _OPERATION_KEYS[op]
         if not required <= set(keys) <= required | optional:

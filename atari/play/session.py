@@ -145,8 +145,9 @@ class Session:
             FileNotFoundError: there is no saved state.
             ValueError: the file is damaged, or of another game, mode or difficulty.
         """
-        facts, blobs = snapshot.unpack(self._state.read_bytes(), "env")
+        facts, blobs = snapshot.unpack(self._state.read_bytes())
         snapshot.require(facts, {"of": "play"})
+        snapshot.require_blobs(blobs, "env")
         score = facts.get("score")
         if type(score) is not int:
             raise ValueError(f"{self._state} is damaged: its score is no whole number")

@@ -94,7 +94,7 @@ def test_a_cut_replay_is_a_warning_of_one_line(capsys: pytest.CaptureFixture[str
 @pytest.mark.parametrize(
     ("words", "text"),
     [
-        (["show", "none.a26"], "No such file or directory: none.a26"),
+        (["show", "none.a26"], "there is no file none.a26; check the path"),
         (["verify", "text.txt"], "text.txt is no replay of atari-envs"),
         (["render", "a.a26", "-o", "a.avi"], "must end in one of"),
         (["render", "a.a26", "--start", "360"], "there are no frames to render: the replay has 360 frames"),
