@@ -10,6 +10,7 @@ from atari.cores import ByteArray, snapshot
 from atari.env import AtariEnv
 from atari.games.game import Game
 from atari.recording import RecordReplay, VideoWriter, frame_rate
+from atari.validation import check_file
 
 FRAMES_PER_REWIND_POINT = 20
 """Frames from one rewind point to the next."""
@@ -145,7 +146,7 @@ class Session:
             FileNotFoundError: there is no saved state.
             ValueError: the file is damaged, or of another game, mode or difficulty.
         """
-        facts, blobs = snapshot.unpack(self._state.read_bytes())
+        facts, blobs = snapshot.unpack(check_file(self._state).read_bytes())
         snapshot.require(facts, {"of": "play"})
         snapshot.require_blobs(blobs, "env")
         score = facts.get("score")
