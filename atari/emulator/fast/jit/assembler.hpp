@@ -157,6 +157,7 @@ class Assembler {
         for (const int byte : {0x48, 0x83, 0xc4}) put(static_cast<uint8_t>(byte));
         put(static_cast<uint8_t>(bytes));
     }
+    void set_carry() { put(0xf9); }
     void ret() { put(0xc3); }
     void jump(Reg to) { code({0xff}, static_cast<Reg>(4), to); }
     void call(Reg to) { code({0xff}, static_cast<Reg>(2), to); }

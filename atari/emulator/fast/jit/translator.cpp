@@ -57,10 +57,16 @@ void Translator::add_cycles(int32_t cycles) {
     if (cycles) a_.alu(Alu::add, kCycles, cycles);
 }
 
-// Emits a call of the instruction's handler, which adds all cycles.
+// Emits a call of the instruction's handler, which adds all cycles. Translated code ends if the handler's routine
+// returns with the carry set.
 void Translator::call_handler(std::size_t place) {
     a_.move(r8, static_cast<uint32_t>(place));
-    a_.call(handlers_[handler_of(decoded_[place])]);
+    call_routine(handler_of(decoded_[place]));
+}
+
+void Translator::call_routine(uint16_t handler) {
+    a_.call(handlers_[handler]);
+    a_.jump(If::below, exit_);
 }
 
 // Emits the entry for code that does not come from the preceding instruction. The entry establishes the block-entry
@@ -126,8 +132,8 @@ void Translator::load_registers() {
 }
 
 // Emits a routine that calls a function of the registers and the console, for the decoded instruction whose index is in
-// r8. If that function returns anything but kNext, the routine drops its own return address and translated code ends,
-// so that the likely case needs no check after each call. A hardware shadow stack would forbid this.
+// r8. If that function returns anything but kNext, the routine returns with the carry set and the result in rax. Calls
+// and returns are balanced: a hardware shadow stack requires that.
 void Translator::emit_call(Label& label, Interpreter::Step function) {
     a_.bind(label);
     find_instruction();
@@ -135,15 +141,13 @@ void Translator::emit_call(Label& label, Interpreter::Step function) {
     a_.move64(rdi, kRegisters);
     a_.move64(rsi, kConsole);
     a_.move64(r9, reinterpret_cast<uintptr_t>(function));
-    a_.add_to_stack(-8);
     a_.call(r9);
-    a_.add_to_stack(8);
-    a_.test(rax, rax);
+    a_.test(rax, rax);  // clears the carry
     const ShortJump stays = a_.jump_short(If::zero);
-    a_.add_to_stack(8);
-    a_.jump(exit_);
+    a_.set_carry();
+    a_.ret();
     a_.bind_short(stays);
-    load_registers();
+    load_registers();  // leaves the carry clear
     a_.ret();
 }
 
@@ -155,9 +159,11 @@ void Translator::find_instruction() {
 }
 
 void Translator::emit_common() {
-    static constexpr Reg kSaved[] = {rbx, rbp, r12, r13, r14};  // an odd number, which aligns the stack for calls
+    // An odd number, and 8 bytes, align the stack for the calls in routines.
+    static constexpr Reg kSaved[] = {rbx, rbp, r12, r13, r14};
     a_.bind(start_);  // arguments: registers, console, entry
     for (const Reg reg : kSaved) a_.push(reg);
+    a_.add_to_stack(-8);
     a_.move64(kRegisters, rdi);
     a_.move64(kConsole, rsi);
     a_.move64(r8, rdx);
@@ -195,11 +201,13 @@ void Translator::emit_common() {
     save_registers();
     a_.move(rax, uint32_t{kNext});
     a_.bind(exit_);
+    a_.add_to_stack(8);
     for (int i = 4; i >= 0; --i) a_.pop(kSaved[i]);
     a_.ret();
 }
 
-// Emits the routine that calls a handler. For some frequent handlers it first tries the likely cases inline.
+// Emits the routine that calls a handler. For some frequent handlers it first tries the likely cases inline, which
+// return with the carry clear.
 void Translator::emit_routine(uint16_t handler) {
     Label slow;
     a_.bind(handlers_[handler]);
@@ -375,7 +383,7 @@ void Translator::emit_far(Label& label, uint16_t handler) {
     a_.jump(r11);
     a_.bind(slow);
     a_.load(r8, in_registers(Offsets::at()));
-    a_.call(handlers_[handler]);
+    call_routine(handler);
     a_.jump(dispatch_);
 }
 

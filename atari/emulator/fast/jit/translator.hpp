@@ -66,6 +66,7 @@ class Translator {
 
     void add_cycles(int32_t cycles);
     void call_handler(std::size_t place);
+    void call_routine(uint16_t handler);
     void go_to(std::size_t target, int32_t cycles, bool backward);
     int32_t table_size() const { return static_cast<int32_t>((sizeof(int32_t) * (size_ + 1) + 15) / 16 * 16); }
 
