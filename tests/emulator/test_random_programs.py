@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from emulator import wild_programs
 from emulator.programs import cpu_program, tia_program
 from emulator.reference import GAME
 
@@ -57,25 +58,52 @@ def emulator(image: bytes, rows: int) -> _emulator.Emulator:
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("batch", range(12))
-def test_equal_to_ale_py(batch: int, tmp_path: Path) -> None:
-    """Two thirds of the programs exercise the TIA, one third the processor."""
-    make = cpu_program if batch % 3 == 2 else tia_program
-    entries: list[dict[str, Any]] = []
-    for number in range(BATCH):
-        rng = random.Random(1000 * batch + number)
-        actions = [rng.randrange(18) for _ in range(8)]
-        actions[4] = -1
-        entries.append({"image": make(rng).hex(), "actions": actions})
-    expected = reference(entries, tmp_path)
-    for number, entry in enumerate(entries):
+Program = tuple[str, bytes, list[int]]
+"""A name, an image, and actions; -1 is a reset."""
+
+
+def compare(programs: list[Program], names: tuple[str, ...], folder: Path) -> None:
+    """Runs all programs in one process of ale-py, and by our emulator."""
+    expected = reference([{"image": image.hex(), "actions": actions} for _, image, actions in programs], folder)
+    for number, (program, image, actions) in enumerate(programs):
         rows = expected[f"{number} screen"].shape[1]
-        ours = emulator(bytes.fromhex(entry["image"]), rows)
-        for frame, action in enumerate([None, *entry["actions"]]):
+        ours = emulator(image, rows)
+        for frame, action in enumerate([None, *actions]):
             if action == -1:
                 ours.reset()
             elif action is not None:
                 ours.act(action)
-            for name in ("ram", "audio") if make is cpu_program else ("ram", "audio", "screen"):
-                what = f"{make.__name__} {number} of batch {batch}, frame {frame}: {name}"
+            for name in names:
+                what = f"{program}, frame {frame}: {name}"
                 np.testing.assert_array_equal(getattr(ours, name)(), expected[f"{number} {name}"][frame], err_msg=what)
+
+
+@pytest.mark.parametrize("batch", range(12))
+def test_equal_to_ale_py(batch: int, tmp_path: Path) -> None:
+    """Two thirds of the programs exercise the TIA, one third the processor."""
+    make = cpu_program if batch % 3 == 2 else tia_program
+    programs: list[Program] = []
+    for number in range(BATCH):
+        rng = random.Random(1000 * batch + number)
+        actions = [rng.randrange(18) for _ in range(8)]
+        actions[4] = -1
+        programs.append((f"{make.__name__} {number} of batch {batch}", make(rng), actions))
+    compare(programs, ("ram", "audio") if make is cpu_program else ("ram", "audio", "screen"), tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("make", "seeds"),
+    [
+        (wild_programs.soup, (5, 26, 42, 51, 70, 80, 96, 105, 120, 142, 154, 165, 183, 190, 192, 216, 219, 234)),
+        (wild_programs.noise, (38, 90, 95, 135, 223, 244)),
+    ],
+)
+def test_programs_that_run_in_tia_space(make: Any, seeds: tuple[int, ...], tmp_path: Path) -> None:
+    """Where a frame begins there, the first opcode is the byte of RAM that ALE has read last."""
+    programs: list[Program] = []
+    for seed in seeds:
+        rng = random.Random(seed)
+        image = make(rng, "4K")
+        actions = [-1 if k % 4 == 0 else rng.randrange(18) for k in range(12)]
+        programs.append((f"{make.__name__} {seed}", image, actions))
+    compare(programs, ("ram", "audio"), tmp_path)

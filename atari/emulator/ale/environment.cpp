@@ -126,7 +126,7 @@ void Environment::restart() {
 void Environment::begin_game() {
     int frame = 0;
     for (; reset_trace_ && frame < ResetTrace::kCheckpoints; ++frame) {
-        emulate(0, 1.0f, 1);
+        emulate_frame(0, 1.0f);
         if (resume(*reset_trace_, frame)) return;
     }
     emulate(0, 1.0f, kNoopFrames - frame);
@@ -136,9 +136,10 @@ void Environment::begin_game() {
 namespace {
 
 // Returns the part of the state that the frames of a reset trace depend on: without the number of random words drawn,
-// the sound generator, and which of the two framebuffers is the current one.
+// the sound generator, which of the two framebuffers is the current one, and the data bus (`record_reset_trace`).
 Machine essence(Machine machine) {
     machine.random_words = 0;
+    machine.bus = 0;
     machine.sound.keep_generator_of(Sound{});
     machine.tia.current = 0;
     return machine;
@@ -153,19 +154,23 @@ std::vector<uint8_t> Environment::both_framebuffers() {
     return framebuffers;
 }
 
-// Frames draw no random words, so they depend only on the state that `resume` compares.
+// Frames draw no random words, so they depend only on the state that `resume` compares. A frame that begins with a
+// fetch from TIA space also depends on the byte that the rules left on the data bus. That byte may depend on the rules'
+// variables, so a program with such a frame has no trace.
 void Environment::record_reset_trace() {
     if (settings_.plain || console_->cartridge_ram_size() > 0) return;
     const auto trace = std::make_shared<ResetTrace>();
     restart();
     for (int frame = 0; frame < ResetTrace::kFrames; ++frame) {
-        emulate(frame < kNoopFrames ? 0 : kReset, 1.0f, 1);
+        emulate_frame(frame < kNoopFrames ? 0 : kReset, 1.0f);
+        if (!(console_->machine().cpu.pc & 0x1080)) return;
         std::copy_n(console_->ram(), 128, trace->ram[frame]);
         if (frame < ResetTrace::kCheckpoints) {
             console_->settle_latches();
             trace->checkpoints[frame] = {console_->machine(), both_framebuffers()};
         }
     }
+    leave_ram_on_bus();
     trace->end = console_->snapshot();
     if (static_cast<const FastConsoleSnapshot&>(*trace->end).replaces_framebuffers())
         for (ResetTrace::Checkpoint& checkpoint : trace->checkpoints) checkpoint.framebuffers = {};
@@ -210,14 +215,17 @@ int Environment::act(int action, float strength) {
     return static_cast<int>(std::clamp<int64_t>(total, INT32_MIN, INT32_MAX));
 }
 
-// Runs frames with an action held, and evaluates the rules after each.
+// Runs frames with an action held. ALE reads all of RAM after the last of them.
 void Environment::emulate(int action, float strength, int frames) {
-    for (int i = 0; i < frames; ++i) {
-        press(action, strength);
-        console_->run_frame();
-        evaluate_step();
-    }
-    console_->read_ram(0xff);  // ALE reads all of RAM here; the last byte read stays on the bus
+    for (int i = 0; i < frames; ++i) emulate_frame(action, strength);
+    leave_ram_on_bus();
+}
+
+// Runs a frame with an action held, and evaluates the rules.
+void Environment::emulate_frame(int action, float strength) {
+    press(action, strength);
+    console_->run_frame();
+    evaluate_step();
 }
 
 void Environment::release_all() {

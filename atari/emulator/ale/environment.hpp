@@ -141,6 +141,8 @@ class Environment {
     bool resume(const ResetTrace& trace, int frame);  // from the checkpoint after `frame`
     std::vector<uint8_t> both_framebuffers();
     void emulate(int action, float strength, int frames);
+    void emulate_frame(int action, float strength);
+    void leave_ram_on_bus() { console_->read_ram(0xff); }  // the last byte of a read of all of RAM
     void press(int action, float strength);
     void move_paddle(int player, int action, float strength);
     void release_all();

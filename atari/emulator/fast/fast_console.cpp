@@ -202,6 +202,11 @@ std::unique_ptr<ConsoleSnapshot> FastConsole::snapshot() const {
     return snapshot;
 }
 
+void FastConsole::restore(const ConsoleSnapshot& snapshot) {
+    framebuffers_.cut(config_.framebuffer_bytes());
+    restore_all(snapshot, false);
+}
+
 void FastConsole::restore_all(const ConsoleSnapshot& snapshot, bool swapped) {
     Console::restore_from(snapshot, swapped);
     history_.restore(static_cast<const FastConsoleSnapshot&>(snapshot).history, swapped);

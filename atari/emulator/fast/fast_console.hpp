@@ -40,10 +40,10 @@ class FastConsole final : public Console {
     void settle_latches() override;
     bool load(const uint8_t* in) override;
     std::unique_ptr<ConsoleSnapshot> snapshot() const override;
-    void restore(const ConsoleSnapshot& snapshot) override { restore_all(snapshot, false); }
+    void restore(const ConsoleSnapshot& snapshot) override;
     // `restore` for a reset trace. This console is in the state in which the trace began, but has another past. It
-    // keeps its position in the machine's random words and its sound generator. If `swapped`, its framebuffers are
-    // exchanged.
+    // keeps its position in the machine's random words, its sound generator and rows after the framebuffers' last ones.
+    // If `swapped`, its framebuffers are exchanged.
     void resume(const ConsoleSnapshot& snapshot, bool swapped);
 
     const FastCartridge& cartridge() const { return program_; }

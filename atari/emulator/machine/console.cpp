@@ -159,6 +159,11 @@ void Console::snapshot_into(ConsoleSnapshot& snapshot, const std::size_t (&skipp
         snapshot.framebuffers[buffer].assign(framebuffers_[buffer] + skipped[buffer], framebuffers_[buffer] + size);
 }
 
+void Console::restore(const ConsoleSnapshot& snapshot) {
+    framebuffers_.cut(config_.framebuffer_bytes());
+    restore_from(snapshot, false);
+}
+
 void Console::restore_from(const ConsoleSnapshot& snapshot, bool swapped) {
     m_ = snapshot.machine;
     m_.tia.current ^= static_cast<uint8_t>(swapped);

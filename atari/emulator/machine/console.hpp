@@ -120,7 +120,7 @@ class Console {
     // The state in memory, which is faster. `restore` takes a snapshot of this console, or of one of the same kind,
     // cartridge and configuration.
     virtual std::unique_ptr<ConsoleSnapshot> snapshot() const;
-    virtual void restore(const ConsoleSnapshot& snapshot) { restore_from(snapshot, false); }
+    virtual void restore(const ConsoleSnapshot& snapshot);
 
     // For tests: bus accesses, single instructions, the start of a frame, and rendering up to the latest access.
     uint8_t read(uint16_t address) {

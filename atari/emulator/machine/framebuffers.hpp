@@ -46,7 +46,7 @@ class Framebuffers {
         held_ = {};
     }
 
-    // Replaces the end of a framebuffer, whose size becomes `bytes`. A framebuffer that has no memory and would stay
+    // Replaces the last of the first `bytes` bytes of a framebuffer. A framebuffer that has no memory and would stay
     // blank gets none.
     void restore(int buffer, const std::vector<uint8_t>& last, std::size_t bytes) {
         auto& pixels = pixels_[static_cast<std::size_t>(buffer)];
@@ -54,8 +54,18 @@ class Framebuffers {
             pixels.empty() && std::all_of(last.begin(), last.end(), [](uint8_t pixel) { return pixel == 0; });
         if (blank) return;
         if (holding_) keep(buffer);
-        pixels.resize(bytes);
-        std::copy(last.begin(), last.end(), pixels.end() - static_cast<std::ptrdiff_t>(last.size()));
+        if (pixels.size() < bytes) pixels.resize(bytes);
+        std::copy(last.begin(), last.end(), pixels.begin() + static_cast<std::ptrdiff_t>(bytes - last.size()));
+    }
+
+    // Discards what is rendered after the first `bytes` bytes: rows that no screen shows.
+    void cut(std::size_t bytes) {
+        for (int buffer : {0, 1}) {
+            auto& pixels = pixels_[static_cast<std::size_t>(buffer)];
+            if (pixels.size() <= bytes) continue;
+            if (holding_) keep(buffer);
+            pixels.resize(bytes);
+        }
     }
 
     void save(int buffer, uint8_t* out) const {
