@@ -24,16 +24,19 @@ class Grayscale(gymnasium.ObservationWrapper[Any, Any, Any], RecordConstructorAr
         keep_dim: keep the last axis, (rows, columns, 1).
 
     Raises:
+        TypeError: `keep_dim` is no bool.
         ValueError: the observations are not RGB images.
     """
 
     def __init__(self, env: Environment, keep_dim: bool = False) -> None:
+        if not isinstance(keep_dim, (bool, np.bool_)):
+            raise TypeError(f"keep_dim must be True or False, got {keep_dim!r}")
         shape = require_pixels(env, "Grayscale")
         if shape[2:] != (3,):
             raise ValueError(f"Grayscale needs RGB images (rows, columns, 3), got shape {shape}; leave it out")
         RecordConstructorArgs.__init__(self, keep_dim=keep_dim)
         super().__init__(env)
-        self._shape = shape[:2] + (1,) * keep_dim
+        self._shape = shape[:2] + ((1,) if keep_dim else ())
         self.observation_space = spaces.Box(0, 255, self._shape, np.uint8)
 
     def observation(self, observation: ByteArray) -> ByteArray:

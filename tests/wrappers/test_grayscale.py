@@ -36,3 +36,9 @@ def test_is_near_ales_own_table(game_env):
 def test_refuses(game_env, obs_type):
     with pytest.raises(ValueError, match="Grayscale"):
         Grayscale(game_env("pong", obs_type=obs_type))
+
+
+@pytest.mark.parametrize("keep_dim", [2**31, -1, 1, None, "no"])
+def test_refuses_a_keep_dim_that_is_no_bool(game_env, keep_dim):
+    with pytest.raises(TypeError, match="keep_dim must be True or False"):
+        Grayscale(game_env("pong", obs_type="rgb"), keep_dim)
