@@ -1,10 +1,9 @@
 #include "averaging.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cstdlib>
-#include <map>
 #include <memory>
-#include <mutex>
 
 namespace atari {
 namespace {
@@ -31,19 +30,17 @@ uint8_t mixed(uint32_t a, uint32_t b, const Palette& palette) {
 
 using Table = uint8_t[128][128];
 
-// Returns the blend table of a palette. The first call for a palette makes the table under the lock; it never changes
-// afterwards.
+// Returns the blend table of a palette. The first call makes it, and nothing destroys it: threads may average frames
+// while the process exits. There is no lock, which another thread could hold when the process is forked.
 const Table& table(const Palette& palette) {
-    static std::mutex mutex;
-    static std::map<const Palette*, std::unique_ptr<Table[]>> tables;
-    const std::lock_guard lock(mutex);
-    auto& made = tables[&palette];
-    if (!made) {
-        made = std::make_unique<Table[]>(1);
-        for (int a = 0; a < 128; ++a)
-            for (int b = 0; b < 128; ++b) made[0][a][b] = mixed(palette.rgb[2 * a], palette.rgb[2 * b], palette);
-    }
-    return made[0];
+    static std::atomic<const Table*> tables[3];  // of NTSC, PAL and SECAM
+    std::atomic<const Table*>& made = tables[&palette == &PAL ? 1 : &palette == &SECAM ? 2 : 0];
+    if (const Table* const table = made.load(std::memory_order_acquire)) return *table;
+    std::unique_ptr<Table[]> table(new Table[1]);
+    for (int a = 0; a < 128; ++a)
+        for (int b = 0; b < 128; ++b) table[0][a][b] = mixed(palette.rgb[2 * a], palette.rgb[2 * b], palette);
+    const Table* first = nullptr;  // of another thread that made it meanwhile
+    return made.compare_exchange_strong(first, &table[0]) ? *table.release() : *first;
 }
 
 }  // namespace
