@@ -80,6 +80,7 @@ TARGET_AVX512 inline void across_avx512(const uint8_t* pixels, const AreaResize:
 
 AreaResize::AreaResize(int rows, int height, int width, SimdLevel level)
     : rows_(rows), height_(height), width_(width), level_(level) {
+    if (rows > kFrameRows) throw std::invalid_argument("a frame has at most 300 rows");
     if (height < 1 || height > rows || width < 11 || width > kScreenWidth)
         throw std::invalid_argument("a frame is only made smaller here, and no narrower than 11");
     if (rows % height == 0 && kScreenWidth % width == 0)
