@@ -589,6 +589,15 @@ class ArrayLender:
         Whether a loan exists: an array made of one, or a view or tensor of that.
         """
 
+class VectorLock:
+    """
+    The lock of a vector environment, for `with`. RuntimeError in a forked process.
+    """
+
+    def __init__(self) -> None: ...
+    def __enter__(self) -> None: ...
+    def __exit__(self, type: object | None, value: object | None, traceback: object | None) -> None: ...
+
 class VectorEngine:
     """
     Environments played by a pool of threads. Use it through atari.AtariVectorEnv.

@@ -40,7 +40,8 @@ class NativeCore(_emulator.Emulator):
         rom: path of the ROM file; None searches (see `atari.roms`). With a `Game` that names no hash, any image.
 
     The other arguments, and the errors, are those of `AleCore`. Python's global interpreter lock is released while
-    frames are played. Several threads may use a core; their calls run one at a time.
+    frames are played. Several threads may use a core; their calls run one at a time. A core that another thread played
+    when the process was forked raises RuntimeError in the child process.
     """
 
     name = "native"

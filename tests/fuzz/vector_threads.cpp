@@ -85,7 +85,7 @@ Digests play(const Games& games, int threads, int batch_size, bool forks = false
         }
         for (int i = 0; forks && step % 3 == 0 && i < kEnvironments / 2; ++i)
             vector.restore(i + kEnvironments / 2, vector.snapshot(i));
-        vector.step(environments.data(), actions.data(), nullptr, batch_size, batch);
+        vector.step(actions.data(), nullptr, batch);
     }
     return digests;  // environments may still be running
 }

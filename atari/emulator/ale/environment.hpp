@@ -38,6 +38,8 @@ struct Game {
     void check() const;  // throws std::invalid_argument if a number is out of the range that `Environment` accepts
 };
 
+inline constexpr int kMaxFrameSkip = 10'000;  // of the settings below and of a vector's: a call ends in seconds
+
 struct Settings {
     double repeat_action_probability = 0.25;
     int frame_skip = 1;

@@ -1,21 +1,23 @@
 // The extension module atari._emulator: thin bindings of `Environment`. Python validates the options
 // (atari/cores/native.py). This file also validates arguments that could cause undefined behaviour.
+//
+// No Python object is released without the GIL; no lock and no join is held or waited for with the GIL. threads.hpp has
+// the whole rule, and what keeps it.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/pair.h>
-#include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <mutex>
 #include <stdexcept>
 
 #include "ale/environment.hpp"
 #include "observations/area_resize.hpp"
+#include "threads.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -25,14 +27,14 @@ namespace {
 
 using Array = nb::ndarray<nb::numpy, uint8_t, nb::c_contig, nb::device::cpu>;
 
-std::shared_ptr<Game> make_game(nb::bytes image, const std::string& cartridge, const std::string& format,
-                                bool detect_format, int first_line, int height, bool hmove_blanks,
-                                std::pair<bool, bool> paddles, bool swap_ports, bool swap_paddles,
-                                std::pair<int, int> paddle_range, int power_on_switches,
-                                const std::vector<int>& legal_actions, const std::vector<int>& starting_actions,
-                                int default_mode, int variables, const std::vector<int32_t>& initial,
-                                const std::vector<bool>& kept, std::vector<int> outputs,
-                                const std::vector<int32_t>& step, const std::vector<int32_t>& select_mode) {
+Shared<Game> make_game(nb::bytes image, const std::string& cartridge, const std::string& format,
+                       bool detect_format, int first_line, int height, bool hmove_blanks,
+                       std::pair<bool, bool> paddles, bool swap_ports, bool swap_paddles,
+                       std::pair<int, int> paddle_range, int power_on_switches,
+                       const std::vector<int>& legal_actions, const std::vector<int>& starting_actions,
+                       int default_mode, int variables, const std::vector<int32_t>& initial,
+                       const std::vector<bool>& kept, std::vector<int> outputs,
+                       const std::vector<int32_t>& step, const std::vector<int32_t>& select_mode) {
     auto game = std::make_shared<Game>();
     const auto* bytes = static_cast<const uint8_t*>(image.data());
     game->cartridge = std::make_shared<const FastCartridge>(std::vector<uint8_t>(bytes, bytes + image.size()),
@@ -65,7 +67,7 @@ std::shared_ptr<Game> make_game(nb::bytes image, const std::string& cartridge, c
     game->step = Program(step, variables, false);
     game->select_mode = Program(select_mode, variables, true);
     game->check();
-    return game;
+    return {game};
 }
 
 std::string shown(nb::handle value) { return nb::repr(value).c_str(); }
@@ -107,36 +109,29 @@ struct State {
     EnvironmentSnapshot snapshot;
 };
 
-// The core of a game. Every method that emulates or copies framebuffers releases the GIL and holds the core's own lock,
-// so threads may share a core: their calls run one at a time.
-class Emulator {
+// The core of a game. Every method that emulates or copies framebuffers releases the GIL. Threads may share a core.
+class Emulator : Exclusive {
   public:
-    Emulator(std::shared_ptr<Game> game, double probability, int frame_skip, int max_frames, bool sound,
+    Emulator(const Shared<Game>& game, double probability, int frame_skip, int max_frames, bool sound,
              bool colour_averaging, uint32_t seed, bool plain) {
-        if (frame_skip < 1) throw std::invalid_argument("frame_skip must be at least 1");
+        if (frame_skip < 1 || frame_skip > kMaxFrameSkip)
+            throw std::invalid_argument("frame_skip must be within 1..10000");
         const Settings settings{probability, frame_skip, max_frames, sound, colour_averaging, plain};
-        environment_ = std::make_unique<Environment>(std::move(game), settings, seed);
+        environment_ = std::make_unique<Environment>(game.value, settings, seed);
     }
 
     template <typename Work>
     auto locked(Work&& work) {
-        nb::gil_scoped_release release;
-        return briefly(work);
+        return Exclusive::locked([&] { return work(open()); });
     }
 
-    // As `locked`, but keeps the GIL, for work that takes less time than releasing it. A thread that holds the core's
-    // lock never waits for the GIL, so waiting for the lock here cannot deadlock.
     template <typename Work>
     auto briefly(Work&& work) {
-        const std::lock_guard lock(mutex_);
-        if (!environment_) throw std::runtime_error("this core is closed; make a new one");
-        return work(*environment_);
+        return Exclusive::briefly([&] { return work(open()); });
     }
 
     void close() {
-        nb::gil_scoped_release release;
-        const std::lock_guard lock(mutex_);
-        environment_.reset();
+        Exclusive::locked([&] { environment_.reset(); });
     }
 
     nb::bytes save() {
@@ -182,6 +177,7 @@ class Emulator {
             bool good = nb::try_cast(out, array, false) && array.ndim() == shape.size();
             for (size_t i = 0; good && i < shape.size(); ++i) good = array.shape(i) == shape[i];
             if (!good) throw nb::value_error(expectation(shape).c_str());
+            const nb::object fixed = prevent_resize(out);
             locked([&](Environment& e) { fill(e, array.data()); return 0; });
             return out;
         }
@@ -209,7 +205,11 @@ class Emulator {
     }
 
   private:
-    std::mutex mutex_;
+    Environment& open() {
+        if (!environment_) throw std::runtime_error("this core is closed; make a new one");
+        return *environment_;
+    }
+
     std::unique_ptr<Environment> environment_;
 };
 
@@ -231,11 +231,12 @@ NB_MODULE(_emulator, m) {
         nb::borrow<nb::dict>(m.attr("__dict__")).update(nb::borrow<nb::dict>(first->attr("__dict__")));
         return;
     }
+    count_forks();
     m.attr("END") = static_cast<int>(Op::kEnd);
     m.doc() = "The native emulator, bound. Use it through atari.cores.NativeCore, which checks options and finds ROMs.";
 
-    nb::class_<Game>(m, "Game", "A game, compiled: cartridge, console, rules. Immutable; emulators share it.")
-        .def_prop_ro("cartridge_type", [](const Game& game) { return game.cartridge->type_name(); },
+    nb::class_<Shared<Game>>(m, "Game", "A game, compiled: cartridge, console, rules. Immutable; emulators share it.")
+        .def_prop_ro("cartridge_type", [](const Shared<Game>& game) { return game.value->cartridge->type_name(); },
                      "The bank switching that was given or recognised, for example \"F8\".");
 
     m.def("make_game", &make_game, nb::kw_only(), "image"_a, "cartridge"_a, "format"_a, "detect_format"_a,
@@ -262,7 +263,7 @@ NB_MODULE(_emulator, m) {
     };
 
     nb::class_<Emulator>(m, "Emulator", "A running game. The lock of the interpreter is released while it emulates.")
-        .def(nb::init<std::shared_ptr<Game>, double, int, int, bool, bool, uint32_t, bool>(), nb::kw_only(), "game"_a,
+        .def(nb::init<const Shared<Game>&, double, int, int, bool, bool, uint32_t, bool>(), nb::kw_only(), "game"_a,
              "repeat_action_probability"_a, "frame_skip"_a, "max_num_frames_per_episode"_a, "sound"_a,
              "color_averaging"_a, "seed"_a, "plain"_a = false,
              "`plain`: by the plain interpreter and TIA, which are slower and give the same.")
@@ -327,7 +328,7 @@ NB_MODULE(_emulator, m) {
                      throw nb::value_error("the frame or `out` is not of the shape that this was made for");
                  resize(frame.data(), nullptr, out.data());
              },
-             "frame"_a, "out"_a,
+             "frame"_a, nb::arg("out").noconvert(),
              nb::sig("def __call__(self, frame: " ARRAY ", out: " ARRAY ") -> None"))
         .def("__getstate__",
              [](const AreaResize& resize) { return std::tuple(resize.rows(), resize.height(), resize.width()); })

@@ -1,23 +1,22 @@
 // `_emulator.VectorEngine` and `_emulator.Batch`: the vector environment, bound for atari/vector, which validates
-// options.
+// options. threads.hpp has the rule for locks and the GIL.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
-#include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
-#include <mutex>
-#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <string>
 
+#include "threads.hpp"
 #include "vector/members.hpp"
 
 namespace nb = nanobind;
@@ -41,8 +40,8 @@ SeedWords words_of(const Seeds& seeds, size_t i) {
 // Arrays for the results of a batch, with the pointers to their parts.
 struct BoundBatch {
     Batch batch;
-    std::vector<nb::object> arrays;
-    size_t rows = 0;
+    std::vector<nb::object> arrays;  // and weak references to them, see `prevent_resize`
+    size_t rows = 0, pixels = 0;     // bytes of pixels in an observation
 };
 
 // A digest of a game's image (FNV-1a): a pickled snapshot fits environments of games with the same digest.
@@ -68,46 +67,81 @@ struct BoundSnapshot {
     }
 };
 
-// The engine with a lock: Python threads may share it, and one call runs at a time. The GIL is released while
-// environments are played or waited for.
-class BoundEngine {
+void check_process(uint32_t made_in) {
+    if (made_in != process_generation)
+        throw std::runtime_error("this vector environment was made before the process was forked, and has no threads "
+                                 "here; make it in the new process, or start that with the method 'spawn'");
+}
+
+// The lock of a vector environment in Python, which is held from the choice of a buffer to its loan. The thread that
+// holds it may enter again: a signal handler may close the environment during a step.
+class VectorLock {
+  public:
+    void enter() {
+        check_process(process_);
+        if (holder_ == std::this_thread::get_id()) {
+            ++entered_again_;
+            return;
+        }
+        if (!lock_.try_lock()) {
+            const GilRelease release;
+            lock_.lock();
+        }
+        holder_ = std::this_thread::get_id();
+    }
+
+    void exit() {
+        if (holder_ != std::this_thread::get_id()) throw std::runtime_error("this thread has not entered the lock");
+        if (entered_again_ > 0) {
+            --entered_again_;
+            return;
+        }
+        holder_ = std::thread::id();
+        lock_.unlock();
+    }
+
+  private:
+    const uint32_t process_ = process_generation;
+    Lock lock_;
+    std::atomic<std::thread::id> holder_{};
+    int entered_again_ = 0;
+};
+
+// The engine as Python threads share it. The GIL is released while environments are played or waited for.
+class BoundEngine : Exclusive {
   public:
     BoundEngine(std::vector<VectorEngine::Member> members, const VectorSettings& settings)
-        : engine_(std::make_unique<VectorEngine>(std::move(members), settings)) {
-        recent_.resize(static_cast<size_t>(settings.batch_size));
-        std::iota(recent_.begin(), recent_.end(), 0);
+        : engine_(std::make_unique<VectorEngine>(std::move(members), settings)) {}
+
+    // Joins the threads, which may still write to `current_`.
+    ~BoundEngine() {
+        const GilRelease release;
+        engine_.reset();
     }
 
     void start(List<int64_t> actions, std::optional<List<float>> strengths, nb::object batch) {
-        const auto lock = acquire();
-        if (sent_) throw std::runtime_error("a step has been started; receive it first");
-        const size_t count = actions.shape(0);
-        if (count != recent_.size() || (strengths && strengths->shape(0) != count))
-            throw nb::value_error("there must be an action for each environment of the batch");
-        for (size_t i = 0; i < count; ++i) {
-            const int most = engine_->actions_of(recent_[i]) - 1;
-            if (actions(i) < 0 || actions(i) > most)
-                throw nb::value_error(("action " + std::to_string(actions(i)) + " in row " + std::to_string(i) +
-                                       " is not within 0.." + std::to_string(most)).c_str());
-        }
-        const Batch* target = hold(batch);
-        sent_ = true;
-        const nb::gil_scoped_release release;
-        engine_->step(recent_.data(), actions.data(), strengths ? strengths->data() : nullptr, static_cast<int>(count),
-                      target);
+        const std::vector<int64_t> indices(actions.data(), actions.data() + actions.size());
+        std::vector<float> factors(indices.size(), 1.0f);
+        if (strengths && strengths->size() != factors.size())
+            throw nb::value_error("there must be a strength for each action");
+        if (strengths) std::copy_n(strengths->data(), factors.size(), factors.begin());
+        const Batch* const target = checked(batch);
+        locked([&] {
+            check_process(process_);
+            if (sent_) throw std::runtime_error("a step has been started; receive it first");
+            check_actions(indices, factors);
+            std::swap(current_, batch);
+            target_ = target;
+            sent_ = true;
+            engine_->step(indices.data(), factors.data(), target);
+        });
     }
 
     void reset(List<bool> mask, List<bool> seeded, Seeds seeds, nb::object batch) {
-        const auto lock = acquire();
         const auto size = static_cast<size_t>(engine_->size());
         if (mask.shape(0) != size || seeded.shape(0) != size || seeds.shape(0) != size ||
             seeds.shape(1) != SeedWords{}.size())
             throw nb::value_error("there must be an entry for each environment");
-        {
-            const nb::gil_scoped_release release;
-            engine_->drain();
-        }
-        const Batch* target = hold(batch);
         std::vector<Seed> values(size);
         std::vector<const Seed*> given(size);
         std::vector<bool> which(size);
@@ -116,37 +150,33 @@ class BoundEngine {
             given[i] = seeded(i) ? &values[i] : nullptr;
             which[i] = mask(i);
         }
-        sent_ = true;
-        const nb::gil_scoped_release release;
-        engine_->reset(which, given, target);
+        const Batch* const target = checked(batch);
+        locked([&] {
+            check_process(process_);
+            engine_->drain();
+            std::swap(current_, batch);
+            target_ = target;
+            sent_ = true;
+            engine_->reset(which, given, target);
+        });
     }
 
     void receive(const BoundBatch& batch) {
-        const auto lock = acquire();
-        if (!sent_) throw std::runtime_error("no step has been started");
-        if (batch.rows != recent_.size()) throw nb::value_error("the batch has another number of rows");
-        sent_ = false;
-        const nb::gil_scoped_release release;
-        engine_->receive(batch.batch);
-        std::copy_n(batch.batch.environment, recent_.size(), recent_.begin());
-    }
-
-    // Calls `work(engine)` while no environment is being played. Throws if one is, or if an index is out of range.
-    template <typename Work>
-    auto while_idle(const std::vector<int>& environments, Work&& work) {
-        const auto lock = acquire();
-        if (sent_ || engine_->pending()) throw std::runtime_error("environments are being played; call recv() first");
-        for (int environment : environments)
-            if (environment < 0 || environment >= engine_->size())
-                throw nb::index_error(("there is no environment " + std::to_string(environment)).c_str());
-        return work(*engine_);
+        check_size(batch);
+        locked([&] {
+            check_process(process_);
+            if (!sent_) throw std::runtime_error("no step has been started");
+            if (target_ && target_ != &batch.batch) throw nb::value_error("the step was started with another batch");
+            sent_ = false;
+            engine_->receive(batch.batch);
+        });
     }
 
     std::vector<BoundSnapshot> snapshot(const std::vector<int>& environments) {
-        return while_idle(environments, [&](VectorEngine& engine) {
-            const nb::gil_scoped_release release;
+        return locked([&] {
+            check_idle(environments);
             std::vector<BoundSnapshot> states;
-            for (int environment : environments) states.push_back({engine.snapshot(environment), {}, 0});
+            for (int environment : environments) states.push_back({engine_->snapshot(environment), {}, 0});
             return states;
         });
     }
@@ -154,17 +184,19 @@ class BoundEngine {
     void restore(const std::vector<int>& environments, const std::vector<const BoundSnapshot*>& states) {
         if (environments.size() != states.size())
             throw nb::value_error("there must be a snapshot for each environment");
-        while_idle(environments, [&](VectorEngine& engine) {
+        std::vector<BoundSnapshot> copies;  // Another thread may drop the list.
+        for (const BoundSnapshot* state : states) copies.push_back(state ? *state : BoundSnapshot{});
+        locked([&] {
+            check_idle(environments);
             std::vector<VectorEngine::Snapshot> snapshots;
-            for (size_t i = 0; i < states.size(); ++i) {
-                snapshots.push_back(states[i] ? states[i]->within(engine, environments[i]) : nullptr);
+            for (size_t i = 0; i < copies.size(); ++i) {
+                snapshots.push_back(copies[i].within(*engine_, environments[i]));
                 if (!snapshots[i])
                     throw nb::value_error(("snapshot " + std::to_string(i) + " is of another game than environment " +
                                            std::to_string(environments[i]) +
                                            ", or was taken with other options").c_str());
             }
-            for (size_t i = 0; i < states.size(); ++i) engine.restore(environments[i], std::move(snapshots[i]));
-            return 0;
+            for (size_t i = 0; i < copies.size(); ++i) engine_->restore(environments[i], std::move(snapshots[i]));
         });
     }
 
@@ -174,57 +206,101 @@ class BoundEngine {
     }
 
     nb::bytes save(int environment) {
-        const auto state = while_idle({environment}, [&](VectorEngine& engine) {
-            std::vector<uint8_t> bytes(engine.state_size(environment));
-            engine.save(environment, bytes.data());
+        const auto state = locked([&] {
+            check_idle({environment});
+            std::vector<uint8_t> bytes(engine_->state_size(environment));
+            engine_->save(environment, bytes.data());
             return bytes;
         });
         return nb::bytes(state.data(), state.size());
     }
 
     nb::bytes save_emulator(int environment) {
-        const auto state = while_idle({environment}, [&](VectorEngine& engine) {
-            std::vector<uint8_t> bytes(engine.emulator_state_size(environment));
-            engine.save_emulator(environment, bytes.data());
+        const auto state = locked([&] {
+            check_idle({environment});
+            std::vector<uint8_t> bytes(engine_->emulator_state_size(environment));
+            engine_->save_emulator(environment, bytes.data());
             return bytes;
         });
         return nb::bytes(state.data(), state.size());
     }
 
     void load(int environment, nb::bytes state) {
-        const bool good = while_idle({environment}, [&](VectorEngine& engine) {
-            return state.size() == engine.state_size(environment) &&
-                   engine.load(environment, static_cast<const uint8_t*>(state.data()));
+        const auto* const bytes = static_cast<const uint8_t*>(state.data());
+        const size_t size = state.size();
+        const bool good = locked([&] {
+            check_idle({environment});
+            return size == engine_->state_size(environment) && engine_->load(environment, bytes);
         });
         if (!good) throw nb::value_error("the state is damaged, or of another game or version");
     }
 
-    template <typename Value, typename Get>
-    Value get(int environment, Get&& get) {
-        return while_idle({environment}, [&](VectorEngine& engine) {
-            return Value(get(engine.episode(environment).environment()));
+    // Calls `get(environment)` while no environment is being played.
+    template <typename Get>
+    auto get(int environment, Get&& get) {
+        return briefly([&] {
+            check_idle({environment});
+            return get(engine_->episode(environment).environment());
         });
     }
 
-    VectorEngine& engine() { return *engine_; }
+    // As `get`, without the GIL.
+    template <typename Get>
+    auto get_slowly(int environment, Get&& get) {
+        return locked([&] {
+            check_idle({environment});
+            return get(engine_->episode(environment).environment());
+        });
+    }
+
+    size_t rows() const { return static_cast<size_t>(engine_->batch_size()); }
+    size_t pixels() const { return engine_->pixels(); }
 
   private:
-    // Releases the GIL while it waits, so that the thread that holds the lock can take the GIL.
-    std::unique_lock<std::mutex> acquire() {
-        if (std::unique_lock lock(mutex_, std::try_to_lock); lock) return lock;
-        const nb::gil_scoped_release release;
-        return std::unique_lock(mutex_);
+    // The batch of an object, which threads write to; null for None, where results wait for `receive`.
+    const Batch* checked(nb::handle batch) const {
+        if (batch.is_none() && engine_->batch_size() < engine_->size()) return nullptr;
+        if (batch.is_none())
+            throw nb::value_error("a batch of all environments is written while they are played; give one");
+        BoundBatch* bound = nullptr;
+        if (!nb::try_cast(batch, bound) || !bound) throw nb::type_error("the batch must be a Batch of this engine");
+        check_size(*bound);
+        return &bound->batch;
     }
 
-    const Batch* hold(nb::object batch) {
-        current_ = batch;
-        return batch.is_none() ? nullptr : &nb::cast<BoundBatch&>(batch).batch;
+    void check_size(const BoundBatch& batch) const {
+        if (batch.rows != rows() || batch.pixels != pixels())
+            throw nb::value_error("the batch is of an engine with batches or observations of another size");
     }
 
-    std::mutex mutex_;
-    nb::object current_;       // The threads write to this batch, so it must outlive `engine_`.
-    std::vector<int> recent_;  // the environments of the last batch, by row
-    bool sent_ = false;        // whether a batch has been sent and not received
+    // The checks below are made with the lock.
+    void check_actions(const std::vector<int64_t>& actions, const std::vector<float>& strengths) const {
+        const std::vector<int>& environments = engine_->recent();
+        if (actions.size() != environments.size())
+            throw nb::value_error("there must be an action for each environment of the batch");
+        for (size_t i = 0; i < actions.size(); ++i) {
+            const int most = engine_->actions_of(environments[i]) - 1;
+            if (actions[i] < 0 || actions[i] > most)
+                throw nb::value_error(("action " + std::to_string(actions[i]) + " in row " + std::to_string(i) +
+                                       " is not within 0.." + std::to_string(most)).c_str());
+            if (!(std::abs(strengths[i]) <= 1000.0f))  // negated, so that NaN fails too
+                throw nb::value_error(("the strength in row " + std::to_string(i) +
+                                       " must be finite and at most 1000 in magnitude").c_str());
+        }
+    }
+
+    void check_idle(const std::vector<int>& environments) const {
+        check_process(process_);
+        if (sent_ || engine_->pending()) throw std::runtime_error("environments are being played; call recv() first");
+        for (int environment : environments)
+            if (environment < 0 || environment >= engine_->size())
+                throw nb::index_error(("there is no environment " + std::to_string(environment)).c_str());
+    }
+
+    const uint32_t process_ = process_generation;
+    nb::object current_;              // owns `target_`
+    const Batch* target_ = nullptr;   // what the threads write to: must outlive `engine_`
+    bool sent_ = false;               // whether a batch has been sent and not received
     std::unique_ptr<VectorEngine> engine_;
 };
 
@@ -236,16 +312,17 @@ T* rows_of(BoundBatch& batch, nb::object array, size_t size, const char* what) {
         throw nb::value_error((std::string(what) + " must be a writable C-contiguous array of " + std::to_string(size) +
                                " values").c_str());
     batch.arrays.push_back(array);
+    batch.arrays.push_back(prevent_resize(array));
     return rows.data();
 }
 
 void make_batch(BoundBatch* self, BoundEngine& engine, nb::object pixels, nb::object ram, nb::object final_pixels,
                        nb::object final_ram, nb::object numbers, nb::object flags) {
     auto bound = BoundBatch{};
-    const auto rows = static_cast<size_t>(engine.engine().batch_size());
-    bound.rows = rows;
+    const size_t rows = bound.rows = engine.rows();
+    bound.pixels = engine.pixels();
     Batch& batch = bound.batch;
-    const size_t size = rows * engine.engine().pixels();
+    const size_t size = rows * bound.pixels;
     batch.observation = {rows_of<uint8_t>(bound, pixels, size, "pixels"),
                          rows_of<uint8_t>(bound, ram, 128 * rows, "ram")};
     batch.final_observation = {rows_of<uint8_t>(bound, final_pixels, size, "final_pixels"),
@@ -263,16 +340,26 @@ void make_batch(BoundBatch* self, BoundEngine& engine, nb::object pixels, nb::ob
     new (self) BoundBatch(std::move(bound));
 }
 
+struct LentArray {
+    Rows<uint8_t> rows;
+    nb::object fixed;  // see `prevent_resize`
+};
+
 // A share in the memory of an array. It exports that memory by the buffer protocol, so a NumPy array made of it owns
 // the share, and so do the array's views and tensors. Making an array this way takes about half the time of nb::ndarray
 // with a capsule as its owner, which matters in steps of one environment.
 struct Loan {
-    std::shared_ptr<Rows<uint8_t>> array;
+    std::shared_ptr<LentArray> array;
 };
 
 int export_loan(PyObject* object, Py_buffer* view, int flags) {
-    const Loan& loan = *nb::inst_ptr<Loan>(object);
-    return PyBuffer_FillInfo(view, object, loan.array->data(), static_cast<Py_ssize_t>(loan.array->size()), 0, flags);
+    if (!nb::inst_ready(object)) {  // of `Loan.__new__`
+        view->obj = nullptr;
+        PyErr_SetString(PyExc_BufferError, "this loan is of no array; ArrayLender.lend makes one");
+        return -1;
+    }
+    const Rows<uint8_t>& rows = nb::inst_ptr<Loan>(object)->array->rows;
+    return PyBuffer_FillInfo(view, object, rows.data(), static_cast<Py_ssize_t>(rows.size()), 0, flags);
 }
 
 PyType_Slot kLoanSlots[] = {{Py_bf_getbuffer, reinterpret_cast<void*>(export_loan)}, {0, nullptr}};
@@ -281,39 +368,43 @@ PyType_Slot kLoanSlots[] = {{Py_bf_getbuffer, reinterpret_cast<void*>(export_loa
 // keeps the memory alive after the lender is destroyed. Loans end with the GIL held.
 class ArrayLender {
   public:
-    explicit ArrayLender(Rows<uint8_t> array) : array_(std::make_shared<Rows<uint8_t>>(std::move(array))) {}
+    explicit ArrayLender(nb::object array) : array_(std::make_shared<LentArray>()) {
+        if (!nb::try_cast(array, array_->rows, false))
+            throw nb::type_error("a writable C-contiguous uint8 array is needed");
+        array_->fixed = prevent_resize(array);
+    }
     Loan lend() const { return {array_}; }
     bool lent() const { return array_.use_count() > 1; }
 
   private:
-    std::shared_ptr<Rows<uint8_t>> array_;
+    std::shared_ptr<LentArray> array_;
 };
 
-void make_engine(BoundEngine* self, const std::vector<const MemberSpec*>& members, const EpisodeSettings& episode,
-                 const ObservationSettings& observation, const VectorSettings& settings) {
+void make_engine(BoundEngine* self, const std::vector<const MemberSpec*>& members, EpisodeSettings episode,
+                 ObservationSettings observation, VectorSettings settings) {
     std::vector<MemberSpec> specs;
     for (const MemberSpec* member : members) specs.push_back(member ? *member : MemberSpec{});
-    const nb::gil_scoped_release release;
     if (settings.batch_size < 1 || static_cast<size_t>(settings.batch_size) > specs.size() || settings.threads < 1)
         throw std::invalid_argument("batch_size or threads is out of range");
-    new (self) BoundEngine(make_members(specs, episode, observation), settings);
+    auto made = [&] {
+        const GilRelease release;
+        return make_members(specs, episode, observation);
+    }();
+    new (self) BoundEngine(std::move(made), settings);
 }
 
-void make_gray_of_pairs(GrayOfPairs* self, nb::bytes values) {
+void make_gray_of_pairs(Shared<GrayOfPairs>* self, nb::bytes values) {
     if (values.size() != GrayOfPairs::kSize)
         throw nb::value_error("the gray values of pairs of colours are 65536 bytes");
     const auto* data = static_cast<const uint8_t*>(values.data());
-    new (self) GrayOfPairs{{data, data + values.size()}};
+    new (self) Shared<GrayOfPairs>{std::make_shared<const GrayOfPairs>(GrayOfPairs{{data, data + values.size()}})};
 }
 
 nb::object screen_of(BoundEngine& engine, int environment) {
-    const auto height = engine.get<size_t>(environment, [](Environment& e) { return e.height(); });
+    const auto height = engine.get(environment, [](Environment& e) { return static_cast<size_t>(e.height()); });
     auto* bytes = new uint8_t[height * kScreenWidth * 3];
     nb::capsule owner(bytes, [](void* memory) noexcept { delete[] static_cast<uint8_t*>(memory); });
-    engine.get<int>(environment, [&](Environment& e) {
-        e.screen_rgb(bytes);
-        return 0;
-    });
+    engine.get_slowly(environment, [&](Environment& e) { e.screen_rgb(bytes); });
     const size_t shape[3] = {height, kScreenWidth, 3};
     return nb::cast(nb::ndarray<nb::numpy, uint8_t, nb::c_contig, nb::device::cpu>(bytes, 3, shape, owner));
 }
@@ -384,24 +475,25 @@ void register_settings(nb::module_& m) {
         .def_rw("threads", &VectorSettings::threads)
         .def_rw("first_core", &VectorSettings::first_core)
         .def_rw("autoreset", &VectorSettings::autoreset);
-    nb::class_<GrayOfPairs>(m, "GrayOfPairs",
-                            "For GRAY_OF_RGB: the gray value of the maximum of two colours, 256 x 256.")
+    nb::class_<Shared<GrayOfPairs>>(m, "GrayOfPairs",
+                                    "For GRAY_OF_RGB: the gray value of the maximum of two colours, 256 x 256.")
         .def("__init__", &make_gray_of_pairs, "values"_a);
     nb::class_<MemberSpec>(m, "MemberSpec",
                            "What differs between the environments of a vector. `seed` is nine words: the emulator's, "
                            "and\n"
                            "eight of the episode's generator.")
         .def(nb::init<>())
-        .def_prop_rw("game", [](const MemberSpec& x) { return std::const_pointer_cast<Game>(x.game); },
-                     [](MemberSpec& x, std::shared_ptr<Game> game) { x.game = std::move(game); })
+        .def_prop_rw("game", [](const MemberSpec& x) { return Shared<Game>{x.game}; },
+                     [](MemberSpec& x, const Shared<Game>& game) { x.game = game.value; })
         .def_rw("actions", &MemberSpec::actions)
         .def_rw("action_set", &MemberSpec::action_set)
         .def_rw("mode", &MemberSpec::mode, nb::arg().none())
         .def_rw("difficulty", &MemberSpec::difficulty, nb::arg().none())
         .def_rw("seed", &MemberSpec::seed)
-        .def_prop_rw("gray_of_pairs",
-                     [](const MemberSpec& x) { return std::const_pointer_cast<GrayOfPairs>(x.gray_of_pairs); },
-                     [](MemberSpec& x, std::shared_ptr<GrayOfPairs> table) { x.gray_of_pairs = std::move(table); },
+        .def_prop_rw("gray_of_pairs", [](const MemberSpec& x) { return Shared<GrayOfPairs>{x.gray_of_pairs}; },
+                     [](MemberSpec& x, const Shared<GrayOfPairs>* table) {
+                         x.gray_of_pairs = table ? table->value : nullptr;
+                     },
                      nb::for_setter(nb::arg("table").none()));
 }
 
@@ -435,11 +527,17 @@ void register_vector(nb::module_& m) {
     nb::class_<Loan>(m, "Loan", nb::type_slots(kLoanSlots),
                      "A share in an array's memory, for `numpy.ndarray(buffer=)`.");
     nb::class_<ArrayLender>(m, "ArrayLender", "Lends the memory of a uint8 array, without a copy.")
-        .def(nb::init<Rows<uint8_t>>(), "array"_a.noconvert(),
+        .def(nb::init<nb::object>(), "array"_a,
              nb::sig("def __init__(self, array: " ARRAY("uint8") ") -> None"))
         .def("lend", &ArrayLender::lend)
         .def_prop_ro("lent", &ArrayLender::lent,
                      "Whether a loan exists: an array made of one, or a view or tensor of that.");
+    nb::class_<VectorLock>(m, "VectorLock",
+                           "The lock of a vector environment, for `with`. RuntimeError in a forked process.")
+        .def(nb::init<>())
+        .def("__enter__", &VectorLock::enter)
+        .def("__exit__", [](VectorLock& lock, nb::handle, nb::handle, nb::handle) { lock.exit(); }, "type"_a.none(),
+             "value"_a.none(), "traceback"_a.none());
     nb::class_<BoundEngine>(m, "VectorEngine",
                             "Environments played by a pool of threads. Use it through atari.AtariVectorEnv.")
         .def("__init__", &make_engine, "members"_a, "episode"_a, "observation"_a, "settings"_a)
@@ -463,29 +561,29 @@ void register_vector(nb::module_& m) {
         .def("screen_rgb", &screen_of, "environment"_a,
              nb::sig("def screen_rgb(self, environment: int) -> " ARRAY("uint8")))
         .def("ram", [](BoundEngine& x, int i) {
-                 const auto ram = x.get<std::vector<uint8_t>>(i, [](Environment& e) {
+                 const auto ram = x.get(i, [](Environment& e) {
                      return std::vector<uint8_t>(e.ram(), e.ram() + 128);
                  });
                  return nb::bytes(ram.data(), ram.size());
              }, "environment"_a)
         .def("set_ram", [](BoundEngine& x, int i, int index, int value) {
-                 x.get<int>(i, [&](Environment& e) { e.set_ram(index & 127, value & 255); return 0; });
+                 x.get(i, [&](Environment& e) { e.set_ram(index & 127, value & 255); });
              }, "environment"_a, "index"_a, "value"_a)
         .def("numbers", [](BoundEngine& x, int i) {
-                 return x.get<std::vector<int>>(i, [](Environment& e) {
+                 return x.get(i, [](Environment& e) {
                      return std::vector<int>{e.lives(), e.frame_number(), e.episode_frame_number()};
                  });
              }, "environment"_a, "Lives, frame number, episode frame number.")
-        .def("mode", [](BoundEngine& x, int i) { return x.get<int>(i, [](Environment& e) { return e.mode(); }); },
+        .def("mode", [](BoundEngine& x, int i) { return x.get(i, [](Environment& e) { return e.mode(); }); },
              "environment"_a)
         .def("difficulty",
-             [](BoundEngine& x, int i) { return x.get<int>(i, [](Environment& e) { return e.difficulty(); }); },
+             [](BoundEngine& x, int i) { return x.get(i, [](Environment& e) { return e.difficulty(); }); },
              "environment"_a)
         .def("set_mode", [](BoundEngine& x, int i, int mode) {
-                 x.get<int>(i, [&](Environment& e) { e.set_mode(mode); return 0; });
+                 x.get(i, [&](Environment& e) { e.set_mode(mode); });
              }, "environment"_a, "mode"_a)
         .def("set_difficulty", [](BoundEngine& x, int i, int difficulty) {
-                 x.get<int>(i, [&](Environment& e) { e.set_difficulty(difficulty); return 0; });
+                 x.get(i, [&](Environment& e) { e.set_difficulty(difficulty); });
              }, "environment"_a, "difficulty"_a);
 }
 

@@ -27,6 +27,8 @@ long process_number() {
 VectorEngine::VectorEngine(std::vector<Member> members, const VectorSettings& settings)
     : settings_(settings), process_(process_number()) {
     slots_.resize(members.size());
+    recent_.resize(static_cast<size_t>(settings.batch_size));
+    std::iota(recent_.begin(), recent_.end(), 0);
     for (size_t i = 0; i < members.size(); ++i) slots_[i].member = std::move(members[i]);
     pool_ = std::make_unique<ThreadPool>(size(), settings.threads, queued(), settings.first_core,
                                          [this](int environment) { run_task(environment); });
@@ -51,25 +53,24 @@ void VectorEngine::reset(const std::vector<bool>& chosen, const std::vector<cons
     pool_->submit(all.data(), size());
 }
 
-void VectorEngine::step(const int* environments, const int64_t* actions, const float* strengths, int count,
-                  const Batch* batch) {
-    for (int i = 0; i < count; ++i) {
-        Slot& slot = slots_[static_cast<size_t>(environments[i])];
+void VectorEngine::step(const int64_t* actions, const float* strengths, const Batch* batch) {
+    for (size_t i = 0; i < recent_.size(); ++i) {
+        Slot& slot = this->slot(recent_[i]);
         slot.task = Task::kStep;
         slot.action = slot.member.actions[static_cast<size_t>(actions[i])];
         slot.strength = strengths ? strengths[i] : 1.0f;
     }
     batch_ = batch;
-    if (queued()) pool_->submit(environments, count);
+    if (queued()) pool_->submit(recent_.data(), settings_.batch_size);
     else pool_->submit_all();
 }
 
 void VectorEngine::receive(const Batch& batch) {
     pool_->wait(settings_.batch_size);
     if (!queued()) return;
-    const std::vector<int> environments = pool_->take(settings_.batch_size);
+    recent_ = pool_->take(settings_.batch_size);
     for (int row = 0; row < settings_.batch_size; ++row) {
-        const int environment = environments[static_cast<size_t>(row)];
+        const int environment = recent_[static_cast<size_t>(row)];
         write_results(slot(environment), environment, row, batch);
     }
 }

@@ -54,6 +54,8 @@ class VectorEngine {
     int batch_size() const { return settings_.batch_size; }
     // The number of environments whose results have not been received.
     int pending() const { return pool_->pending(); }
+    // The environments of the last batch, by row. Before the first one, those with the lowest numbers.
+    const std::vector<int>& recent() const { return recent_; }
     int actions_of(int environment) const { return static_cast<int>(slot(environment).member.actions.size()); }
 
     // `reset` and `step` start work on environments; `receive` waits for the results. If a batch has all environments,
@@ -61,8 +63,8 @@ class VectorEngine {
     //
     // Resets the chosen environments, with `seeds[i]` if it is not null. The others repeat their last observation.
     void reset(const std::vector<bool>& chosen, const std::vector<const Seed*>& seeds, const Batch* batch);
-    // Row i is for environment `environments[i]`; an action is an index, a strength is a factor for paddles.
-    void step(const int* environments, const int64_t* actions, const float* strengths, int count, const Batch* batch);
+    // Row i is for environment `recent()[i]`; an action is an index, a strength is a factor for paddles.
+    void step(const int64_t* actions, const float* strengths, const Batch* batch);
     // Waits for a batch. Rethrows the deferred error of an environment; all environments must then be reset.
     void receive(const Batch& batch);
     // Waits for all pending results and drops them, deferred errors included.
@@ -135,6 +137,7 @@ class VectorEngine {
 
     const VectorSettings settings_;
     std::vector<Slot> slots_;
+    std::vector<int> recent_;
     const Batch* batch_ = nullptr;  // of all environments: the threads write to it
     std::unique_ptr<ThreadPool> pool_;
     long process_;  // the process that made the threads

@@ -10,9 +10,17 @@ namespace {
 
 void check(const EpisodeSettings& episode, const ObservationSettings& observation) {
     const auto [low, high] = episode.frame_skip;
-    if (observation.stack < 1 || low < 1 || high <= low || episode.noops.first < 0 ||
-        episode.noops.second < episode.noops.first)
+    if (observation.stack < 1 || observation.stack > 10'000 || low < 1 || high <= low || high > kMaxFrameSkip + 1 ||
+        episode.noops.first < 0 || episode.noops.second < episode.noops.first || episode.noops.second > 1'000'000)
         throw std::invalid_argument("stack, frame_skip or noops is out of range");
+}
+
+void check(const MemberSpec& spec, const ObservationSettings& observation) {
+    if (!spec.game) throw std::invalid_argument("each environment needs a game");
+    for (int action : spec.actions)
+        if (action < 0 || action > 17) throw std::invalid_argument("an ALE action number is within 0..17");
+    if (observation.pixels == PixelFormat::kGrayOfRgb && !spec.gray_of_pairs)
+        throw std::invalid_argument("gray of RGB needs the gray values of pairs of colours");
 }
 
 template <typename... Arguments>
@@ -47,9 +55,7 @@ std::vector<VectorEngine::Member> make_members(const std::vector<MemberSpec>& sp
     std::map<int, std::shared_ptr<const Resizer>> resizers;  // by height of the screen
     std::map<const Game*, const Environment*> twins;         // the first environment of each game
     for (const MemberSpec& spec : specs) {
-        if (!spec.game) throw std::invalid_argument("each environment needs a game");
-        if (observation.pixels == PixelFormat::kGrayOfRgb && !spec.gray_of_pairs)
-            throw std::invalid_argument("gray of RGB needs the gray values of pairs of colours");
+        check(spec, observation);
         const Environment*& twin = twins[spec.game.get()];
         const Seed seed = seed_of(spec.seed);
         auto environment = std::make_unique<Environment>(spec.game, episode.emulator(), seed.emulator, twin);

@@ -1,0 +1,23 @@
+"""Programs that a test runs in an interpreter of their own, because a failure of them is a hang or a crash."""
+
+import subprocess
+import sys
+import textwrap
+
+LIMIT = 60
+"""Seconds after which a program counts as hung. All of them take a few."""
+
+
+def run_program(program: str) -> str:
+    """What the program prints; it must end by itself, with status 0.
+
+    Raises:
+        AssertionError: it hung, crashed, or raised; the message has what it wrote to stderr.
+    """
+    command = [sys.executable, "-X", "faulthandler", "-W", "ignore::DeprecationWarning", "-c", textwrap.dedent(program)]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT)
+    except subprocess.TimeoutExpired as error:
+        raise AssertionError(f"the program hung; it printed {error.stdout!r}, and to stderr {error.stderr!r}") from None
+    assert done.returncode == 0, f"status {done.returncode}: {done.stderr}"
+    return done.stdout
