@@ -9,6 +9,7 @@ import copy
 import math
 import operator
 import os
+import sys
 from collections.abc import Iterable, Sequence
 from functools import cached_property
 from os import PathLike
@@ -48,6 +49,9 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
     (`_lives`, ...). In SAME_STEP, when an episode has ended (or a life was lost, with `life_loss_info`), also
     `final_obs`, of the shape of the observations and zero where nothing ended, its mask `_final_obs`, and `final_info`,
     `_final_info`.
+
+    Threads may share an environment: one call runs at a time, and a thread that waits lets others run. In a forked
+    process all methods but `close` raise RuntimeError.
 
     Args:
         game: id such as "breakout", or the path of a game file of your own; a sequence has one for each environment
@@ -91,6 +95,8 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         TypeError, ValueError: an option is of the wrong kind or out of range.
         FileNotFoundError: no ROM file of a game was found.
     """
+
+    _process = 0  # that made the threads
 
     def __init__(
         self,
@@ -139,6 +145,9 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         }
         self._engine: _emulator.VectorEngine | None = options.make_engine()
         self._process = os.getpid()
+        self._lock = (
+            _emulator.VectorLock()
+        )  # of all attributes that change, and of the engine from a send to its results
         self.single_action_space = options.action_space()
         self.single_observation_space = options.observation_space()
         self.action_space = batch_space(self.single_action_space, self.batch_size)
@@ -168,15 +177,16 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         Raises:
             TypeError, ValueError: the seeds or the mask are of the wrong kind or length.
         """
-        engine = self._open()
-        mask = self._reset_mask(options)
-        seeded, seeds = seed_words(seed, mask, ale=self._options.protocol.order == "ale")
-        self._phase = "new"  # until it has succeeded
-        results = self._take_buffer(None)
-        engine.reset(mask, seeded, seeds, results.batch if self.batch_size == self.num_envs else None)
-        self._flying = results
-        observation, _, _, _, info = self._receive(engine)
-        return observation, info
+        with self._lock:
+            engine = self._open()
+            mask = self._reset_mask(options)
+            seeded, seeds = seed_words(seed, mask, ale=self._options.protocol.order == "ale")
+            self._phase = "new"  # until it has succeeded
+            results = self._take_buffer(engine, None)
+            engine.reset(mask, seeded, seeds, results.batch if self.batch_size == self.num_envs else None)
+            self._flying = results
+            observation, _, _, _, info = self._receive(engine)
+            return observation, info
 
     def step(self, actions: Any, out: Any = None) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         """Play a step of the environments of the last batch.
@@ -194,9 +204,10 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
             gymnasium.error.ResetNeeded: before the first reset, or after an error in an environment.
             TypeError, ValueError: the actions are not in the action space, or `out` does not fit; nothing is played.
         """
-        engine = self._open()
-        self._send(engine, actions, out)
-        return self._receive(engine)
+        with self._lock:
+            engine = self._open()
+            self._send(engine, actions, out)
+            return self._receive(engine)
 
     def send(self, actions: Any, out: Any = None) -> None:
         """Begin a step; `recv` returns its results. Arguments and errors are those of `step`.
@@ -206,7 +217,8 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         Raises:
             gymnasium.error.AlreadyPendingCallError: the last step has not been received.
         """
-        self._send(self._open(), actions, out)
+        with self._lock:
+            self._send(self._open(), actions, out)
 
     def _send(self, engine: _emulator.VectorEngine, actions: Any, out: Any) -> None:
         if self._phase == "new":
@@ -214,7 +226,7 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         if self._phase == "sent":
             raise gymnasium.error.AlreadyPendingCallError("call recv() before the next send()", "send")
         indices, strengths = self._options.moves(actions)
-        results = self._take_buffer(out)
+        results = self._take_buffer(engine, out)
         engine.start(indices, strengths, results.batch if self.batch_size == self.num_envs else None)
         self._flying = results
         self._phase = "sent"
@@ -225,14 +237,16 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         Raises:
             gymnasium.error.NoAsyncCallError: nothing has been sent.
         """
-        engine = self._open()
-        if self._phase != "sent":
-            raise gymnasium.error.NoAsyncCallError("call send() before recv()", "recv")
-        return self._receive(engine)
+        with self._lock:
+            engine = self._open()
+            if self._phase != "sent":
+                raise gymnasium.error.NoAsyncCallError("call send() before recv()", "recv")
+            return self._receive(engine)
 
     def _receive(self, engine: _emulator.VectorEngine) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         results = self._flying
-        assert results is not None
+        if results is None:
+            raise _closed()
         self._phase = "new"  # should an environment have failed
         engine.receive(results.batch)
         self._phase = "idle"
@@ -252,7 +266,9 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
             RuntimeError: environments are being played (between `send` and `recv`).
             IndexError: there is no such environment.
         """
-        return self._started().snapshot(self._indices(indices))
+        chosen = self._indices(indices)
+        with self._lock:
+            return self._started().snapshot(chosen)
 
     def restore(self, indices: Iterable[int] | None, snapshots: Sequence[_emulator.MemberSnapshot]) -> None:
         """Continue some environments, or all, from snapshots; each may be of any environment of the same game.
@@ -264,7 +280,9 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
             RuntimeError, IndexError: as `snapshot`.
             TypeError, ValueError: these are no snapshots, not one for each environment, or of another game or options.
         """
-        self._started().restore(self._indices(indices), snapshots)
+        chosen = self._indices(indices)
+        with self._lock:
+            self._started().restore(chosen, snapshots)
 
     def fork(self, source: int, targets: Iterable[int]) -> None:
         """Continue some environments from where another one of the same game is, its generators included.
@@ -272,20 +290,25 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         Raises:
             RuntimeError, IndexError, ValueError: as `restore`.
         """
-        self._started().fork(source, self._indices(targets))
+        chosen = self._indices(targets)
+        with self._lock:
+            self._started().fork(source, chosen)
 
     def render(self) -> tuple[ByteArray, ...] | None:
         """The screens of all environments, (height, 160, 3) uint8 each; None without a render mode."""
         if self.render_mode is None:
             return None
-        engine = self._open()
-        return tuple(engine.screen_rgb(index) for index in range(self.num_envs))
+        return tuple(self._screens())
 
     def mosaic(self) -> ByteArray:
         """The screens as one image, (height, width, 3) uint8, of as many columns of screens as rows, or one more."""
-        engine = self._open()
-        screens = [engine.screen_rgb(index) for index in range(self.num_envs)]
+        screens = self._screens()
         return tile(screens, math.ceil(math.sqrt(len(screens))))
+
+    def _screens(self) -> list[ByteArray]:
+        with self._lock:
+            engine = self._open()
+            return [engine.screen_rgb(index) for index in range(self.num_envs)]
 
     @property
     def autoreset_mode(self) -> AutoresetMode:
@@ -297,7 +320,7 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         """The environments one by one: their counters, RAM, mode and difficulty."""
         self._open()
         return tuple(
-            Member(self._open, index, game, actions)
+            Member(self._open, self._lock, index, game, actions)
             for index, (game, actions) in enumerate(zip(self.games, self._options.action_sets, strict=True))
         )
 
@@ -330,13 +353,14 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickling and copying keep the position in all games; in batches of fewer than all, a reset must follow."""
-        engine = self._open()
-        if self._phase == "sent":
-            raise RuntimeError("environments are being played; call recv() before pickling")
-        states = [engine.save(index) for index in range(self.num_envs)]
-        given = {**self._given, "num_envs": self.num_envs}
-        phase = self._phase if self.batch_size == self.num_envs else "new"
-        return {"given": given, "states": states, "phase": phase, "spec": copy.deepcopy(self.spec)}
+        with self._lock:
+            engine = self._open()
+            if self._phase == "sent":
+                raise RuntimeError("environments are being played; call recv() before pickling")
+            states = [engine.save(index) for index in range(self.num_envs)]
+            given = {**self._given, "num_envs": self.num_envs}
+            phase = self._phase if self.batch_size == self.num_envs else "new"
+            return {"given": given, "states": states, "phase": phase, "spec": copy.deepcopy(self.spec)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         AtariVectorEnv.__init__(self, **state["given"])
@@ -355,30 +379,32 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         return list(range(self.num_envs)) if indices is None else [operator.index(index) for index in indices]
 
     def close_extras(self, **kwargs: Any) -> None:
-        """Join the threads and release the environments."""
+        """Join the threads and release the environments, after the calls of other threads."""
+        if self._process != os.getpid() or sys.is_finalizing():
+            return self._release()  # A thread that has gone may hold the lock.
+        with self._lock:
+            self._release()
+
+    def _release(self) -> None:
         self._engine = None
         self._flying = None
         self._buffers = []
 
     def _open(self) -> _emulator.VectorEngine:
         if self._engine is None:
-            raise gymnasium.error.ClosedEnvironmentError("this vector environment is closed; make a new one")
-        if self._process != os.getpid():
-            raise RuntimeError(
-                "this vector environment was made before the process was forked, and has no threads here; "
-                "make it in the new process, or start that with the method 'spawn'"
-            )
+            raise _closed()
         return self._engine
 
-    def _take_buffer(self, out: Any) -> Results:
-        assert self._engine is not None
+    def _take_buffer(self, engine: _emulator.VectorEngine, out: Any) -> Results:
         if out is not None:
-            return Results(self._engine, self._options, out)
-        older, newer = self._buffers
+            return Results(engine, self._options, out)
+        if not (buffers := self._buffers):  # A signal handler may close the environment during a step.
+            raise _closed()
+        older, newer = buffers
         if not older.lent():
             older, newer = newer, older
         elif newer.lent():
-            older, newer = newer, Results(self._engine, self._options)
+            older, newer = newer, Results(engine, self._options)
         self._buffers = [older, newer]
         return newer
 
@@ -395,3 +421,7 @@ class AtariVectorEnv(VectorEnv[Any, Any, Any]):
         if self._phase == "new" and not mask.all():
             raise gymnasium.error.ResetNeeded("the first reset must be of all environments, without reset_mask")
         return np.ascontiguousarray(mask)
+
+
+def _closed() -> gymnasium.error.ClosedEnvironmentError:
+    return gymnasium.error.ClosedEnvironmentError("this vector environment is closed; make a new one")

@@ -19,46 +19,62 @@ class Member:
     """
 
     def __init__(
-        self, engine: Callable[[], _emulator.VectorEngine], index: int, game: Game, actions: tuple[Action, ...]
+        self,
+        engine: Callable[[], _emulator.VectorEngine],
+        lock: _emulator.VectorLock,
+        index: int,
+        game: Game,
+        actions: tuple[Action, ...],
     ) -> None:
-        self._engine, self.index, self.game, self._actions = engine, index, game, actions
+        self._engine, self._lock, self.index, self.game, self._actions = engine, lock, index, game, actions
+
+    def _numbers(self) -> list[int]:
+        with self._lock:
+            return self._engine().numbers(self.index)
 
     @property
     def lives(self) -> int:
         """Lives left, as the game's rules count them."""
-        return self._engine().numbers(self.index)[0]
+        return self._numbers()[0]
 
     @property
     def frame_number(self) -> int:
         """Frames played since the last seed."""
-        return self._engine().numbers(self.index)[1]
+        return self._numbers()[1]
 
     @property
     def episode_frame_number(self) -> int:
         """Frames played since the game began."""
-        return self._engine().numbers(self.index)[2]
+        return self._numbers()[2]
 
     @property
     def mode(self) -> int:
         """The game's mode; what is set is played from the next reset on."""
-        return self._engine().mode(self.index)
+        with self._lock:
+            return self._engine().mode(self.index)
 
     @mode.setter
     def mode(self, mode: int) -> None:
-        self._engine().set_mode(self.index, self.checked("mode", mode))
+        checked = self.checked("mode", mode)
+        with self._lock:
+            self._engine().set_mode(self.index, checked)
 
     @property
     def difficulty(self) -> int:
         """The game's difficulty; what is set is played from the next frame on."""
-        return self._engine().difficulty(self.index)
+        with self._lock:
+            return self._engine().difficulty(self.index)
 
     @difficulty.setter
     def difficulty(self, difficulty: int) -> None:
-        self._engine().set_difficulty(self.index, self.checked("difficulty", difficulty))
+        checked = self.checked("difficulty", difficulty)
+        with self._lock:
+            self._engine().set_difficulty(self.index, checked)
 
     def ram(self) -> ByteArray:
         """The bytes of RAM, (128,) uint8, a copy."""
-        return np.frombuffer(bytearray(self._engine().ram(self.index)), np.uint8)
+        with self._lock:
+            return np.frombuffer(bytearray(self._engine().ram(self.index)), np.uint8)
 
     def set_ram(self, index: int, value: int) -> None:
         """Write one byte of RAM; `index` 0..127, `value` 0..255.
@@ -66,7 +82,9 @@ class Member:
         Raises:
             TypeError, ValueError: one of them is no such integer.
         """
-        self._engine().set_ram(self.index, *check_poke(index, value))
+        index, value = check_poke(index, value)
+        with self._lock:
+            self._engine().set_ram(self.index, index, value)
 
     def copy_to(self, core: NativeCore) -> None:
         """Give a core of the same game the state of this emulator. The core keeps its sticky actions and its limit.
@@ -76,11 +94,14 @@ class Member:
         """
         if core.game != self.game:
             raise ValueError(f"this environment plays {self.game.id}, but the core {core.game.id}; make one of this")
-        core.load(self._engine().save_emulator(self.index))
+        with self._lock:
+            state = self._engine().save_emulator(self.index)
+        core.load(state)
 
     def screen_rgb(self) -> ByteArray:
         """The screen, (height, 160, 3) uint8."""
-        return self._engine().screen_rgb(self.index)
+        with self._lock:
+            return self._engine().screen_rgb(self.index)
 
     render = screen_rgb
 
