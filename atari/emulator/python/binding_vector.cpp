@@ -110,8 +110,7 @@ class VectorLock {
 // The engine as Python threads share it. The GIL is released while environments are played or waited for.
 class BoundEngine : Exclusive {
   public:
-    BoundEngine(std::vector<VectorEngine::Member> members, const VectorSettings& settings)
-        : engine_(std::make_unique<VectorEngine>(std::move(members), settings)) {}
+    explicit BoundEngine(std::unique_ptr<VectorEngine> engine) : engine_(std::move(engine)) {}
 
     // Joins the threads, which may still write to `current_`.
     ~BoundEngine() {
@@ -386,11 +385,11 @@ void make_engine(BoundEngine* self, const std::vector<const MemberSpec*>& member
     for (const MemberSpec* member : members) specs.push_back(member ? *member : MemberSpec{});
     if (settings.batch_size < 1 || static_cast<size_t>(settings.batch_size) > specs.size() || settings.threads < 1)
         throw std::invalid_argument("batch_size or threads is out of range");
-    auto made = [&] {
+    auto engine = [&] {
         const GilRelease release;
-        return make_members(specs, episode, observation);
+        return std::make_unique<VectorEngine>(make_members(specs, episode, observation), settings);
     }();
-    new (self) BoundEngine(std::move(made), settings);
+    new (self) BoundEngine(std::move(engine));
 }
 
 void make_gray_of_pairs(Shared<GrayOfPairs>* self, nb::bytes values) {
