@@ -5,6 +5,7 @@ Sources: the registrations of OpenAI Gym 0.1-0.26 (v0 and v4) and of ale-py 0.7-
 """
 
 import difflib
+import os
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -13,7 +14,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-import ale_py.registration  # noqa: F401 - registers its IDs on import, which ours must replace
+import ale_py  # noqa: F401 - its import registers its IDs, which ours must replace
 import gymnasium
 from gymnasium.envs.registration import EnvSpec
 
@@ -34,6 +35,7 @@ MAX_FRAMES = 108_000
 """Emulated frames after which every registered environment truncates an episode: half an hour of play."""
 
 
+_MODULE_PREFIX = "atari:"  # of "atari:ALE/Pong-v5", with which Gymnasium imports this package first
 _ENTRY_POINT = "atari.env:AtariEnv"
 _VECTOR_ENTRY_POINT = "atari.vector:AtariVectorEnv"
 
@@ -100,15 +102,32 @@ def ids() -> dict[str, tuple[Family, str]]:
 
 
 def register_all() -> None:
-    """Put every ID into Gymnasium's registry; an ID that ale-py has too is replaced."""
-    for env_id, (family, game) in ids().items():
-        # Not gymnasium.register(), which warns when it replaces an ID.
-        gymnasium.registry[env_id] = EnvSpec(
-            id=env_id,
-            entry_point=_ENTRY_POINT,
-            kwargs=family.options(game),
-            vector_entry_point=_VECTOR_ENTRY_POINT,
+    """Put every ID into Gymnasium's registry; an ID that ale-py has too is replaced.
+
+    With the environment variable `ATARI_REGISTER=own`, an ID that is registered already keeps its environment.
+
+    Raises:
+        ValueError: `ATARI_REGISTER` has another value.
+    """
+    choice = os.environ.get("ATARI_REGISTER", "all") or "all"
+    if choice not in ("all", "own"):
+        raise ValueError(
+            "the environment variable ATARI_REGISTER must be 'all' (replace ale-py's IDs) or 'own' (keep them), "
+            f"got {choice!r}"
         )
+    for env_id in ids():
+        if choice == "all" or env_id not in gymnasium.registry:
+            gymnasium.registry[env_id] = _spec(env_id)  # not gymnasium.register(), which warns when it replaces an ID
+
+
+def _spec(env_id: str) -> EnvSpec:
+    family, game = ids()[env_id]
+    return EnvSpec(
+        id=env_id,
+        entry_point=_ENTRY_POINT,
+        kwargs=family.options(game),
+        vector_entry_point=_VECTOR_ENTRY_POINT,
+    )
 
 
 def known_ids() -> tuple[str, ...]:
@@ -123,11 +142,12 @@ def resolve(env_id: str) -> tuple[Family, str]:
     Raises:
         gymnasium.error.NameNotFound: there is no such ID, or it is of no family; the message suggests the right one.
     """
-    if env_id in ids():
-        return ids()[env_id]
-    if env_id in known_ids():
+    known = env_id.removeprefix(_MODULE_PREFIX)
+    if known in ids():
+        return ids()[known]
+    if known in known_ids():
         raise gymnasium.error.NameNotFound(
-            f"only IDs of ALE's games are explained, {env_id!r} is none; gymnasium.spec({env_id!r}) shows what it is"
+            f"only IDs of ALE's games are explained, {known!r} is none; gymnasium.spec({known!r}) shows what it is"
         )
     raise _not_found(env_id)
 
@@ -150,16 +170,19 @@ def make(game_or_id: str, *, preset: str | None = None, **options: Any) -> gymna
     if "-v" not in game_or_id and "/" not in game_or_id:
         env_id = f"ALE/{stem(games.find(game_or_id).id)}-v5"
     else:
-        if game_or_id not in known_ids():
+        env_id = game_or_id.removeprefix(_MODULE_PREFIX)
+        if env_id not in known_ids():
             raise _not_found(game_or_id)
-        env_id = game_or_id
+    ours = getattr(gymnasium.registry.get(env_id), "entry_point", None) == _ENTRY_POINT
+    # With ATARI_REGISTER=own, the registered environment may be ale-py's.
+    target = _spec(env_id) if env_id in ids() and not ours else env_id
     if preset is None:
-        return gymnasium.make(env_id, **options)
-    if gymnasium.registry[env_id].entry_point != _ENTRY_POINT:
+        return gymnasium.make(target, **options)
+    if target == env_id and not ours:
         raise ValueError(f"a preset is for Atari games, and {env_id!r} is none; make it without preset={preset!r}")
     from atari import wrappers  # imported here because it imports OpenCV
 
-    env = gymnasium.make(env_id, **{**wrappers.preset_options(preset), **options})
+    env = gymnasium.make(target, **{**wrappers.preset_options(preset), **options})
     return wrappers.preset(env, preset)
 
 

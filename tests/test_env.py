@@ -76,7 +76,7 @@ def test_a_rom_path_that_is_a_folder_is_refused(tmp_path: Path) -> None:
 
 def test_a_rom_file_of_another_game_is_refused() -> None:
     with pytest.raises(ValueError, match="Pong"):
-        AtariEnv("breakout", rom=Path(ale_py.__file__).parent / "roms" / "pong.bin")
+        AtariEnv("breakout", rom=atari.roms.find("pong"))
 
 
 def test_the_core_is_within_reach() -> None:

@@ -12,7 +12,6 @@ import gymnasium
 import numpy as np
 import pytest
 from env_tools import over, play, started, unchanged
-from gymnasium.wrappers import FrameStackObservation
 
 from atari import AtariEnv
 from atari.cores import snapshot
@@ -149,7 +148,7 @@ def test_a_copy_keeps_the_spec() -> None:
 
 
 def test_a_wrapped_environment_can_be_copied_too() -> None:
-    env = FrameStackObservation(gymnasium.make("ALE/Seaquest-v5"), 3)
+    env = gymnasium.wrappers.FrameStackObservation(gymnasium.make("ALE/Seaquest-v5"), 3)
     env.reset(seed=0)
     play(env, 20)
     other = copy.deepcopy(env)

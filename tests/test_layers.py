@@ -17,6 +17,7 @@ import atari.wrappers
 ALLOWED = {
     # The foundation imports no other part.
     "_emulator": "",
+    "_gymnasium": "",
     "_sources": "",
     "actions": "",
     "protocols": "",
@@ -28,11 +29,11 @@ ALLOWED = {
     "rendering": "cores games validation",
     "env": "actions cores games rendering roms validation",
     "wrappers": "_emulator actions cores env games protocols validation",
-    "vector": "_emulator actions cores games protocols rendering roms validation wrappers",
+    "vector": "_emulator _gymnasium actions cores games protocols rendering roms validation wrappers",
     "registration": "actions cores env games validation vector wrappers",
     "algorithmic": "validation",
-    "recording": "atari actions cores env games registration rendering roms validation vector wrappers",
-    "integrations": "actions cores env games validation vector wrappers",
+    "recording": "_gymnasium atari actions cores env games registration rendering roms validation vector wrappers",
+    "integrations": "_gymnasium actions cores env games validation vector wrappers",
     "sb3": "integrations",
     # The package itself exports the parts above, and `atari.__version__` to the parts below and to recordings.
     "atari": "actions algorithmic cores env games integrations registration roms vector wrappers",

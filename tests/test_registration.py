@@ -32,6 +32,8 @@ def theirs() -> dict[str, dict[str, Any]]:
     )
     result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     specs: dict[str, dict[str, Any]] = json.loads(result.stdout)
+    if not specs:
+        pytest.skip("this ale-py leaves the registration of its IDs to Gymnasium's plug-ins")
     return specs
 
 

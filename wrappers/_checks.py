@@ -73,7 +73,15 @@ def require_single_frames(env: Environment, wrapper: str) -> None:
 
 def has_noop(env: Environment) -> bool:
     """Whether NOOP is one of the actions; the minimal sets of Backgammon and Video Checkers do not have it."""
-    return not isinstance(env.action_space, spaces.Discrete) or "NOOP" in env.get_wrapper_attr("get_action_meanings")()
+    return not isinstance(env.action_space, spaces.Discrete) or "NOOP" in action_meanings(env)
+
+
+def action_meanings(env: Environment) -> list[str]:
+    """The names of the actions, as the outermost wrapper that overrides them gives them."""
+    # With Gymnasium 0.29, `env.get_wrapper_attr` warns.
+    overriding = (layer for layer in layers(env) if hasattr(type(layer), "get_action_meanings"))
+    meanings: list[str] = next(overriding, env.unwrapped).get_action_meanings()  # type: ignore[attr-defined]
+    return meanings
 
 
 def noop_action(env: Environment) -> Any:

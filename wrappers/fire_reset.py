@@ -10,7 +10,7 @@ import numpy as np
 from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
 
-from atari.wrappers._checks import Environment
+from atari.wrappers._checks import Environment, action_meanings
 
 
 class FireReset(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
@@ -31,7 +31,7 @@ class FireReset(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
         RecordConstructorArgs.__init__(self, then_action_2=then_action_2)
         super().__init__(env)
         self._actions: list[Any] = []
-        meanings = env.get_wrapper_attr("get_action_meanings")()
+        meanings = action_meanings(env)
         if "FIRE" in meanings:
             discrete = isinstance(env.action_space, spaces.Discrete)
             self._actions.append(meanings.index("FIRE") if discrete else np.array([0, 0, 1], np.float32))

@@ -10,7 +10,7 @@ import gymnasium
 from gymnasium.utils import RecordConstructorArgs
 
 from atari.validation import check_integer
-from atari.wrappers._checks import Environment, step_noop
+from atari.wrappers._checks import Environment, action_meanings, step_noop
 
 
 class NoopReset(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
@@ -37,7 +37,7 @@ class NoopReset(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
         RecordConstructorArgs.__init__(self, noop_max=noop_max, noop_min=noop_min, fire_counts=fire_counts)
         super().__init__(env)
         self.noop_max, self.noop_min = noop_max, noop_min
-        self._fires = int(fire_counts and "FIRE" in env.get_wrapper_attr("get_action_meanings")())
+        self._fires = int(fire_counts and "FIRE" in action_meanings(env))
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset, then play no-ops.

@@ -6,11 +6,13 @@ calls, which `restore` replays. That is exact for every game.
 """
 
 import hashlib
+import re
 from dataclasses import asdict, dataclass
 from os import PathLike
 from typing import Any
 
 import ale_py
+import gymnasium
 import numpy as np
 from ale_py import ALEInterface, ALEState, LoggerMode
 
@@ -24,6 +26,9 @@ from atari.roms import find
 from atari.validation import check_action, check_integer, check_poke, check_strength
 
 ALEInterface.setLoggerMode(LoggerMode.Error)  # process-wide: no banner, no line per load
+
+OLDEST_ALE_PY = "0.12.1"
+"""The oldest ale-py that `AleCore` is tested with; the interface of 0.8.1 is another, without sound."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +56,7 @@ class AleCore:
     Raises:
         TypeError, ValueError: an argument is wrong, or the ROM file is not of this game.
         FileNotFoundError: there is no ROM file.
+        gymnasium.error.DependencyNotInstalled: the installed ale-py is older than `OLDEST_ALE_PY`.
     """
 
     name = "ale"
@@ -69,6 +75,11 @@ class AleCore:
         color_averaging: bool = False,
         rom: str | PathLike[str] | None = None,
     ) -> None:
+        if _numbers(ale_py.__version__) < _numbers(OLDEST_ALE_PY):
+            raise gymnasium.error.DependencyNotInstalled(
+                f"core='ale' needs ale-py {OLDEST_ALE_PY} or newer, and {ale_py.__version__} is installed; "
+                "run `pip install --upgrade ale-py`, or use core='native', which needs none"
+            )
         self.game: Game = games.find(game)
         if self.game != games.get(self.game.id):
             raise ValueError(f"ale-py has only its own games, not {self.game.id!r}; use core='native'")
@@ -323,3 +334,8 @@ def _filled(getter: Any, shape: tuple[int, ...], out: ByteArray | None) -> ByteA
         raise ValueError(f"out must be a writable C-contiguous uint8 array of shape {shape}")
     getter(out)
     return out
+
+
+def _numbers(version: str) -> tuple[int, ...]:
+    """The numbers of a release, "0.12.1" or "0.12.1.dev3", to compare."""
+    return tuple(int(number) for number in re.findall(r"\d+", version)[:3])

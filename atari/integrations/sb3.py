@@ -13,8 +13,8 @@ from typing import Any
 import gymnasium
 import numpy as np
 from gymnasium import spaces
-from gymnasium.vector import AutoresetMode
 
+from atari._gymnasium import AutoresetMode
 from atari.games.game import Game
 from atari.vector.env import AtariVectorEnv
 from atari.vector.seeds import SEED_LIMIT

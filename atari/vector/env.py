@@ -19,10 +19,10 @@ import gymnasium
 import numpy as np
 import numpy.typing as npt
 from gymnasium import spaces
-from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from atari import _emulator
+from atari._gymnasium import AutoresetMode, VectorEnv
 from atari.cores import ByteArray
 from atari.games.game import Game
 from atari.rendering import tile
@@ -36,7 +36,7 @@ GameLike = str | PathLike[str] | Game
 IntArray = npt.NDArray[np.int64]
 
 
-class AtariVectorEnv(VectorEnv[Any, Any, Any]):
+class AtariVectorEnv(VectorEnv):
     """Environments of one game, or of several, played together.
 
     Observations are uint8: (batch, stack_num, img_height, img_width), in RGB with a last axis of 3, the oldest frame

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from gymnasium import spaces
-from gymnasium.vector import AutoresetMode
 
 from atari import _emulator
+from atari._gymnasium import AutoresetMode
 from atari.actions import PLAYER_ACTIONS, Action, in_continuous_space, joystick_action, make_action_space
 from atari.cores.native import compiled
 from atari.cores.options import CoreOptions

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from gymnasium import spaces
-from gymnasium.vector import AutoresetMode
 
 from atari import _emulator
+from atari._gymnasium import AutoresetMode
 from atari.vector.options import VectorOptions
 
 _UINT8, _ndarray = np.dtype(np.uint8), np.ndarray  # found once: they are used at every step

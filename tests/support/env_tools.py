@@ -1,13 +1,22 @@
 """Helpers of the tests of `AtariEnv`: start a game, play at random, compare results."""
 
+import inspect
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
 import gymnasium
 import numpy as np
+from gymnasium.utils import env_checker
 
 from atari import AtariEnv
+
+_EXACT = {"exact": True} if "exact" in inspect.signature(env_checker.data_equivalence).parameters else {}
+
+
+def data_equivalence(mine: Any, theirs: Any) -> bool:
+    """Gymnasium's, with exact equality; that of Gymnasium 0.29 allows floats a difference of 1e-5."""
+    return bool(env_checker.data_equivalence(mine, theirs, **_EXACT))
 
 
 @contextmanager

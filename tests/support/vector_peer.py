@@ -4,9 +4,9 @@ from typing import Any
 
 import ale_py
 import numpy as np
-from gymnasium.vector import AutoresetMode
 
 import atari
+from atari._gymnasium import AutoresetMode
 
 ale_py.ALEInterface.setLoggerMode(ale_py.LoggerMode.Error)
 

@@ -5,9 +5,10 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.wrappers import vector as wrappers
 
 import atari
+
+wrappers = pytest.importorskip("gymnasium.wrappers.vector", reason="added in Gymnasium 1.0")
 
 
 def make(**options: object) -> atari.AtariVectorEnv:

@@ -3,10 +3,10 @@
 from typing import Any
 
 import pytest
-from gymnasium.vector import AutoresetMode
 from vector_peer import compare, option_sets
 
 import atari
+from atari._gymnasium import AutoresetMode
 
 GAMES = [game.id for game in atari.games.playable()]
 

@@ -5,9 +5,9 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.vector import AutoresetMode
 
 import atari
+from atari._gymnasium import AutoresetMode
 
 
 def play(envs: atari.AtariVectorEnv, steps: int, seed: int = 5) -> list[bytes]:

@@ -9,8 +9,9 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+from env_tools import data_equivalence
 from gymnasium import spaces
-from gymnasium.utils.env_checker import check_env, data_equivalence
+from gymnasium.utils.env_checker import check_env
 
 from atari import AtariEnv
 
@@ -104,9 +105,9 @@ def contract() -> Callable[..., None]:
         first = rollout(env, actions)
 
         twin.reset(seed=3)
-        assert data_equivalence(first, rollout(twin, actions), exact=True), "a seed must reproduce an episode"
+        assert data_equivalence(first, rollout(twin, actions)), "a seed must reproduce an episode"
         env.reset(seed=3)
-        assert data_equivalence(first, rollout(env, actions), exact=True), "a seed must start everything over"
+        assert data_equivalence(first, rollout(env, actions)), "a seed must start everything over"
 
         env.reset(seed=4)
         observations, copies = [], []
@@ -121,20 +122,21 @@ def contract() -> Callable[..., None]:
             if terminated or truncated:
                 env.reset()
         for kept, copied in zip(observations, copies, strict=True):
-            assert data_equivalence(_arrays(kept), _arrays(copied), exact=True), "a later step changed an observation"
+            assert data_equivalence(_arrays(kept), _arrays(copied)), "a later step changed an observation"
 
         for again in (pickle.loads(pickle.dumps(env)), copy.deepcopy(env)):
             position = pickle.loads(pickle.dumps(env))
-            assert data_equivalence(rollout(again, actions[:20]), rollout(position, actions[:20]), exact=True)
+            assert data_equivalence(rollout(again, actions[:20]), rollout(position, actions[:20]))
 
         remade = gymnasium.make(env.spec)
         assert str(remade) == str(env)
         remade.reset(seed=3)
-        assert data_equivalence(first, rollout(remade, actions), exact=True), "env.spec must describe the wrappers"
+        assert data_equivalence(first, rollout(remade, actions)), "env.spec must describe the wrappers"
 
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             warnings.filterwarnings("ignore", message=".*different from the unwrapped version")
+            warnings.filterwarnings("ignore", message=".*env.seed to get variables")  # the check of Gymnasium 0.29
             check_env(env, skip_render_check=True)
         for each in (env, twin, remade):
             each.close()

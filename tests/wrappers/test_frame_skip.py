@@ -1,7 +1,6 @@
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.wrappers import AtariPreprocessing, MaxAndSkipObservation, RepeatAction, StickyAction
 
 from atari.wrappers import DqnPreprocessing, FrameSkip
 
@@ -60,14 +59,14 @@ def test_refuses_to_skip_twice(game_env, scripted):
         (gymnasium.make("ALE/Pong-v5"), "AtariEnv inside it already plays 4"),
         (FrameSkip(single, 2), "FrameSkip inside it already plays 2"),
         (DqnPreprocessing(single, stack_size=None), "DqnPreprocessing inside it already plays 4"),
-        (AtariPreprocessing(single, frame_skip=3), "AtariPreprocessing inside it already plays 3"),
-        (RepeatAction(single, 5), "RepeatAction inside it already plays 5"),
-        (MaxAndSkipObservation(single, 6), "MaxAndSkipObservation inside it already plays 6"),
+        (gymnasium.wrappers.AtariPreprocessing(single, frame_skip=3), "AtariPreprocessing inside it already plays 3"),
+        (gymnasium.wrappers.RepeatAction(single, 5), "RepeatAction inside it already plays 5"),
+        (gymnasium.wrappers.MaxAndSkipObservation(single, 6), "MaxAndSkipObservation inside it already plays 6"),
     ]
     for env, text in twice:
         with pytest.raises(ValueError, match=text + ".*frameskip=1 or from a NoFrameskip ID"):
             FrameSkip(env)
-    FrameSkip(FrameSkip(StickyAction(single, 0.25), 1), 4)
+    FrameSkip(FrameSkip(gymnasium.wrappers.StickyAction(single, 0.25), 1), 4)
 
 
 @pytest.mark.parametrize(("frame_skip", "error"), [(0, ValueError), ("4", TypeError), (True, TypeError)])

@@ -8,7 +8,6 @@ import cv2
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.wrappers import AtariPreprocessing, FrameStackObservation
 
 from atari import Action, games
 from atari.wrappers import PRESETS, ClipReward, DqnPreprocessing, EpisodicLife, NoopReset, preset, preset_options
@@ -26,8 +25,11 @@ INFO = ("lives", "episode_frame_number", "frame_number")
 )
 def test_gymnasium(game_env, game, episodic_life, probability, limit, steps):
     options = {"repeat_action_probability": probability, "max_num_frames_per_episode": limit}
-    theirs = FrameStackObservation(
-        AtariPreprocessing(ale_py.AtariEnv(game, frameskip=1, **options), terminal_on_life_loss=episodic_life), 4
+    theirs = gymnasium.wrappers.FrameStackObservation(
+        gymnasium.wrappers.AtariPreprocessing(
+            ale_py.AtariEnv(game, frameskip=1, **options), terminal_on_life_loss=episodic_life
+        ),
+        4,
     )
     ours = preset(game_env(game, **options), "gymnasium", episodic_life=episodic_life)
     assert ours.observation_space == theirs.observation_space

@@ -188,7 +188,8 @@ def _make_modern(modern: ModernSpec) -> gymnasium.Env[Any, Any]:
             raise
         raise gymnasium.error.DependencyNotInstalled(f"{modern.id} needs JAX: pip install 'gymnasium[jax]'") from None
     modern.kwargs = {**quiet_options(creator), **modern.kwargs}
-    return gymnasium.make(modern, max_episode_steps=-1, disable_env_checker=True)
+    modern.max_episode_steps = None  # the caller adds the limit, as an old wrapper
+    return gymnasium.make(modern, disable_env_checker=True)
 
 
 def _classic_spec(modern: ModernSpec) -> EnvSpec:

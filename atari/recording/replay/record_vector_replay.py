@@ -9,9 +9,9 @@ from os import PathLike
 from typing import Any
 
 import numpy as np
-from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
 
 from atari import wrappers
+from atari._gymnasium import AutoresetMode, VectorEnv, VectorWrapper
 from atari.env import AtariEnv
 from atari.games.game import Game
 from atari.recording.replay.record_replay import RecordReplay
@@ -41,7 +41,7 @@ class RecordVectorReplay(VectorWrapper):
         OSError: the file cannot be written. Later errors are deferred, see `RecordReplay`.
     """
 
-    def __init__(self, envs: VectorEnv[Any, Any, Any], path: str | PathLike[str], index: int = 0) -> None:
+    def __init__(self, envs: VectorEnv, path: str | PathLike[str], index: int = 0) -> None:
         inner = envs.unwrapped
         if not isinstance(inner, AtariVectorEnv):
             raise TypeError(f"RecordVectorReplay records an atari.AtariVectorEnv, got {type(inner).__name__}")

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from gymnasium.utils import RecordConstructorArgs
-from gymnasium.vector import AutoresetMode, VectorWrapper
 
+from atari._gymnasium import AutoresetMode, VectorWrapper
 from atari.recording.video.record_video_base import RecordVideoBase, make_folder
 from atari.recording.video.recorder import VideoSettings
 from atari.recording.video.schedule import Schedule, Trigger
@@ -26,7 +26,7 @@ from atari.validation import check_integer
 from atari.vector import AtariVectorEnv
 
 
-class RecordVectorVideo(RecordVideoBase, VectorWrapper[Any, Any, Any, Any, Any], RecordConstructorArgs):
+class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
     """Record videos of a vector environment.
 
     The arguments, the file names and the recorded episodes are those of `gymnasium.wrappers.vector.RecordVideo`. The

@@ -6,7 +6,6 @@ from typing import Any
 
 import gymnasium
 from gymnasium.utils import RecordConstructorArgs
-from gymnasium.vector import VectorEnv
 
 from atari.env import AtariEnv
 from atari.recording.video.record_video_base import RecordVideoBase, make_folder
@@ -87,7 +86,8 @@ class RecordVideo(RecordVideoBase, gymnasium.Wrapper[Any, Any, Any, Any], Record
         )
         inner = getattr(env, "unwrapped", env)
         if not isinstance(inner, AtariEnv):
-            other = "RecordVectorVideo" if isinstance(inner, VectorEnv) else "gymnasium.wrappers.RecordVideo"
+            vector = isinstance(inner, gymnasium.vector.VectorEnv)
+            other = "RecordVectorVideo" if vector else "gymnasium.wrappers.RecordVideo"
             raise TypeError(f"RecordVideo records an atari.AtariEnv, got {type(inner).__name__}; for that use {other}")
         super().__init__(env)
         self._atari = inner

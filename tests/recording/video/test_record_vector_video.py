@@ -8,12 +8,12 @@ import av
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.utils.env_checker import data_equivalence
-from gymnasium.vector import AutoresetMode
+from env_tools import data_equivalence
 from video_reader import NTSC, sound, video_frames
 
 import atari
 from atari import AtariVectorEnv
+from atari._gymnasium import AutoresetMode
 from atari.recording import RecordVectorVideo
 from atari.recording.video.audio import to_16_bit
 from atari.rendering import tile
@@ -71,7 +71,7 @@ def test_recording_changes_nothing_and_shadows_only_jump_at_resets(
             "copy_to",
             lambda core, index=shadow.index, copy_to=copy_to: (jumps.append(index), copy_to(core)),
         )
-    assert data_equivalence(play(envs, 60), plain, exact=True)
+    assert data_equivalence(play(envs, 60), plain)
     ends = sum(int((result[2] | result[3]).sum()) for result in plain if len(result) == 5)
     assert 3 <= len(jumps) <= 3 + ends
     for shadow in envs._shadows:

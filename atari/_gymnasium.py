@@ -1,0 +1,40 @@
+"""Gymnasium's vector classes under the names of its newest release, also with Gymnasium 0.29 to 1.0.
+
+Gymnasium 1.1 added `AutoresetMode`; Gymnasium 1.0 added `VectorWrapper` and the type parameters of `VectorEnv`.
+"""
+
+from enum import Enum
+from typing import TYPE_CHECKING
+
+from gymnasium import vector
+
+if TYPE_CHECKING or hasattr(vector, "AutoresetMode"):
+    from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
+else:
+
+    class AutoresetMode(Enum):
+        """When a vector resets an environment that is done."""
+
+        NEXT_STEP = "NextStep"
+        SAME_STEP = "SameStep"
+        DISABLED = "Disabled"
+
+    class VectorEnv(vector.VectorEnv):
+        """Gymnasium's, with the attributes that 0.29 sets in `__init__`, which newer releases need not call."""
+
+        closed = False
+        is_vector_env = True
+        viewer = None
+
+    class VectorWrapper(getattr(vector, "VectorWrapper", None) or vector.VectorEnvWrapper):
+        """Gymnasium's, with the attributes that the wrapper of 0.29 does not take from its environment."""
+
+        metadata = property(lambda self: self.env.metadata)
+        render_mode = property(lambda self: self.env.render_mode)
+        spec = property(lambda self: self.env.spec)
+
+        def render(self):
+            return self.env.render()
+
+
+__all__ = ["AutoresetMode", "VectorEnv", "VectorWrapper"]
