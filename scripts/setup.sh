@@ -1,11 +1,12 @@
 # Sourced by quickstart and test: finds Python, makes the virtual environment, builds the wheel and installs it.
-# Variables: VENV (folder of the environment), EXTRAS (extras to install, for example "video" or "dev").
+# Variables: VENV (folder of the environment), EXTRAS (extras to install, for example "video" or "dev"), PYTHONS (commands
+# to try, best first), INSTALL (options of pip for the dependencies).
 
 say() { printf '\n==> %s\n' "$*"; }
 fail() { printf '\n!!! %s\n' "$*" >&2; exit 1; }
 
 find_python() {
-  for candidate in "${PYTHON:-}" python3 python3.14 python3.13 python3.12 python3.11 python3.10; do
+  for candidate in "${PYTHON:-}" ${PYTHONS:-python3 python3.14 python3.13 python3.12 python3.11 python3.10}; do
     [ -n "$candidate" ] && command -v "$candidate" >/dev/null 2>&1 || continue
     "$candidate" -c 'import sys; sys.exit(sys.version_info < (3, 10))' 2>/dev/null || continue
     echo "$candidate"
@@ -45,7 +46,7 @@ set_up() {
   say "Installing it with its dependencies (first time: a minute or two)"
   local wheel
   wheel=$(echo build/dist/*.whl)
-  "$VENV/bin/python" -m pip install --quiet --progress-bar off "$wheel[$EXTRAS]" &&
+  "$VENV/bin/python" -m pip install --quiet --progress-bar off ${INSTALL:-} "$wheel[$EXTRAS]" &&
     "$VENV/bin/python" -m pip install --quiet --force-reinstall --no-deps "$wheel" ||
     fail "The installation failed; the lines above say why. It needs network access to PyPI or a mirror."
 }

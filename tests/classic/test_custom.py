@@ -9,6 +9,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+from env_tools import needs_gymnasium_1
 from gymnasium.utils.env_checker import check_env
 
 import atari.classic as gym
@@ -233,6 +234,7 @@ def test_lists_become_arrays_of_the_box() -> None:
     assert (observation.dtype, observation.shape) == (np.float32, (1,))
 
 
+@needs_gymnasium_1
 @pytest.mark.parametrize("mode", ["sync", "async"])
 @pytest.mark.parametrize("env_id", IDS)
 def test_vector_environments(env_id: str, mode: Any) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 import gymnasium
 import pytest
+from env_tools import needs_gymnasium_1
 
 import atari.classic as gym
 from atari import registration
@@ -142,6 +143,7 @@ def test_the_error_for_robotics_names_its_package(monkeypatch: pytest.MonkeyPatc
             gym.make(env_id)
 
 
+@needs_gymnasium_1
 @pytest.mark.parametrize(
     ("env_id", "package", "extra"),
     [("Ant-v2", "mujoco", "mujoco"), ("LunarLander-v2", "Box2D", "box2d"), ("phys2d/CartPole-v1", "jax", "jax")],
@@ -284,6 +286,7 @@ def test_the_registry_prints_as_it_did() -> None:
         env_specs["Pong-v7"]
 
 
+@needs_gymnasium_1
 def test_ids_that_only_say_that_they_are_gone_are_not_listed() -> None:
     listed = set(gym.envs.registry.env_specs)
     assert not listed & {"Ant-v2", "Hopper-v3", "GymV21Environment-v0"}

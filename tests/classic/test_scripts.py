@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import av
+from env_tools import needs_gymnasium_1
 
 SCRIPTS = Path(__file__).parent / "scripts"
 
@@ -38,6 +39,7 @@ def test_cartpole_loop() -> None:
     assert run("cartpole_loop") == ["done"]
 
 
+@needs_gymnasium_1
 def test_spaces_and_bounds() -> None:
     assert run("spaces_and_bounds") == [
         "Discrete(2)",

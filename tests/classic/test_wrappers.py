@@ -5,6 +5,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+from env_tools import needs_gymnasium_1
 
 import atari
 import atari.classic as gym
@@ -102,6 +103,7 @@ def test_the_limit_counts_the_inner_frames() -> None:
     assert steps[-1][1]["TimeLimit.truncated"] is True
 
 
+@needs_gymnasium_1
 def test_preprocessing_is_for_games_without_a_frame_skip() -> None:
     with pytest.raises(TypeError, match=r"AtariPreprocessing is for Atari games, such as 'PongNoFrameskip-v4', got <"):
         AtariPreprocessing(gym.make("CartPole-v0"))

@@ -7,10 +7,12 @@ from typing import Any
 
 import gymnasium
 import numpy as np
+import pytest
 from gymnasium.utils import env_checker
 
 from atari import AtariEnv
 
+needs_gymnasium_1 = pytest.mark.skipif(gymnasium.__version__ < "1", reason="compares with Gymnasium 1.0 or newer")
 _EXACT = {"exact": True} if "exact" in inspect.signature(env_checker.data_equivalence).parameters else {}
 
 

@@ -15,7 +15,7 @@ import gymnasium
 import gymnasium.utils
 import numpy as np
 import pytest
-from env_tools import data_equivalence
+from env_tools import data_equivalence, needs_gymnasium_1
 from video_reader import NTSC, Screen, sound, video_frames
 
 import atari
@@ -295,6 +295,7 @@ def test_another_rate_is_slow_motion(tmp_path: Path) -> None:
 # When it records, and under which names.
 
 
+@needs_gymnasium_1
 @pytest.mark.parametrize(
     "options",
     [
@@ -322,6 +323,7 @@ def test_names_and_lengths_are_gymnasiums(tmp_path: Path, moviepy: dict[str, int
     assert (ours.episode_id, ours.step_id) == (theirs.episode_id, theirs.step_id)
 
 
+@needs_gymnasium_1
 def test_its_arguments_are_gymnasiums(tmp_path: Path) -> None:
     theirs = list(inspect.signature(gymnasium.wrappers.RecordVideo.__init__).parameters.values())
     ours = list(inspect.signature(RecordVideo.__init__).parameters.values())
