@@ -1,6 +1,7 @@
 """Every ID in the history of these environments. That each makes an environment is in `conformance/test_ids.py`."""
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -240,3 +241,44 @@ def test_every_id_can_be_explained() -> None:
         text = atari.explain(env_id)
         assert text.startswith(f"{env_id}: {atari.games[game].title}\n")
         assert ("128 bytes of RAM" in text) == (family.obs_type == "ram")
+
+
+# ATARI_REGISTER
+
+
+def registered(imports: str, choice: str | None) -> subprocess.CompletedProcess[str]:
+    """Print the entry points of an ID that ale-py has too, of one that it lacks, and the class that `make` makes."""
+    program = (
+        f"{imports}\nimport gymnasium\n"
+        "print(*(str(gymnasium.spec(i).entry_point).split('.')[0] for i in ('ALE/Pong-v5', 'PongDeterministic-v4')),\n"
+        "      type(atari.make('pong').unwrapped).__module__,\n"
+        "      type(atari.make('ALE/Pong-v5', preset='dqn2015').unwrapped).__module__)"
+    )
+    env = {key: value for key, value in os.environ.items() if key != "ATARI_REGISTER"}
+    if choice is not None:
+        env["ATARI_REGISTER"] = choice
+    return subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=env, check=False)
+
+
+@pytest.mark.parametrize("imports", ["import atari, ale_py", "import ale_py, atari"])
+@pytest.mark.parametrize("choice", [None, "", "all"])
+def test_ale_pys_ids_are_replaced(imports: str, choice: str | None) -> None:
+    assert registered(imports, choice).stdout == "atari atari atari.env atari.env\n"
+
+
+@pytest.mark.parametrize("imports", ["import atari, ale_py", "import ale_py, atari"])
+def test_own_keeps_ale_pys_ids_and_make_still_makes_ours(imports: str, theirs: dict[str, dict[str, Any]]) -> None:
+    assert registered(imports, "own").stdout == "ale_py atari atari.env atari.env\n"
+
+
+def test_another_value_is_refused() -> None:
+    result = registered("import atari", "none")
+    assert result.returncode != 0
+    assert "ATARI_REGISTER must be 'all' (replace ale-py's IDs) or 'own' (keep them), got 'none'" in result.stderr
+
+
+@pytest.mark.parametrize("env_id", ["atari:ALE/Pong-v5", "atari:Pong-v4"])
+def test_the_prefix_of_the_module_is_taken(env_id: str) -> None:
+    assert atari.make(env_id).unwrapped.game.id == "pong"
+    assert gymnasium.make(env_id).unwrapped.game.id == "pong"
+    assert atari.explain(env_id).startswith(f"{env_id}: Pong")

@@ -6,7 +6,6 @@ import sys
 from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
 import av
 import cv2
@@ -236,5 +235,6 @@ def test_memory_does_not_grow(tmp_path: Path, suffix: str) -> None:
 
 def test_every_format_is_described() -> None:
     assert list(FORMATS) == [".mp4", ".mkv", ".webm", ".gif", ".png"]
-    descriptions: Any = VideoWriter.__doc__
-    assert all(f"\n    {suffix} " in descriptions for suffix in FORMATS)
+    # Python 3.13 removes the indentation of docstrings.
+    descriptions = [line.strip() for line in str(VideoWriter.__doc__).splitlines()]
+    assert all(any(line.startswith(f"{suffix} ") for line in descriptions) for suffix in FORMATS)
