@@ -322,7 +322,8 @@ def _check_keys(table: Mapping[str, Any], where: str, required: Iterable[str], o
 
 def _check_value(where: str, value: Any, kind: Any) -> None:
     if not _fits(value, kind):
-        text = kind.__name__ if isinstance(kind, type) else str(kind).replace("typing.", "")
+        # In Python 3.10, `tuple[int, ...]` is an instance of `type`.
+        text = kind.__name__ if isinstance(kind, type) and not get_origin(kind) else str(kind).replace("typing.", "")
         raise ValueError(f"{where} must be {text}, got {value!r}")
 
 

@@ -1,12 +1,17 @@
 """`env.unwrapped.ale`: a core under the names of ale-py's `ALEInterface`, and the wrappers that rely on it."""
 
+from __future__ import annotations  # the classes of ale-py 0.8.1 have other names
+
 import ale_py.env
 import gymnasium
 import numpy as np
 import pytest
+from env_tools import needs_new_ale_py
 from gymnasium.wrappers import AtariPreprocessing
 
 from atari import AtariEnv
+
+pytestmark = needs_new_ale_py
 
 
 @pytest.fixture

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from env_tools import needs_new_ale_py
 
 from atari.cli import main
 from atari.cores import NativeCore, PlainCore
@@ -72,16 +73,19 @@ def test_actions_pokes_and_strengths_come_from_the_seed() -> None:
     assert steps != list(Run("breakout", frames=300, seed=6, pokes=True, strengths=True).steps())
 
 
+@needs_new_ale_py
 def test_the_command_counts_runs_and_frames(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["verify", "pong", "breakout", "--frames", "20", "--seeds", "1", "2", "--jobs", "1"]) == 0
     assert capsys.readouterr().out == "4 runs, 80 frames, 0 differences\n"
 
 
+@needs_new_ale_py
 def test_the_command_plays_every_mode_and_difficulty(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["verify", "pong", "--frames", "5", "--modes", "--jobs", "1", "--json"]) == 0
     assert json.loads(capsys.readouterr().out) == {"runs": 8, "frames": 40, "differences": []}
 
 
+@needs_new_ale_py
 @pytest.mark.usefixtures("broken_at_frame_20")
 def test_the_command_reports_writes_and_fails(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ["verify", "pong", "--frames", "40", "--jobs", "1", "-o", str(tmp_path)]
@@ -106,6 +110,7 @@ def test_the_command_compares_with_the_plain_core(
     assert "pong: native differs from plain at frame 0" in capsys.readouterr().out
 
 
+@needs_new_ale_py
 def test_several_processes_give_the_same(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["verify", "pong", "enduro", "--frames", "20", "--jobs", "2"]) == 0
     assert capsys.readouterr().out == "2 runs, 40 frames, 0 differences\n"

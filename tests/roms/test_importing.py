@@ -10,11 +10,13 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from env_tools import needs_new_ale_py
 
 from atari import roms
 from atari.games.catalog import games
 
 
+@needs_new_ale_py
 def test_a_folder_of_everything(own: Path, shipped: Path) -> None:
     report = roms.import_from(shipped)
     assert report.imported == {game: own / f"{game}.bin" for game in games}

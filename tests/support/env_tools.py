@@ -5,14 +5,20 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+import ale_py
 import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils import env_checker
 
 from atari import AtariEnv
+from atari.cores import ale
 
 needs_gymnasium_1 = pytest.mark.skipif(gymnasium.__version__ < "1", reason="compares with Gymnasium 1.0 or newer")
+needs_new_ale_py = pytest.mark.skipif(
+    ale._numbers(ale_py.__version__) < ale._numbers(ale.OLDEST_ALE_PY),
+    reason="the installed ale-py is too old for AleCore",
+)
 _EXACT = {"exact": True} if "exact" in inspect.signature(env_checker.data_equivalence).parameters else {}
 
 
