@@ -5,6 +5,8 @@ Options, defaults, observations, rewards and random streams are those of ale-py'
 """
 
 import copy
+import time
+from dataclasses import dataclass, field
 from os import PathLike
 from typing import Any, Literal, Protocol, get_args
 
@@ -33,6 +35,16 @@ class FrameObserver(Protocol):
 
     def frame_played(self, action: int, reward: int) -> None:
         """The core has played a frame with this ALE action. Must not raise."""
+
+
+@dataclass(slots=True)
+class _Game:
+    """What was played of a game since the emulator's reset."""
+
+    score: float = 0.0
+    steps: int = 0  # counted by wrappers, for which a step is several frames
+    first_frame: int = 0  # the episode frame number after the reset
+    began: float = field(default_factory=time.perf_counter)
 
 
 class AtariEnv(gymnasium.Env[Any, Any]):
@@ -127,6 +139,8 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         self._window = Window(self.game, self.metadata["render_fps"]) if render_mode == "human" else None
         self._frames: list[ByteArray] = []
         self._phase: Phase = "new"
+        self._game = _Game()
+        self._ended_game: dict[str, Any] | None = None  # until `GameStatistics` takes it
 
     @property
     def ale(self) -> AleInterface:
@@ -147,6 +161,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             seeds = {"seeds": tuple(np.uint32(word) for word in words)}
         self.core.reset()
         self._phase = "playing"
+        self._game = _Game(first_frame=self.core.episode_frame_number)
         self._frames.clear()
         for observer in self.observers:
             observer.game_begun()
@@ -183,8 +198,10 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         reward = 0.0
         for _ in range(frames):
             reward += act(action, strength)
-        if self.core.game_over or self.core.truncated:
-            self._phase = "over" if self._phase == "playing" else self._phase
+        self._game.score += reward
+        if (self.core.game_over or self.core.truncated) and self._phase == "playing":
+            self._phase = "over"
+            self._ended_game = self._game_statistics()
         return reward
 
     def make_sound(self) -> None:
@@ -251,6 +268,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         An environment made with the same options, also in another process, continues from it exactly.
         """
         facts = {"of": "AtariEnv", "phase": self._phase, "np_random": self.np_random.bit_generator.state}
+        facts["game"] = [self._game.score, self._game.steps, self._game.first_frame]
         return snapshot.pack(facts, {"core": self.core.snapshot()})
 
     def restore(self, data: bytes) -> None:
@@ -268,9 +286,11 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             raise ValueError(f"the snapshot is damaged: its phase is none of {', '.join(get_args(Phase))}")
         generator = self.np_random.bit_generator
         state = snapshot.check_generator(facts.get("np_random"), type(generator))
+        game = _read_game(facts.get("game", [0.0, 0, 0]))
         self.core.restore(blobs["core"])
         generator.state = state
         self._phase = phase
+        self._game, self._ended_game = game, None
         self._frames.clear()
 
     def __getstate__(self) -> dict[str, Any]:
@@ -350,6 +370,12 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             "frame_number": core.frame_number,
         }
 
+    def _game_statistics(self) -> dict[str, Any]:
+        """The sum of the rewards, the frames and the seconds of the game, as `RecordEpisodeStatistics` names them."""
+        game = self._game
+        frames = self.core.episode_frame_number - game.first_frame
+        return {"r": game.score, "l": frames, "t": round(time.perf_counter() - game.began, 6)}
+
     def _act_observed(self, action: int, strength: float) -> int:
         before = self.core.frame_number
         reward = self.core.act(action, strength)
@@ -371,6 +397,17 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         if self._phase == "over":
             self._phase = "warned"
             logger.warn("env.step() was called after the episode had ended; nothing happens until env.reset()")
+
+
+def _read_game(values: Any) -> _Game:
+    """The counts of a game in a snapshot.
+
+    Raises:
+        ValueError: they are none.
+    """
+    if not (isinstance(values, list) and [type(value) for value in values] == [float, int, int]):
+        raise ValueError(f"the snapshot is damaged: a game's score, steps and first frame cannot be {values!r}")
+    return _Game(*values)
 
 
 def _keys(action: Action) -> tuple[str, ...]:

@@ -15,6 +15,7 @@ import gymnasium
 
 from atari.protocols import Protocol
 from atari.wrappers._checks import Environment, require_atari
+from atari.wrappers._game_statistics import GameStatistics
 from atari.wrappers.clip_reward import ClipReward
 from atari.wrappers.dqn_preprocessing import DqnPreprocessing
 from atari.wrappers.episodic_life import EpisodicLife
@@ -305,6 +306,7 @@ def _layers(protocol: Protocol) -> Iterator[Layer]:
         yield from lives
         yield from fire + noops if protocol.fire == "before_noops" else noops + fire
         yield DqnPreprocessing, {**dqn, "padding_type": protocol.padding}
+    yield GameStatistics, {}
     if protocol.clip_reward:
         yield ClipReward, {}
 

@@ -248,9 +248,9 @@ class AtariVectorEnv(VectorEnv):
         if results is None:
             raise _closed()
         self._phase = "new"  # should an environment have failed
-        engine.receive(results.batch)
+        ended = engine.receive(results.batch)
         self._phase = "idle"
-        return results.read(self._masks)
+        return results.read(self._masks, ended)
 
     def observe(self) -> tuple[Any, dict[str, Any]]:
         """What the environments show now, as `reset` returns it; nothing is played. After `restore` and `fork`."""

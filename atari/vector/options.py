@@ -25,6 +25,8 @@ from atari.roms.image import read_image
 from atari.validation import check_frameskip, check_integer, check_name, check_probability
 from atari.vector.settings import NO_LIMIT, episode_settings, filled, observation_settings
 
+_INT64, _ndarray = np.dtype(np.int64), np.ndarray  # found once: they are used at every step
+
 
 @dataclass(frozen=True)
 class VectorOptions:
@@ -45,6 +47,7 @@ class VectorOptions:
     obs_type: str
     grayscale: bool
     stack_num: int
+    preset: str | None
     protocol: Protocol
 
     @classmethod
@@ -80,6 +83,7 @@ class VectorOptions:
             obs_type=obs_type,
             grayscale=grayscale,
             stack_num=check_integer("stack_num", given["stack_num"], 1, 10_000),
+            preset=given["preset"],
             protocol=_check_protocol(given),
         )
         if options.protocol.third_action:
@@ -181,6 +185,8 @@ class VectorOptions:
         Raises:
             TypeError, ValueError: of the wrong kind or shape.
         """
+        if type(actions) is _ndarray and actions.dtype is _INT64 and actions.shape == self._index_shape:
+            return actions, None  # the usual kind, without the checks below: this is done at every step
         array = np.asarray(actions)
         shape = (self.batch_size, 3) if self.continuous else (self.batch_size,)
         kinds = "f" if self.continuous else "iu"
@@ -192,6 +198,11 @@ class VectorOptions:
         if self.continuous:
             return self._motions(array)
         return np.ascontiguousarray(array, np.int64), None
+
+    @cached_property
+    def _index_shape(self) -> tuple[int, ...]:
+        """Of a batch of actions that are indices; none has the shape (-1,)."""
+        return (-1,) if self.continuous else (self.batch_size,)
 
     def _motions(self, actions: npt.NDArray[Any]) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float32]]:
         """Indices and strengths of continuous actions, computed in float32 as in CALE."""

@@ -16,6 +16,8 @@ from atari.vector.options import VectorOptions
 
 _UINT8, _ndarray = np.dtype(np.uint8), np.ndarray  # found once: they are used at every step
 _FINAL_INFO = ("lives", "frame_number", "episode_frame_number")
+_INFO = ("env_id", "lives", "frame_number", "episode_frame_number")
+_GAME_INFO = ("reward", "elapsed_step", "terminated")
 
 
 class Results:
@@ -37,11 +39,16 @@ class Results:
         shapes = {name: (rows, *(part.shape or ())) for name, part in parts.items()}
         self._observation = _checked(out, shapes) if out is not None else _empty(shapes)
         self._final = _empty(shapes) if options.autoreset_mode == AutoresetMode.SAME_STEP else {}
-        self._numbers, self._flags = np.zeros((8, rows), np.int32), np.zeros((3, rows), np.bool_)
+        self._numbers, self._flags = np.zeros((10, rows), np.int32), np.zeros((5, rows), np.bool_)
+        self._games = np.zeros((3, rows), np.float64)
         # Methods that copy a row, without those of ended episodes.
-        self._copies = tuple(row.copy for row in (*self._numbers[:5], *self._flags[:2]))
-        self._all_rows = np.ones(rows, np.bool_)
-        self._all_rows.flags.writeable = False
+        self._copies = tuple(row.copy for row in (self._numbers[0], *self._numbers[2:5], *self._flags[:2]))
+        self._game_copies = tuple(row.copy for row in (*self._numbers[5:7], self._flags[2])) if options.preset else ()
+        self._env_id_copy = self._numbers[1].copy if rows < len(options.games) else None
+        self._all_rows = _read_only(np.ones(rows, np.bool_))
+        names = (*_INFO, *(_GAME_INFO if options.preset else ()))
+        self._info = {key: self._all_rows for name in names for key in (name, "_" + name)}
+        self._info["env_id"] = _read_only(np.arange(rows, dtype=np.int32))  # for a batch of all environments
         pixels, ram = options.part_names()
         self.batch = _emulator.Batch(
             engine,
@@ -50,6 +57,7 @@ class Results:
             final_pixels=self._final.get(pixels),
             final_ram=self._final.get(ram),
             numbers=self._numbers,
+            games=self._games,
             flags=self._flags,
         )
         # Arrays of the user's own are returned as they are.
@@ -64,31 +72,43 @@ class Results:
                 return True
         return False
 
-    def read(self, action_masks: npt.NDArray[np.bool_] | None) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
-        """Observations, lent where they are, and copies of all other arrays."""
-        all_rows = self._all_rows
-        of_reward, of_env_id, of_lives, of_frame, of_episode_frame, of_terminated, of_truncated = self._copies
-        env_id, terminated, truncated = of_env_id(), of_terminated(), of_truncated()
-        info: dict[str, Any] = {  # written out, as this is done at every step
-            "env_id": env_id,
-            "_env_id": all_rows,
-            "lives": of_lives(),
-            "_lives": all_rows,
-            "frame_number": of_frame(),
-            "_frame_number": all_rows,
-            "episode_frame_number": of_episode_frame(),
-            "_episode_frame_number": all_rows,
-        }
+    def read(
+        self, action_masks: npt.NDArray[np.bool_] | None, ended: bool
+    ) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """Observations, lent where they are, and copies of all other arrays; `ended` is what the engine returned."""
+        of_reward, of_lives, of_frame, of_episode_frame, of_terminated, of_truncated = self._copies
+        info: dict[str, Any] = self._info.copy()  # with all masks; the rest is written out, as this is done at every step
+        info["lives"], info["frame_number"], info["episode_frame_number"] = of_lives(), of_frame(), of_episode_frame()
+        if self._env_id_copy is not None:
+            info["env_id"] = self._env_id_copy()
+        if self._game_copies:
+            of_game_reward, of_game_steps, of_game_over = self._game_copies
+            info["reward"], info["elapsed_step"], info["terminated"] = of_game_reward(), of_game_steps(), of_game_over()
         if action_masks is not None:
-            info["action_mask"], info["_action_mask"] = action_masks[env_id], all_rows
-        if self._final and (terminated.any() or truncated.any()):
-            ended = self._flags[2].copy()
+            info["action_mask"], info["_action_mask"] = action_masks[info["env_id"]], self._all_rows
+        if ended:
+            self._add_ends(info)
+        return self._lend(self._observation, self._lenders), of_reward(), of_terminated(), of_truncated(), info
+
+    def _add_ends(self, info: dict[str, Any]) -> None:
+        """Add the final observations, and what was played of the games that ended."""
+        games: dict[str, Any] = {}
+        if self._flags[4].any():
+            games_ended = self._flags[4].copy()
+            score, frames, seconds = self._games.copy()
+            episode = {"r": score, "l": frames.astype(np.int64), "t": seconds}
+            episode.update({f"_{key}": games_ended for key in "rlt"})
+            games = {"episode": episode, "_episode": games_ended}
+        if self._final and self._flags[:2].any():
+            ended = self._flags[3].copy()
             final_info: dict[str, Any] = {}
-            for name, values in zip(_FINAL_INFO, self._numbers[5:].copy(), strict=True):
+            for name, values in zip(_FINAL_INFO, self._numbers[7:].copy(), strict=True):
                 final_info[name], final_info["_" + name] = values, ended
             info["final_obs"], info["_final_obs"] = self._lend(self._final, self._final_lenders), ended
-            info["final_info"], info["_final_info"] = final_info, ended
-        return self._lend(self._observation, self._lenders), of_reward(), terminated, truncated, info
+            info["final_info"], info["_final_info"] = {**final_info, **games}, ended
+        elif self._game_copies:
+            # Not without a preset: as around ale-py's, `RecordEpisodeStatistics` adds this key, and refuses one that exists.
+            info.update(games)
 
     def _lend(self, parts: dict[str, npt.NDArray[np.uint8]], lenders: dict[str, Any]) -> Any:
         if not lenders:
@@ -100,6 +120,11 @@ class Results:
 
 def _lenders(parts: dict[str, npt.NDArray[np.uint8]]) -> dict[str, _emulator.ArrayLender]:
     return {name: _emulator.ArrayLender(array) for name, array in parts.items()}
+
+
+def _read_only(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    array.flags.writeable = False
+    return array
 
 
 def _empty(shapes: dict[str, tuple[int, ...]]) -> dict[str, npt.NDArray[np.uint8]]:

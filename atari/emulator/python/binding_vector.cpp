@@ -160,14 +160,14 @@ class BoundEngine : Exclusive {
         });
     }
 
-    void receive(const BoundBatch& batch) {
+    bool receive(const BoundBatch& batch) {
         check_size(batch);
-        locked([&] {
+        return locked([&] {
             check_process(process_);
             if (!sent_) throw std::runtime_error("no step has been started");
             if (target_ && target_ != &batch.batch) throw nb::value_error("the step was started with another batch");
             sent_ = false;
-            engine_->receive(batch.batch);
+            return engine_->receive(batch.batch);
         });
     }
 
@@ -316,7 +316,7 @@ T* rows_of(BoundBatch& batch, nb::object array, size_t size, const char* what) {
 }
 
 void make_batch(BoundBatch* self, BoundEngine& engine, nb::object pixels, nb::object ram, nb::object final_pixels,
-                       nb::object final_ram, nb::object numbers, nb::object flags) {
+                       nb::object final_ram, nb::object numbers, nb::object games, nb::object flags) {
     auto bound = BoundBatch{};
     const size_t rows = bound.rows = engine.rows();
     bound.pixels = engine.pixels();
@@ -326,16 +326,22 @@ void make_batch(BoundBatch* self, BoundEngine& engine, nb::object pixels, nb::ob
                          rows_of<uint8_t>(bound, ram, 128 * rows, "ram")};
     batch.final_observation = {rows_of<uint8_t>(bound, final_pixels, size, "final_pixels"),
                                rows_of<uint8_t>(bound, final_ram, 128 * rows, "final_ram")};
-    int32_t* const number = rows_of<int32_t>(bound, numbers, 8 * rows, "numbers");
-    uint8_t* const flag = reinterpret_cast<uint8_t*>(rows_of<bool>(bound, flags, 3 * rows, "flags"));
-    if (!number || !flag) throw nb::value_error("numbers and flags are needed");
+    int32_t* const number = rows_of<int32_t>(bound, numbers, 10 * rows, "numbers");
+    double* const game = rows_of<double>(bound, games, 3 * rows, "games");
+    uint8_t* const flag = reinterpret_cast<uint8_t*>(rows_of<bool>(bound, flags, 5 * rows, "flags"));
+    if (!number || !game || !flag) throw nb::value_error("numbers, games and flags are needed");
     batch.reward = number;
     batch.environment = number + rows;
     batch.numbers = {number + 2 * rows, number + 3 * rows, number + 4 * rows};
-    batch.final_numbers = {number + 5 * rows, number + 6 * rows, number + 7 * rows};
+    batch.game_reward = number + 5 * rows;
+    batch.game_steps = number + 6 * rows;
+    batch.final_numbers = {number + 7 * rows, number + 8 * rows, number + 9 * rows};
+    batch.ended_games = {game, game + rows, game + 2 * rows};
     batch.terminated = flag;
     batch.truncated = flag + rows;
-    batch.ended = flag + 2 * rows;
+    batch.game_over = flag + 2 * rows;
+    batch.ended = flag + 3 * rows;
+    batch.game_ended = flag + 4 * rows;
     new (self) BoundBatch(std::move(bound));
 }
 
@@ -502,14 +508,16 @@ void register_vector(nb::module_& m) {
                            "Arrays for the results of a batch. Threads write to them between start and receive.")
         .def("__init__", &make_batch, "engine"_a, nb::kw_only(), "pixels"_a.none(), "ram"_a.none(),
              "final_pixels"_a.none(),
-             "final_ram"_a.none(), "numbers"_a, "flags"_a,
+             "final_ram"_a.none(), "numbers"_a, "games"_a, "flags"_a,
              nb::sig("def __init__(self, engine: VectorEngine, *, pixels: " ARRAY("uint8")
                      " | None, ram: " ARRAY("uint8")
                      " | None, final_pixels: " ARRAY("uint8") " | None, final_ram: " ARRAY("uint8")
-                     " | None, numbers: " ARRAY("int32") ", flags: " ARRAY("bool") ") -> None"),
-             "`numbers` is int32 (8, rows): reward, environment, lives, frame and episode frame number, and the last "
-             "three\n"
-             "of the final observation; `flags` bool (3, rows): terminated, truncated, has a final observation.");
+                     " | None, numbers: " ARRAY("int32") ", games: " ARRAY("float64")
+                     ", flags: " ARRAY("bool") ") -> None"),
+             "`numbers` is int32 (10, rows): reward, environment, lives, frame and episode frame number, reward before\n"
+             "clipping, steps of the game, and lives, frame and episode frame number of the final observation. `games` is\n"
+             "float64 (3, rows): score, frames and seconds of the game that ended. `flags` is bool (5, rows): terminated,\n"
+             "truncated, game over, has a final observation, a game ended.");
     nb::class_<BoundSnapshot>(m, "MemberSnapshot",
                               "The state of an environment of a vector, in memory. It can be pickled.")
         .def("__getstate__",
@@ -549,7 +557,8 @@ void register_vector(nb::module_& m) {
              nb::sig("def reset(self, mask: " ARRAY("bool") ", seeded: " ARRAY("bool") ", seeds: " ARRAY("uint32")
                      ", batch: Batch | None) -> None"),
              "Begin a reset of the environments in `mask`; `seeds` as above.")
-        .def("receive", &BoundEngine::receive, "batch"_a, "Wait for a batch of results.")
+        .def("receive", &BoundEngine::receive, "batch"_a,
+             "Wait for a batch of results; whether an episode or a game ended in it.")
         .def("snapshot", &BoundEngine::snapshot, "environments"_a)
         .def("restore", &BoundEngine::restore, "environments"_a, "states"_a)
         .def("fork", &BoundEngine::fork, "source"_a, "targets"_a)

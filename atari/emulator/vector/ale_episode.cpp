@@ -12,20 +12,20 @@ void AleEpisode::reset(const Seed* seed) {
         e.seed(seed->emulator);
         state_.random.seed(seed->own[0]);
     }
-    e.reset();
+    begin_game();
     const bool fire = settings_.fire != FirePress::kNever && start_.has_fire;
-    if (fire) e.act(1, 1.0f);
+    if (fire) act(1, 1.0f);
     const int noops = static_cast<int>(state_.random.below(static_cast<uint32_t>(settings_.noops.second) + 1));
     for (int i = fire; i < noops; ++i) {
-        e.act(0, 1.0f);
-        if (e.game_over()) e.reset();
+        act(0, 1.0f);
+        if (e.game_over()) begin_game();
     }
     observation_->begin(true);
     state_.elapsed = 0;
     state_.lives = e.lives();
 }
 
-Outcome AleEpisode::step(int action, float strength) {
+Outcome AleEpisode::play_step(int action, float strength) {
     Environment& e = *environment_;
     const auto [low, high] = settings_.frame_skip;
     int left = low;
@@ -35,7 +35,7 @@ Outcome AleEpisode::step(int action, float strength) {
     int64_t total = 0;
     while (left > 0 && !outcome.ended) {
         --left;
-        total += e.act(action, strength);
+        total += act(action, strength);
         ++state_.elapsed;
         over = e.game_over();
         lost = e.lives() > 0 && e.lives() < state_.lives;

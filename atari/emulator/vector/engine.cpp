@@ -65,14 +65,18 @@ void VectorEngine::step(const int64_t* actions, const float* strengths, const Ba
     else pool_->submit_all();
 }
 
-void VectorEngine::receive(const Batch& batch) {
+bool VectorEngine::receive(const Batch& batch) {
     pool_->wait(settings_.batch_size);
-    if (!queued()) return;
-    recent_ = pool_->take(settings_.batch_size);
-    for (int row = 0; row < settings_.batch_size; ++row) {
-        const int environment = recent_[static_cast<size_t>(row)];
-        write_results(slot(environment), environment, row, batch);
+    if (queued()) {
+        recent_ = pool_->take(settings_.batch_size);
+        for (int row = 0; row < settings_.batch_size; ++row) {
+            const int environment = recent_[static_cast<size_t>(row)];
+            write_results(slot(environment), environment, row, batch);
+        }
     }
+    bool any = false;
+    for (int row = 0; row < settings_.batch_size; ++row) any |= batch.terminated[row] | batch.truncated[row] | batch.game_ended[row];
+    return any;
 }
 
 void VectorEngine::drain() {
@@ -101,18 +105,21 @@ void VectorEngine::play(Slot& slot, int environment) {
     Episode& episode = *slot.member.episode;
     slot.has_final = false;
     const bool over = slot.outcome.ended;
-    if (slot.task == Task::kStep && over && settings_.autoreset == Autoreset::kDisabled) {
-        slot.outcome.reward = 0;  // until it is reset
-    } else if (slot.task == Task::kReset || (slot.task == Task::kStep && over)) {
+    if (slot.task == Task::kObserve || (slot.task == Task::kStep && over && settings_.autoreset == Autoreset::kDisabled)) {
+        slot.outcome.reward = slot.outcome.game_reward = 0;  // until it is reset
+    } else if (slot.task == Task::kReset || over) {
         episode.reset(slot.task == Task::kReset ? slot.seed : nullptr);
         slot.outcome = Outcome{};
-    } else if (slot.task == Task::kStep) {
+        slot.outcome.game_steps = episode.game_steps();
+    } else {
         slot.outcome = episode.step(slot.action, slot.strength);
-        if (!slot.outcome.ended || settings_.autoreset != Autoreset::kSameStep) return;
-        keep_final(slot, environment);
-        episode.reset(nullptr);
-        slot.outcome.ended = false;
+        if (slot.outcome.ended && settings_.autoreset == Autoreset::kSameStep) {
+            keep_final(slot, environment);
+            episode.reset(nullptr);
+            slot.outcome.ended = false;
+        }
     }
+    slot.ended_game = episode.take_ended_game();
 }
 
 void VectorEngine::keep_final(Slot& slot, int environment) {
@@ -141,12 +148,25 @@ void VectorEngine::write_results(Slot& slot, int environment, int row, const Bat
     if (batch.observation.ram) std::copy_n(e.ram(), 128, batch.observation.ram + 128 * at);
     batch.environment[at] = environment;
     batch.reward[at] = outcome.reward;
+    batch.game_reward[at] = outcome.game_reward;
+    batch.game_steps[at] = outcome.game_steps;
+    batch.game_over[at] = outcome.game_over;
     batch.terminated[at] = outcome.terminated;
     batch.truncated[at] = outcome.truncated;
     batch.numbers.lives[at] = e.lives();
     batch.numbers.frame[at] = e.frame_number();
     batch.numbers.episode_frame[at] = e.episode_frame_number();
+    write_ended_game(slot, row, batch);
     if (settings_.autoreset == Autoreset::kSameStep) write_final(slot, row, batch);
+}
+
+void VectorEngine::write_ended_game(const Slot& slot, int row, const Batch& batch) {
+    const auto at = static_cast<size_t>(row);
+    const EndedGame game = slot.ended_game.value_or(EndedGame{0, 0, 0.0});
+    batch.game_ended[at] = slot.ended_game.has_value();
+    batch.ended_games.score[at] = static_cast<double>(game.score);
+    batch.ended_games.frames[at] = game.frames;
+    batch.ended_games.seconds[at] = game.seconds;
 }
 
 // A row of the final observations is zero if no episode of its environment ended in this step.
@@ -172,7 +192,7 @@ void VectorEngine::write_final(Slot& slot, int row, const Batch& batch) {
 namespace {
 
 uint8_t* write_outcome(const Outcome& outcome, uint8_t* out) {
-    *out = static_cast<uint8_t>(outcome.terminated | outcome.truncated << 1 | outcome.ended << 2);
+    *out = static_cast<uint8_t>(outcome.terminated | outcome.truncated << 1 | outcome.ended << 2 | outcome.game_over << 3);
     return out + 1;
 }
 
@@ -185,7 +205,8 @@ void VectorEngine::save(int environment, uint8_t* out) {
 
 bool VectorEngine::load(int environment, const uint8_t* in) {
     if (!episode(environment).load(in + 1)) return false;
-    slot(environment).outcome = {0, (*in & 1) != 0, (*in & 2) != 0, (*in & 4) != 0};
+    Outcome& outcome = slot(environment).outcome;
+    outcome = {0, (*in & 1) != 0, (*in & 2) != 0, (*in & 4) != 0, (*in & 8) != 0, 0, episode(environment).game_steps()};
     return true;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "episode.hpp"
@@ -24,11 +25,18 @@ struct Batch {
     struct Numbers {
         int32_t *lives = nullptr, *frame = nullptr, *episode_frame = nullptr;
     };
+    // Of the game that ended in this step or reset; zero where none did.
+    struct Games {
+        double *score = nullptr, *frames = nullptr, *seconds = nullptr;
+    };
     Observation observation, final_observation;
     Numbers numbers, final_numbers;
+    Games ended_games;
     int32_t *reward = nullptr, *environment = nullptr;
+    int32_t *game_reward = nullptr, *game_steps = nullptr;  // of an `Outcome`
     uint8_t *terminated = nullptr, *truncated = nullptr;
     uint8_t* ended = nullptr;  // whether the row has a final observation; kSameStep only
+    uint8_t *game_over = nullptr, *game_ended = nullptr;
 };
 
 struct VectorSettings {
@@ -65,8 +73,9 @@ class VectorEngine {
     void reset(const std::vector<bool>& chosen, const std::vector<const Seed*>& seeds, const Batch* batch);
     // Row i is for environment `recent()[i]`; an action is an index, a strength is a factor for paddles.
     void step(const int64_t* actions, const float* strengths, const Batch* batch);
-    // Waits for a batch. Rethrows the deferred error of an environment; all environments must then be reset.
-    void receive(const Batch& batch);
+    // Waits for a batch; returns whether an episode or a game ended in it. Rethrows the deferred error of an environment;
+    // all environments must then be reset.
+    bool receive(const Batch& batch);
     // Waits for all pending results and drops them, deferred errors included.
     void drain();
 
@@ -118,6 +127,7 @@ class VectorEngine {
         int action = 0;
         float strength = 1.0f;
         Outcome outcome;  // of the last step
+        std::optional<EndedGame> ended_game;  // in the last task
         bool has_final = false;
         std::vector<uint8_t> final_pixels;  // used while the row of the batch is not known
         uint8_t final_ram[128];
@@ -131,6 +141,7 @@ class VectorEngine {
     void play(Slot& slot, int environment);
     void keep_final(Slot& slot, int environment);
     void write_results(Slot& slot, int environment, int row, const Batch& batch);
+    void write_ended_game(const Slot& slot, int row, const Batch& batch);
     void write_final(Slot& slot, int row, const Batch& batch);
     // Returns whether results go to rows in the order in which environments finish.
     bool queued() const { return settings_.batch_size < size(); }

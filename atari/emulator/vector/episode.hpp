@@ -2,8 +2,10 @@
 // how an episode begins, how long an action is held, and what ends an episode. Each order is a derived class.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -23,6 +25,16 @@ struct Outcome {
     int reward = 0;
     bool terminated = false, truncated = false;
     bool ended = false;  // The next step resets. With `life_loss_info`, a lost life sets `terminated` without this.
+    bool game_over = false;
+    int game_reward = 0;  // not clipped
+    int game_steps = 0;   // steps of the game, this one included
+};
+
+// A whole game that ended: over in the emulator, or truncated.
+struct EndedGame {
+    int64_t score;   // the sum of all rewards since the emulator's reset, no-ops and FIRE included, not clipped
+    int frames;      // emulated since that reset
+    double seconds;  // since that reset
 };
 
 enum class EpisodeKind { kAle, kFrames, kBaselines };  // AleEpisode, FrameEpisode, BaselinesEpisode
@@ -72,18 +84,32 @@ class Episode {
     // Begins an episode, after seeding all generators if `seed` is not null. Throws as Environment::reset does.
     virtual void reset(const Seed* seed) = 0;
     // Plays one action, an ALE number, until the skip or the episode ends.
-    virtual Outcome step(int action, float strength) = 0;
+    Outcome step(int action, float strength);
+    // The last game that ended since the last call, in a step or in a reset.
+    std::optional<EndedGame> take_ended_game() { return std::exchange(ended_game_, std::nullopt); }
+    // The steps of the present game, lost lives do not matter.
+    int game_steps() const { return game_.steps; }
 
     Environment& environment() { return *environment_; }
     const ObservationStack& observation() const { return *observation_; }
 
-    size_t state_size() const { return environment_->state_size() + observation_->state_size() + own_state_size(); }
+    size_t state_size() const { return environment_->state_size() + rest_size(); }
     void save(uint8_t* out);
     bool load(const uint8_t* in);  // Returns false, and changes nothing, if no `save` can have written these bytes.
     void snapshot(EpisodeSnapshot& snapshot) const;
     void restore(const EpisodeSnapshot& snapshot);
 
   protected:
+    virtual Outcome play_step(int action, float strength) = 0;
+    // The emulator's reset and frames, counted. Derived classes play through these alone.
+    void begin_game();
+    int act(int action, float strength) {
+        const int reward = environment_->act(action, strength);
+        game_.score += reward;
+        if (environment_->game_over() || environment_->truncated()) end_game();
+        return reward;
+    }
+
     // The state of the derived class, as bytes.
     virtual size_t own_state_size() const = 0;
     virtual void save_own(uint8_t* out) const = 0;
@@ -93,6 +119,22 @@ class Episode {
     const StartActions start_;
     std::unique_ptr<Environment> environment_;
     std::unique_ptr<ObservationStack> observation_;  // reads `environment_`
+
+  private:
+    void end_game();
+    // The state without the emulator's.
+    size_t rest_size() const { return observation_->state_size() + sizeof game_ + own_state_size(); }
+    void save_rest(uint8_t* out) const;
+    void load_rest(const uint8_t* in);
+
+    // Of the present game, since the emulator's reset.
+    struct {
+        int64_t score;
+        int32_t steps;
+        int32_t first_frame;  // the emulator's episode frame number after the reset
+    } game_{};
+    std::chrono::steady_clock::time_point game_began_ = std::chrono::steady_clock::now();
+    std::optional<EndedGame> ended_game_;
 };
 
 // ale-py's AtariVectorEnv (0.12), to the byte.
@@ -105,9 +147,9 @@ class AleEpisode final : public Episode {
     }
 
     void reset(const Seed* seed) override;
-    Outcome step(int action, float strength) override;
 
   private:
+    Outcome play_step(int action, float strength) override;
     size_t own_state_size() const override { return sizeof state_; }
     void save_own(uint8_t* out) const override;
     void load_own(const uint8_t* in) override;
@@ -138,7 +180,7 @@ class WrappedEpisode : public Episode {
     Ends play(int action, float strength, int64_t& reward);
     bool lose_life(const Ends& ends);
     int draw_noops();
-    int clipped(int64_t reward) const;
+    Outcome outcome(int64_t reward, const Ends& ends) const;
 
     struct {
         Pcg64 random;
@@ -159,9 +201,9 @@ class FrameEpisode final : public WrappedEpisode {
   public:
     using WrappedEpisode::WrappedEpisode;
     void reset(const Seed* seed) override;
-    Outcome step(int action, float strength) override;
 
   private:
+    Outcome play_step(int action, float strength) override;
     struct Request {
         const Seed* seed;
         bool new_game;
@@ -178,9 +220,9 @@ class BaselinesEpisode final : public WrappedEpisode {
   public:
     using WrappedEpisode::WrappedEpisode;
     void reset(const Seed* seed) override;
-    Outcome step(int action, float strength) override;
 
   private:
+    Outcome play_step(int action, float strength) override;
     void reset_life(const Seed* seed);
     void reset_game(const Seed* seed);
     Ends skip(int action, float strength, int64_t& reward);

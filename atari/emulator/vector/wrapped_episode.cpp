@@ -12,12 +12,12 @@ void WrappedEpisode::start_game(const Seed* seed) {
         environment_->seed(seed->emulator);
         state_.random.set(seed->own);
     }
-    environment_->reset();
+    begin_game();
 }
 
 // AtariEnv.play_frames, of one frame
 WrappedEpisode::Ends WrappedEpisode::play(int action, float strength, int64_t& reward) {
-    reward += environment_->act(action, strength);
+    reward += act(action, strength);
     return {environment_->game_over(), environment_->truncated()};
 }
 
@@ -38,9 +38,14 @@ int WrappedEpisode::draw_noops() {
 }
 
 // ClipReward
-int WrappedEpisode::clipped(int64_t reward) const {
+Outcome WrappedEpisode::outcome(int64_t reward, const Ends& ends) const {
     const int64_t low = settings_.clip_reward ? -1 : INT32_MIN, high = settings_.clip_reward ? 1 : INT32_MAX;
-    return static_cast<int>(std::clamp(reward, low, high));
+    Outcome outcome;
+    outcome.reward = static_cast<int>(std::clamp(reward, low, high));
+    outcome.terminated = ends.terminated;
+    outcome.truncated = ends.truncated;
+    outcome.ended = ends.any();
+    return outcome;
 }
 
 void WrappedEpisode::save_own(uint8_t* out) const { std::memcpy(out, &state_, sizeof state_); }
@@ -101,7 +106,7 @@ void FrameEpisode::reset(const Seed* seed) {
 }
 
 // DqnPreprocessing.step
-Outcome FrameEpisode::step(int action, float strength) {
+Outcome FrameEpisode::play_step(int action, float strength) {
     const bool seamless = settings_.episodic_life && settings_.seamless_lives;
     Ends ends{};
     int64_t reward = 0;
@@ -117,7 +122,7 @@ Outcome FrameEpisode::step(int action, float strength) {
     observation_->skip_ended(left, ends.any());
     if (seamless && state_.life_lost) ends.terminated = !ends.truncated;
     state_.frame_number = environment_->frame_number();
-    return {clipped(reward), ends.terminated, ends.truncated, ends.any()};
+    return outcome(reward, ends);
 }
 
 // DqnPreprocessing.step
@@ -170,10 +175,10 @@ void BaselinesEpisode::reset(const Seed* seed) {
     observation_->repeat(true);
 }
 
-Outcome BaselinesEpisode::step(int action, float strength) {
+Outcome BaselinesEpisode::play_step(int action, float strength) {
     int64_t reward = 0;
     const Ends ends = skip_with_lives(action, strength, reward);
-    return {clipped(reward), ends.terminated, ends.truncated, ends.any()};
+    return outcome(reward, ends);
 }
 
 }  // namespace atari
