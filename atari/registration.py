@@ -59,6 +59,14 @@ class Family:
         """The games this family has."""
         return tuple(game.id for game in games.playable()) if self.version == 5 else LEGACY_GAMES
 
+    @property
+    def vector_entry_point(self) -> str | None:
+        """What `gymnasium.make_vec` makes. As with ale-py, only the IDs of ALE's v5 with pixels have one.
+
+        Of all others, `make_vec` makes a `SyncVectorEnv` of the environments that `gymnasium.make` makes.
+        """
+        return _VECTOR_ENTRY_POINT if self.version == 5 and self.obs_type == "rgb" else None
+
     def options(self, game: str) -> dict[str, Any]:
         """The options of `AtariEnv` for the ID of this game."""
         frameskip = self.frameskip
@@ -126,7 +134,7 @@ def _spec(env_id: str) -> EnvSpec:
         id=env_id,
         entry_point=_ENTRY_POINT,
         kwargs=family.options(game),
-        vector_entry_point=_VECTOR_ENTRY_POINT,
+        vector_entry_point=family.vector_entry_point,
     )
 
 
@@ -214,9 +222,7 @@ def register_game(file: str | PathLike[str], rom: str | PathLike[str]) -> tuple[
             **observation,
             "max_num_frames_per_episode": MAX_FRAMES,
         }
-        gymnasium.registry[env_id] = EnvSpec(
-            id=env_id, entry_point=_ENTRY_POINT, kwargs=options, vector_entry_point=_VECTOR_ENTRY_POINT
-        )
+        gymnasium.registry[env_id] = EnvSpec(id=env_id, entry_point=_ENTRY_POINT, kwargs=options)
         registered.append(env_id)
     return registered[0], registered[1]
 

@@ -1,4 +1,4 @@
-"""Every ID makes a vector environment through `gymnasium.make_vec`."""
+"""Every ID makes a vector environment through `gymnasium.make_vec`: the one that ale-py's ID makes."""
 
 from pathlib import Path
 
@@ -26,16 +26,48 @@ def test_make_vec_is_that_of_ale_py() -> None:
         assert np.array_equal(mine[0], other[0])
 
 
-def test_every_id_arrives_here() -> None:
-    for env_id in atari.registration.ids():
-        assert gymnasium.registry[env_id].vector_entry_point == "atari.vector:AtariVectorEnv"
-    ram = gymnasium.make_vec("Breakout-ramNoFrameskip-v4", num_envs=2)
-    observation, info = ram.reset(seed=0)
-    assert observation.shape == (2, 128)
-    before = info["frame_number"]
-    assert np.all(ram.step(np.zeros(2, int))[4]["frame_number"] - before == 1)
-    skipping = gymnasium.make_vec("Breakout-v0", num_envs=2)
-    assert skipping.reset(seed=0)[0].shape == (2, 4, 84, 84)
+def test_only_ids_of_ale_v5_are_preprocessed() -> None:
+    """As in ale-py, whose legacy IDs have no vector entry point: an ID is one environment, single and in a vector."""
+    for env_id, (family, _) in atari.registration.ids().items():
+        entry_point = "atari.vector:AtariVectorEnv" if (family.prefix, family.suffix) == ("ALE/", "") else None
+        assert gymnasium.registry[env_id].vector_entry_point == entry_point
+
+
+@pytest.mark.parametrize(
+    ("env_id", "shape"),
+    [
+        ("MsPacmanNoFrameskip-v4", (210, 160, 3)),
+        ("Breakout-v0", (210, 160, 3)),
+        ("Breakout-ramNoFrameskip-v4", (128,)),
+        ("ALE/MsPacman-ram-v5", (128,)),
+    ],
+)
+def test_a_vector_is_that_of_the_single_id(env_id: str, shape: tuple[int, ...]) -> None:
+    envs = gymnasium.make_vec(env_id, num_envs=2, wrappers=[gymnasium.wrappers.RecordEpisodeStatistics])
+    singles = [gymnasium.make(env_id) for _ in range(2)]
+    observation, _ = envs.reset(seed=3)
+    assert observation.shape == (2, *shape)
+    for index, single in enumerate(singles):
+        assert np.array_equal(single.reset(seed=3 + index)[0], observation[index])
+    highest = 0.0
+    for step in range(400):
+        actions = np.full(2, 2 + step // 50 % 2)
+        observation, rewards, *_ = envs.step(actions)
+        results = [single.step(int(actions[0])) for single in singles]
+        assert [result[1] for result in results] == rewards.tolist()
+        if step % 100 == 0:
+            assert all(np.array_equal(result[0], observation[row]) for row, result in enumerate(results))
+        highest = max(highest, *rewards)
+    assert highest >= 10 or "Breakout" in env_id  # pellets are worth 10, not 1
+
+
+def test_wrappers_need_single_environments() -> None:
+    with pytest.raises(gymnasium.error.Error, match=r"Cannot use `vector_entry_point` .* with the wrappers argument"):
+        gymnasium.make_vec("ALE/Pong-v5", num_envs=2, wrappers=[gymnasium.wrappers.RecordEpisodeStatistics])
+    sync = gymnasium.make_vec(
+        "ALE/Pong-v5", 2, vectorization_mode="sync", wrappers=[gymnasium.wrappers.RecordEpisodeStatistics]
+    )
+    assert sync.reset(seed=0)[0].shape == (2, 210, 160, 3)
 
 
 def test_a_game_of_ones_own(tmp_path: Path) -> None:
@@ -44,7 +76,7 @@ def test_a_game_of_ones_own(tmp_path: Path) -> None:
     for env_id in atari.register_game(tmp_path / "vector_catch.toml", catch / "catch.bin"):
         envs = gymnasium.make_vec(env_id, num_envs=2)
         observation, info = envs.reset(seed=0)
-        assert observation.shape[1:] == ((128,) if "-ram" in env_id else (4, 84, 84))
+        assert observation.shape[1:] == ((128,) if "-ram" in env_id else gymnasium.make(env_id).observation_space.shape)
         assert info["lives"].tolist() == [3, 3]
         del gymnasium.registry[env_id]
 
