@@ -562,11 +562,14 @@ class Batch:
         final_pixels: numpy.typing.NDArray[numpy.uint8] | None,
         final_ram: numpy.typing.NDArray[numpy.uint8] | None,
         numbers: numpy.typing.NDArray[numpy.int32],
+        games: numpy.typing.NDArray[numpy.float64],
         flags: numpy.typing.NDArray[numpy.bool],
     ) -> None:
         """
-        `numbers` is int32 (8, rows): reward, environment, lives, frame and episode frame number, and the last three
-        of the final observation; `flags` bool (3, rows): terminated, truncated, has a final observation.
+        `numbers` is int32 (10, rows): reward, environment, lives, frame and episode frame number, reward before
+        clipping, steps of the game, and lives, frame and episode frame number of the final observation. `games` is
+        float64 (3, rows): score, frames and seconds of the game that ended. `flags` is bool (5, rows): terminated,
+        truncated, game over, has a final observation, a game ended.
         """
 
 class MemberSnapshot:
@@ -629,8 +632,8 @@ class VectorEngine:
     ) -> None:
         """Begin a reset of the environments in `mask`; `seeds` as above."""
 
-    def receive(self, batch: Batch) -> None:
-        """Wait for a batch of results."""
+    def receive(self, batch: Batch) -> bool:
+        """Wait for a batch of results; whether an episode or a game ended in it."""
 
     def snapshot(self, environments: Sequence[int]) -> list[MemberSnapshot]: ...
     def restore(self, environments: Sequence[int], states: Sequence[MemberSnapshot]) -> None: ...

@@ -1,7 +1,8 @@
 """What a snapshot contains: named blobs and facts, with version and checksum, as one `bytes`.
 
     snapshot of     facts                                            blobs
-    AtariEnv        phase of the episode, the generator np_random    the core's snapshot
+    AtariEnv        phase of the episode, the generator np_random,   the core's snapshot
+                    score, steps and first frame of the game
     NativeCore      core, game, ROM, options, version of the state   the state: machine, RAM of the cartridge, episode,
                                                                      framebuffer, sound, held action, generators
     AleCore         the same, and the seed                           ale-py's state after the last reset, the calls

@@ -77,7 +77,9 @@ class Results:
     ) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         """Observations, lent where they are, and copies of all other arrays; `ended` is what the engine returned."""
         of_reward, of_lives, of_frame, of_episode_frame, of_terminated, of_truncated = self._copies
-        info: dict[str, Any] = self._info.copy()  # with all masks; the rest is written out, as this is done at every step
+        info: dict[str, Any] = (
+            self._info.copy()
+        )  # with all masks; the rest is written out, as this is done at every step
         info["lives"], info["frame_number"], info["episode_frame_number"] = of_lives(), of_frame(), of_episode_frame()
         if self._env_id_copy is not None:
             info["env_id"] = self._env_id_copy()
@@ -107,7 +109,7 @@ class Results:
             info["final_obs"], info["_final_obs"] = self._lend(self._final, self._final_lenders), ended
             info["final_info"], info["_final_info"] = {**final_info, **games}, ended
         elif self._game_copies:
-            # Not without a preset: as around ale-py's, `RecordEpisodeStatistics` adds this key, and refuses one that exists.
+            # Without a preset, `RecordEpisodeStatistics` adds this key, as around ale-py's; it refuses one that exists.
             info.update(games)
 
     def _lend(self, parts: dict[str, npt.NDArray[np.uint8]], lenders: dict[str, Any]) -> Any:

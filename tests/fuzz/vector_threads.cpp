@@ -19,15 +19,16 @@ constexpr int kEnvironments = 20, kSteps = 25;
 using Digests = std::vector<std::vector<uint64_t>>;
 
 struct Arrays {
-    explicit Arrays(size_t rows) : pixels(rows * kPixels), finals(rows * kPixels), numbers(8 * rows), flags(3 * rows) {
+    explicit Arrays(size_t rows) : pixels(rows * kPixels), finals(rows * kPixels), numbers(10 * rows), games(3 * rows), flags(5 * rows) {
         batch.observation.pixels = pixels.data();
         batch.final_observation.pixels = finals.data();
-        int32_t** const columns[8] = {&batch.reward, &batch.environment, &batch.numbers.lives, &batch.numbers.frame,
-                                      &batch.numbers.episode_frame, &batch.final_numbers.lives,
-                                      &batch.final_numbers.frame, &batch.final_numbers.episode_frame};
-        for (size_t i = 0; i < 8; ++i) *columns[i] = numbers.data() + i * rows;
-        uint8_t** const bytes[3] = {&batch.terminated, &batch.truncated, &batch.ended};
-        for (size_t i = 0; i < 3; ++i) *bytes[i] = flags.data() + i * rows;
+        int32_t** const columns[10] = {&batch.reward, &batch.environment, &batch.numbers.lives, &batch.numbers.frame,
+                                      &batch.numbers.episode_frame, &batch.game_reward, &batch.game_steps,
+                                      &batch.final_numbers.lives, &batch.final_numbers.frame, &batch.final_numbers.episode_frame};
+        for (size_t i = 0; i < 10; ++i) *columns[i] = numbers.data() + i * rows;
+        batch.ended_games = {games.data(), games.data() + rows, games.data() + 2 * rows};
+        uint8_t** const bytes[5] = {&batch.terminated, &batch.truncated, &batch.game_over, &batch.ended, &batch.game_ended};
+        for (size_t i = 0; i < 5; ++i) *bytes[i] = flags.data() + i * rows;
     }
 
     uint64_t digest(size_t row, size_t rows) const {
@@ -38,14 +39,16 @@ struct Arrays {
         };
         add(pixels.data() + row * kPixels, kPixels);
         add(finals.data() + row * kPixels, kPixels);
-        for (size_t i = 0; i < 8; ++i) add(&numbers[i * rows + row], sizeof(int32_t));
-        for (size_t i = 0; i < 3; ++i) add(&flags[i * rows + row], 1);
+        for (size_t i = 0; i < 10; ++i) add(&numbers[i * rows + row], sizeof(int32_t));
+        for (size_t i = 0; i < 2; ++i) add(&games[i * rows + row], sizeof(double));  // without the seconds
+        for (size_t i = 0; i < 5; ++i) add(&flags[i * rows + row], 1);
         return digest;
     }
 
     static constexpr size_t kPixels = 4 * 84 * 84;
     std::vector<uint8_t> pixels, finals;
     std::vector<int32_t> numbers;
+    std::vector<double> games;
     std::vector<uint8_t> flags;
     Batch batch;
 };

@@ -1,0 +1,216 @@
+"""`info` of presets has the whole games' returns, lengths and ends: vector, single and Gymnasium's recorder agree."""
+
+import pickle
+from collections.abc import Callable
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from gymnasium.wrappers import RecordEpisodeStatistics, vector
+
+import atari
+from atari import wrappers
+
+Game = tuple[float, int]
+
+
+def single(name: str, game: str, **options: Any) -> gymnasium.Env[Any, Any]:
+    """A preset around Gymnasium's recorder around the emulator's frames."""
+    raw = atari.AtariEnv(game, **{**wrappers.preset_options(name), **options})
+    return wrappers.preset(RecordEpisodeStatistics(raw), name, episodic_life=True, clip_reward=True)
+
+
+@pytest.mark.parametrize("game", ["breakout", "frogger", "ms_pacman", "space_invaders"])
+@pytest.mark.parametrize("name", wrappers.PRESETS)
+def test_single_is_what_the_recorder_records_beneath(name: str, game: str) -> None:
+    env = single(name, game, max_num_frames_per_episode=2500)
+    rng = np.random.default_rng(1)
+    games: list[Game] = []
+    score = 0.0
+    _, info = env.reset(seed=1)
+    for _ in range(1500):
+        assert ("episode" in info) <= (info["terminated"] or info["episode_frame_number"] >= 2500)
+        *_, terminated, truncated, info = env.step(int(rng.integers(env.action_space.n)))
+        score += info["reward"]
+        assert info["terminated"] == env.unwrapped.core.game_over
+        assert info["elapsed_step"] <= info["episode_frame_number"]
+        if "episode" in info:
+            games.append((info["episode"]["r"], info["episode"]["l"]))
+            assert 0 < info["episode"]["t"] < 60
+            assert terminated or truncated
+        if terminated or truncated:
+            _, info = env.reset()
+    recorder = env
+    while not isinstance(recorder, RecordEpisodeStatistics):
+        recorder = recorder.env
+    assert games == list(zip(recorder.return_queue, recorder.length_queue, strict=True))
+    assert games or name in ("gymnasium", "ale_vector")  # where a lost life begins a new game
+    assert score >= sum(points for points, _ in games) - 100 * len(games)
+
+
+def played(envs: Any, mode: AutoresetMode, actions: Any) -> tuple[list[list[Game]], list[list[tuple[Any, ...]]]]:
+    """By environment, the games of `info`, and reward before clipping, steps and game over of each step."""
+    games: list[list[Game]] = [[] for _ in range(envs.num_envs)]
+    numbers: list[list[tuple[Any, ...]]] = [[] for _ in range(envs.num_envs)]
+    envs.reset(seed=5)
+    for row in actions:
+        _, _, terminated, truncated, info = envs.step(row)
+        done = terminated | truncated
+        holder = info.get("final_info", {}) if mode == AutoresetMode.SAME_STEP else info
+        for index in range(envs.num_envs):
+            if "episode" in holder and holder["_episode"][index]:
+                assert holder["episode"]["_r"][index]
+                games[index].append((holder["episode"]["r"][index], holder["episode"]["l"][index]))
+            if not (done[index] and mode == AutoresetMode.SAME_STEP):  # there Gymnasium has those of the reset
+                numbers[index].append(tuple(info[key][index] for key in ("reward", "elapsed_step", "terminated")))
+        if mode == AutoresetMode.DISABLED and done.any():
+            envs.reset(options={"reset_mask": done})
+    return games, numbers
+
+
+@pytest.mark.parametrize("mode", AutoresetMode)
+@pytest.mark.parametrize("name", wrappers.PRESETS)
+def test_vector_is_what_gymnasium_makes_of_singles(name: str, mode: AutoresetMode) -> None:
+    game = ["breakout", "frogger", "bank_heist"][list(wrappers.PRESETS).index(name) % 3]
+
+    def make() -> gymnasium.Env[Any, Any]:
+        return atari.make(game, preset=name, episodic_life=True, clip_reward=True)
+
+    ours = atari.AtariVectorEnv(
+        game, 2, preset=name, episodic_life=True, clip_reward=True, autoreset_mode=mode, num_threads=1
+    )
+    actions = np.random.default_rng(2).integers(0, ours.single_action_space.n, (900, 2))  # type: ignore[attr-defined]
+    games, numbers = played(ours, mode, actions)
+    assert (games, numbers) == played(SyncVectorEnv([make, make], autoreset_mode=mode), mode, actions)
+    assert any(games) or name in ("gymnasium", "ale_vector")
+
+
+def test_batches_of_fewer() -> None:
+    envs = atari.AtariVectorEnv("breakout", 4, batch_size=2, preset="envpool", num_threads=2, obs_type="ram")
+    _, info = envs.reset(seed=5)
+    rng = np.random.default_rng(0)
+    returns, ended = np.zeros(4), 0
+    for _ in range(900):
+        _, _, terminated, _, info = envs.step(rng.integers(0, 4, 2))
+        returns[info["env_id"]] += info["reward"]
+        for row in np.flatnonzero(info.get("_episode", [])):
+            assert terminated[row]
+            assert info["episode"]["r"][row] == returns[info["env_id"][row]]
+            returns[info["env_id"][row]], ended = 0, ended + 1
+    assert ended >= 4
+
+
+def test_a_game_that_ends_inside_a_reset() -> None:
+    """The last frog has no life left, which ends the episode; the no-ops of DQN's reset then play the game's end."""
+    env = single("dqn2015", "frogger")
+    _, info = env.reset(seed=0)
+    while info["lives"] > 0:
+        *_, terminated, _, info = env.step(1)
+        assert "episode" not in info
+        if terminated and info["lives"] > 0:
+            _, info = env.reset(options={"noops": 1})
+    assert not info["terminated"]
+    _, info = env.reset(options={"noops": 2500})
+    recorder = env
+    while not isinstance(recorder, RecordEpisodeStatistics):
+        recorder = recorder.env
+    assert (info["episode"]["r"], info["episode"]["l"]) == (recorder.return_queue[-1], recorder.length_queue[-1])
+    assert (info["elapsed_step"], info["terminated"]) == (0, False)
+
+
+def test_a_loop_in_the_manner_of_cleanrl() -> None:
+    envs = atari.AtariVectorEnv("breakout", 3, autoreset_mode="SameStep", episodic_life=False, num_threads=1)
+    envs.reset(seed=0)
+    rng = np.random.default_rng(0)
+    printed = []
+    for _ in range(500):
+        _, _, terminated, _, infos = envs.step(rng.integers(0, 4, 3))
+        assert "episode" not in infos
+        if "final_info" in infos:
+            mask = infos["final_info"]["_episode"]
+            assert mask.tolist() == terminated.tolist()
+            printed += infos["final_info"]["episode"]["r"][mask].tolist()
+            frames = infos["final_info"]["episode"]["l"][mask]
+            assert frames.tolist() == infos["final_info"]["episode_frame_number"][mask].tolist()
+    assert len(printed) >= 3
+    assert max(printed) >= 1
+
+
+def test_a_truncated_game_and_a_lost_life() -> None:
+    options: dict[str, Any] = {"autoreset_mode": "SameStep", "num_threads": 1}
+    envs = atari.AtariVectorEnv("pong", 2, max_num_frames_per_episode=40, **options)
+    envs.reset(seed=0)
+    for _ in range(10):
+        *_, truncated, info = envs.step(np.zeros(2, int))
+    assert truncated.all()
+    assert info["final_info"]["_episode"].all()
+    assert (info["final_info"]["episode"]["l"] >= 40).all()
+    envs = atari.AtariVectorEnv("breakout", 1, life_loss_info=True, **options)
+    envs.reset(seed=0)
+    terminated = np.zeros(1, bool)
+    while not terminated[0]:
+        _, _, terminated, _, info = envs.step(np.full(1, 1))
+    assert "_episode" not in info["final_info"]  # the game goes on
+
+
+def test_counts_are_part_of_the_state() -> None:
+    def rest(envs: atari.AtariVectorEnv) -> list[Game]:
+        while True:
+            *_, info = envs.step(np.full(1, 2))
+            if "episode" in info:
+                return [(info["episode"]["r"][0], info["episode"]["l"][0]), info["elapsed_step"].tolist()]
+
+    envs = atari.AtariVectorEnv("breakout", 1, preset="baselines", num_threads=1)
+    envs.reset(seed=3)
+    for action in [1, 2, 3] * 20:
+        envs.step(np.full(1, action))
+    state, copied = envs.snapshot(), pickle.loads(pickle.dumps(envs))
+    expected = rest(envs)
+    envs.restore(None, pickle.loads(pickle.dumps(state)))
+    assert rest(envs) == rest(copied) == expected
+
+
+def test_an_observed_end_is_not_counted_again() -> None:
+    envs = atari.AtariVectorEnv("breakout", 1, preset="envpool", autoreset_mode="Disabled", num_threads=1)
+    _, info = envs.reset(seed=0)
+    while "episode" not in info:
+        *_, info = envs.step(np.zeros(1, int)) if info["elapsed_step"][0] % 9 else envs.step(np.ones(1, int))
+    for _ in range(2):
+        *_, info = envs.step(np.zeros(1, int))
+        assert "episode" not in info
+        assert (info["reward"][0], info["terminated"][0]) == (0, True)
+    assert "episode" not in envs.observe()[1]
+
+
+def test_a_snapshot_of_a_single_environment_has_the_score() -> None:
+    env = atari.AtariEnv("pong", frameskip=4)
+    env.reset(seed=0)
+    for _ in range(100):
+        env.step(2)
+    state, score = env.snapshot(), env._game.score
+    assert score < 0
+    other = atari.AtariEnv("pong", frameskip=4)
+    other.restore(state)
+    assert (other._game.score, other._game.first_frame) == (score, env._game.first_frame)
+
+
+@pytest.mark.parametrize(
+    ("make", "record"),
+    [
+        (lambda: atari.make("breakout", preset="envpool"), RecordEpisodeStatistics),
+        (lambda: atari.AtariVectorEnv("breakout", 1, preset="envpool"), vector.RecordEpisodeStatistics),
+    ],
+)
+def test_gymnasiums_recorder_around_a_preset(make: Callable[[], Any], record: Any) -> None:
+    """With another key, as around any environment that has recorded already."""
+    env = record(make(), stats_key="seen")
+    _, info = env.reset(seed=0)
+    step = 0
+    while "seen" not in info:
+        step += 1
+        action = int(step % 9 == 0)
+        *_, info = env.step(action if record is RecordEpisodeStatistics else np.array([action]))
+    assert info["seen"]["r"] == info["episode"]["r"]
+    assert info["seen"]["l"] == info["elapsed_step"] == step
