@@ -20,7 +20,7 @@ from atari.cores.ale_interface import AleInterface
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.rendering import Window
-from atari.validation import check_action_index, check_frameskip, check_name, check_probability
+from atari.validation import check_action_index, check_frameskip, check_known, check_name, check_probability
 
 ObsType = Literal["rgb", "grayscale", "ram"]
 RenderMode = Literal["human", "rgb_array", "rgb_array_list"]
@@ -69,6 +69,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         rom: path of the ROM file; None searches (see `atari.roms`).
 
     Raises:
+        TypeError: there is no such option; the message suggests the nearest.
         TypeError, ValueError: an option is of the wrong kind or not offered by the game.
         FileNotFoundError: no ROM file of the game was found.
         gymnasium.error.DependencyNotInstalled: render_mode "human" without pygame-ce.
@@ -106,8 +107,10 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         *,
         core: str = "native",
         rom: str | PathLike[str] | None = None,
+        **wrong: Any,
     ) -> None:
-        self._options = {key: value for key, value in locals().items() if key not in ("self", "__class__")}
+        self._options = {key: value for key, value in locals().items() if key not in ("self", "__class__", "wrong")}
+        check_known("AtariEnv", wrong, self._options)
         self.game: Game = games.find(game)
         self._obs_type = check_name("obs_type", obs_type, get_args(ObsType))
         self._frameskip = check_frameskip(frameskip)
@@ -267,8 +270,12 @@ class AtariEnv(gymnasium.Env[Any, Any]):
 
         An environment made with the same options, also in another process, continues from it exactly.
         """
-        facts = {"of": "AtariEnv", "phase": self._phase, "np_random": self.np_random.bit_generator.state}
-        facts["game"] = [self._game.score, self._game.steps, self._game.first_frame]
+        facts = {
+            "of": "AtariEnv",
+            "phase": self._phase,
+            "np_random": self.np_random.bit_generator.state,
+            "game": [self._game.score, self._game.steps, self._game.first_frame],
+        }
         return snapshot.pack(facts, {"core": self.core.snapshot()})
 
     def restore(self, data: bytes) -> None:

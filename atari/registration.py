@@ -5,6 +5,7 @@ Sources: the registrations of OpenAI Gym 0.1-0.26 (v0 and v4) and of ale-py 0.7-
 """
 
 import difflib
+import inspect
 import os
 import re
 from collections.abc import Iterator
@@ -19,7 +20,9 @@ import gymnasium
 from gymnasium.envs.registration import EnvSpec
 
 from atari.cores import NativeCore
+from atari.env import AtariEnv
 from atari.games.catalog import games
+from atari.validation import check_known
 
 LEGACY_GAMES: tuple[str, ...] = tuple(
     """adventure air_raid alien amidar assault asterix asteroids atlantis bank_heist battle_zone beam_rider berzerk
@@ -38,6 +41,7 @@ MAX_FRAMES = 108_000
 _MODULE_PREFIX = "atari:"  # of "atari:ALE/Pong-v5", with which Gymnasium imports this package first
 _ENTRY_POINT = "atari.env:AtariEnv"
 _VECTOR_ENTRY_POINT = "atari.vector:AtariVectorEnv"
+_PRESET_OPTIONS = ("episodic_life", "clip_reward", "reward_clipping")
 
 
 @dataclass(frozen=True)
@@ -167,11 +171,13 @@ def make(game_or_id: str, *, preset: str | None = None, **options: Any) -> gymna
         game_or_id: a game ("breakout", which means "ALE/Breakout-v5") or an ID of this package ("Breakout-ram-v4").
         preset: name of a preprocessing, such as "dqn2015" (see `atari.wrappers.preset`); the options of the
             environment that it prescribes are set, unless given.
-        **options: those of `AtariEnv`, and those of `gymnasium.make`, such as `max_episode_steps`.
+        **options: those of `AtariEnv`, and those of `gymnasium.make`, such as `max_episode_steps`. With a preset also
+            `episodic_life` and `clip_reward`, of which `reward_clipping` is another name.
 
     Raises:
         gymnasium.error.NameNotFound: no such ID; the message suggests the right one.
         ValueError: no such game; the message suggests the nearest. Or a preset for an ID that is not an Atari game.
+        TypeError: there is no such option, the message suggests the nearest; or it needs a preset.
     """
     if not isinstance(game_or_id, str):
         raise TypeError(f"make() takes a game ('breakout') or an ID ('ALE/Breakout-v5'), got {game_or_id!r}")
@@ -184,6 +190,15 @@ def make(game_or_id: str, *, preset: str | None = None, **options: Any) -> gymna
     ours = getattr(gymnasium.registry.get(env_id), "entry_point", None) == _ENTRY_POINT
     # With ATARI_REGISTER=own, the registered environment may be ale-py's.
     target = _spec(env_id) if env_id in ids() and not ours else env_id
+    if ours or target != env_id:
+        known = _make_options()
+        check_known("atari.make", [name for name in options if name not in known], known)
+    chosen = {name: options.pop(name) for name in _PRESET_OPTIONS if name in options}
+    if preset is None and chosen:
+        raise TypeError(
+            f"{next(iter(chosen))!r} is an option of presets; "
+            f"give one: atari.make({game_or_id!r}, preset='dqn2015', ...)"
+        )
     if preset is None:
         return gymnasium.make(target, **options)
     if target == env_id and not ours:
@@ -191,7 +206,14 @@ def make(game_or_id: str, *, preset: str | None = None, **options: Any) -> gymna
     from atari import wrappers  # imported here because it imports OpenCV
 
     env = gymnasium.make(target, **{**wrappers.preset_options(preset), **options})
-    return wrappers.preset(env, preset)
+    return wrappers.preset(env, preset, **chosen)
+
+
+@cache
+def _make_options() -> tuple[str, ...]:
+    """The names of all options of `make` for Atari games."""
+    names = [name for maker in (AtariEnv, gymnasium.make) for name in inspect.signature(maker).parameters]
+    return tuple(name for name in (*names, *_PRESET_OPTIONS) if name not in ("game", "id", "wrong", "kwargs"))
 
 
 def register_game(file: str | PathLike[str], rom: str | PathLike[str]) -> tuple[str, str]:

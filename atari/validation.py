@@ -4,6 +4,7 @@ Each function returns the checked value. It raises `TypeError` for a value of th
 value out of range; the message has the argument's name, what is accepted, and the value.
 """
 
+import difflib
 import math
 import operator
 import stat
@@ -129,3 +130,32 @@ def check_file(file: Path, instead: str = "give a regular file") -> Path:
     if not stat.S_ISREG(mode):
         raise ValueError(f"{file} is a device or a pipe; give a regular file")
     return file
+
+
+def check_known(owner: str, wrong: Iterable[str], known: Iterable[str]) -> None:
+    """Refuse options that do not exist.
+
+    Raises:
+        TypeError: `wrong` is not empty; the message suggests the nearest of the known names.
+    """
+    names = {_sorted_words(name): name for name in known}
+    for name in wrong:
+        near = difflib.get_close_matches(_sorted_words(name), names, n=1, cutoff=0.5)
+        hint = f"did you mean {names[near[0]]!r}?" if near else f"it has {', '.join(names.values())}"
+        raise TypeError(f"{owner} has no option {name!r}; {hint}")
+
+
+def _sorted_words(name: str) -> str:
+    """`num_stack` and `stack_num` alike."""
+    return "_".join(sorted(name.split("_")))
+
+
+def check_clip_reward(clip_reward: bool | None, reward_clipping: bool | None) -> bool | None:
+    """The value of an option that has two names: the presets' and that of ale-py's vector environment.
+
+    Raises:
+        TypeError: both names have a value.
+    """
+    if clip_reward is not None and reward_clipping is not None:
+        raise TypeError("clip_reward and reward_clipping are two names of one option; give one of them")
+    return reward_clipping if clip_reward is None else clip_reward

@@ -14,6 +14,7 @@ from typing import Any
 import gymnasium
 
 from atari.protocols import Protocol
+from atari.validation import check_clip_reward
 from atari.wrappers._checks import Environment, require_atari
 from atari.wrappers._game_statistics import GameStatistics
 from atari.wrappers.clip_reward import ClipReward
@@ -201,7 +202,12 @@ PRESETS: Mapping[str, Preset] = MappingProxyType(
 
 
 def preset(
-    env: Environment, name: str, *, episodic_life: bool | None = None, clip_reward: bool | None = None
+    env: Environment,
+    name: str,
+    *,
+    episodic_life: bool | None = None,
+    clip_reward: bool | None = None,
+    reward_clipping: bool | None = None,
 ) -> Environment:
     """Put the preprocessing of an implementation or a protocol around an `AtariEnv`.
 
@@ -229,6 +235,17 @@ def preset(
     calls a game over in the last step of its limit a truncation. The other three are protocols; no one program defines
     them, and they are built from the publications (`PRESETS[name].source`).
 
+    `info` has what `AtariEnv` gives, and of the whole game, lost lives do not matter:
+
+    - "reward", a float: the step's reward before clipping;
+    - "elapsed_step", an int: the agent's steps in this game; "episode_frame_number" are its frames;
+    - "terminated", a bool: whether the game is over;
+    - "episode", when the game has ended, over or truncated, in this step or inside this reset: what
+      `RecordEpisodeStatistics` and Stable-Baselines3's `Monitor` record directly around the `AtariEnv`. "r" is the sum
+      of all rewards, not clipped, no-ops and FIRE included; "l" the emulated frames since the emulator's reset; "t" the
+      seconds since then. So neither is needed around a preset, and Gymnasium's refuses to write "episode" again: leave
+      it out, or give it another `stats_key`.
+
     Args:
         env: made with the options `preset_options(name)`: `frameskip=1` always, and, where a protocol prescribes them,
             its sticky actions and its action set.
@@ -236,14 +253,16 @@ def preset(
         episodic_life: whether a lost life ends the episode; None is as the implementation does by default. For
             evaluation: False.
         clip_reward: whether rewards are clipped; None is as the implementation does by default. For evaluation: False.
+        reward_clipping: another name of `clip_reward`, that of ale-py's vector environment.
 
     Raises:
-        TypeError: `env` is no `AtariEnv`.
+        TypeError: `env` is no `AtariEnv`, or both names of an option are given.
         ValueError: there is no such preset (the nearest is suggested), or the environment does not fit; the text says
             how to make it.
     """
+    clips = check_clip_reward(clip_reward, reward_clipping)
     _require_options(env, name)
-    for wrapper, arguments in _layers(preset_protocol(name, episodic_life=episodic_life, clip_reward=clip_reward)):
+    for wrapper, arguments in _layers(preset_protocol(name, episodic_life=episodic_life, clip_reward=clips)):
         env = wrapper(env, **arguments)
     return env
 

@@ -16,6 +16,7 @@ from gymnasium import spaces
 
 from atari._gymnasium import AutoresetMode
 from atari.games.game import Game
+from atari.validation import check_clip_reward
 from atari.vector.env import AtariVectorEnv
 from atari.vector.seeds import SEED_LIMIT
 from atari.wrappers import PRESETS
@@ -62,7 +63,7 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
     ) -> None:
         for name in {"autoreset_mode", "batch_size"} & set(options):
             raise TypeError(f"Stable-Baselines3 decides about {name}; leave it out")
-        clips = options.pop("reward_clipping", None)
+        clips = check_clip_reward(options.pop("clip_reward", None), options.pop("reward_clipping", None))
         same_step = AutoresetMode.SAME_STEP
         self.vector = AtariVectorEnv(game, num_envs, **options, reward_clipping=False, autoreset_mode=same_step)
         preset = options.get("preset")

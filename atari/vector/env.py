@@ -26,6 +26,7 @@ from atari._gymnasium import AutoresetMode, VectorEnv
 from atari.cores import ByteArray
 from atari.games.game import Game
 from atari.rendering import tile
+from atari.validation import check_known
 from atari.vector.members import Member
 from atari.vector.options import VectorOptions
 from atari.vector.results import Results
@@ -43,12 +44,16 @@ class AtariVectorEnv(VectorEnv):
     first; rewards int32, terminations and truncations bool, each (batch,). **Observations stay as they are while you
     hold them**, or a view or a tensor of them. Their memory is written again, by the step after the next or a later
     one, when the last reference has gone. A loop that drops them needs two buffers; to keep many, pass `out`. All other
-    arrays are new each time.
+    arrays are new each time, but masks and, in batches of all environments, `env_id`, which are read-only.
 
     `info` has, (batch,) each, int32: `env_id`, `lives`, `frame_number`, `episode_frame_number`, with Gymnasium's masks
     (`_lives`, ...). In SAME_STEP, when an episode has ended (or a life was lost, with `life_loss_info`), also
     `final_obs`, of the shape of the observations and zero where nothing ended, its mask `_final_obs`, and `final_info`,
-    `_final_info`.
+    `_final_info`. When a whole game has ended there, with all its lives, `final_info` has `episode` with the arrays `r`
+    (float64, the sum of the game's rewards, not clipped), `l` (int64, its length in frames, no-ops included) and `t`
+    (float64, seconds), and its mask `_episode` (added). With a preset, `info` also has, of the step that was played:
+    `reward` (int32, not clipped), `elapsed_step` (int32, the steps of the game) and `terminated` (bool, whether the
+    game is over); and in the other modes than SAME_STEP `episode` and `_episode`.
 
     Threads may share an environment: one call runs at a time, and a thread that waits lets others run. In a forked
     process all methods but `close` raise RuntimeError.
@@ -81,6 +86,7 @@ class AtariVectorEnv(VectorEnv):
             the same one, going on). None is False, or what the preset has.
         life_loss_info: a lost life is reported as a termination, but the episode goes on without a reset.
         reward_clipping: rewards are clipped to -1..1; None is True, or what the preset has.
+        clip_reward: another name of `reward_clipping`, that of the presets (added).
         use_fire_reset: an episode begins with FIRE in games that have it.
         preset: name of a preprocessing, one of `atari.wrappers.PRESETS` (added). Environment i then is
             `atari.wrappers.preset(env, name)` with seed + i, to the byte: no-ops, FIRE, lost lives, pooling, padding
@@ -92,6 +98,7 @@ class AtariVectorEnv(VectorEnv):
         rom: path of the ROM file; None searches (see `atari.roms`) (added).
 
     Raises:
+        TypeError: there is no such option; the message suggests the nearest.
         TypeError, ValueError: an option is of the wrong kind or out of range.
         FileNotFoundError: no ROM file of a game was found.
     """
@@ -122,6 +129,7 @@ class AtariVectorEnv(VectorEnv):
         episodic_life: bool | None = None,
         life_loss_info: bool = False,
         reward_clipping: bool | None = None,
+        clip_reward: bool | None = None,
         use_fire_reset: bool = True,
         preset: str | None = None,
         obs_type: ObsType | None = None,
@@ -129,8 +137,10 @@ class AtariVectorEnv(VectorEnv):
         difficulty: int | Sequence[int | None] | None = None,
         render_mode: Literal["rgb_array"] | None = None,
         rom: str | PathLike[str] | None = None,
+        **wrong: Any,
     ) -> None:
-        given = {key: value for key, value in locals().items() if key not in ("self", "__class__")}
+        given = {key: value for key, value in locals().items() if key not in ("self", "__class__", "wrong")}
+        check_known("AtariVectorEnv", wrong, given)
         self._given = given
         options = VectorOptions.check(**given)
         self._options = options

@@ -22,7 +22,7 @@ from atari.games.game import Game
 from atari.protocols import Protocol
 from atari.roms import find
 from atari.roms.image import read_image
-from atari.validation import check_frameskip, check_integer, check_name, check_probability
+from atari.validation import check_clip_reward, check_frameskip, check_integer, check_name, check_probability
 from atari.vector.settings import NO_LIMIT, episode_settings, filled, observation_settings
 
 _INT64, _ndarray = np.dtype(np.int64), np.ndarray  # found once: they are used at every step
@@ -235,6 +235,7 @@ _SHAPING = {
 
 def _check_protocol(given: dict[str, Any]) -> Protocol:
     probability, full = given["repeat_action_probability"], given["full_action_space"]
+    clips = check_clip_reward(given["clip_reward"], given["reward_clipping"])
     if probability is not None:
         probability = check_probability("repeat_action_probability", probability)
     if given["preset"] is not None:
@@ -246,7 +247,7 @@ def _check_protocol(given: dict[str, Any]) -> Protocol:
         return preset_protocol(
             given["preset"],
             episodic_life=given["episodic_life"],
-            clip_reward=given["reward_clipping"],
+            clip_reward=clips,
             repeat_action_probability=probability,
             full_action_space=full,
         )
@@ -260,7 +261,7 @@ def _check_protocol(given: dict[str, Any]) -> Protocol:
         fire="before_noops" if given["use_fire_reset"] else "never",
         episodic_life=bool(given["episodic_life"]),
         life_loss_info=bool(given["life_loss_info"]),
-        clip_reward=given["reward_clipping"] is None or bool(given["reward_clipping"]),
+        clip_reward=clips is None or bool(clips),
         max_frames=None if limit is None else check_integer("max_num_frames_per_episode", limit, 1, NO_LIMIT),
         max_pool=bool(given["maxpool"]),
     )
