@@ -566,10 +566,10 @@ class Batch:
         flags: numpy.typing.NDArray[numpy.bool],
     ) -> None:
         """
-        `numbers` is int32 (10, rows): reward, environment, lives, frame and episode frame number, reward before
-        clipping, steps of the game, and lives, frame and episode frame number of the final observation. `games` is
-        float64 (3, rows): score, frames and seconds of the game that ended. `flags` is bool (5, rows): terminated,
-        truncated, game over, has a final observation, a game ended.
+        `numbers` is int32 (10, rows): reward, environment, lives, frame and episode frame number, reward
+        before clipping, steps of the game; lives, frame and episode frame number of the final observation.
+        `games` is float64 (3, rows): score, frames and seconds of the game that ended. `flags` is bool
+        (5, rows): terminated, truncated, game over, has a final observation, a game ended.
         """
 
 class MemberSnapshot:

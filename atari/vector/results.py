@@ -36,6 +36,7 @@ class Results:
         space, rows = options.observation_space(), options.batch_size
         parts = space.spaces if isinstance(space, spaces.Dict) else {"": space}
         self._named = isinstance(space, spaces.Dict)
+        self._shape = (rows, *(space.shape or ()))
         shapes = {name: (rows, *(part.shape or ())) for name, part in parts.items()}
         self._observation = _checked(out, shapes) if out is not None else _empty(shapes)
         self._final = _empty(shapes) if options.autoreset_mode == AutoresetMode.SAME_STEP else {}
@@ -116,7 +117,7 @@ class Results:
         if not lenders:
             return dict(parts) if self._named else parts[""]
         if not self._named:
-            return _ndarray(parts[""].shape, _UINT8, lenders[""].lend())
+            return _ndarray(self._shape, _UINT8, lenders[""].lend())
         return {name: _ndarray(parts[name].shape, _UINT8, lender.lend()) for name, lender in lenders.items()}
 
 

@@ -514,10 +514,10 @@ void register_vector(nb::module_& m) {
                      " | None, final_pixels: " ARRAY("uint8") " | None, final_ram: " ARRAY("uint8")
                      " | None, numbers: " ARRAY("int32") ", games: " ARRAY("float64")
                      ", flags: " ARRAY("bool") ") -> None"),
-             "`numbers` is int32 (10, rows): reward, environment, lives, frame and episode frame number, reward before\n"
-             "clipping, steps of the game, and lives, frame and episode frame number of the final observation. `games` is\n"
-             "float64 (3, rows): score, frames and seconds of the game that ended. `flags` is bool (5, rows): terminated,\n"
-             "truncated, game over, has a final observation, a game ended.");
+             "`numbers` is int32 (10, rows): reward, environment, lives, frame and episode frame number, reward\n"
+             "before clipping, steps of the game; lives, frame and episode frame number of the final observation.\n"
+             "`games` is float64 (3, rows): score, frames and seconds of the game that ended. `flags` is bool\n"
+             "(5, rows): terminated, truncated, game over, has a final observation, a game ended.");
     nb::class_<BoundSnapshot>(m, "MemberSnapshot",
                               "The state of an environment of a vector, in memory. It can be pickled.")
         .def("__getstate__",

@@ -75,7 +75,8 @@ bool VectorEngine::receive(const Batch& batch) {
         }
     }
     bool any = false;
-    for (int row = 0; row < settings_.batch_size; ++row) any |= batch.terminated[row] | batch.truncated[row] | batch.game_ended[row];
+    for (int row = 0; row < settings_.batch_size; ++row)
+        any |= batch.terminated[row] || batch.truncated[row] || batch.game_ended[row];
     return any;
 }
 
@@ -105,8 +106,9 @@ void VectorEngine::play(Slot& slot, int environment) {
     Episode& episode = *slot.member.episode;
     slot.has_final = false;
     const bool over = slot.outcome.ended;
-    if (slot.task == Task::kObserve || (slot.task == Task::kStep && over && settings_.autoreset == Autoreset::kDisabled)) {
-        slot.outcome.reward = slot.outcome.game_reward = 0;  // until it is reset
+    const bool idle = over && settings_.autoreset == Autoreset::kDisabled;  // until it is reset
+    if (slot.task == Task::kObserve || (slot.task == Task::kStep && idle)) {
+        slot.outcome.reward = slot.outcome.game_reward = 0;
     } else if (slot.task == Task::kReset || over) {
         episode.reset(slot.task == Task::kReset ? slot.seed : nullptr);
         slot.outcome = Outcome{};
@@ -192,7 +194,8 @@ void VectorEngine::write_final(Slot& slot, int row, const Batch& batch) {
 namespace {
 
 uint8_t* write_outcome(const Outcome& outcome, uint8_t* out) {
-    *out = static_cast<uint8_t>(outcome.terminated | outcome.truncated << 1 | outcome.ended << 2 | outcome.game_over << 3);
+    *out = static_cast<uint8_t>(outcome.terminated | outcome.truncated << 1 | outcome.ended << 2 |
+                                outcome.game_over << 3);
     return out + 1;
 }
 

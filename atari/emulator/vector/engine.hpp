@@ -73,8 +73,8 @@ class VectorEngine {
     void reset(const std::vector<bool>& chosen, const std::vector<const Seed*>& seeds, const Batch* batch);
     // Row i is for environment `recent()[i]`; an action is an index, a strength is a factor for paddles.
     void step(const int64_t* actions, const float* strengths, const Batch* batch);
-    // Waits for a batch; returns whether an episode or a game ended in it. Rethrows the deferred error of an environment;
-    // all environments must then be reset.
+    // Waits for a batch; returns whether an episode or a game ended in it. Rethrows the deferred error of an
+    // environment; all environments must then be reset.
     bool receive(const Batch& batch);
     // Waits for all pending results and drops them, deferred errors included.
     void drain();
