@@ -320,3 +320,64 @@ def test_a_core_of_another_game_is_refused() -> None:
     core = atari.cores.NativeCore("pong")
     with pytest.raises(ValueError, match="this environment plays seaquest, but the core pong"):
         envs.members[0].copy_to(core)
+
+
+def ready(**options: Any) -> atari.AtariVectorEnv:
+    """Batches of two of five environments, of which the others are played or wait to be received."""
+    envs = make("breakout", 5, batch_size=2, render_mode="rgb_array", **options)
+    envs.reset(seed=1)
+    for _ in range(7):
+        envs.step(np.ones(2, int))
+    return envs
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_batches_of_fewer_can_be_read_and_changed_between_receive_and_send(threads: int) -> None:
+    envs = ready(num_threads=threads)
+    screens = envs.render()
+    assert screens is not None
+    for member, screen in zip(envs.members, screens, strict=True):
+        assert np.array_equal(member.screen_rgb(), screen)
+        assert member.lives == 5
+    envs.set_attr("mode", 4)
+    assert envs.get_attr("mode") == (4,) * 5
+    copied = pickle.loads(pickle.dumps(envs))
+    assert copied.get_attr("frame_number") == envs.get_attr("frame_number")
+    assert all(np.array_equal(*pair) for pair in zip(copied.render(), screens, strict=True))
+    assert copy.deepcopy(envs).get_attr("frame_number") == envs.get_attr("frame_number")
+    copied.reset()
+    seen = {int(index) for _ in range(6) for index in envs.step(np.ones(2, int))[4]["env_id"]}
+    assert seen == set(range(5))
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_a_result_that_was_not_received_becomes_that_of_the_restored_state(threads: int) -> None:
+    envs = ready(num_threads=threads)
+    received = envs.step(np.ones(2, int))[4]["env_id"]
+    source = int(received[0])
+    expected = envs.members[source].frame_number
+    envs.fork(source, range(5))
+    for _ in range(2):  # of all others: each is received before those that are played now
+        _, rewards, _, _, info = envs.step(np.ones(2, int))
+        others = ~np.isin(info["env_id"], received)
+        assert set(info["frame_number"][others]) <= {expected}
+        assert not rewards[others].any()
+
+
+@pytest.mark.parametrize("name", ["render", "snapshot", "__getstate__", "members"])
+def test_between_send_and_receive_the_error_says_what_to_do(name: str) -> None:
+    envs = ready()
+    envs.send(np.ones(2, int))
+    with pytest.raises(RuntimeError, match=r"environments are being played; call recv\(\)"):
+        envs.call("ram") if name == "members" else getattr(envs, name)()
+    envs.recv()
+    envs.call("ram") if name == "members" else getattr(envs, name)()
+
+
+def test_pickling_keeps_a_mode_that_was_set() -> None:
+    envs = make("breakout", 2)
+    envs.reset(seed=1)
+    envs.members[1].mode = 8
+    copied = copy.deepcopy(envs)
+    assert copied.get_attr("mode") == (0, 8)
+    assert np.array_equal(copied.reset()[0], envs.reset()[0])

@@ -237,8 +237,9 @@ class BoundEngine : Exclusive {
     // Calls `get(environment)` while no environment is being played.
     template <typename Get>
     auto get(int environment, Get&& get) {
+        if (briefly([&] { return engine_->pending() > 0; })) return get_slowly(environment, get);
         return briefly([&] {
-            check_idle({environment});
+            check_received({environment});
             return get(engine_->episode(environment).environment());
         });
     }
@@ -288,9 +289,16 @@ class BoundEngine : Exclusive {
         }
     }
 
-    void check_idle(const std::vector<int>& environments) const {
+    // Throws between `start` and `receive`. In batches of fewer than all, waits for the environments that are not in the last
+    // batch, so it is called without the GIL.
+    void check_idle(const std::vector<int>& environments) {
+        check_received(environments);
+        if (engine_->pending()) engine_->settle();
+    }
+
+    void check_received(const std::vector<int>& environments) const {
         check_process(process_);
-        if (sent_ || engine_->pending()) throw std::runtime_error("environments are being played; call recv() first");
+        if (sent_) throw std::runtime_error("environments are being played; call recv() first");
         for (int environment : environments)
             if (environment < 0 || environment >= engine_->size())
                 throw nb::index_error(("there is no environment " + std::to_string(environment)).c_str());

@@ -71,6 +71,7 @@ bool VectorEngine::receive(const Batch& batch) {
         recent_ = pool_->take(settings_.batch_size);
         for (int row = 0; row < settings_.batch_size; ++row) {
             const int environment = recent_[static_cast<size_t>(row)];
+            apply_restore(slot(environment));
             write_results(slot(environment), environment, row, batch);
         }
     }
@@ -93,6 +94,8 @@ void VectorEngine::apply_restore(Slot& slot) {
     if (!slot.pending_restore) return;
     slot.member.episode->restore(slot.pending_restore->episode);
     slot.outcome = slot.pending_restore->outcome;
+    slot.outcome.reward = 0;  // of the step before the snapshot
+    slot.has_final = false;
     slot.pending_restore = nullptr;
 }
 

@@ -64,6 +64,8 @@ class VectorEngine {
     int pending() const { return pool_->pending(); }
     // The environments of the last batch, by row. Before the first one, those with the lowest numbers.
     const std::vector<int>& recent() const { return recent_; }
+    // Waits until no environment is being played. Results that have not been received stay to be received.
+    void settle() { pool_->settle(); }
     int actions_of(int environment) const { return static_cast<int>(slot(environment).member.actions.size()); }
 
     // `reset` and `step` start work on environments; `receive` waits for the results. If a batch has all environments,
@@ -111,7 +113,7 @@ class VectorEngine {
     Snapshot parse(int environment, const uint8_t* in);
     bool fits(int environment, const MemberSnapshot& snapshot) const;
     // The state is copied when the environment is next played or read, so mostly by the threads. It is never copied if
-    // another restore comes first.
+    // another restore comes first. A result that has not been received then becomes that of the restored state.
     void restore(int environment, Snapshot snapshot) { slot(environment).pending_restore = std::move(snapshot); }
 
   private:

@@ -35,6 +35,8 @@ class ThreadPool {
     // Waits until `count` more items are done. If an item has thrown, waits for all submitted items and rethrows that
     // deferred error.
     void wait(int count);
+    // Waits until all submitted items are done. They stay pending, and a deferred error stays deferred, until `wait`.
+    void settle() { await(awaited_ + static_cast<uint32_t>(pending_)); }
     // With `queued`: returns the items that were waited for, in the order in which they were done.
     std::vector<int> take(int count);
     // Submitted items that have not been waited for.
