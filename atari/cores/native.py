@@ -14,7 +14,7 @@ import numpy as np
 
 from atari import _emulator
 from atari.cores import snapshot
-from atari.cores.options import SEED_LIMIT, CoreOptions
+from atari.cores.options import SEED_LIMIT, CoreOptions, check_difficulty, check_mode
 from atari.games.catalog import games
 from atari.games.compiler import CompiledRules, compile_rules
 from atari.games.game import Game
@@ -22,7 +22,7 @@ from atari.roms import find
 from atari.roms import image as rom_image
 from atari.validation import check_integer, check_poke
 
-STATE_VERSION = 2
+STATE_VERSION: int = _emulator.STATE_VERSION
 """Of the layout of the emulator's state: `Machine` and `EnvironmentState` in the C++ headers, as laid out in memory."""
 
 _F8_SWAPPED = {"bc24440b59092559a1ec26055fd1270e", "75ee371ccfc4f43e7d9b8f24e1266b55"}
@@ -94,6 +94,14 @@ class NativeCore(_emulator.Emulator):
     def seed(self, seed: int) -> None:
         """Start over with this seed, without loading the game again."""
         super().seed(_usable(check_integer("seed", seed, 0, SEED_LIMIT - 1)))
+
+    def set_mode(self, mode: int) -> None:
+        """Play one of the game's modes from the next reset on."""
+        super().set_mode(check_mode(self.game, mode))
+
+    def set_difficulty(self, difficulty: int) -> None:
+        """Play one of the game's difficulties from the next frame on."""
+        super().set_difficulty(check_difficulty(self.game, difficulty))
 
     def set_ram(self, index: int, value: int) -> None:
         """Write one byte of RAM."""

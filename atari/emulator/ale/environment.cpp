@@ -446,6 +446,15 @@ bool Environment::load(const uint8_t* in) {
 
 EnvironmentSnapshot Environment::snapshot() const { return {state_, settings_.plain, console_->snapshot()}; }
 
+std::vector<uint8_t> EnvironmentSnapshot::bytes(const Game& game) const {
+    const auto restored = make_console(game, plain);
+    restored->restore(*console);
+    std::vector<uint8_t> bytes(sizeof state + restored->state_size());
+    std::memcpy(bytes.data(), &state, sizeof state);
+    restored->save(bytes.data() + sizeof state);
+    return bytes;
+}
+
 bool Environment::restore(const EnvironmentSnapshot& snapshot) {
     if (snapshot.plain != settings_.plain) return false;
     state_ = snapshot.state;

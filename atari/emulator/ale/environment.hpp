@@ -49,6 +49,9 @@ struct Settings {
     bool plain = false;  // use the reference core, the oracle of the fast one
 };
 
+// The version of the layout of `EnvironmentState` and `Machine` in memory, which is the layout of saved states.
+inline constexpr int kStateVersion = 2;
+
 struct EnvironmentState {
     MersenneTwister random;
     int32_t paddle[2];
@@ -65,6 +68,8 @@ struct EnvironmentSnapshot {
     EnvironmentState state;
     bool plain = false;  // whether the reference core made it
     std::unique_ptr<const ConsoleSnapshot> console;
+
+    std::vector<uint8_t> bytes(const Game& game) const;  // as Environment::save writes them
 };
 
 // Frames after a reset of the console: first frames without input, then frames in which RESET is held.

@@ -17,6 +17,7 @@
 
 #include "ale/environment.hpp"
 #include "observations/area_resize.hpp"
+#include "state.hpp"
 #include "threads.hpp"
 
 namespace nb = nanobind;
@@ -95,20 +96,6 @@ double strength_factor(nb::handle strength) {
     return factor;
 }
 
-bool same_cartridge(const Game& a, const Game& b) {
-    if (&a == &b) return true;
-    const Cartridge &first = *a.cartridge, &second = *b.cartridge;
-    return first.type() == second.type() && first.size() == second.size() &&
-           std::equal(first.image(), first.image() + first.size(), second.image());
-}
-
-// The bytes of a state, as `clone_state` returns them.
-struct State {
-    std::shared_ptr<const Game> game;
-    bool include_rng;
-    EnvironmentSnapshot snapshot;
-};
-
 // The core of a game. Every method that emulates or copies framebuffers releases the GIL. Threads may share a core.
 class Emulator : Exclusive {
   public:
@@ -153,17 +140,12 @@ class Emulator : Exclusive {
 
     State clone_state(bool include_rng) {
         return locked([&](Environment& e) {
-            return State{e.game(), include_rng, e.snapshot()};
+            return State{e.game(), include_rng, e.snapshot(), {}, 0};
         });
     }
 
     void restore_state(const State& state) {
-        const bool good = locked([&](Environment& e) {
-            const MersenneTwister generator = e.generator();
-            if (!same_cartridge(*state.game, *e.game()) || !e.restore(state.snapshot)) return false;
-            if (!state.include_rng) e.set_generator(generator);
-            return true;
-        });
+        const bool good = locked([&](Environment& e) { return state.restore(e); });
         if (!good) throw nb::value_error("the state is of another game than this core, or of another kind of core");
     }
 
@@ -216,6 +198,7 @@ class Emulator : Exclusive {
 }  // namespace
 
 void register_inspection(nb::module_& m);  // inspect.cpp
+void register_state(nb::module_& m);       // state.cpp
 void register_vector(nb::module_& m);      // binding_vector.cpp
 
 }  // namespace atari
@@ -246,7 +229,7 @@ NB_MODULE(_emulator, m) {
           "kept"_a, "outputs"_a, "step"_a, "select_mode"_a,
           "Check and assemble a game; raises ValueError if the image or a rule program is not sound.");
 
-    nb::class_<State>(m, "State", "A state in memory, as `Emulator.clone_state` returned it.");
+    register_state(m);
 
     const auto array = [](auto method, bool colour) {
         return [method, colour](Emulator& emulator, nb::object out) {

@@ -16,6 +16,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "state.hpp"
 #include "threads.hpp"
 #include "vector/members.hpp"
 
@@ -43,14 +44,6 @@ struct BoundBatch {
     std::vector<nb::object> arrays;  // and weak references to them, see `prevent_resize`
     size_t rows = 0, pixels = 0;     // bytes of pixels in an observation
 };
-
-// A digest of a game's image (FNV-1a): a pickled snapshot fits environments of games with the same digest.
-uint64_t image_digest(const Game& game) {
-    uint64_t digest = 0xcbf29ce484222325ull;
-    const uint8_t* const image = game.cartridge->image();
-    for (size_t i = 0; i < game.cartridge->size(); ++i) digest = (digest ^ image[i]) * 0x100000001b3ull;
-    return digest;
-}
 
 // A member's state in memory. After unpickling it consists of bytes, and `snapshot` is null.
 struct BoundSnapshot {

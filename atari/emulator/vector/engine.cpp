@@ -217,14 +217,10 @@ bool VectorEngine::load(int environment, const uint8_t* in) {
 }
 
 std::vector<uint8_t> VectorEngine::MemberSnapshot::bytes() const {
-    const EnvironmentSnapshot& environment = episode.environment;
-    const auto console = make_console(*game, environment.plain);
-    console->restore(*environment.console);
-    std::vector<uint8_t> bytes(1 + sizeof environment.state + console->state_size() + episode.rest.size());
-    uint8_t* out = write_outcome(outcome, bytes.data());
-    std::memcpy(out, &environment.state, sizeof environment.state);
-    console->save(out + sizeof environment.state);
-    std::copy(episode.rest.begin(), episode.rest.end(), bytes.end() - static_cast<std::ptrdiff_t>(episode.rest.size()));
+    const std::vector<uint8_t> environment = episode.environment.bytes(*game);
+    std::vector<uint8_t> bytes(1 + environment.size() + episode.rest.size());
+    uint8_t* const out = write_outcome(outcome, bytes.data());
+    std::copy(episode.rest.begin(), episode.rest.end(), std::copy(environment.begin(), environment.end(), out));
     return bytes;
 }
 

@@ -1,0 +1,127 @@
+// `_emulator.State`, with the methods of ale-py's `ALEState`.
+#include "state.hpp"
+
+#include <nanobind/nanobind.h>
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+
+#include "threads.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace atari {
+namespace {
+
+struct Header {
+    char magic[8];
+    uint32_t version;
+    uint32_t include_rng;
+    uint64_t image;
+};
+
+constexpr char kMagic[8] = {'A', 'T', 'A', 'R', 'I', 'S', 'T', 'A'};
+
+bool same_cartridge(const Game& a, const Game& b) {
+    if (&a == &b) return true;
+    const Cartridge &first = *a.cartridge, &second = *b.cartridge;
+    return first.type() == second.type() && first.size() == second.size() &&
+           std::equal(first.image(), first.image() + first.size(), second.image());
+}
+
+nb::bytes serialized(const State& state) {
+    std::vector<uint8_t> bytes;
+    {
+        const GilRelease release;
+        bytes = state.serialize();
+    }
+    return nb::bytes(bytes.data(), bytes.size());
+}
+
+// The bytes after the header are validated when they are restored, because only a game knows their size.
+void parse(State* self, nb::bytes serialized) {
+    Header header;
+    const auto* const data = static_cast<const uint8_t*>(serialized.data());
+    if (serialized.size() < sizeof header + sizeof(EnvironmentState))
+        throw nb::value_error("the state is truncated; pass the bytes that serialize() returned");
+    std::memcpy(&header, data, sizeof header);
+    if (!std::equal(kMagic, kMagic + sizeof kMagic, header.magic))
+        throw nb::value_error("these bytes are not a state; pass what serialize() returned");
+    if (header.version != kStateVersion)
+        throw nb::value_error(("the state has version " + std::to_string(header.version) + ", this release reads version " +
+                               std::to_string(kStateVersion)).c_str());
+    new (self) State{nullptr, header.include_rng != 0, {}, {data + sizeof header, data + serialized.size()}, header.image};
+}
+
+bool equal(const State& a, const State& b) {
+    const GilRelease release;
+    return &a == &b || a.serialize() == b.serialize();
+}
+
+}  // namespace
+
+uint64_t image_digest(const Game& game) {
+    uint64_t digest = 0xcbf29ce484222325ull;
+    const uint8_t* const image = game.cartridge->image();
+    for (size_t i = 0; i < game.cartridge->size(); ++i) digest = (digest ^ image[i]) * 0x100000001b3ull;
+    return digest;
+}
+
+bool State::restore(Environment& environment) const {
+    const MersenneTwister generator = environment.generator();
+    if (game) {
+        if (!same_cartridge(*game, *environment.game()) || !environment.restore(snapshot)) return false;
+    } else if (image != image_digest(*environment.game()) || bytes.size() != environment.state_size() ||
+               !environment.load(bytes.data())) {
+        return false;
+    }
+    if (!include_rng) environment.set_generator(generator);
+    return true;
+}
+
+EnvironmentState State::numbers() const {
+    if (game) return snapshot.state;
+    EnvironmentState state;
+    std::memcpy(&state, bytes.data(), sizeof state);
+    return state;
+}
+
+std::vector<uint8_t> State::serialize() const {
+    const std::vector<uint8_t> body = game ? snapshot.bytes(*game) : bytes;
+    Header header{{}, kStateVersion, include_rng, game ? image_digest(*game) : image};
+    std::copy_n(kMagic, sizeof kMagic, header.magic);
+    std::vector<uint8_t> out(sizeof header + body.size());
+    std::memcpy(out.data(), &header, sizeof header);
+    std::copy(body.begin(), body.end(), out.begin() + sizeof header);
+    if (!include_rng) std::memset(out.data() + sizeof header + offsetof(EnvironmentState, random), 0, sizeof(MersenneTwister));
+    return out;
+}
+
+void register_state(nb::module_& m) {
+    m.attr("STATE_VERSION") = kStateVersion;
+    const auto number = [](int32_t EnvironmentState::*field) {
+        return [field](const State& state) { return state.numbers().*field; };
+    };
+    const auto itself = [](nb::object state, nb::args) { return state; };
+    nb::class_<State>(m, "State",
+                      "A state in memory, as `Emulator.clone_state` returned it, or made of the bytes of `serialize`.\n"
+                      "Immutable. States are equal if the machine is the same, with the generator if they include it.")
+        .def("__init__", &parse, "serialized"_a)
+        .def("serialize", &serialized, "The state as bytes, for this release and machine.")
+        .def("equals", &equal, "other"_a)
+        .def("__eq__", &equal, "other"_a, nb::is_operator())
+        .def("__ne__", [](const State& a, const State& b) { return !equal(a, b); }, "other"_a, nb::is_operator())
+        .def("__copy__", itself)
+        .def("__deepcopy__", itself)
+        .def("__getstate__", &serialized)
+        .def("__setstate__", &parse)
+        .def("getFrameNumber", number(&EnvironmentState::frame))
+        .def("getEpisodeFrameNumber", number(&EnvironmentState::episode_frame))
+        .def("getCurrentMode", number(&EnvironmentState::mode))
+        .def("getDifficulty", number(&EnvironmentState::difficulty));
+    m.attr("State").attr("__hash__") = nb::none();
+}
+
+}  // namespace atari
