@@ -6,6 +6,7 @@ Options, defaults, observations, rewards and random streams are those of ale-py'
 
 import copy
 import time
+from contextlib import suppress
 from dataclasses import dataclass, field
 from os import PathLike
 from typing import Any, Literal, Protocol, get_args
@@ -14,9 +15,9 @@ import gymnasium
 import numpy as np
 from gymnasium import logger, spaces
 
-from atari.actions import Action, in_continuous_space, joystick_action, make_action_space
+from atari.actions import PLAYER_ACTIONS, Action, in_continuous_space, joystick_action, make_action_space
 from atari.cores import CORES, ByteArray, Core, snapshot
-from atari.cores.ale_interface import AleInterface
+from atari.cores.ale_interface import AleInterface, AleSettings
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.rendering import Window
@@ -80,8 +81,8 @@ class AtariEnv(gymnasium.Env[Any, Any]):
     Rewards are floats, the sum over the step's frames, not clipped.
     """
 
-    metadata: dict[str, Any] = {"render_modes": list(get_args(RenderMode)), "render_fps": 15.0}  # noqa: RUF012
-    """Gymnasium's facts about the class. Each environment has its own copy, with the rate of its steps."""
+    metadata: dict[str, Any] = {"render_modes": list(get_args(RenderMode)), "render_fps": 15}  # noqa: RUF012
+    """Gymnasium's facts about the class. Each environment has its own copy, with the rate of its steps, rounded."""
 
     core: Core
     """The emulator core."""
@@ -89,6 +90,12 @@ class AtariEnv(gymnasium.Env[Any, Any]):
     observers: list[FrameObserver]
     """The receivers of every frame, such as recorders. An observer may read the core, but not change it. Copies of the
     environment have no observers."""
+
+    ale_settings: AleSettings
+    """The settings of `ale`, as `ale.setFloat` and the other setters change them."""
+
+    _closed_state: Any = None
+    """The state at `close`, from which `reset` continues."""
 
     def __init__(
         self,
@@ -111,9 +118,9 @@ class AtariEnv(gymnasium.Env[Any, Any]):
     ) -> None:
         self._options = {key: value for key, value in locals().items() if key not in ("self", "__class__", "wrong")}
         check_known("AtariEnv", wrong, self._options)
-        self.game: Game = games.find(game)
         self._obs_type = check_name("obs_type", obs_type, get_args(ObsType))
         self._frameskip = check_frameskip(frameskip)
+        self.game: Game = games.find(game)
         check_name("core", core, CORES)
         if render_mode is not None:
             check_name("render_mode", render_mode, get_args(RenderMode))
@@ -121,25 +128,24 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         self._threshold = np.float32(check_probability("continuous_action_threshold", continuous_action_threshold))
         self.continuous = bool(continuous)
 
-        seeds = self._seed_generators(None)
-        self.core = CORES[core](
-            self.game,
-            seed=seeds[1],
+        self.continuous_action_threshold = float(self._threshold)
+        self.sound_obs = bool(sound_obs)
+        self.ale_settings = AleSettings(
             repeat_action_probability=repeat_action_probability,
-            mode=mode,
-            difficulty=difficulty,
             max_num_frames_per_episode=0 if max_num_frames_per_episode is None else max_num_frames_per_episode,
-            sound=sound_obs,
-            rom=rom,
+            sound_obs=self.sound_obs,
         )
+        self._core_options = self.ale_settings.core_options()
+        self.seed_game()
+        self._np_random_seed = -1
+        self.core = self._make_core()
         self.observers = []
-        self._sound_obs = bool(sound_obs)
         every = full_action_space or continuous
         self._action_set: tuple[Action, ...] = self.game.legal_actions if every else self.game.minimal_actions
         self.action_space = make_action_space(self._action_set, self.continuous)
         self.observation_space = self._make_observation_space()
-        self.metadata = {**self.metadata, "render_fps": self._steps_per_second()}
-        self._window = Window(self.game, self.metadata["render_fps"]) if render_mode == "human" else None
+        self.metadata = {**self.metadata, "render_fps": max(1, round(self._steps_per_second()))}
+        self._window = self._make_window()
         self._frames: list[ByteArray] = []
         self._phase: Phase = "new"
         self._game = _Game()
@@ -148,20 +154,21 @@ class AtariEnv(gymnasium.Env[Any, Any]):
     @property
     def ale(self) -> AleInterface:
         """The core under the method names of ale-py's `ALEInterface`, which many wrappers expect."""
-        return AleInterface(self.core)
+        return AleInterface(self)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Start a new episode; with `seed`, also restart all generators. `options` are ignored.
+        """Start a new episode; with `seed`, also restart all generators. `options` are ignored. Reopens after `close`.
 
         Raises:
             gymnasium.error.Error: the seed is no integer of 0 or more.
         """
         super().reset(seed=seed)
+        if self._closed_state is not None:
+            self._reopen()
         seeds: dict[str, Any] = {}
         if seed is not None:
-            words = self._seed_generators(seed)
-            self.core.seed(words[1])
-            seeds = {"seeds": tuple(np.uint32(word) for word in words)}
+            seeds = {"seeds": self.seed_game(seed)}
+            self.load_game()
         self.core.reset()
         self._phase = "playing"
         self._game = _Game(first_frame=self.core.episode_frame_number)
@@ -169,7 +176,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         for observer in self.observers:
             observer.game_begun()
         self._show()
-        return self._observation(), {**self._info(), **seeds}
+        return self._get_obs(), {**self._info(), **seeds}
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Play `frameskip` frames.
@@ -184,7 +191,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         number, strength = self._ale_action(action)
         reward = self.play_frames(number, self._draw_frameskip(), strength)
         self._show()
-        return self._observation(), reward, self.core.game_over, self.core.truncated, self._info()
+        return self._get_obs(), reward, self.core.game_over, self.core.truncated, self._info()
 
     def play_frames(self, action: int, frames: int, strength: float = 1.0) -> float:
         """Play frames with an ALE action number and return the reward, without making an observation.
@@ -232,15 +239,58 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         )
 
     def close(self) -> None:
-        """Release the emulator and the window."""
+        """Release the emulator and the window. As in ale-py, `reset` goes on afterwards, as without `close`."""
         if self._window is not None:
             self._window.close()
             self._window = None
+        if self._closed_state is None:
+            with suppress(RuntimeError):  # the core itself was closed
+                self._closed_state = self.core.clone_state(include_rng=True)
         self.core.close()
+
+    def seed_game(self, seed: int | None = None) -> tuple[np.uint32, np.uint32]:
+        """Seed `np_random`, and the emulator from the next `load_game` on; None draws a new seed.
+
+        Returns:
+            The two words drawn from the seed: of `np_random`, and of the emulator.
+
+        Raises:
+            TypeError, ValueError: the seed is no integer of 0 or more.
+        """
+        words = np.random.SeedSequence(seed).generate_state(2)
+        self._np_random = np.random.Generator(np.random.PCG64(np.random.SeedSequence(int(words[0]))))
+        self.ale_settings.set_seed(int(words[1]))
+        return words[0], words[1]
+
+    def load_game(self) -> None:
+        """Load the game again: with the seed of `seed_game`, what was set by `ale`, and the environment's mode."""
+        if self.ale_settings.stale:
+            self.ale_settings.stale = False
+            self._core_options = self.ale_settings.core_options()
+            self.core.close()
+            self.core = self._make_core()
+        else:
+            self.core.seed(self.ale_settings.seed())
 
     def get_action_meanings(self) -> list[str]:
         """The names of the actions, in the order of the action space."""
         return [action.name for action in self._action_set]
+
+    @staticmethod
+    def map_action_idx(left_center_right: int, down_center_up: int, fire: bool) -> Action:
+        """The action of a position of the stick and the fire button, as ale-py's method of this name.
+
+        Args:
+            left_center_right, down_center_up: -1, 0 or 1.
+            fire: whether the button is pressed.
+
+        Raises:
+            LookupError: there is no such position.
+        """
+        for action in PLAYER_ACTIONS:
+            if (action.horizontal, action.vertical, action.fire) == (left_center_right, down_center_up, fire):
+                return action
+        raise LookupError(f"positions are -1, 0 and 1, got {left_center_right!r}, {down_center_up!r} and fire {fire!r}")
 
     def get_keys_to_action(self) -> dict[tuple[str, ...], int]:
         """The action of each key combination, for `gymnasium.utils.play`: w a s d, space for fire, e for none.
@@ -302,28 +352,49 @@ class AtariEnv(gymnasium.Env[Any, Any]):
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickling and copying keep the position in the game."""
+        ale = {"ale_settings": copy.deepcopy(self.ale_settings), "core_options": self._core_options}
         facts = {"options": self._options, "sound": self.core.sound, "spec": copy.deepcopy(self.spec)}
-        return {**facts, "snapshot": self.snapshot()}
+        return {**ale, **facts, "np_random_seed": self._np_random_seed, "snapshot": self.snapshot()}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         AtariEnv.__init__(self, **state["options"])
+        self.ale_settings = state["ale_settings"]
+        if self._core_options != state["core_options"]:
+            self._core_options = state["core_options"]
+            self.core = self._make_core()
         if state["sound"]:
             self.make_sound()
         self.restore(state["snapshot"])
+        self._np_random_seed = state["np_random_seed"]
         self.spec = state["spec"]
 
-    def _seed_generators(self, seed: int | None) -> tuple[int, int]:
-        """Seed `np_random` and return the two words of the seed; the second one seeds the emulator."""
-        words = np.random.SeedSequence(seed).generate_state(2)
-        first, second = int(words[0]), int(words[1])
-        self.np_random = np.random.Generator(np.random.PCG64(np.random.SeedSequence(first)))
-        return first, second
+    def _make_core(self) -> Core:
+        return CORES[self._options["core"]](
+            self.game,
+            seed=self.ale_settings.seed(),
+            mode=self._options["mode"],
+            difficulty=self._options["difficulty"],
+            rom=self._options["rom"],
+            **self._core_options,
+        )
+
+    def _make_window(self) -> Window | None:
+        return Window(self.game, self._steps_per_second()) if self.render_mode == "human" else None
+
+    def _reopen(self) -> None:
+        """Continue after `close`."""
+        self.core, sound = self._make_core(), self.core.sound
+        if sound:
+            self.make_sound()
+        self.core.restore_state(self._closed_state)
+        self._closed_state = None
+        self._window = self._make_window()
 
     def _make_observation_space(self) -> spaces.Space[Any]:
         rows, columns = self.game.screen.shape
         shape = {"rgb": (rows, columns, 3), "grayscale": (rows, columns), "ram": (128,)}[self._obs_type]
         image = spaces.Box(0, 255, shape, np.uint8)
-        if not self._sound_obs:
+        if not self.sound_obs:
             return image
         return spaces.Dict({"image": image, "sound": spaces.Box(0, 255, (512,), np.uint8)})
 
@@ -360,14 +431,14 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             )
         return int(joystick_action(radius, angle, fire, self._threshold)), float(radius)
 
-    def _observation(self) -> Any:
+    def _get_obs(self) -> Any:
         if self._obs_type == "rgb":
             image = self.core.screen_rgb()
         elif self._obs_type == "ram":
             image = self.core.ram()
         else:
             image = self.core.screen_grayscale()
-        return {"image": image, "sound": self.core.audio()} if self._sound_obs else image
+        return {"image": image, "sound": self.core.audio()} if self.sound_obs else image
 
     def _info(self) -> dict[str, Any]:
         core = self.core
@@ -401,7 +472,9 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         """Refuse a step before the first reset, and warn once about a step after the end."""
         if self._phase == "new":
             raise gymnasium.error.ResetNeeded("call env.reset() before the first env.step()")
-        if self._phase == "over":
+        if not (self.core.game_over or self.core.truncated):
+            self._phase = "playing"  # it was reset through `ale` or `core`
+        elif self._phase == "over":
             self._phase = "warned"
             logger.warn("env.step() was called after the episode had ended; nothing happens until env.reset()")
 

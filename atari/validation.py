@@ -1,7 +1,8 @@
 """Checks of arguments that users pass, for all parts of the package.
 
 Each function returns the checked value. It raises `TypeError` for a value of the wrong kind and `ValueError` for a
-value out of range; the message has the argument's name, what is accepted, and the value.
+value out of range; the message has the argument's name, what is accepted, and the value. Where ale-py raises
+`gymnasium.error.Error`, the errors are of that kind too.
 """
 
 import difflib
@@ -11,6 +12,24 @@ import stat
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
+
+import gymnasium
+
+
+class AleError(ValueError, RuntimeError):
+    """A value that is not accepted, where ale-py raises `RuntimeError`."""
+
+
+class FirstResetNeeded(gymnasium.error.ResetNeeded, RuntimeError):
+    """Some environments were to be reset before all had been; ale-py raises `RuntimeError`."""
+
+
+class OptionTypeError(TypeError, gymnasium.error.Error):
+    """An option is of the wrong kind."""
+
+
+class OptionValueError(ValueError, gymnasium.error.Error):
+    """An option has a value that is not accepted."""
 
 
 def check_integer(name: str, value: Any, low: int, high: int) -> int:
@@ -43,7 +62,7 @@ def check_name(name: str, value: Any, choices: Iterable[str]) -> str:
     """`value`, which must be one of `choices`."""
     choices = tuple(choices)
     if value not in choices:
-        raise ValueError(f"{name} must be one of {', '.join(map(repr, choices))}, got {value!r}")
+        raise OptionValueError(f"{name} must be one of {', '.join(map(repr, choices))}, got {value!r}")
     return str(value)
 
 
@@ -98,12 +117,14 @@ def check_frameskip(frameskip: Any) -> int | tuple[int, int]:
         TypeError, ValueError: it is neither, or the range low..high-1 is empty.
     """
     if not isinstance(frameskip, (tuple, list)):
-        return check_integer("frameskip", frameskip, 1, 10_000)
+        return _check_frames(frameskip)
     if len(frameskip) != 2:
-        raise ValueError(f"a frameskip range is (low, high), got {frameskip!r}")
-    low, high = (check_integer("frameskip", bound, 1, 10_000) for bound in frameskip)
+        raise OptionValueError(f"a frameskip range is (low, high), got {frameskip!r}")
+    low, high = map(_check_frames, frameskip)
     if low >= high:
-        raise ValueError(f"a frameskip range (low, high) is low..high-1 frames and needs low < high, got {frameskip!r}")
+        raise OptionValueError(
+            f"a frameskip range (low, high) is low..high-1 frames and needs low < high, got {frameskip!r}"
+        )
     return low, high
 
 
@@ -159,3 +180,12 @@ def check_clip_reward(clip_reward: bool | None, reward_clipping: bool | None) ->
     if clip_reward is not None and reward_clipping is not None:
         raise TypeError("clip_reward and reward_clipping are two names of one option; give one of them")
     return reward_clipping if clip_reward is None else clip_reward
+
+
+def _check_frames(frames: Any) -> int:
+    try:
+        return check_integer("frameskip", frames, 1, 10_000)
+    except TypeError as error:
+        raise OptionTypeError(str(error)) from None
+    except ValueError as error:
+        raise OptionValueError(str(error)) from None

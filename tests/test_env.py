@@ -1,6 +1,8 @@
 """`AtariEnv`, except the equality with ale-py over all games, which `conformance/` tests."""
 
 import inspect
+import itertools
+import pickle
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +11,7 @@ import gymnasium
 import numpy as np
 import pytest
 from env_tools import comparable, over, play, started, unchanged
+from gymnasium.utils.env_checker import data_equivalence
 
 import atari
 from atari import Action, AtariEnv
@@ -200,10 +203,13 @@ def test_a_frameskip_range_is_drawn_each_step() -> None:
 
 
 @pytest.mark.parametrize(
-    ("game", "frameskip", "rate"), [("pong", 4, 15.0), ("pong", 1, 60.0), ("pong", (2, 5), 20.0), ("pacman", 4, 12.5)]
+    ("game", "frameskip", "rate"),
+    [("pong", 4, 15), ("pong", 1, 60), ("pong", (2, 5), 20), ("pacman", 4, 12), ("pong", 10_000, 1)],
 )
-def test_render_fps_is_the_true_rate_of_steps(game: str, frameskip: Any, rate: float) -> None:
-    assert AtariEnv(game, frameskip=frameskip).metadata["render_fps"] == rate
+def test_render_fps_is_the_rate_of_steps_rounded_to_an_int(game: str, frameskip: Any, rate: int) -> None:
+    """`gymnasium.utils.play.play` refuses a float."""
+    fps = AtariEnv(game, frameskip=frameskip).metadata["render_fps"]
+    assert (fps, type(fps)) == (rate, int)
 
 
 # Actions.
@@ -378,11 +384,98 @@ def test_a_step_after_truncation_stays_truncated() -> None:
         assert env.step(0)[1:4] == (0.0, False, True)
 
 
-def test_closing_twice_is_fine_and_nothing_goes_on_after_it() -> None:
+def test_closing_twice_is_fine_and_no_step_follows() -> None:
     env = started()
     env.close()
     env.close()
     with pytest.raises(RuntimeError, match="this core is closed; make a new one"):
         env.step(0)
-    with pytest.raises(RuntimeError, match="this core is closed; make a new one"):
-        env.reset()
+
+
+@pytest.mark.parametrize(
+    ("core", "sound"), [("native", False), ("native", True), ("plain", False), ("plain", True), ("ale", False)]
+)
+def test_a_reset_after_close_goes_on_as_in_ale_py(core: str, sound: bool) -> None:
+    """Generators and counters continue, as if nothing had been closed."""
+    ours, theirs = AtariEnv("breakout", core=core, sound_obs=sound), ale_py.env.AtariEnv("breakout", sound_obs=sound)
+    for env in (ours, theirs):
+        env.reset(seed=3)
+        for action in (1, 2, 3) * 5:
+            env.step(action)
+        env.close()
+        env.close()
+    for seed in (None, 4):
+        for one, other in zip(ours.reset(seed=seed), theirs.reset(seed=seed), strict=True):
+            assert data_equivalence(one, other)
+        for action in (1, 3, 2, 2) * 10:
+            assert data_equivalence(ours.step(action), theirs.step(action))
+        for env in (ours, theirs):
+            env.close()
+
+
+def test_the_seed_of_np_random_is_that_of_the_reset() -> None:
+    ours, theirs = AtariEnv("pong"), ale_py.env.AtariEnv("pong")
+    ours.reset(seed=42)
+    theirs.reset(seed=42)
+    assert ours.np_random_seed == theirs.np_random_seed == 42
+    assert pickle.loads(pickle.dumps(ours)).np_random_seed == 42
+    assert ours.np_random.random() == theirs.np_random.random()
+
+
+def test_seed_game_and_load_game_are_those_of_ale_py() -> None:
+    ours, theirs = AtariEnv("breakout", mode=4), ale_py.env.AtariEnv("breakout", mode=4)
+    for env in (ours, theirs):
+        env.reset(seed=1)
+        env.step(1)
+        env.ale.setMode(8)
+    assert ours.seed_game(7) == theirs.seed_game(7)
+    for env in (ours, theirs):
+        env.load_game()
+        env.ale.reset_game()
+    for action in (1, 3, 2, 2) * 20:
+        assert data_equivalence(ours.step(action), theirs.step(action))
+    assert ours.ale.getFrameNumber() == theirs.ale.getFrameNumber()
+
+
+def test_attributes_of_ale_pys_environment() -> None:
+    ours, theirs = (kind("pong", continuous=True, sound_obs=True) for kind in (AtariEnv, ale_py.env.AtariEnv))
+    for name in ("continuous", "continuous_action_threshold", "sound_obs", "render_mode"):
+        assert getattr(ours, name) == getattr(theirs, name), name
+    ours.reset(seed=1)
+    theirs.reset(seed=1)
+    assert data_equivalence(ours._get_obs(), theirs._get_obs())
+
+
+def test_map_action_idx_is_that_of_ale_py() -> None:
+    for stick in itertools.product((-1, 0, 1), (-1, 0, 1), (False, True)):
+        ours, theirs = AtariEnv.map_action_idx(*stick), ale_py.env.AtariEnv.map_action_idx(*stick)
+        assert (ours.name, ours.value) == (theirs.name, theirs.value)
+    with pytest.raises(LookupError, match="positions are -1, 0 and 1, got 2, 0 and fire False"):
+        AtariEnv.map_action_idx(2, 0, False)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"frameskip": 0},
+        {"frameskip": 4.0},
+        {"frameskip": (5, 2)},
+        {"frameskip": (0, 5)},
+        {"frameskip": (1, 2, 3)},
+        {"obs_type": "pixels"},
+        {"render_mode": "text"},
+    ],
+)
+def test_where_ale_py_raises_gymnasiums_error_ours_is_one_too(options: dict[str, Any]) -> None:
+    for kind in (AtariEnv, ale_py.env.AtariEnv):
+        with pytest.raises(gymnasium.error.Error):
+            kind("pong", **options)
+    with pytest.raises((ValueError, TypeError)):
+        AtariEnv("pong", **options)
+
+
+@pytest.mark.parametrize("options", [{"mode": 99}, {"difficulty": 99}])
+def test_where_ale_py_raises_a_runtime_error_ours_is_one_too(options: dict[str, Any]) -> None:
+    for kind in (AtariEnv, ale_py.env.AtariEnv):
+        with pytest.raises(RuntimeError):
+            kind("pong", **options)

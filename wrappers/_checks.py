@@ -95,4 +95,4 @@ def step_noop(env: Environment) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         return env.step(noop_action(env))
     atari = require_atari(env, "a NOOP")
     reward = atari.play_frames(Action.NOOP, 1)
-    return atari._observation(), reward, atari.core.game_over, atari.core.truncated, atari._info()
+    return atari._get_obs(), reward, atari.core.game_over, atari.core.truncated, atari._info()

@@ -7,7 +7,7 @@ calls, which `restore` replays. That is exact for every game.
 
 import hashlib
 import re
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from os import PathLike
 from typing import Any
 
@@ -19,7 +19,7 @@ from ale_py import ALEInterface, ALEState, LoggerMode
 from atari.cores import snapshot
 from atari.cores.core import ByteArray
 from atari.cores.journal import Journal
-from atari.cores.options import SEED_LIMIT, CoreOptions
+from atari.cores.options import SEED_LIMIT, CoreOptions, check_difficulty, check_mode
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.roms import find
@@ -31,12 +31,61 @@ OLDEST_ALE_PY = "0.12.1"
 """The oldest ale-py that `AleCore` is tested with; the interface of 0.8.1 is another, without sound."""
 
 
-@dataclass(frozen=True)
 class AleState:
-    """ale-py's state with the hash of its ROM; `AleCore.clone_state` returns it."""
+    """ale-py's state with the hash of its ROM, as `AleCore.clone_state` returned it, or made of `serialize`'s bytes.
 
-    rom_md5: str
-    state: ALEState
+    Immutable, with the methods of ale-py's `ALEState`. States are equal if ROM and ale-py's states are.
+
+    Raises:
+        TypeError, ValueError: these are not such bytes.
+    """
+
+    def __init__(self, serialized: bytes) -> None:
+        facts, blobs = snapshot.unpack(serialized)
+        snapshot.require(facts, {"of": "AleState", "ale-py": ale_py.__version__})
+        self.rom_md5, self.state = str(facts["rom"]), ALEState(blobs["state"])
+
+    @classmethod
+    def of(cls, rom_md5: str, state: ALEState) -> "AleState":
+        """A state of ale-py of the game with this ROM."""
+        made = cls.__new__(cls)
+        made.rom_md5, made.state = rom_md5, state
+        return made
+
+    def serialize(self) -> bytes:
+        """The state as bytes, for this version of ale-py."""
+        facts = {"of": "AleState", "rom": self.rom_md5, "ale-py": ale_py.__version__}
+        return snapshot.pack(facts, {"state": self.state.serialize()})
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, AleState):
+            return NotImplemented
+        return self.rom_md5 == other.rom_md5 and bool(self.state == other.state)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def equals(self, other: "AleState") -> bool:
+        """Whether the states are equal."""
+        return self == other
+
+    def __reduce__(self) -> tuple[type["AleState"], tuple[bytes]]:
+        return AleState, (self.serialize(),)
+
+    def getFrameNumber(self) -> int:
+        """Frames played since loading."""
+        return int(self.state.getFrameNumber())
+
+    def getEpisodeFrameNumber(self) -> int:
+        """Frames played since the last reset."""
+        return int(self.state.getEpisodeFrameNumber())
+
+    def getCurrentMode(self) -> int:
+        """The game's mode."""
+        return int(self.state.getCurrentMode())
+
+    def getDifficulty(self) -> int:
+        """The game's difficulty."""
+        return int(self.state.getDifficulty())
 
 
 class AleCore:
@@ -93,6 +142,7 @@ class AleCore:
             sound=sound,
             color_averaging=color_averaging,
         )
+        self._mode, self._difficulty = self._options.mode, self._options.difficulty
         seed = check_integer("seed", seed, 0, SEED_LIMIT - 1)
         self._rom = find(self.game.id, rom)
         self._journal: Journal | None
@@ -116,7 +166,7 @@ class AleCore:
     def reset(self) -> None:
         """Start a new game."""
         if not self._sound_or_rules_outlive_reset:
-            self._journal = Journal(self._ale.cloneSystemState().serialize())
+            self._begin_journal(self._ale.cloneSystemState().serialize())
         self._ale.reset_game()
         if self._journal is not None:
             self._journal.reset()
@@ -131,6 +181,20 @@ class AleCore:
         if self._journal is not None:
             self._journal.act(action, strength)
         return reward
+
+    def set_mode(self, mode: int) -> None:
+        """Play one of the game's modes from the next reset on."""
+        self._mode = check_mode(self.game, mode)
+        self._ale.setMode(self._mode)
+        if self._journal is not None:
+            self._journal.set_mode(self._mode)
+
+    def set_difficulty(self, difficulty: int) -> None:
+        """Play one of the game's difficulties from the next frame on."""
+        self._difficulty = check_difficulty(self.game, difficulty)
+        self._ale.setDifficulty(self._difficulty)
+        if self._journal is not None:
+            self._journal.set_difficulty(self._difficulty)
 
     @property
     def lives(self) -> int:
@@ -186,7 +250,7 @@ class AleCore:
 
     def clone_state(self, include_rng: bool = False) -> AleState:
         """ale-py's own state: quick to restore, but without framebuffer, held action and sound, unlike `snapshot`."""
-        return AleState(self.game.rom.md5, self._ale.cloneState(include_rng=include_rng))
+        return AleState.of(self.game.rom.md5, self._ale.cloneState(include_rng=include_rng))
 
     def restore_state(self, state: AleState) -> None:
         """Continue from a state that `clone_state` returned.
@@ -252,6 +316,7 @@ class AleCore:
                 "was changed; take a new one"
             )
         self._ale, self._seed, self._journal = twin._ale, seed, twin._journal
+        self._mode, self._difficulty = twin._mode, twin._difficulty
 
     def close(self) -> None:
         """Release the emulator."""
@@ -264,11 +329,19 @@ class AleCore:
         word = min(seed, SEED_LIMIT - 2)  # 2**32 - 1 is -1 as int32, which ale-py replaces by the clock
         self._ale.setInt("random_seed", word if word < 2**31 else word - 2**32)
         self._ale.loadROM(rom)
-        if self._options.mode is not None:
-            self._ale.setMode(self._options.mode)
-        if self._options.difficulty is not None:
-            self._ale.setDifficulty(self._options.difficulty)
-        self._journal = Journal()
+        if self._mode is not None:
+            self._ale.setMode(self._mode)
+        if self._difficulty is not None:
+            self._ale.setDifficulty(self._difficulty)
+        self._begin_journal()
+
+    def _begin_journal(self, base: bytes = b"") -> None:
+        """Start a journal from this point, with the mode and difficulty, which may not be those of the options."""
+        self._journal = Journal(base)
+        if self._mode is not None:
+            self._journal.set_mode(self._mode)
+        if self._difficulty is not None:
+            self._journal.set_difficulty(self._difficulty)
 
     def _complete_journal(self) -> Journal:
         if self._journal is None:
@@ -294,6 +367,12 @@ class AleCore:
                 self._ale.act(first, second)
             elif event == "reset":
                 self._ale.reset_game()
+            elif event == "mode":
+                self._mode = first
+                self._ale.setMode(first)
+            elif event == "difficulty":
+                self._difficulty = first
+                self._ale.setDifficulty(first)
             else:
                 self._ale.setRAM(first, int(second))
         self._journal = Journal(journal.base, bytearray(journal.events))

@@ -1,29 +1,144 @@
-"""`env.unwrapped.ale`: a core under the method names of ale-py's `ALEInterface`.
+"""`env.unwrapped.ale`: a running game under the method names of ale-py's `ALEInterface`.
 
 Wrappers of Gymnasium and Stable-Baselines3 call `env.unwrapped.ale.lives()` and other methods of ale-py. `AleInterface`
-has these methods for every core, with the core's checks.
+has these methods for every core, with the core's checks. docs/ale-py.md lists the differences.
 """
+
+import enum
+from os import PathLike, fspath
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
 
 from atari.actions import Action
 from atari.cores.core import ByteArray, Core
+from atari.cores.options import SEED_LIMIT
+from atari.roms.identification import by_content
+from atari.roms.image import read_image
+from atari.validation import AleError, check_integer, check_probability
+
+_DEFAULTS: dict[str, Any] = {
+    "random_seed": -1,
+    "frame_skip": 1,
+    "max_num_frames_per_episode": 0,
+    "repeat_action_probability": 0.25,
+    "color_averaging": False,
+    "sound_obs": False,
+    "sound": False,
+    "display_screen": False,
+    "record_screen_dir": "",
+    "record_sound_filename": "",
+}
+
+_UNUSED = {"sound": "render_mode='human'", "display_screen": "render_mode='human'"} | dict.fromkeys(
+    ("record_screen_dir", "record_sound_filename"), "atari.recording"
+)
+"""Settings of ale-py that no core has, with what to use instead. They can be set to their default."""
+
+
+class AleSettings:
+    """Settings by ale-py's names. As in ale-py, what is set applies when the game is next loaded.
+
+    `stale` says whether something was set since then.
+    """
+
+    def __init__(self, **values: Any) -> None:
+        self._values: dict[str, Any] = {**_DEFAULTS, **values}
+        self.stale = False
+
+    def get(self, name: str, kind: type) -> Any:
+        """The value of a setting of this kind.
+
+        Raises:
+            AleError: there is no such setting of this kind.
+        """
+        names = [key for key, default in _DEFAULTS.items() if type(default) is kind]
+        if name not in names:
+            raise AleError(f"there is no {kind.__name__} setting {name!r}; there are {', '.join(names)}")
+        return kind(self._values[name])
+
+    def set(self, name: str, kind: type, value: Any) -> None:
+        """Set a setting for the next load.
+
+        Raises:
+            TypeError: the value is of another kind.
+            ValueError: it is out of range. AleError: as `get`, or this package does the setting's work otherwise.
+        """
+        before = self.get(name, kind)
+        checked = _checked(name, kind, value)
+        if name in _UNUSED and checked != before:
+            raise AleError(f"{name} is not supported; use {_UNUSED[name]} instead")
+        self._values[name] = checked
+        self.stale = self.stale or name not in (*_UNUSED, "random_seed")
+
+    def seed(self) -> int:
+        """The seed of the next load, 0 .. 2**32 - 1; a new random one if `random_seed` is -1."""
+        seed: int = self._values["random_seed"]
+        return int(np.random.SeedSequence().generate_state(1)[0]) if seed == -1 else seed % SEED_LIMIT
+
+    def set_seed(self, seed: int) -> None:
+        """Set the seed of the next load, 0 .. 2**32 - 1. As for every core, 2**32 - 1 becomes 2**32 - 2."""
+        self._values["random_seed"] = (min(seed, SEED_LIMIT - 2) + 2**31) % SEED_LIMIT - 2**31
+
+    def core_options(self) -> dict[str, Any]:
+        """The options of a core, without seed, mode and difficulty."""
+        names = ("repeat_action_probability", "frame_skip", "max_num_frames_per_episode", "color_averaging")
+        return {**{name: self._values[name] for name in names}, "sound": self._values["sound_obs"]}
+
+
+def _checked(name: str, kind: type, value: Any) -> Any:
+    if kind is bool or kind is str:
+        if not isinstance(value, kind) and not (kind is bool and isinstance(value, np.bool_)):
+            raise TypeError(f"{name} must be a {kind.__name__}, got {value!r}")
+        return kind(value)
+    if kind is float:
+        return check_probability(name, value)
+    low, high = {"random_seed": (-(2**31), 2**31 - 1), "frame_skip": (1, 10_000)}.get(name, (0, 2**31 - 1))
+    return check_integer(name, value, low, high)
+
+
+class Player(Protocol):
+    """What plays the game of an `AleInterface`: an environment."""
+
+    core: Core
+    ale_settings: AleSettings
+
+    def load_game(self) -> None:
+        """Load the game again, with the settings."""
 
 
 class AleInterface:
     """The methods of ale-py's `ALEInterface` for a running game; ale-py documents each.
 
-    Arrays and errors are those of `atari.cores.Core`.
+    Arrays are those of `atari.cores.Core`, and so are errors, with `AleError` where ale-py raises RuntimeError.
     """
 
     # ruff: noqa: D102 - the names are ale-py's, one line each
 
-    def __init__(self, core: Core) -> None:
-        self._core = core
+    def __init__(self, player: Player) -> None:
+        self._player = player
 
-    def act(self, action: int, paddle_strength: float = 1.0) -> int:
-        return self._core.act(action, paddle_strength)
+    @property
+    def _core(self) -> Core:
+        return self._player.core
+
+    def act(self, action: int | enum.Enum, paddle_strength: float = 1.0) -> int:
+        return self._core.act(action.value if isinstance(action, enum.Enum) else action, paddle_strength)
 
     def reset_game(self) -> None:
         self._core.reset()
+
+    def loadROM(self, rom: str | PathLike[str]) -> None:
+        """Load the game again, with the settings.
+
+        Raises:
+            AleError: there is no such file, or it is not of the game that the environment plays.
+        """
+        game = self._core.game
+        if self.isSupportedROM(rom) != game.id:
+            raise AleError(f"{fspath(rom)} is not a ROM file of {game.id}; make an environment of its game")
+        self._player.load_game()
 
     def lives(self) -> int:
         return self._core.lives
@@ -61,8 +176,22 @@ class AleInterface:
     def getScreenDims(self) -> tuple[int, int]:
         return self._core.game.screen.shape
 
+    def saveScreenPNG(self, path: str | PathLike[str]) -> None:
+        """Write the screen, each pixel twice as wide as high, as a PNG file.
+
+        Raises:
+            OSError: the file cannot be written.
+        """
+        import cv2  # here, because it takes long
+
+        _, png = cv2.imencode(".png", self._core.screen_rgb()[..., ::-1].repeat(2, axis=1))
+        Path(path).write_bytes(png.tobytes())
+
     def getAudio(self, buffer: ByteArray | None = None) -> ByteArray:
         return self._core.audio(buffer)
+
+    def getAudioSize(self) -> int:
+        return 512
 
     def getMinimalActionSet(self) -> list[Action]:
         return list(self._core.game.minimal_actions)
@@ -73,5 +202,70 @@ class AleInterface:
     def getAvailableModes(self) -> list[int]:
         return list(self._core.game.modes)
 
+    def setMode(self, mode: int) -> None:
+        """Play this mode from the next reset on, until the game is loaded again."""
+        self._core.set_mode(mode)
+        self._player.ale_settings.stale = True
+
     def getAvailableDifficulties(self) -> list[int]:
         return list(self._core.game.difficulties)
+
+    def setDifficulty(self, difficulty: int) -> None:
+        """Play this difficulty from the next frame on, until the game is loaded again."""
+        self._core.set_difficulty(difficulty)
+        self._player.ale_settings.stale = True
+
+    def cloneState(self, include_rng: bool = False) -> Any:
+        return self._core.clone_state(include_rng=include_rng)
+
+    def restoreState(self, state: Any) -> None:
+        self._core.restore_state(state)
+
+    def cloneSystemState(self) -> Any:
+        return self._core.clone_state(include_rng=True)
+
+    def restoreSystemState(self, state: Any) -> None:
+        self._core.restore_state(state)
+
+    def getInt(self, key: str) -> int:
+        return int(self._player.ale_settings.get(key, int))
+
+    def setInt(self, key: str, value: int) -> None:
+        self._player.ale_settings.set(key, int, value)
+
+    def getFloat(self, key: str) -> float:
+        return float(self._player.ale_settings.get(key, float))
+
+    def setFloat(self, key: str, value: float) -> None:
+        self._player.ale_settings.set(key, float, value)
+
+    def getBool(self, key: str) -> bool:
+        return bool(self._player.ale_settings.get(key, bool))
+
+    def setBool(self, key: str, value: bool) -> None:
+        self._player.ale_settings.set(key, bool, value)
+
+    def getString(self, key: str) -> str:
+        return str(self._player.ale_settings.get(key, str))
+
+    def setString(self, key: str, value: str) -> None:
+        self._player.ale_settings.set(key, str, value)
+
+    @staticmethod
+    def setLoggerMode(mode: Any) -> None:
+        """Does nothing: the cores write no log."""
+
+    @staticmethod
+    def isSupportedROM(rom: str | PathLike[str]) -> str | None:
+        """The game of a ROM file, None if it is of none.
+
+        Raises:
+            AleError: there is no such file.
+        """
+        try:
+            game = by_content(read_image(Path(rom)))
+        except FileNotFoundError as error:
+            raise AleError(str(error)) from None
+        except ValueError:
+            return None
+        return None if game is None else game.id

@@ -46,6 +46,20 @@ class Core(Protocol):
             TypeError, ValueError: not an action, or a strength that is not finite.
         """
 
+    def set_mode(self, mode: int) -> None:
+        """Play one of the game's modes from the next reset on.
+
+        Raises:
+            TypeError, ValueError: the game has no such mode.
+        """
+
+    def set_difficulty(self, difficulty: int) -> None:
+        """Play one of the game's difficulties from the next frame on.
+
+        Raises:
+            TypeError, ValueError: the game has no such difficulty.
+        """
+
     @property
     def lives(self) -> int:
         """Lives left, by the game's rules (always 0 in games without lives)."""

@@ -16,7 +16,10 @@ from atari.validation import check_action, check_poke, check_strength
 _ACT_WITH_STRENGTH = 0x40
 _RESET = 0x41
 _POKE = 0x42
+_SET_MODE = 0x43
+_SET_DIFFICULTY = 0x44
 _STRENGTH = struct.Struct("<f")
+_CHOICE = struct.Struct("<i")
 
 
 @dataclass
@@ -41,6 +44,14 @@ class Journal:
         """Append a write to RAM."""
         self.events += bytes((_POKE, index, value))
 
+    def set_mode(self, mode: int) -> None:
+        """Append a change of the mode."""
+        self.events += bytes((_SET_MODE,)) + _CHOICE.pack(mode)
+
+    def set_difficulty(self, difficulty: int) -> None:
+        """Append a change of the difficulty."""
+        self.events += bytes((_SET_DIFFICULTY,)) + _CHOICE.pack(difficulty)
+
     def check(self) -> None:
         """Check every event, as those of a file must be.
 
@@ -58,7 +69,8 @@ class Journal:
             raise ValueError("the snapshot's journal ends within an event") from None
 
     def replay(self) -> Iterator[tuple[str, int, float]]:
-        """The events in order, as ("act", action, strength), ("reset", 0, 0) or ("poke", index, value).
+        """The events in order: ("act", action, strength), ("reset", 0, 0), ("poke", index, value), ("mode", mode, 0) or
+        ("difficulty", difficulty, 0).
 
         Raises:
             ValueError: an event is unknown.
@@ -75,6 +87,9 @@ class Journal:
             elif code == _ACT_WITH_STRENGTH:
                 yield "act", events[i + 1], _STRENGTH.unpack_from(events, i + 2)[0]
                 i += 6
+            elif code in (_SET_MODE, _SET_DIFFICULTY):
+                yield "mode" if code == _SET_MODE else "difficulty", _CHOICE.unpack_from(events, i + 1)[0], 0.0
+                i += 5
             elif code < len(PLAYER_ACTIONS):
                 yield "act", code, 1.0
                 i += 1

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from atari.games.game import Game
-from atari.validation import check_integer, check_probability
+from atari.validation import AleError, check_integer, check_probability
 
 SEED_LIMIT = 2**32
 _FRAMES_LIMIT = 2**31
@@ -29,8 +29,8 @@ class CoreOptions:
         probability = options["repeat_action_probability"]
         checked = cls(
             repeat_action_probability=check_probability("repeat_action_probability", probability),
-            mode=_check_choice("mode", options["mode"], game.modes, game),
-            difficulty=_check_choice("difficulty", options["difficulty"], game.difficulties, game),
+            mode=None if options["mode"] is None else check_mode(game, options["mode"]),
+            difficulty=None if options["difficulty"] is None else check_difficulty(game, options["difficulty"]),
             frame_skip=check_integer("frame_skip", options["frame_skip"], 1, 10_000),
             max_num_frames_per_episode=check_integer(
                 "max_num_frames_per_episode", options["max_num_frames_per_episode"], 0, _FRAMES_LIMIT - 1
@@ -58,13 +58,21 @@ def _check_selection(game: Game, frames: int, options: CoreOptions) -> None:
         raise ValueError(f"{because} max_num_frames_per_episode below {needed}, got {limit}")
 
 
-def _check_choice(name: str, value: Any, choices: tuple[int, ...], game: Game) -> int | None:
-    if value is None:
-        return None
+def check_mode(game: Game, mode: Any) -> int:
+    """`mode` as an int, which must be one of the game's modes."""
+    return _check_choice("mode", mode, game.modes, game)
+
+
+def check_difficulty(game: Game, difficulty: Any) -> int:
+    """`difficulty` as an int, which must be one of the game's difficulties."""
+    return _check_choice("difficulty", difficulty, game.difficulties, game)
+
+
+def _check_choice(name: str, value: Any, choices: tuple[int, ...], game: Game) -> int:
     try:
         number = operator.index(value)
     except TypeError:
         raise TypeError(f"{name} must be an integer or None, got {value!r}") from None
     if number not in choices:
-        raise ValueError(f"{game.id} has no {name} {number}; it has {', '.join(map(str, choices))}")
+        raise AleError(f"{game.id} has no {name} {number}; it has {', '.join(map(str, choices))}")
     return number

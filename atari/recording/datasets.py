@@ -109,7 +109,7 @@ class _Episode:
         return bool(self.rewards) and (self.terminations[-1] or self.truncations[-1])
 
     def see(self, env: AtariEnv) -> None:
-        self.observations.append(env._observation())
+        self.observations.append(env._get_obs())
         self.infos.append(env._info())
 
     def see_first(self, env: AtariEnv) -> None:

@@ -4,7 +4,7 @@ Both are made with the same options, seeded alike and given the same actions; af
 all results are compared. The number of emulated frames compared is recorded as the property "frames" of each test.
 
 Deliberate differences, tested in `tests/test_env.py`: an action outside the space raises (ale-py takes negative
-indices), so does a step before the first reset; `metadata["render_fps"]` is the true rate.
+indices), so does a step before the first reset; `metadata["render_fps"]` is the true rate, rounded.
 """
 
 import copy
