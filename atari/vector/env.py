@@ -11,6 +11,7 @@ import operator
 import os
 import sys
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from functools import cached_property
 from os import PathLike
 from typing import Any, Literal
@@ -26,7 +27,8 @@ from atari._gymnasium import AutoresetMode, VectorEnv
 from atari.cores import ByteArray
 from atari.games.game import Game
 from atari.rendering import tile
-from atari.validation import check_known
+from atari.validation import FirstResetNeeded, check_known
+from atari.vector.ale_interface import AleVectorInterface
 from atari.vector.members import Member
 from atari.vector.options import VectorOptions
 from atari.vector.results import Results
@@ -151,7 +153,9 @@ class AtariVectorEnv(VectorEnv):
         self.metadata = {
             "autoreset_mode": options.autoreset_mode,
             "render_modes": ["rgb_array"],
-            "render_fps": options.games[0].screen.frame_rate / (sum(options.protocol.frame_skip) - 1) * 2,
+            "render_fps": max(
+                1, round(options.games[0].screen.frame_rate / (sum(options.protocol.frame_skip) - 1) * 2)
+            ),
         }
         self._engine: _emulator.VectorEngine | None = options.make_engine()
         self._process = os.getpid()
@@ -165,6 +169,7 @@ class AtariVectorEnv(VectorEnv):
         self._flying: Results | None = None  # what the environments are writing to
         self._phase: Literal["new", "idle", "sent"] = "new"
         self._masks = options.action_masks()
+        self._closed_states: list[bytes] | None = None  # of the environments at `close`, from which `reset` continues
 
     @cached_property
     def observation_space(self) -> spaces.Space[Any]:  # type: ignore[override]
@@ -177,7 +182,7 @@ class AtariVectorEnv(VectorEnv):
         seed: int | Sequence[int | None] | IntArray | None = None,
         options: dict[str, Any] | None = None,
     ) -> tuple[Any, dict[str, Any]]:
-        """Reset all environments, or those chosen, and return a batch of first observations.
+        """Reset all environments, or those chosen, and return a batch of first observations. Reopens after `close`.
 
         Args:
             seed: environment i gets seed + i; an array has a seed for each environment that is reset, of which negative
@@ -188,6 +193,8 @@ class AtariVectorEnv(VectorEnv):
             TypeError, ValueError: the seeds or the mask are of the wrong kind or length.
         """
         with self._lock:
+            if self._engine is None and (options or {}).get("reset_mask") is None:
+                self._reopen()
             engine = self._open()
             mask = self._reset_mask(options)
             seeded, seeds = seed_words(seed, mask, ale=self._options.protocol.order == "ale")
@@ -231,11 +238,16 @@ class AtariVectorEnv(VectorEnv):
             self._send(self._open(), actions, out)
 
     def _send(self, engine: _emulator.VectorEngine, actions: Any, out: Any) -> None:
+        self._check_idle()
+        self._start(engine, *self._options.moves(actions), out)
+
+    def _check_idle(self) -> None:
         if self._phase == "new":
             raise gymnasium.error.ResetNeeded("call reset() before the first step, and after an error in one")
         if self._phase == "sent":
             raise gymnasium.error.AlreadyPendingCallError("call recv() before the next send()", "send")
-        indices, strengths = self._options.moves(actions)
+
+    def _start(self, engine: _emulator.VectorEngine, indices: IntArray, strengths: Any, out: Any) -> None:
         results = self._take_buffer(engine, out)
         engine.start(indices, strengths, results.batch if self.batch_size == self.num_envs else None)
         self._flying = results
@@ -326,6 +338,26 @@ class AtariVectorEnv(VectorEnv):
         return self._options.autoreset_mode
 
     @property
+    def ale(self) -> AleVectorInterface:
+        """The environments under the method names of ale-py's `ALEVectorInterface`."""
+        return AleVectorInterface(self)
+
+    @property
+    def continuous(self) -> bool:
+        """Whether actions are (radius, angle, fire)."""
+        return self._options.continuous
+
+    @property
+    def continuous_action_threshold(self) -> float:
+        """How far the stick must be moved, or fire pressed, to count."""
+        return float(self._options.threshold)
+
+    @property
+    def grayscale(self) -> bool:
+        """Whether images are gray, not RGB."""
+        return self._options.grayscale
+
+    @property
     def members(self) -> tuple[Member, ...]:
         """The environments one by one: their counters, RAM, mode and difficulty."""
         self._open()
@@ -368,7 +400,7 @@ class AtariVectorEnv(VectorEnv):
             if self._phase == "sent":
                 raise RuntimeError("environments are being played; call recv() before pickling")
             states = [engine.save(index) for index in range(self.num_envs)]
-            given = {**self._given, "num_envs": self.num_envs}
+            given = {**self._given, "num_envs": self.num_envs, **self._choices(engine)}
             phase = self._phase if self.batch_size == self.num_envs else "new"
             return {"given": given, "states": states, "phase": phase, "spec": copy.deepcopy(self.spec)}
 
@@ -389,16 +421,45 @@ class AtariVectorEnv(VectorEnv):
         return list(range(self.num_envs)) if indices is None else [operator.index(index) for index in indices]
 
     def close_extras(self, **kwargs: Any) -> None:
-        """Join the threads and release the environments, after the calls of other threads."""
+        """Join the threads and release the environments, after the calls of other threads.
+
+        As in ale-py, `reset` goes on afterwards, with all generators.
+        """
         if self._process != os.getpid() or sys.is_finalizing():
             return self._release()  # A thread that has gone may hold the lock.
         with self._lock:
+            if self._engine is not None:
+                self._keep_states(self._engine)
             self._release()
 
     def _release(self) -> None:
         self._engine = None
+        self._phase = "new"
         self._flying = None
         self._buffers = []
+
+    def _choices(self, engine: _emulator.VectorEngine) -> dict[str, list[int]]:
+        """The modes and difficulties, which may have been set."""
+        every = range(self.num_envs)
+        return {"mode": list(map(engine.mode, every)), "difficulty": list(map(engine.difficulty, every))}
+
+    def _keep_states(self, engine: _emulator.VectorEngine) -> None:
+        """Keep the states for a reset after `close`, unless another thread uses the environments."""
+        with suppress(Exception):
+            if self._phase == "sent":
+                self._receive(engine)
+            self._closed_states = [engine.save(index) for index in range(self.num_envs)]
+            self._given.update(self._choices(engine))
+
+    def _reopen(self) -> None:
+        """Continue after `close`."""
+        self._options = VectorOptions.check(**{**self._given, "num_envs": self.num_envs})
+        self._engine, self._process = self._options.make_engine(), os.getpid()
+        for index, state in enumerate(self._closed_states or ()):
+            self._engine.load(index, state)
+        self._buffers = [Results(self._engine, self._options) for _ in range(2)]
+        self._closed_states = None
+        self.closed = False
 
     def _open(self) -> _emulator.VectorEngine:
         if self._engine is None:
@@ -423,15 +484,15 @@ class AtariVectorEnv(VectorEnv):
         if mask is None:
             return np.ones(self.num_envs, np.bool_)
         if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
-            raise TypeError(f"reset_mask must be a bool array ({self.num_envs},), got {mask!r}")
+            raise TypeError(f"reset_mask must be a boolean numpy array ({self.num_envs},), got {mask!r}")
         if mask.shape != (self.num_envs,):
-            raise ValueError(f"reset_mask must have the shape ({self.num_envs},), got {mask.shape}")
+            raise ValueError(f"reset_mask must have shape ({self.num_envs},), got {mask.shape}")
         if self.batch_size != self.num_envs:
-            raise ValueError("reset_mask needs batches of all environments, with batch_size=0")
+            raise ValueError("reset_mask needs batches of all environments (batch_size=0), not batch_size < num_envs")
         if self._phase == "new" and not mask.all():
-            raise gymnasium.error.ResetNeeded("the first reset must be of all environments, without reset_mask")
+            raise FirstResetNeeded("the first reset() must reset every environment, without reset_mask")
         return np.ascontiguousarray(mask)
 
 
 def _closed() -> gymnasium.error.ClosedEnvironmentError:
-    return gymnasium.error.ClosedEnvironmentError("this vector environment is closed; make a new one")
+    return gymnasium.error.ClosedEnvironmentError("this vector environment is closed; call reset() to go on")

@@ -40,7 +40,9 @@ def seed_words(
         if values.dtype.kind not in "iu" and values.shape != (0,):
             raise TypeError(f"seed must be an integer, integers for each environment, or None, got {seed!r}")
         if values.shape != (len(chosen),):
-            raise ValueError(f"there must be a seed for each of the {len(chosen)} environments, got {len(values)}")
+            raise ValueError(
+                f"seed must have one entry per sub-environment that is reset, {len(chosen)}, got {len(values)}"
+            )
         if (values >= SEED_LIMIT).any():
             raise ValueError(f"seeds must be below 2**31, got {seed!r}")
     seeds = np.zeros((len(mask), 9), np.uint32)

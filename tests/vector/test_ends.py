@@ -16,6 +16,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+from gymnasium.utils.env_checker import data_equivalence
 
 import atari
 from atari.cores.options import CoreOptions
@@ -45,9 +46,11 @@ def test_close() -> None:
     assert threading_count() == before
     with pytest.raises(gymnasium.error.ClosedEnvironmentError):
         envs.step(np.zeros(4, int))
-    with pytest.raises(gymnasium.error.ClosedEnvironmentError):
-        envs.reset()
     envs.close()
+    envs.reset()
+    assert threading_count() == before + 3
+    envs.close()
+    assert threading_count() == before
 
 
 def test_close_while_environments_are_stepped() -> None:
@@ -75,7 +78,7 @@ def test_garbage_collection() -> None:
 
 
 CALLS = {
-    "reset": lambda envs: envs.reset(),
+    "partial reset": lambda envs: envs.reset(options={"reset_mask": np.array([True, False])}),
     "step": lambda envs: envs.step(np.zeros(2, int)),
     "send": lambda envs: envs.send(np.zeros(2, int)),
     "recv": lambda envs: envs.recv(),
@@ -98,8 +101,35 @@ def test_closed_environments_raise(name: str) -> None:
     envs = make(num_envs=2, render_mode="rgb_array")
     envs.reset()
     envs.close()
-    with pytest.raises(gymnasium.error.ClosedEnvironmentError, match="closed; make a new one"):
+    with pytest.raises(gymnasium.error.ClosedEnvironmentError, match=r"closed; call reset\(\)"):
         CALLS[name](envs)
+
+
+@pytest.mark.parametrize("sent", [False, True])
+@pytest.mark.parametrize("batch_size", [0, 3])
+def test_a_reset_after_close_goes_on_as_without_it(sent: bool, batch_size: int) -> None:
+    """As in ale-py: generators and counters continue, and what was set by `set_attr` stays."""
+    options = {"repeat_action_probability": 0.25, "batch_size": batch_size}
+    closed, twin = make("breakout", 3, **options), make("breakout", 3, **options)
+    for envs in (closed, twin):
+        envs.reset(seed=3)
+        for _ in range(20):
+            envs.step(np.ones(3, int))
+        envs.members[0].mode = 4
+        envs.set_attr("difficulty", [0, 1, 0])
+        if sent:
+            envs.send(np.ones(3, int))
+    closed.close()
+    closed.close()
+    if sent:
+        twin.recv()
+    first, second = closed.reset(), twin.reset()
+    assert data_equivalence(first, second)
+    assert first[1]["frame_number"].all()
+    for _ in range(30):
+        assert data_equivalence(closed.step(np.full(3, 2)), twin.step(np.full(3, 2)))
+    assert closed.get_attr("mode") == (4, 0, 0)
+    assert closed.get_attr("difficulty") == (0, 1, 0)
 
 
 def test_members_that_are_held_do_not_keep_threads() -> None:

@@ -286,8 +286,8 @@ class TestAutoreset:
     @pytest.mark.parametrize(
         ("mask", "error", "text"),
         [
-            ([True, False, True], TypeError, "reset_mask must be a bool array"),
-            (np.array([1, 0, 1]), TypeError, "reset_mask must be a bool array"),
+            ([True, False, True], TypeError, "reset_mask must be a boolean numpy array"),
+            (np.array([1, 0, 1]), TypeError, "reset_mask must be a boolean numpy array"),
             (np.array([True]), ValueError, r"shape \(3,\), got \(1,\)"),
         ],
     )
@@ -298,7 +298,7 @@ class TestAutoreset:
             envs.reset(options={"reset_mask": mask})
 
     def test_the_first_reset_is_of_all(self) -> None:
-        with pytest.raises(gymnasium.error.ResetNeeded, match="the first reset must be of all"):
+        with pytest.raises(gymnasium.error.ResetNeeded, match=r"the first reset\(\) must reset every"):
             make().reset(options={"reset_mask": np.array([True, False, True])})
 
 
