@@ -21,7 +21,7 @@ class AleVectorInterface:
 
     def get_num_envs(self) -> int:
         """How many environments there are."""
-        return self._envs.num_envs
+        return int(self._envs.num_envs)
 
     def get_action_set(self) -> list[Action]:
         """The action of each index of the action space."""
@@ -50,7 +50,9 @@ class AleVectorInterface:
         mask = np.zeros(count, np.bool_)
         mask[indices] = True
         seeds = [reset_seeds[place] for place in np.argsort(indices)]
-        return self._envs.reset(seed=seeds, options=None if mask.all() else {"reset_mask": mask})
+        options = None if mask.all() else {"reset_mask": mask}
+        first: tuple[Any, dict[str, Any]] = self._envs.reset(seed=seeds, options=options)
+        return first
 
     def send(self, action_ids: Any, paddle_strengths: Any) -> None:
         """Begin a step, with the index of an action and the strength of a paddle for each environment of the batch.
@@ -72,4 +74,5 @@ class AleVectorInterface:
 
     def recv(self) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         """Wait for a batch of results."""
-        return self._envs.recv()
+        results: tuple[Any, Any, Any, Any, dict[str, Any]] = self._envs.recv()
+        return results

@@ -290,3 +290,20 @@ if hasattr(os, "fork"):
         assert code == 0
         envs.recv()
         envs.step(np.zeros(4, int))
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+def test_close_and_reset_make_one_usable_in_a_forked_process() -> None:
+    envs = make(num_envs=3, num_threads=2)
+    envs.reset(seed=1)
+    child = os.fork()
+    if child == 0:
+        try:
+            envs.close()
+            envs.reset(seed=1)
+            os._exit(0 if envs.step(np.zeros(3, int))[1].shape == (3,) else 1)
+        finally:
+            os._exit(2)
+    assert os.waitpid(child, 0)[1] == 0
+    envs.step(np.zeros(3, int))

@@ -111,17 +111,18 @@ void register_state(nb::module_& m) {
         .def("__init__", &parse, "serialized"_a)
         .def("serialize", &serialized, "The state as bytes, for this release and machine.")
         .def("equals", &equal, "other"_a)
-        .def("__eq__", &equal, "other"_a, nb::is_operator())
-        .def("__ne__", [](const State& a, const State& b) { return !equal(a, b); }, "other"_a, nb::is_operator())
-        .def("__copy__", itself)
-        .def("__deepcopy__", itself)
+        .def("__eq__", &equal, "other"_a, nb::is_operator(), nb::sig("def __eq__(self, other: object) -> bool"))
+        .def("__ne__", [](const State& a, const State& b) { return !equal(a, b); }, "other"_a, nb::is_operator(),
+             nb::sig("def __ne__(self, other: object) -> bool"))
+        .def("__hash__", [](const State&) -> int { throw nb::type_error("unhashable type: 'State'"); })
+        .def("__copy__", itself, nb::sig("def __copy__(self) -> State"))
+        .def("__deepcopy__", itself, nb::sig("def __deepcopy__(self, memo: object) -> State"))
         .def("__getstate__", &serialized)
         .def("__setstate__", &parse)
         .def("getFrameNumber", number(&EnvironmentState::frame))
         .def("getEpisodeFrameNumber", number(&EnvironmentState::episode_frame))
         .def("getCurrentMode", number(&EnvironmentState::mode))
         .def("getDifficulty", number(&EnvironmentState::difficulty));
-    m.attr("State").attr("__hash__") = nb::none();
 }
 
 }  // namespace atari
