@@ -263,14 +263,14 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         return words[0], words[1]
 
     def load_game(self) -> None:
-        """Load the game again: with the seed of `seed_game`, what was set by `ale`, and the environment's mode."""
+        """Load the game again: with the seed of `seed_game`, what was set by `ale`, and the environment's mode.
+
+        Raises:
+            RuntimeError: a setting was changed by `ale` while a replay is recorded.
+        """
         if self.ale_settings.stale:
-            self.ale_settings.stale = False
-            self._core_options = self.ale_settings.core_options()
-            self.core.close()
-            self.core = self._make_core()
-        else:
-            self.core.seed(self.ale_settings.seed())
+            self._apply_settings()
+        self.core.seed(self.ale_settings.seed())
 
     def get_action_meanings(self) -> list[str]:
         """The names of the actions, in the order of the action space."""
@@ -378,12 +378,35 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             **self._core_options,
         )
 
+    def _replace_core(self) -> None:
+        if type(self.core) is not CORES[self._options["core"]]:
+            raise RuntimeError("a replay of this environment is being recorded; close the recorder first")
+        self.core.close()
+        self.core = self._make_core()
+
+    def _apply_settings(self) -> None:
+        """Apply what was set by `ale`, and the environment's mode and difficulty."""
+        options, before = self.ale_settings.core_options(), self._core_options
+        mode, difficulty = self._options["mode"], self._options["difficulty"] or 0
+        if options != before or difficulty not in self.game.difficulties:  # backgammon's default is none of its own
+            self._core_options = options
+            try:
+                self._replace_core()
+            except RuntimeError:
+                self._core_options = before
+                raise
+        else:
+            self.core.set_mode(self.game.default_mode if mode is None else mode)
+            self.core.set_difficulty(difficulty)
+        self.ale_settings.stale = False
+
     def _make_window(self) -> Window | None:
         return Window(self.game, self._steps_per_second()) if self.render_mode == "human" else None
 
     def _reopen(self) -> None:
         """Continue after `close`."""
-        self.core, sound = self._make_core(), self.core.sound
+        sound = self.core.sound
+        self._replace_core()
         if sound:
             self.make_sound()
         self.core.restore_state(self._closed_state)

@@ -180,8 +180,24 @@ def test_pokes_and_modes_are_kept(tmp_path: Path) -> None:
     play(env, 40)
     env.close()
     assert Replay.load(env.path).verify("plain")
-    with pytest.raises(ValueError, match="on core 'ale', at MODE"):
-        Replay.load(env.path).verify("ale")
+    assert Replay.load(env.path).verify("ale")
+
+
+def test_what_is_set_by_ale_is_recorded_or_refused(tmp_path: Path) -> None:
+    env = RecordReplay(atari.AtariEnv("breakout"), tmp_path / "a.a26")
+    ale: Any = env.unwrapped.ale  # type: ignore[attr-defined]
+    play(env, 20)
+    ale.setMode(8)
+    env.reset()
+    play(env, 20, seed=None)
+    env.reset(seed=3)
+    play(env, 20, seed=None)
+    ale.setInt("frame_skip", 2)
+    with pytest.raises(RuntimeError, match="close the recorder first"):
+        env.unwrapped.load_game()  # type: ignore[attr-defined]
+    env.close()
+    assert Replay.load(env.path).verify()
+    assert Replay.load(env.path).verify("ale")
 
 
 def test_from_the_middle_on_it_plays_on_its_own_core_only(tmp_path: Path) -> None:
