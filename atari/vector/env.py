@@ -159,9 +159,8 @@ class AtariVectorEnv(VectorEnv):
         }
         self._engine: _emulator.VectorEngine | None = options.make_engine()
         self._process = os.getpid()
-        self._lock = (
-            _emulator.VectorLock()
-        )  # of all attributes that change, and of the engine from a send to its results
+        # Of all attributes that change, and of the engine from a send to its results.
+        self._lock = _emulator.VectorLock()
         self.single_action_space = options.action_space()
         self.single_observation_space = options.observation_space()
         self.action_space = batch_space(self.single_action_space, self.batch_size)
@@ -426,7 +425,10 @@ class AtariVectorEnv(VectorEnv):
         As in ale-py, `reset` goes on afterwards, with all generators.
         """
         if self._process != os.getpid() or sys.is_finalizing():
-            return self._release()  # A thread that has gone may hold the lock.
+            self._release()
+            # In a forked process, a thread that is gone may hold the lock.
+            self._process, self._lock = os.getpid(), _emulator.VectorLock()
+            return
         with self._lock:
             if self._engine is not None:
                 self._keep_states(self._engine)
@@ -454,7 +456,7 @@ class AtariVectorEnv(VectorEnv):
     def _reopen(self) -> None:
         """Continue after `close`."""
         self._options = VectorOptions.check(**{**self._given, "num_envs": self.num_envs})
-        self._engine, self._process = self._options.make_engine(), os.getpid()
+        self._engine = self._options.make_engine()
         for index, state in enumerate(self._closed_states or ()):
             self._engine.load(index, state)
         self._buffers = [Results(self._engine, self._options) for _ in range(2)]
