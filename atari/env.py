@@ -150,6 +150,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         self._phase: Phase = "new"
         self._game = _Game()
         self._ended_game: dict[str, Any] | None = None  # until `GameStatistics` takes it
+        self._restored = False  # since the last reset, without the wrappers
 
     @property
     def ale(self) -> AleInterface:
@@ -172,6 +173,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         self.core.reset()
         self._phase = "playing"
         self._game = _Game(first_frame=self.core.episode_frame_number)
+        self._restored = False
         self._frames.clear()
         for observer in self.observers:
             observer.game_begun()
@@ -314,11 +316,13 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         """
         self.core.restore_state(state)
         self._phase = "playing"
+        self._restored = True
 
     def snapshot(self) -> bytes:
         """The whole environment as portable bytes: game, framebuffer, sound, held action, all generators.
 
-        An environment made with the same options, also in another process, continues from it exactly.
+        An environment made with the same options, also in another process, continues from it exactly. What wrappers
+        remember, such as stacked frames, is in the `snapshot` of the wrappers of `atari.wrappers`.
         """
         facts = {
             "of": "AtariEnv",
@@ -330,6 +334,9 @@ class AtariEnv(gymnasium.Env[Any, Any]):
 
     def restore(self, data: bytes) -> None:
         """Continue from a snapshot.
+
+        Wrappers are not restored; a wrapper of `atari.wrappers` that has a state warns at its next step. Call `restore`
+        of the outermost wrapper instead, with what its `snapshot` returned.
 
         Raises:
             TypeError, ValueError: not a snapshot, damaged, or of another game, core or other options. The environment
@@ -348,12 +355,14 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         generator.state = state
         self._phase = phase
         self._game, self._ended_game = game, None
+        self._restored = True
         self._frames.clear()
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickling and copying keep the position in the game."""
         ale = {"ale_settings": copy.deepcopy(self.ale_settings), "core_options": self._core_options}
         facts = {"options": self._options, "sound": self.core.sound, "spec": copy.deepcopy(self.spec)}
+        facts["restored"] = self._restored
         return {**ale, **facts, "np_random_seed": self._np_random_seed, "snapshot": self.snapshot()}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -366,6 +375,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             self.make_sound()
         self.restore(state["snapshot"])
         self._np_random_seed = state["np_random_seed"]
+        self._restored = state["restored"]
         self.spec = state["spec"]
 
     def _make_core(self) -> Core:

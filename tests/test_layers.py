@@ -28,11 +28,13 @@ ALLOWED = {
     "cores": "_emulator actions games roms validation",
     "rendering": "cores games validation",
     "env": "actions cores games rendering roms validation",
-    "wrappers": "_emulator actions cores env games protocols validation",
+    "restorable": "cores env",
+    "wrappers": "_emulator actions cores env games protocols restorable validation",
     "vector": "_emulator _gymnasium actions cores games protocols rendering roms validation wrappers",
     "registration": "actions cores env games validation vector wrappers",
     "algorithmic": "validation",
-    "recording": "_gymnasium atari actions cores env games registration rendering roms validation vector wrappers",
+    "recording": "_gymnasium atari actions cores env games registration rendering restorable roms validation vector "
+    "wrappers",
     "integrations": "_gymnasium actions cores env games validation vector wrappers",
     "sb3": "integrations",
     # The package itself exports the parts above, and `atari.__version__` to the parts below and to recordings.

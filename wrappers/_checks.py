@@ -1,6 +1,5 @@
 """Checks of the wrapped environment that several wrappers make when they are constructed."""
 
-from collections.abc import Iterator
 from typing import Any
 
 import gymnasium
@@ -9,6 +8,7 @@ from gymnasium import spaces
 
 from atari.actions import Action
 from atari.env import AtariEnv
+from atari.restorable import layers
 
 Environment = gymnasium.Env[Any, Any]
 
@@ -16,14 +16,6 @@ Environment = gymnasium.Env[Any, Any]
 # of its RepeatAction, of its MaxAndSkipObservation and Stable-Baselines3's. (Gymnasium's StickyAction has a
 # `num_repeats` with another meaning, which is 0.)
 _SKIP_ATTRIBUTES = ("_frameskip", "frame_skip", "num_repeats", "_skip")
-
-
-def layers(env: Environment) -> Iterator[Environment]:
-    """The environment and all it wraps, from the outside in."""
-    while isinstance(env, gymnasium.Wrapper):
-        yield env
-        env = env.env
-    yield env
 
 
 def require_atari(env: Environment, wrapper: str) -> AtariEnv:

@@ -5,10 +5,11 @@ from typing import Any
 import gymnasium
 from gymnasium.utils import RecordConstructorArgs
 
+from atari.restorable import Restorable
 from atari.wrappers._checks import Environment, require_atari
 
 
-class GameStatistics(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class GameStatistics(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """Add to `info` what `AtariEnv` counts: rewards before clipping, and whole games, across lost lives.
 
     Each `info` has, under EnvPool's names: "reward", the reward before clipping, a float; "elapsed_step", the steps of

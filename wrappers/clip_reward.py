@@ -5,10 +5,11 @@ from typing import Any, SupportsFloat
 import gymnasium
 from gymnasium.utils import RecordConstructorArgs
 
+from atari.restorable import Restorable
 from atari.wrappers._checks import Environment
 
 
-class ClipReward(gymnasium.RewardWrapper[Any, Any], RecordConstructorArgs):
+class ClipReward(Restorable, gymnasium.RewardWrapper[Any, Any], RecordConstructorArgs):
     """Clip each reward to `min_reward`..`max_reward`; the result is a Python float.
 
     Scores are whole numbers, for which clipping to -1..1 and taking the sign (as Baselines does) are the same.

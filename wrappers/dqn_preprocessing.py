@@ -23,8 +23,9 @@ from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker
 from atari import _emulator
 from atari.cores import ByteArray
 from atari.env import AtariEnv
+from atari.restorable import Restorable, layers, warn_of_restore
 from atari.validation import check_integer, check_name
-from atari.wrappers._checks import Environment, layers, require_atari, require_pixels, require_single_frames
+from atari.wrappers._checks import Environment, require_atari, require_pixels, require_single_frames
 from atari.wrappers._rgb_pool import RgbPool
 from atari.wrappers.episodic_life import EpisodicLife
 from atari.wrappers.frame_stack import Padding
@@ -35,7 +36,7 @@ EndFrames = Literal["last", "gymnasium", "baselines", "envpool"]
 _TRANSPARENT = (OrderEnforcing, PassiveEnvChecker, EpisodicLife)
 
 
-class DqnPreprocessing(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """Frame skip, max-pooling, grayscale, resizing and frame stack.
 
     Observations are (stack_size, rows, columns) uint8, with `grayscale=False` (stack_size, rows, columns, 3), with
@@ -71,6 +72,8 @@ class DqnPreprocessing(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorA
         TypeError, ValueError: an argument is of the wrong kind or out of range; the environment is no `AtariEnv`, gives
             RAM, or skips frames already.
     """
+
+    _state = ("_early", "_late", "_stack", "_frames_played", "_frame_number")
 
     def __init__(
         self,
@@ -167,6 +170,8 @@ class DqnPreprocessing(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorA
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Play the action until the skip or the episode ends."""
+        if self._atari._restored:
+            warn_of_restore(self.env, "DqnPreprocessing")
         play = self._play_direct if self._direct else self._play_through
         move = self._atari._ale_action(action) if self._direct else action
         seamless = self._seamless_life

@@ -8,15 +8,19 @@ Baselines, or inside `DqnPreprocessing`, which then ends the skip at the frame i
 from typing import Any, Literal, get_args
 
 import gymnasium
+import numpy as np
+from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
 
+from atari.env import AtariEnv
+from atari.restorable import Restorable, State, warn_of_restore
 from atari.validation import check_name
 from atari.wrappers._checks import Environment, step_noop
 
 OnReset = Literal["noop", "continue", "new_game"]
 
 
-class EpisodicLife(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class EpisodicLife(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """Terminate when a life is lost.
 
     A reset after a lost life continues the same game, so that agents reach all of it; a seeded one, and
@@ -43,6 +47,7 @@ class EpisodicLife(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs)
         super().__init__(env)
         self._on_reset = on_reset
         self._last_life = last_life
+        self._atari = env.unwrapped if isinstance(env.unwrapped, AtariEnv) else None
         self._lives = 0
         self._last: tuple[Any, dict[str, Any]] = (None, {})
         self.life_lost = False
@@ -52,6 +57,8 @@ class EpisodicLife(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs)
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Step; terminated also if it cost a life."""
+        if self._atari is not None and self._atari._restored:
+            warn_of_restore(self.env, "EpisodicLife")
         observation, reward, terminated, truncated, info = self.env.step(action)
         self._last = observation, info
         return observation, reward, self.observe(info["lives"], terminated, truncated), truncated, info
@@ -83,3 +90,21 @@ class EpisodicLife(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs)
             observation, info = self.env.reset(seed=seed, options=options)
         self._lives = info["lives"]
         return observation, info
+
+    def _save_state(self) -> State:
+        """The last observation is needed only where a reset may return it again."""
+        state: dict[str, Any] = {"lives": self._lives, "life_lost": self.life_lost, "same_game": self.same_game}
+        if self._on_reset == "continue":
+            observation, info = self._last
+            space = self.env.observation_space
+            known = observation is not None
+            flat = spaces.flatten(space, observation) if known else np.zeros_like(spaces.flatten_space(space).sample())
+            state |= {"known": known, "observation": flat, "info": info}
+        return state
+
+    def _load_state(self, state: State) -> dict[str, Any]:
+        attributes = {"_lives": state["lives"], "life_lost": state["life_lost"], "same_game": state["same_game"]}
+        if self._on_reset == "continue":
+            observation = spaces.unflatten(self.env.observation_space, state["observation"])
+            attributes["_last"] = observation if state["known"] else None, state["info"]
+        return attributes

@@ -10,10 +10,11 @@ import numpy as np
 from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
 
+from atari.restorable import Restorable
 from atari.wrappers._checks import Environment, action_meanings
 
 
-class FireReset(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class FireReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """After a reset, play one step of FIRE. Games without a FIRE action are left as they are.
 
     If the episode ends meanwhile, the environment is reset once more.

@@ -10,11 +10,12 @@ import gymnasium
 import numpy as np
 from gymnasium.utils import RecordConstructorArgs
 
+from atari.restorable import Restorable
 from atari.validation import check_integer
 from atari.wrappers._checks import Environment, require_pixels, require_single_frames
 
 
-class FrameSkip(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class FrameSkip(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """Play each action for `frame_skip` steps and sum the rewards.
 
     The observation is the maximum, pixel by pixel, of the last two that were played, also when the episode ends inside

@@ -13,6 +13,8 @@ import numpy.typing as npt
 from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
 
+from atari.env import AtariEnv
+from atari.restorable import Restorable, State, warn_of_restore
 from atari.validation import check_integer, check_name
 from atari.wrappers._checks import Environment
 
@@ -20,7 +22,7 @@ Padding = Literal["reset", "zero"]
 Array = npt.NDArray[Any]
 
 
-class FrameStack(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class FrameStack(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """Observations become (stack_size, *shape), the oldest first.
 
     Each is a new array, as Gymnasium demands of environments, into which the frames are copied. With `lazy` no frame is
@@ -54,6 +56,7 @@ class FrameStack(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
         self.stack_size = stack_size
         self._lazy = lazy
         self._frames: deque[Array] = deque(maxlen=stack_size)
+        self._atari = env.unwrapped if isinstance(env.unwrapped, AtariEnv) else None
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset and begin a new stack."""
@@ -64,8 +67,18 @@ class FrameStack(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Step and stack the observation."""
+        if self._atari is not None and self._atari._restored:
+            warn_of_restore(self.env, "FrameStack")
         observation, reward, terminated, truncated, info = self.env.step(action)
         return self._push(observation), reward, terminated, truncated, info
+
+    def _save_state(self) -> State:
+        space = self.observation_space
+        frames = np.array(self._frames) if self._frames else np.zeros(space.shape or (), space.dtype)
+        return {"frames": frames, "begun": bool(self._frames)}
+
+    def _load_state(self, state: State) -> dict[str, Any]:
+        return {"_frames": deque(state["frames"] if state["begun"] else (), maxlen=self.stack_size)}
 
     def _push(self, frame: Array) -> "Array | LazyStack":
         self._frames.append(frame)

@@ -9,10 +9,11 @@ from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
 
 from atari.cores import ByteArray
+from atari.restorable import Restorable
 from atari.wrappers._checks import Environment, require_pixels
 
 
-class Grayscale(gymnasium.ObservationWrapper[Any, Any, Any], RecordConstructorArgs):
+class Grayscale(Restorable, gymnasium.ObservationWrapper[Any, Any, Any], RecordConstructorArgs):
     """RGB images (rows, columns, 3) become gray ones (rows, columns), uint8, by OpenCV.
 
     The brightness is 0.299 red + 0.587 green + 0.114 blue, as in OpenAI's Baselines. ALE has its own table of gray

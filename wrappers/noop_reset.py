@@ -9,11 +9,12 @@ from typing import Any
 import gymnasium
 from gymnasium.utils import RecordConstructorArgs
 
+from atari.restorable import Restorable
 from atari.validation import check_integer
 from atari.wrappers._checks import Environment, action_meanings, step_noop
 
 
-class NoopReset(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class NoopReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """After a reset, play between `noop_min` and `noop_max` steps of NOOP.
 
     The number is drawn from `env.unwrapped.np_random` as Gymnasium's and Stable-Baselines3's wrappers draw it, so equal

@@ -7,10 +7,11 @@ import numpy as np
 from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
 
+from atari.restorable import Restorable
 from atari.wrappers._checks import Environment, require_atari
 
 
-class RamObservation(gymnasium.ObservationWrapper[Any, Any, Any], RecordConstructorArgs):
+class RamObservation(Restorable, gymnasium.ObservationWrapper[Any, Any, Any], RecordConstructorArgs):
     """Observations become `{"image": the pixels, "ram": (128,) uint8}`.
 
     The RAM is read at the time of the observation. With `sound_obs`, "ram" joins "image" and "sound". Put it outside

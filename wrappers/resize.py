@@ -9,11 +9,12 @@ from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
 
 from atari.cores import ByteArray
+from atari.restorable import Restorable
 from atari.validation import check_integer
 from atari.wrappers._checks import Environment, require_pixels
 
 
-class Resize(gymnasium.ObservationWrapper[Any, Any, Any], RecordConstructorArgs):
+class Resize(Restorable, gymnasium.ObservationWrapper[Any, Any, Any], RecordConstructorArgs):
     """Scale images to `shape` by averaging areas (OpenCV's INTER_AREA).
 
     The same as Gymnasium's `ResizeObservation`, which cannot be pickled.

@@ -8,14 +8,17 @@ Learning Environment", section 5). `AtariEnv` does it inside the emulator, frame
 from typing import Any
 
 import gymnasium
+import numpy as np
+from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
 
 from atari.env import AtariEnv
+from atari.restorable import Restorable, State, warn_of_restore
 from atari.validation import check_probability
 from atari.wrappers._checks import Environment, has_noop, noop_action
 
 
-class StickyActions(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class StickyActions(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """With some probability, play the action of the previous step again.
 
     An episode starts with NOOP as the previous action. One number is drawn from `np_random` each step. If no inner
@@ -46,6 +49,7 @@ class StickyActions(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs
         RecordConstructorArgs.__init__(self, repeat_action_probability=repeat_action_probability)
         super().__init__(env)
         self._probability = repeat_action_probability
+        self._atari = inner if isinstance(inner, AtariEnv) else None
         self._action = noop_action(env)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
@@ -55,6 +59,19 @@ class StickyActions(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Play this action, or the previous one again."""
-        if self.np_random.random() >= self._probability:
-            self._action = action
-        return self.env.step(self._action)
+        if self._atari is not None and self._atari._restored:
+            warn_of_restore(self.env, "StickyActions")
+        if self.np_random.random() < self._probability:
+            action = self._action
+        result = self.env.step(action)
+        self._action = action
+        return result
+
+    def _save_state(self) -> State:
+        discrete = isinstance(self.action_space, spaces.Discrete)
+        return {"action": int(self._action) if discrete else np.asarray(self._action, np.float32)}
+
+    def _load_state(self, state: State) -> dict[str, Any]:
+        if state["action"] not in self.action_space:
+            raise ValueError(f"the snapshot is damaged: {state['action']!r} is no action of {self.action_space}")
+        return {"_action": state["action"]}

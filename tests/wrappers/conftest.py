@@ -128,6 +128,13 @@ def contract() -> Callable[..., None]:
             position = pickle.loads(pickle.dumps(env))
             assert data_equivalence(rollout(again, actions[:20]), rollout(position, actions[:20]))
 
+        saved = env.snapshot()
+        expected = rollout(env, actions)
+        for restored in (env, twin):
+            restored.restore(saved)
+            assert restored.snapshot() == saved
+            assert data_equivalence(expected, rollout(restored, actions)), "a snapshot must continue"
+
         remade = gymnasium.make(env.spec)
         assert str(remade) == str(env)
         remade.reset(seed=3)

@@ -12,9 +12,10 @@ from atari.cores.options import SEED_LIMIT
 from atari.env import AtariEnv
 from atari.recording.replay.events import Kind
 from atari.recording.replay.recorder import RecordedCore, ReplayRecorder, header_of
+from atari.restorable import Restorable
 
 
-class RecordReplay(gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class RecordReplay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """Record everything that is played, by any wrapper, in one replay.
 
     The replay has the calls of the core: no-op resets, the frames of a frame skip, sticky actions, `set_ram`, `restore`

@@ -12,9 +12,10 @@ from atari.recording.video.record_video_base import RecordVideoBase, make_folder
 from atari.recording.video.recorder import VideoRecorder, VideoSettings
 from atari.recording.video.schedule import Schedule, Trigger
 from atari.recording.video.writer import frame_rate
+from atari.restorable import Restorable
 
 
-class RecordVideo(RecordVideoBase, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class RecordVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """Record videos of chosen episodes.
 
     The arguments, the file names and the recorded episodes are those of `gymnasium.wrappers.RecordVideo`. The videos
