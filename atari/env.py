@@ -6,6 +6,7 @@ Options, defaults, observations, rewards and random streams are those of ale-py'
 
 import copy
 import time
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from os import PathLike
@@ -335,6 +336,9 @@ class AtariEnv(gymnasium.Env[Any, Any]):
     def restore(self, data: bytes) -> None:
         """Continue from a snapshot.
 
+        `data` may also be the content of a file that F5 in `atari play` has saved. Its game, mode and difficulty must
+        be those of this environment, which keeps its own sticky actions, sound and limit of frames.
+
         Wrappers are not restored; a wrapper of `atari.wrappers` that has a state warns at its next step. Call `restore`
         of the outermost wrapper instead, with what its `snapshot` returned.
 
@@ -343,6 +347,8 @@ class AtariEnv(gymnasium.Env[Any, Any]):
                 is as it was.
         """
         facts, blobs = snapshot.unpack(data)
+        if facts.get("of") == "play":
+            facts, blobs = self._of_play(blobs)
         snapshot.require(facts, {"of": "AtariEnv"})
         snapshot.require_blobs(blobs, "core")
         phase: Any = facts.get("phase")
@@ -357,6 +363,13 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         self._game, self._ended_game = game, None
         self._restored = True
         self._frames.clear()
+
+    def _of_play(self, blobs: Mapping[str, bytes]) -> tuple[dict[str, Any], dict[str, bytes]]:
+        """The facts and blobs of the snapshot in a state of `atari play`, with the options of this environment."""
+        facts, blobs = snapshot.unpack(blobs.get("env", b""))
+        own, _ = snapshot.unpack(self.core.snapshot())
+        options = {name: own[name] for name in ("sound", "repeat_action_probability", "max_num_frames_per_episode")}
+        return facts, {**blobs, "core": snapshot.with_options(blobs.get("core", b""), **options)}
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickling and copying keep the position in the game."""

@@ -74,8 +74,7 @@ class Restorable:
             _load_state(layer, _state(layer, number, scalars, blobs))
             for number, (layer, scalars) in enumerate(zip(stateful, saved, strict=True))
         ]
-        if "env" not in blobs:
-            raise _damaged("it has no environment")
+        snapshot.require_blobs(blobs, "env")
         atari.restore(blobs["env"])
         atari._restored = False
         for layer, values in zip(stateful, attributes, strict=True):
@@ -180,10 +179,15 @@ def _checked_layers(saved: Any, stateful: list[Environment]) -> list[dict[str, A
     sound = isinstance(saved, list) and all(isinstance(part, dict) and "state" in part for part in saved)
     if not sound or not all(isinstance(part["state"], dict) for part in saved):
         raise _damaged("it has no list of wrappers")
-    names = [str(part.get("wrapper"))[:80] for part in saved]
+    names = [part.get("wrapper") for part in saved]
+    if not all(isinstance(name, str) for name in names):
+        raise _damaged("a wrapper has no name")
     own = [type(layer).__name__ for layer in stateful]
     if names != own:
-        raise ValueError(f"the snapshot was taken with the wrappers {names[:20]}, but this environment has {own}")
+        raise ValueError(
+            f"the snapshot was taken with the wrappers {', '.join(names)[:200] or 'none'}, but this environment has "
+            f"{', '.join(own) or 'none'}; restore it into the same wrappers"
+        )
     for part, layer in zip(saved, stateful, strict=True):
         if part.get("arguments") != (arguments := _identity(layer)["arguments"]):
             raise ValueError(
@@ -215,7 +219,8 @@ def _array(blob: bytes, like: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
         raise _damaged(str(error)) from None
     if len(data) != like.nbytes or not unpacker.eof or unpacker.unused_data:
         raise _damaged(f"an array has not {like.nbytes} bytes")
-    return np.frombuffer(bytearray(data), like.dtype).reshape(like.shape)
+    array: np.ndarray[Any, Any] = np.frombuffer(bytearray(data), like.dtype).reshape(like.shape)
+    return array
 
 
 def _damaged(text: str) -> ValueError:

@@ -3,6 +3,8 @@
     snapshot of     facts                                            blobs
     AtariEnv        phase of the episode, the generator np_random,   the core's snapshot
                     score, steps and first frame of the game
+    wrappers        the wrappers that have a state, with             the snapshot of the AtariEnv, the wrappers' arrays
+                    their arguments (`atari.restorable`)
     NativeCore      core, game, ROM, options, version of the state   the state: machine, RAM of the cartridge, episode,
                                                                      framebuffer, sound, held action, generators
     AleCore         the same, and the seed                           ale-py's state after the last reset, the calls
@@ -80,6 +82,22 @@ def require(facts: Mapping[str, Any], expected: Mapping[str, Any]) -> None:
                 f"the snapshot was taken with {name} = {_shown(facts.get(name))}, but this environment has {value!r}; "
                 "restore it into one made with the same options"
             )
+
+
+def with_options(data: bytes, **options: Any) -> bytes:
+    """A core's snapshot with these options, which are those of the core that is to restore it.
+
+    The state of the native core depends neither on sound, whose generator it always includes, nor on the probability of
+    sticky actions or the limit of frames. A snapshot of ale-py's core is returned unchanged: its layout depends on
+    them.
+
+    Raises:
+        TypeError, ValueError: as `unpack`.
+    """
+    facts, blobs = unpack(data)
+    if facts.get("core") == "ale":
+        return data
+    return pack({**facts, **options}, blobs)
 
 
 def require_blobs(blobs: Mapping[str, bytes], *names: str) -> None:

@@ -7,6 +7,7 @@ import av
 import numpy as np
 import pytest
 
+from atari import AtariEnv
 from atari.actions import Action
 from atari.cores import snapshot
 from atari.play.session import FRAMES_PER_REWIND_POINT, Session
@@ -174,3 +175,63 @@ def test_without_a_replay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     play(session, 30)
     session.close()
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"obs_type": "ram", "sound_obs": True},
+        {"max_num_frames_per_episode": 900, "core": "plain"},
+        {"frameskip": (2, 5)},
+    ],
+)
+def test_an_environment_continues_from_a_saved_state(tmp_path: Path, options: dict[str, Any]) -> None:
+    session = make(tmp_path, seed=1)
+    play(session, 150)
+    state = session.save().read_bytes()
+    env = AtariEnv("breakout", **options)
+    env.restore(state)
+    assert np.array_equal(env.core.screen_rgb(), session.screen)
+    session.play(Action.LEFT)
+    env.play_frames(Action.LEFT, 1)
+    assert env.core.frame_number == session._atari.core.frame_number
+    session.close()
+    _, _, _, _, info = env.step(0)
+    assert info["lives"] == 5
+    assert env.snapshot() != state
+
+
+def test_a_limit_of_the_environment_holds_after_a_saved_state(tmp_path: Path) -> None:
+    session = make(tmp_path, seed=1)
+    play(session, 150)
+    env = AtariEnv("breakout", frameskip=1, max_num_frames_per_episode=200)
+    env.restore(session.save().read_bytes())
+    session.close()
+    steps = 1
+    while not env.step(0)[3]:
+        steps += 1
+    assert 150 + steps <= 200 == env.core.episode_frame_number
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"game": "pong"}, "taken with game = 'breakout', but this environment has 'pong'"),
+        ({"mode": 4}, "taken with mode = None, but this environment has 4"),
+        ({"core": "ale"}, "taken with core = 'native', but this environment has 'ale'"),
+    ],
+)
+def test_a_saved_state_of_another_game_is_refused(tmp_path: Path, options: dict[str, Any], text: str) -> None:
+    session = make(tmp_path, seed=1)
+    state = session.save().read_bytes()
+    session.close()
+    env = AtariEnv(**{"game": "breakout", **options})
+    env.reset(seed=0)
+    before = env.snapshot()
+    with pytest.raises(ValueError, match=text):
+        env.restore(state)
+    for blobs in ({}, {"env": b"x"}, {"env": snapshot.pack({"of": "AtariEnv"}, {"core": b"x"})}):
+        with pytest.raises(ValueError, match="snapshot"):
+            env.restore(snapshot.pack({"of": "play", "score": 0}, blobs))
+    assert env.snapshot() == before

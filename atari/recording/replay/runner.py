@@ -134,20 +134,10 @@ class ReplayRunner:
                 del self._saves[first]
         elif kind == Kind.LOAD:
             self._in_episode = True
-            core.restore(_with_sound_of(core, self._snapshots[first]))
+            core.restore(snapshot.with_options(self._snapshots[first], sound=core.sound))
             self.score = 0
         elif kind in (Kind.MODE, Kind.DIFFICULTY):
             choices = core.game.modes if kind == Kind.MODE else core.game.difficulties
             if first not in choices:
                 raise ValueError(f"{core.game.id} has {kind.name.lower()} {', '.join(map(str, choices))}")
             (core.set_mode if kind == Kind.MODE else core.set_difficulty)(first)
-
-
-def _with_sound_of(core: Core, data: bytes) -> bytes:
-    """Return a snapshot with the sound setting of this core, which may differ from the recorded core's.
-
-    The native core's state always includes the sound generator. A snapshot of ale-py's core is returned unchanged,
-    because its layout depends on the setting.
-    """
-    facts, blobs = snapshot.unpack(data)
-    return data if facts.get("core") == "ale" else snapshot.pack({**facts, "sound": core.sound}, blobs)
