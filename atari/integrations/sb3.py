@@ -5,14 +5,16 @@ their channels first, and `infos` has a dict for each environment. `AtariVectorE
 `AtariVecEnv` adds the rest, and the episode statistics of Stable-Baselines3's `Monitor`.
 """
 
+import sys
 import time
 from collections.abc import Sequence
 from os import PathLike
+from types import FrameType
 from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium import spaces
+from gymnasium import logger, spaces
 
 from atari._gymnasium import AutoresetMode
 from atari.games.game import Game
@@ -23,7 +25,7 @@ from atari.wrappers import PRESETS
 
 try:
     from stable_baselines3.common.monitor import Monitor
-    from stable_baselines3.common.vec_env import VecEnv
+    from stable_baselines3.common.vec_env import VecEnv, VecFrameStack
 except ImportError:
     raise gymnasium.error.DependencyNotInstalled(
         "atari.sb3 needs Stable-Baselines3: pip install 'atari-envs[sb3]'"
@@ -45,7 +47,9 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
     environments were made. So a `VecMonitor` is not needed, and would record clipped rewards of single lives. Rewards
     during the no-ops and the FIRE of a reset are not returned, and not part of it.
 
-    `vector` is the `AtariVectorEnv`; `get_attr`, `set_attr` and `env_method` are about its `members`.
+    `vector` is the `AtariVectorEnv`; `get_attr`, `set_attr` and `env_method` are about its `members`. To record videos,
+    replace it by a wrapper that leaves observations, rewards and actions as they are:
+    `envs.vector = atari.recording.RecordVectorVideo(envs.vector, "videos", step_trigger=..., video_length=...)`.
 
     Args:
         game, num_envs: as of `AtariVectorEnv`.
@@ -65,18 +69,25 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
             raise TypeError(f"Stable-Baselines3 decides about {name}; leave it out")
         clips = check_clip_reward(options.pop("clip_reward", None), options.pop("reward_clipping", None))
         same_step = AutoresetMode.SAME_STEP
-        self.vector = AtariVectorEnv(game, num_envs, **options, reward_clipping=False, autoreset_mode=same_step)
+        self._atari = AtariVectorEnv(game, num_envs, **options, reward_clipping=False, autoreset_mode=same_step)
+        self.vector: gymnasium.vector.VectorEnv[Any, Any, Any] = self._atari
         preset = options.get("preset")
         self._clips = bool(clips) if clips is not None else preset is None or PRESETS[preset].clip_reward
         super().__init__(
-            self.vector.num_envs, _channels_first(self.vector.single_observation_space), self.vector.single_action_space
+            self._atari.num_envs, _channels_first(self._atari.single_observation_space), self._atari.single_action_space
         )
+        self._actions: Any = None
         self._made_at = time.time()
         self._returns = np.zeros(self.num_envs, np.int64)
         self._game_began = np.zeros(self.num_envs, np.int64)
 
     def reset(self) -> Any:
-        """Begin new games, with the seeds of `seed` if it was called."""
+        """Begin new games, with the seeds of `seed` if it was called. Warn if a `VecFrameStack` calls it."""
+        if _is_stacked(self.observation_space) and _called_by(VecFrameStack, sys._getframe(1)):
+            logger.warn(
+                "VecFrameStack stacks the observations of AtariVecEnv, which are stacks already; "
+                "leave VecFrameStack out, or make AtariVecEnv with stack_num=1"
+            )
         observation, info = self.vector.reset(seed=self._seeds)
         self._reset_seeds()
         self._reset_options()
@@ -86,12 +97,18 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         return _shown(observation)
 
     def step_async(self, actions: Any) -> None:
-        """Begin a step; the errors are those of `AtariVectorEnv.send`."""
-        self.vector.send(actions)
+        """Begin a step; the errors are those of `AtariVectorEnv.send`.
+
+        A wrapper around `vector` plays it in `step_wait`, which raises the errors then.
+        """
+        self._actions = actions
+        if self.vector is self._atari:
+            self._atari.send(actions)
 
     def step_wait(self) -> tuple[Any, Any, Any, list[dict[str, Any]]]:
         """Wait for the step's observations, rewards, ends of episodes, and infos."""
-        observation, rewards, terminations, truncations, info = self.vector.recv()
+        played = self._atari.recv() if self.vector is self._atari else self.vector.step(self._actions)
+        observation, rewards, terminations, truncations, info = played
         dones = terminations | truncations
         shown, infos = _shown(observation), _split(info)
         for one, truncated in zip(infos, (truncations & ~terminations).tolist(), strict=True):
@@ -139,24 +156,41 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         return self.env_method("screen_rgb")
 
     def get_attr(self, attr_name: str, indices: Indices = None) -> list[Any]:
-        """An attribute of each environment, or else of all of them together."""
-        owners = [self.vector.members[index] for index in self._get_indices(indices)]
-        return [getattr(owner if hasattr(owner, attr_name) else self.vector, attr_name) for owner in owners]
+        """An attribute of each environment, or else of all of them together. Spaces are those of one environment."""
+        chosen = [self._atari.members[index] for index in self._get_indices(indices)]
+        if attr_name in ("action_space", "observation_space"):
+            return [getattr(self, attr_name)] * len(chosen)
+        return [getattr(member if hasattr(member, attr_name) else self._atari, attr_name) for member in chosen]
 
     def set_attr(self, attr_name: str, value: Any, indices: Indices = None) -> None:
         """Set `mode` or `difficulty`; the errors are those of `AtariVectorEnv.set_attr`."""
         chosen = set(self._get_indices(indices))
         now = self.get_attr(attr_name)
-        self.vector.set_attr(attr_name, [value if index in chosen else old for index, old in enumerate(now)])
+        self._atari.set_attr(attr_name, [value if index in chosen else old for index, old in enumerate(now)])
 
     def env_method(self, method_name: str, *args: Any, indices: Indices = None, **kwargs: Any) -> list[Any]:
         """What a method of each environment returns."""
-        members = self.vector.members
+        members = self._atari.members
         return [getattr(members[index], method_name)(*args, **kwargs) for index in self._get_indices(indices)]
 
     def env_is_wrapped(self, wrapper_class: type[Any], indices: Indices = None) -> list[bool]:
         """True for `Monitor`, whose work is done here, so that `evaluate_policy` counts whole games."""
         return [issubclass(wrapper_class, Monitor) for _ in self._get_indices(indices)]
+
+
+def _is_stacked(space: spaces.Space[Any]) -> bool:
+    """Whether observations have more than the channels of one image."""
+    image = space["image"] if isinstance(space, spaces.Dict) else space
+    return image.shape is not None and len(image.shape) == 3 and image.shape[0] not in (1, 3)
+
+
+def _called_by(kind: type[Any], frame: FrameType | None) -> bool:
+    """Whether the frame, or one that called it, runs a method of an object of this kind."""
+    while frame is not None:
+        if isinstance(frame.f_locals.get("self"), kind):
+            return True
+        frame = frame.f_back
+    return False
 
 
 def _game_began(info: dict[str, Any]) -> Any:

@@ -1,13 +1,14 @@
 """`Member`: one environment of a vector."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from atari import _emulator
 from atari.actions import Action
-from atari.cores import ByteArray, NativeCore
+from atari.cores import ByteArray, Core, NativeCore
+from atari.cores.ale_interface import AleInterface
 from atari.games.game import Game
 from atari.validation import check_poke
 
@@ -71,10 +72,20 @@ class Member:
         with self._lock:
             self._engine().set_difficulty(self.index, checked)
 
-    def ram(self) -> ByteArray:
-        """The bytes of RAM, (128,) uint8, a copy."""
+    @property
+    def ale(self) -> AleInterface:
+        """The methods of ale-py's `ALEInterface` for what a member has.
+
+        These are lives, frame numbers, RAM, the RGB screen, action sets, modes and difficulties. The others, such as
+        `act` and `reset_game`, raise AttributeError: the vector plays the game.
+        """
+        return AleInterface(cast(Core, self))
+
+    def ram(self, out: ByteArray | None = None) -> ByteArray:
+        """The bytes of RAM, (128,) uint8, a copy, or `out` filled with them."""
         with self._lock:
-            return np.frombuffer(bytearray(self._engine().ram(self.index)), np.uint8)
+            ram = np.frombuffer(bytearray(self._engine().ram(self.index)), np.uint8)
+        return _copied(ram, out)
 
     def set_ram(self, index: int, value: int) -> None:
         """Write one byte of RAM; `index` 0..127, `value` 0..255.
@@ -98,10 +109,11 @@ class Member:
             state = self._engine().save_emulator(self.index)
         core.load(state)
 
-    def screen_rgb(self) -> ByteArray:
-        """The screen, (height, 160, 3) uint8."""
+    def screen_rgb(self, out: ByteArray | None = None) -> ByteArray:
+        """The screen, (height, 160, 3) uint8, or `out` filled with it."""
         with self._lock:
-            return self._engine().screen_rgb(self.index)
+            screen = self._engine().screen_rgb(self.index)
+        return _copied(screen, out)
 
     render = screen_rgb
 
@@ -121,3 +133,17 @@ class Member:
         if value not in choices:
             raise ValueError(f"{self.game.id} has no {name} {value}; it has {', '.join(map(str, choices))}")
         return int(value)
+
+
+def _copied(array: ByteArray, out: ByteArray | None) -> ByteArray:
+    """The array, or `out` with its content.
+
+    Raises:
+        ValueError: `out` is not a uint8 array of this shape.
+    """
+    if out is None:
+        return array
+    if not isinstance(out, np.ndarray) or out.shape != array.shape or out.dtype != np.uint8:
+        raise ValueError(f"out must be a uint8 array of shape {array.shape}")
+    out[...] = array
+    return out

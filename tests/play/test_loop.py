@@ -124,7 +124,7 @@ def test_file_errors_are_shown_and_play_continues() -> None:
     driver = WindowDriver()
     driver.tick(3)
     driver.press(pygame.K_F9)
-    assert driver.loop._text() == "No such file or directory"
+    assert "there is no file" in driver.loop._text()
     Path("a.state").write_bytes(b"nonsense")
     driver.press(pygame.K_F9)
     assert "are not a snapshot" in driver.loop._text()

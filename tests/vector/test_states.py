@@ -381,3 +381,20 @@ def test_pickling_keeps_a_mode_that_was_set() -> None:
     copied = copy.deepcopy(envs)
     assert copied.get_attr("mode") == (0, 8)
     assert np.array_equal(copied.reset()[0], envs.reset()[0])
+
+
+def test_a_member_has_the_methods_of_ale_pys_interface_for_reading() -> None:
+    envs = make(num_envs=2)
+    envs.reset(seed=0)
+    member = envs.members[1]
+    ale = member.ale
+    assert (ale.lives(), ale.getFrameNumber(), ale.getRAMSize()) == (5, member.frame_number, 128)
+    ale.setRAM(5, 77)
+    assert ale.getRAM()[5] == ale.getRAM(np.empty(128, np.uint8))[5] == 77
+    assert np.array_equal(ale.getScreenRGB(), member.screen_rgb())
+    assert ale.getScreenRGB().shape == (*ale.getScreenDims(), 3)
+    with pytest.raises(AttributeError, match="act"):
+        ale.act(0)
+    for out in (np.empty(3, np.uint8), np.empty(128, np.int8), [0] * 128):
+        with pytest.raises(ValueError, match=r"out must be a uint8 array of shape \(128,\)"):
+            ale.getRAM(out)
