@@ -107,6 +107,9 @@ class Player(Protocol):
     def load_game(self) -> None:
         """Load the game again, with the settings."""
 
+    def restore_state(self, state: Any) -> None:
+        """Continue from a state that `clone_state` returned."""
+
 
 class AleInterface:
     """The methods of ale-py's `ALEInterface` for a running game; ale-py documents each.
@@ -219,13 +222,13 @@ class AleInterface:
         return self._core.clone_state(include_rng=include_rng)
 
     def restoreState(self, state: Any) -> None:
-        self._core.restore_state(state)
+        self._player.restore_state(state)
 
     def cloneSystemState(self) -> Any:
         return self._core.clone_state(include_rng=True)
 
     def restoreSystemState(self, state: Any) -> None:
-        self._core.restore_state(state)
+        self._player.restore_state(state)
 
     def getInt(self, key: str) -> int:
         return int(self._player.ale_settings.get(key, int))

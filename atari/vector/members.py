@@ -1,14 +1,15 @@
 """`Member`: one environment of a vector."""
 
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
 
 from atari import _emulator
 from atari.actions import Action
-from atari.cores import ByteArray, Core, NativeCore
-from atari.cores.ale_interface import AleInterface
+from atari.cores import ByteArray, NativeCore
+from atari.cores.ale_interface import AleInterface, Player
 from atari.games.game import Game
 from atari.validation import check_poke
 
@@ -79,7 +80,7 @@ class Member:
         These are lives, frame numbers, RAM, the RGB screen, action sets, modes and difficulties. The others, such as
         `act` and `reset_game`, raise AttributeError: the vector plays the game.
         """
-        return AleInterface(cast(Core, self))
+        return AleInterface(cast(Player, SimpleNamespace(core=self)))
 
     def ram(self, out: ByteArray | None = None) -> ByteArray:
         """The bytes of RAM, (128,) uint8, a copy, or `out` filled with them."""
