@@ -640,9 +640,12 @@ class VectorEngine:
         actions: numpy.typing.NDArray[numpy.int64],
         strengths: numpy.typing.NDArray[numpy.float32] | None,
         batch: Batch | None,
+        environments: numpy.typing.NDArray[numpy.int64] | None = None,
     ) -> None:
         """
         Begin a step of the environments of the last batch; the batch is where results go if it is of all of them.
+        `environments` are those to step, in the order of the actions. If a batch has all, they may be some: the
+        rows of the others show the last results again.
         """
 
     def reset(
@@ -651,8 +654,12 @@ class VectorEngine:
         seeded: numpy.typing.NDArray[numpy.bool],
         seeds: numpy.typing.NDArray[numpy.uint32],
         batch: Batch | None,
+        new_games: bool = False,
     ) -> None:
-        """Begin a reset of the environments in `mask`; `seeds` as above."""
+        """
+        Begin a reset of the environments in `mask`; `seeds` as above. With `new_games`, none continues its game
+        after a lost life.
+        """
 
     def receive(self, batch: Batch) -> bool:
         """Wait for a batch of results; whether an episode or a game ended in it."""

@@ -26,12 +26,13 @@ from atari import _emulator
 from atari._gymnasium import AutoresetMode, VectorEnv
 from atari.cores import ByteArray
 from atari.games.game import Game
+from atari.protocols import Protocol
 from atari.rendering import tile
 from atari.validation import FirstResetNeeded, check_known
 from atari.vector.ale_interface import AleVectorInterface
 from atari.vector.members import Member
 from atari.vector.options import VectorOptions
-from atari.vector.results import Results
+from atari.vector.results import Results, pick_rows
 from atari.vector.seeds import seed_words
 
 ObsType = Literal["grayscale", "rgb", "ram", "dict"]
@@ -92,9 +93,13 @@ class AtariVectorEnv(VectorEnv):
         use_fire_reset: an episode begins with FIRE in games that have it.
         preset: name of a preprocessing, one of `atari.wrappers.PRESETS` (added). Environment i then is
             `atari.wrappers.preset(env, name)` with seed + i, to the byte: no-ops, FIRE, lost lives, pooling, padding
-            and limits are the preset's, and ale-py's options that shape them must be left out.
+            and limits are the preset's, and ale-py's options that shape them must be left out. An
+            `atari.protocols.Protocol` decides the same, but for the size, colours and number of the images.
         obs_type: "grayscale", "rgb", "ram" ((batch, 128), no stack), or "dict" of "image" and "ram"; None is what
             `grayscale` says (added).
+        channels_last: images are (batch, img_height, img_width, stack_num), in RGB (batch, img_height, img_width,
+            3 * stack_num). Gray ones are then a transposed view, RGB ones a copy (added).
+        dtype: "uint8", or "float32" with the same values 0..255, which is a copy of four times the size (added).
         mode, difficulty: of the game, None the default; a sequence has one for each environment (added).
         render_mode: "rgb_array" for `render` (added).
         rom: path of the ROM file; None searches (see `atari.roms`) (added).
@@ -133,8 +138,10 @@ class AtariVectorEnv(VectorEnv):
         reward_clipping: bool | None = None,
         clip_reward: bool | None = None,
         use_fire_reset: bool = True,
-        preset: str | None = None,
+        preset: str | Protocol | None = None,
         obs_type: ObsType | None = None,
+        channels_last: bool = False,
+        dtype: npt.DTypeLike = "uint8",
         mode: int | Sequence[int | None] | None = None,
         difficulty: int | Sequence[int | None] | None = None,
         render_mode: Literal["rgb_array"] | None = None,
@@ -162,10 +169,11 @@ class AtariVectorEnv(VectorEnv):
         # Of all attributes that change, and of the engine from a send to its results.
         self._lock = _emulator.VectorLock()
         self.single_action_space = options.action_space()
-        self.single_observation_space = options.observation_space()
+        self.single_observation_space = options.layout.space(options.observation_space())
         self.action_space = batch_space(self.single_action_space, self.batch_size)
         self._buffers = [Results(self._engine, options) for _ in range(2)]
         self._flying: Results | None = None  # what the environments are writing to
+        self._chosen: IntArray | None = None  # of all environments, those that are being played
         self._phase: Literal["new", "idle", "sent"] = "new"
         self._masks = options.action_masks()
         self._closed_states: list[bytes] | None = None  # of the environments at `close`, from which `reset` continues
@@ -187,45 +195,68 @@ class AtariVectorEnv(VectorEnv):
             seed: environment i gets seed + i; an array has a seed for each environment that is reset, of which negative
                 ones (and None) keep the generator as it is. Below 2**31.
             options: {"reset_mask": bool (num_envs,)} resets only these; the others are shown as they are.
+                {"new_game": True} begins new games also where a lost life has ended the episode and the preset would
+                continue the game.
 
         Raises:
             TypeError, ValueError: the seeds or the mask are of the wrong kind or length.
         """
         with self._lock:
-            if self._engine is None and (options or {}).get("reset_mask") is None:
-                self._reopen()
-            engine = self._open()
-            mask = self._reset_mask(options)
-            seeded, seeds = seed_words(seed, mask, ale=self._options.protocol.order == "ale")
-            self._phase = "new"  # until it has succeeded
-            results = self._take_buffer(engine, None)
-            engine.reset(mask, seeded, seeds, results.batch if self.batch_size == self.num_envs else None)
-            self._flying = results
+            engine = self._begin_reset(seed, options)
             observation, _, _, _, info = self._receive(engine)
             return observation, info
 
-    def step(self, actions: Any, out: Any = None) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
-        """Play a step of the environments of the last batch.
+    def reset_async(
+        self, *, seed: int | Sequence[int | None] | IntArray | None = None, options: dict[str, Any] | None = None
+    ) -> None:
+        """Begin a reset; `recv` returns its results, with rewards of zero. Arguments and errors are those of `reset`.
+
+        With `batch_size` less than `num_envs`, the first `recv` returns the environments that are ready first.
+        """
+        with self._lock:
+            self._begin_reset(seed, options)
+            self._phase = "sent"
+
+    def _begin_reset(self, seed: Any, options: dict[str, Any] | None) -> _emulator.VectorEngine:
+        if self._engine is None and (options or {}).get("reset_mask") is None:
+            self._reopen()
+        engine = self._open()
+        mask = self._reset_mask(options)
+        seeded, seeds = seed_words(seed, mask, ale=self._options.protocol.order == "ale")
+        self._phase = "new"  # until it has succeeded
+        results = self._take_buffer(engine, None)
+        batch = results.batch if self.batch_size == self.num_envs else None
+        engine.reset(mask, seeded, seeds, batch, bool((options or {}).get("new_game")))
+        self._flying, self._chosen = results, None
+        return engine
+
+    def step(self, actions: Any, out: Any = None, env_id: Any = None) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """Play a step of the environments of the last batch, or of some of all environments.
 
         Args:
             actions: integers (batch,), with `continuous` floats (batch, 3); row i is for the environment of row i of
                 the last batch, which is environment i unless `batch_size` is less than `num_envs`.
             out: where to write the observations, instead of a buffer: a C-contiguous uint8 array of their shape, or
                 with obs_type="dict" a dict of two.
+            env_id: integers (rows,), the environments that row i of `actions` is for, each once. Only these are played,
+                and the results have their rows alone, in this order, as copies. If `batch_size` is less than
+                `num_envs`, they must be those of the last batch, in any order.
 
         Returns:
             Observations, rewards, terminations, truncations and info, see above.
 
         Raises:
             gymnasium.error.ResetNeeded: before the first reset, or after an error in an environment.
-            TypeError, ValueError: the actions are not in the action space, or `out` does not fit; nothing is played.
+            TypeError, ValueError: the actions are not in the action space, or `out` or `env_id` does not fit; nothing
+                is played.
+            IndexError: there is no environment of a number in `env_id`; nothing is played.
         """
         with self._lock:
             engine = self._open()
-            self._send(engine, actions, out)
+            self._send(engine, actions, out, env_id)
             return self._receive(engine)
 
-    def send(self, actions: Any, out: Any = None) -> None:
+    def send(self, actions: Any, out: Any = None, env_id: Any = None) -> None:
         """Begin a step; `recv` returns its results. Arguments and errors are those of `step`.
 
         With one thread the environments are played in `recv`.
@@ -234,11 +265,13 @@ class AtariVectorEnv(VectorEnv):
             gymnasium.error.AlreadyPendingCallError: the last step has not been received.
         """
         with self._lock:
-            self._send(self._open(), actions, out)
+            self._send(self._open(), actions, out, env_id)
 
-    def _send(self, engine: _emulator.VectorEngine, actions: Any, out: Any) -> None:
+    def _send(self, engine: _emulator.VectorEngine, actions: Any, out: Any, env_id: Any) -> None:
         self._check_idle()
-        self._start(engine, *self._options.moves(actions), out)
+        chosen = None if env_id is None else _check_env_id(env_id, out)
+        indices, strengths = self._options.moves(actions, None if chosen is None else len(chosen))
+        self._start(engine, indices, strengths, out, chosen)
 
     def _check_idle(self) -> None:
         if self._phase == "new":
@@ -246,10 +279,13 @@ class AtariVectorEnv(VectorEnv):
         if self._phase == "sent":
             raise gymnasium.error.AlreadyPendingCallError("call recv() before the next send()", "send")
 
-    def _start(self, engine: _emulator.VectorEngine, indices: IntArray, strengths: Any, out: Any) -> None:
+    def _start(
+        self, engine: _emulator.VectorEngine, indices: IntArray, strengths: Any, out: Any, chosen: Any = None
+    ) -> None:
         results = self._take_buffer(engine, out)
-        engine.start(indices, strengths, results.batch if self.batch_size == self.num_envs else None)
-        self._flying = results
+        all_together = self.batch_size == self.num_envs
+        engine.start(indices, strengths, results.batch if all_together else None, chosen)
+        self._flying, self._chosen = results, chosen if all_together else None
         self._phase = "sent"
 
     def recv(self) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
@@ -271,6 +307,8 @@ class AtariVectorEnv(VectorEnv):
         self._phase = "new"  # should an environment have failed
         ended = engine.receive(results.batch)
         self._phase = "idle"
+        if self._chosen is not None:
+            return pick_rows(results.read(self._masks, ended), self._chosen)
         return results.read(self._masks, ended)
 
     def observe(self) -> tuple[Any, dict[str, Any]]:
@@ -470,6 +508,8 @@ class AtariVectorEnv(VectorEnv):
 
     def _take_buffer(self, engine: _emulator.VectorEngine, out: Any) -> Results:
         if out is not None:
+            if not self._options.layout.is_engines:
+                raise ValueError("out is filled as the engine writes: leave it, or channels_last and dtype, out")
             return Results(engine, self._options, out)
         if not (buffers := self._buffers):  # A signal handler may close the environment during a step.
             raise _closed()
@@ -498,3 +538,19 @@ class AtariVectorEnv(VectorEnv):
 
 def _closed() -> gymnasium.error.ClosedEnvironmentError:
     return gymnasium.error.ClosedEnvironmentError("this vector environment is closed; call reset() to go on")
+
+
+def _check_env_id(env_id: Any, out: Any) -> IntArray:
+    """The numbers of environments, (rows,) int64; the engine checks that they exist.
+
+    Raises:
+        TypeError, ValueError: of the wrong kind or shape, or together with `out`.
+    """
+    array = np.asarray(env_id)
+    if array.dtype.kind not in "iu" and array.size:
+        raise TypeError(f"env_id must be integers of shape (rows,), got {array.dtype}")
+    if array.ndim != 1:
+        raise ValueError(f"env_id must have the shape (rows,), got {array.shape}")
+    if out is not None:
+        raise ValueError("out is for the observations of a whole batch; leave it or env_id out")
+    return np.array(array, np.int64)

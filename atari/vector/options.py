@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +23,7 @@ from atari.protocols import Protocol
 from atari.roms import find
 from atari.roms.image import read_image
 from atari.validation import check_clip_reward, check_frameskip, check_integer, check_name, check_probability
+from atari.vector.layout import Layout
 from atari.vector.settings import NO_LIMIT, episode_settings, filled, observation_settings
 
 _INT64, _ndarray = np.dtype(np.int64), np.ndarray  # found once: they are used at every step
@@ -47,7 +48,8 @@ class VectorOptions:
     obs_type: str
     grayscale: bool
     stack_num: int
-    preset: str | None
+    layout: Layout
+    preset: str | Protocol | None
     protocol: Protocol
 
     @classmethod
@@ -63,7 +65,7 @@ class VectorOptions:
         if given["render_mode"] not in (None, "rgb_array"):
             raise ValueError(f"render_mode must be 'rgb_array' or None, got {given['render_mode']!r}")
         obs_type, grayscale = _check_obs_type(given["obs_type"], bool(given["grayscale"]))
-        if given["preset"] is not None and obs_type == "rgb":
+        if isinstance(given["preset"], str) and obs_type == "rgb":
             raise ValueError("the observations of a preset are gray; leave obs_type='rgb' out")
         options = cls(
             games=games,
@@ -83,6 +85,7 @@ class VectorOptions:
             obs_type=obs_type,
             grayscale=grayscale,
             stack_num=check_integer("stack_num", given["stack_num"], 1, 10_000),
+            layout=Layout.check(given["channels_last"], given["dtype"], obs_type),
             preset=given["preset"],
             protocol=_check_protocol(given),
         )
@@ -177,18 +180,26 @@ class VectorOptions:
         """The keys of image and RAM in observations: "" if an observation is no dict, "none" for an absent part."""
         return {"dict": ("image", "ram"), "ram": ("none", "")}.get(self.obs_type, ("", "none"))
 
-    def moves(self, actions: Any) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float32] | None]:
-        """The indices of actions, (batch,) int64, and the strengths of paddles, (batch,) float32 or None.
+    def moves(
+        self, actions: Any, rows: int | None = None
+    ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float32] | None]:
+        """The indices of actions, (rows,) int64, and the strengths of paddles, (rows,) float32 or None.
 
-        Indices are not checked for their range.
+        `rows` is `batch_size` if it is None. Indices are not checked for their range.
 
         Raises:
             TypeError, ValueError: of the wrong kind or shape.
         """
-        if type(actions) is _ndarray and actions.dtype is _INT64 and actions.shape == self._index_shape:
+        if (
+            rows is None
+            and type(actions) is _ndarray
+            and actions.dtype is _INT64
+            and actions.shape == self._index_shape
+        ):
             return actions, None  # the usual kind, without the checks below: this is done at every step
         array = np.asarray(actions)
-        shape = (self.batch_size, 3) if self.continuous else (self.batch_size,)
+        rows = self.batch_size if rows is None else rows
+        shape = (rows, 3) if self.continuous else (rows,)
         kinds = "f" if self.continuous else "iu"
         if array.dtype.kind not in kinds:
             kind = "floats (radius, angle, fire)" if self.continuous else "integers"
@@ -232,16 +243,19 @@ _SHAPING = {
 }
 """The options that a preset decides, with their defaults: another value is an error."""
 
+_IMAGE = frozenset(["img_height", "img_width", "grayscale", "stack_num"])
+"""Those of them that a user's own `Protocol` leaves open."""
+
 
 def _check_protocol(given: dict[str, Any]) -> Protocol:
     probability, full = given["repeat_action_probability"], given["full_action_space"]
     clips = check_clip_reward(given["clip_reward"], given["reward_clipping"])
     if probability is not None:
         probability = check_probability("repeat_action_probability", probability)
+    if isinstance(given["preset"], Protocol):
+        return _check_own_protocol(given)
     if given["preset"] is not None:
-        for name, default in _SHAPING.items():
-            if given[name] != default:
-                raise ValueError(f"preset={given['preset']!r} decides about {name}; leave {name}={given[name]!r} out")
+        _require_defaults(given, _SHAPING)
         from atari.wrappers.presets import preset_protocol  # here, because it imports OpenCV
 
         return preset_protocol(
@@ -265,6 +279,36 @@ def _check_protocol(given: dict[str, Any]) -> Protocol:
         max_frames=None if limit is None else check_integer("max_num_frames_per_episode", limit, 1, NO_LIMIT),
         max_pool=bool(given["maxpool"]),
     )
+
+
+def _check_own_protocol(given: dict[str, Any]) -> Protocol:
+    """A protocol that the user made.
+
+    Raises:
+        TypeError, ValueError: options that the protocol decides are given too, or one of its values is out of range.
+    """
+    protocol: Protocol = given["preset"]
+    decided = {name: default for name, default in _SHAPING.items() if name not in _IMAGE}
+    undecided = ("repeat_action_probability", "full_action_space", "episodic_life", "reward_clipping", "clip_reward")
+    _require_defaults(given, {**decided, **dict.fromkeys(undecided)})
+    check_probability("repeat_action_probability", protocol.repeat_action_probability)
+    check_frameskip(protocol.frame_skip)
+    low, high = protocol.noops
+    check_integer("noops", low, 0, check_integer("noops", high, 0, 1_000_000))
+    check_integer("max_num_frames_per_episode", protocol.max_num_frames_per_episode, 0, NO_LIMIT)
+    if protocol.max_frames is not None:
+        check_integer("max_frames", protocol.max_frames, 1, NO_LIMIT)
+    for name in ("order", "fire", "on_reset", "end_frames", "padding"):
+        check_name(name, getattr(protocol, name), get_args(Protocol.__annotations__[name]))
+    if protocol.pool_rgb and not given["grayscale"]:
+        raise ValueError("with pool_rgb the observations are gray; leave grayscale=False out")
+    return protocol
+
+
+def _require_defaults(given: dict[str, Any], defaults: dict[str, Any]) -> None:
+    for name, default in defaults.items():
+        if given[name] != default:
+            raise ValueError(f"preset={given['preset']!r} decides about {name}; leave {name}={given[name]!r} out")
 
 
 def _check_third_actions(action_sets: tuple[tuple[Action, ...], ...], games: tuple[Game, ...]) -> None:

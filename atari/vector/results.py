@@ -61,6 +61,7 @@ class Results:
             games=self._games,
             flags=self._flags,
         )
+        self._apply_layout = None if options.layout.is_engines else options.layout.apply
         # Arrays of the user's own are returned as they are.
         self._lenders = {} if out is not None else _lenders(self._observation)
         self._final_lenders = _lenders(self._final)
@@ -114,11 +115,35 @@ class Results:
             info.update(games)
 
     def _lend(self, parts: dict[str, npt.NDArray[np.uint8]], lenders: dict[str, Any]) -> Any:
+        if self._apply_layout is not None:
+            return self._apply_layout(self._lend_as_written(parts, lenders))
+        return self._lend_as_written(parts, lenders)
+
+    def _lend_as_written(self, parts: dict[str, npt.NDArray[np.uint8]], lenders: dict[str, Any]) -> Any:
         if not lenders:
             return dict(parts) if self._named else parts[""]
         if not self._named:
             return _ndarray(self._shape, _UINT8, lenders[""].lend())
         return {name: _ndarray(parts[name].shape, _UINT8, lender.lend()) for name, lender in lenders.items()}
+
+
+_Step = tuple[Any, Any, Any, Any, dict[str, Any]]
+
+
+def pick_rows(results: _Step, rows: npt.NDArray[np.int64]) -> _Step:
+    """Copies of some rows of what `Results.read` returns. Ends of other rows are left out of `info`."""
+    observation, *signals, info = (_picked(part, rows) for part in results)
+    for name in ("final_obs", "final_info", "episode"):
+        if f"_{name}" in info and not info[f"_{name}"].any():
+            del info[name], info[f"_{name}"]
+    reward, terminated, truncated = signals
+    return observation, reward, terminated, truncated, info
+
+
+def _picked(part: Any, rows: npt.NDArray[np.int64]) -> Any:
+    if isinstance(part, dict):
+        return {name: _picked(value, rows) for name, value in part.items()}
+    return part[rows]
 
 
 def _lenders(parts: dict[str, npt.NDArray[np.uint8]]) -> dict[str, _emulator.ArrayLender]:

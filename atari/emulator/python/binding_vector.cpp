@@ -111,8 +111,11 @@ class BoundEngine : Exclusive {
         engine_.reset();
     }
 
-    void start(List<int64_t> actions, std::optional<List<float>> strengths, nb::object batch) {
+    void start(List<int64_t> actions, std::optional<List<float>> strengths, nb::object batch,
+               std::optional<List<int64_t>> environments) {
         const std::vector<int64_t> indices(actions.data(), actions.data() + actions.size());
+        std::vector<int64_t> numbers;
+        if (environments) numbers.assign(environments->data(), environments->data() + environments->size());
         std::vector<float> factors(indices.size(), 1.0f);
         if (strengths && strengths->size() != factors.size())
             throw nb::value_error("there must be a strength for each action");
@@ -121,15 +124,18 @@ class BoundEngine : Exclusive {
         locked([&] {
             check_process(process_);
             if (sent_) throw std::runtime_error("a step has been started; receive it first");
-            check_actions(indices, factors);
+            std::vector<int> some;
+            if (environments) some = chosen(numbers);
+            const std::vector<int>& rows = environments ? some : engine_->recent();
+            check_actions(rows, indices, factors);
             std::swap(current_, batch);
             target_ = target;
             sent_ = true;
-            engine_->step(indices.data(), factors.data(), target);
+            engine_->step(rows, indices.data(), factors.data(), target);
         });
     }
 
-    void reset(List<bool> mask, List<bool> seeded, Seeds seeds, nb::object batch) {
+    void reset(List<bool> mask, List<bool> seeded, Seeds seeds, nb::object batch, bool new_games) {
         const auto size = static_cast<size_t>(engine_->size());
         if (mask.shape(0) != size || seeded.shape(0) != size || seeds.shape(0) != size ||
             seeds.shape(1) != SeedWords{}.size())
@@ -149,7 +155,7 @@ class BoundEngine : Exclusive {
             std::swap(current_, batch);
             target_ = target;
             sent_ = true;
-            engine_->reset(which, given, target);
+            engine_->reset(which, given, target, new_games);
         });
     }
 
@@ -267,8 +273,32 @@ class BoundEngine : Exclusive {
     }
 
     // The checks below are made with the lock.
-    void check_actions(const std::vector<int64_t>& actions, const std::vector<float>& strengths) const {
-        const std::vector<int>& environments = engine_->recent();
+    //
+    // The environments of a step: some of all, or those of the last batch in any order if a batch has fewer than all.
+    std::vector<int> chosen(const std::vector<int64_t>& numbers) const {
+        std::vector<bool> available(static_cast<size_t>(engine_->size()));
+        for (int environment : engine_->recent()) available[static_cast<size_t>(environment)] = true;
+        std::vector<int> environments;
+        for (size_t i = 0; i < numbers.size(); ++i) {
+            const std::string which = "environment " + std::to_string(numbers[i]) + " in row " + std::to_string(i);
+            if (numbers[i] < 0 || numbers[i] >= engine_->size())
+                throw nb::index_error((which + " does not exist; env_id is within 0.." +
+                                       std::to_string(engine_->size() - 1)).c_str());
+            if (!available[static_cast<size_t>(numbers[i])])
+                throw nb::value_error((which + " is given twice, or is not of the last batch").c_str());
+            available[static_cast<size_t>(numbers[i])] = false;
+            environments.push_back(static_cast<int>(numbers[i]));
+        }
+        if (environments.empty()) throw nb::value_error("env_id must name at least one environment");
+        if (engine_->batch_size() < engine_->size() && environments.size() != engine_->recent().size())
+            throw nb::value_error(("with batch_size < num_envs, env_id must name all " +
+                                   std::to_string(engine_->recent().size()) +
+                                   " environments of the last batch").c_str());
+        return environments;
+    }
+
+    void check_actions(const std::vector<int>& environments, const std::vector<int64_t>& actions,
+                       const std::vector<float>& strengths) const {
         if (actions.size() != environments.size())
             throw nb::value_error("there must be an action for each environment of the batch");
         for (size_t i = 0; i < actions.size(); ++i) {
@@ -550,14 +580,19 @@ void register_vector(nb::module_& m) {
                             "Environments played by a pool of threads. Use it through atari.AtariVectorEnv.")
         .def("__init__", &make_engine, "members"_a, "episode"_a, "observation"_a, "settings"_a)
         .def("start", &BoundEngine::start, "actions"_a, "strengths"_a.none(), "batch"_a.none(),
+             "environments"_a = nb::none(),
              nb::sig("def start(self, actions: " ARRAY("int64") ", strengths: " ARRAY("float32")
-                     " | None, batch: Batch | None) -> None"),
+                     " | None, batch: Batch | None, environments: " ARRAY("int64") " | None = None) -> None"),
              "Begin a step of the environments of the last batch; the batch is where results go if it is of all of "
-             "them.")
+             "them.\n"
+             "`environments` are those to step, in the order of the actions. If a batch has all, they may be some: the\n"
+             "rows of the others show the last results again.")
         .def("reset", &BoundEngine::reset, "mask"_a, "seeded"_a, "seeds"_a, "batch"_a.none(),
+             "new_games"_a = false,
              nb::sig("def reset(self, mask: " ARRAY("bool") ", seeded: " ARRAY("bool") ", seeds: " ARRAY("uint32")
-                     ", batch: Batch | None) -> None"),
-             "Begin a reset of the environments in `mask`; `seeds` as above.")
+                     ", batch: Batch | None, new_games: bool = False) -> None"),
+             "Begin a reset of the environments in `mask`; `seeds` as above. With `new_games`, none continues its game\n"
+             "after a lost life.")
         .def("receive", &BoundEngine::receive, "batch"_a,
              "Wait for a batch of results; whether an episode or a game ended in it.")
         .def("snapshot", &BoundEngine::snapshot, "environments"_a)

@@ -39,10 +39,12 @@ VectorEngine::~VectorEngine() {
     if (process_ != process_number()) static_cast<void>(pool_.release());
 }
 
-void VectorEngine::reset(const std::vector<bool>& chosen, const std::vector<const Seed*>& seeds, const Batch* batch) {
+void VectorEngine::reset(const std::vector<bool>& chosen, const std::vector<const Seed*>& seeds, const Batch* batch,
+                         bool new_games) {
     for (size_t i = 0; i < slots_.size(); ++i) {
         Slot& slot = slots_[i];
         slot.task = chosen[i] ? Task::kReset : Task::kObserve;
+        slot.new_game = new_games;
         if (seeds[i]) slot.seed_value = *seeds[i];
         slot.seed = seeds[i] ? &slot.seed_value : nullptr;
     }
@@ -53,15 +55,18 @@ void VectorEngine::reset(const std::vector<bool>& chosen, const std::vector<cons
     pool_->submit(all.data(), size());
 }
 
-void VectorEngine::step(const int64_t* actions, const float* strengths, const Batch* batch) {
-    for (size_t i = 0; i < recent_.size(); ++i) {
-        Slot& slot = this->slot(recent_[i]);
+void VectorEngine::step(const std::vector<int>& environments, const int64_t* actions, const float* strengths,
+                        const Batch* batch) {
+    if (!queued() && environments.size() < slots_.size())
+        for (Slot& slot : slots_) slot.task = Task::kObserve;
+    for (size_t i = 0; i < environments.size(); ++i) {
+        Slot& slot = this->slot(environments[i]);
         slot.task = Task::kStep;
         slot.action = slot.member.actions[static_cast<size_t>(actions[i])];
         slot.strength = strengths ? strengths[i] : 1.0f;
     }
     batch_ = batch;
-    if (queued()) pool_->submit(recent_.data(), settings_.batch_size);
+    if (queued()) pool_->submit(environments.data(), static_cast<int>(environments.size()));
     else pool_->submit_all();
 }
 
@@ -113,6 +118,7 @@ void VectorEngine::play(Slot& slot, int environment) {
     if (slot.task == Task::kObserve || (slot.task == Task::kStep && idle)) {
         slot.outcome.reward = slot.outcome.game_reward = 0;
     } else if (slot.task == Task::kReset || over) {
+        if (slot.task == Task::kReset && slot.new_game) episode.abandon_game();
         episode.reset(slot.task == Task::kReset ? slot.seed : nullptr);
         slot.outcome = Outcome{};
         slot.outcome.game_steps = episode.game_steps();

@@ -72,9 +72,13 @@ class VectorEngine {
     // the results of environment i go to row i, and `batch` must live until `receive`. Otherwise `batch` may be null.
     //
     // Resets the chosen environments, with `seeds[i]` if it is not null. The others repeat their last observation.
-    void reset(const std::vector<bool>& chosen, const std::vector<const Seed*>& seeds, const Batch* batch);
-    // Row i is for environment `recent()[i]`; an action is an index, a strength is a factor for paddles.
-    void step(const int64_t* actions, const float* strengths, const Batch* batch);
+    // With `new_games`, a reset after a lost life begins a new game too.
+    void reset(const std::vector<bool>& chosen, const std::vector<const Seed*>& seeds, const Batch* batch,
+               bool new_games = false);
+    // Action i is for environment `environments[i]`; it is an index, a strength is a factor for paddles. If a batch has
+    // all environments, those without an action repeat their last observation. Otherwise the environments are those of
+    // `recent()`, in any order.
+    void step(const std::vector<int>& environments, const int64_t* actions, const float* strengths, const Batch* batch);
     // Waits for a batch; returns whether an episode or a game ended in it. Rethrows the deferred error of an
     // environment; all environments must then be reset.
     bool receive(const Batch& batch);
@@ -124,6 +128,7 @@ class VectorEngine {
         Member member;
         Snapshot pending_restore;
         Task task = Task::kObserve;
+        bool new_game = false;  // of a reset
         const Seed* seed = nullptr;
         Seed seed_value{};
         int action = 0;

@@ -83,6 +83,8 @@ class Episode {
 
     // Begins an episode, after seeding all generators if `seed` is not null. Throws as Environment::reset does.
     virtual void reset(const Seed* seed) = 0;
+    // Makes the next reset begin a new game, also after a lost life.
+    virtual void abandon_game() {}
     // Plays one action, an ALE number, until the skip or the episode ends.
     Outcome step(int action, float strength);
     // The last game that ended since the last call, in a step or in a reset.
@@ -169,6 +171,8 @@ class WrappedEpisode : public Episode {
         : Episode(std::move(environment), std::move(observation), settings, start) {
         state_.random.set(seed.own);
     }
+
+    void abandon_game() override { state_.life_lost = false; }
 
   protected:
     struct Ends {

@@ -1,0 +1,67 @@
+"""`Layout`: the axes and the dtype in which a vector environment returns the engine's observations."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from gymnasium import spaces
+
+_DTYPES = ("uint8", "float32")
+
+
+@dataclass(frozen=True)
+class Layout:
+    """The axes and the dtype of returned observations. The engine writes uint8, with the stack before height and width.
+
+    Attributes:
+        channels_last: images are (height, width, stack), in RGB (height, width, 3 * stack).
+        dtype: "uint8" or "float32"; the values stay 0..255.
+    """
+
+    channels_last: bool = False
+    dtype: str = "uint8"
+
+    @classmethod
+    def check(cls, channels_last: Any, dtype: Any, obs_type: str) -> "Layout":
+        """The layout of these options.
+
+        Raises:
+            TypeError, ValueError: there is no such dtype, or there are no channels.
+        """
+        if channels_last and obs_type == "ram":
+            raise ValueError("obs_type='ram' has no channels; leave channels_last=True out")
+        try:
+            name = np.dtype(dtype).name
+        except TypeError:
+            raise TypeError(f"dtype must be 'uint8' or 'float32', got {dtype!r}") from None
+        if dtype is None or name not in _DTYPES:
+            raise ValueError(f"dtype must be 'uint8' or 'float32', got {dtype!r}")
+        return cls(bool(channels_last), name)
+
+    @property
+    def is_engines(self) -> bool:
+        """Whether observations are returned as the engine writes them."""
+        return self == Layout()
+
+    def space(self, space: spaces.Space[Any]) -> spaces.Space[Any]:
+        """The space of one observation in this layout, from the engine's space."""
+        if self.is_engines:
+            return space
+        if isinstance(space, spaces.Dict):
+            return spaces.Dict({name: self.space(part) for name, part in space.spaces.items()})
+        row = np.empty((1, *(space.shape or ())), np.uint8)
+        return spaces.Box(0, 255, self._array(row).shape[1:], np.dtype(self.dtype).type)
+
+    def apply(self, observation: Any) -> Any:
+        """A batch of the engine's observations in this layout: a view, or a copy if float32 or stacked in RGB."""
+        if isinstance(observation, dict):
+            return {name: self._array(part) for name, part in observation.items()}
+        return self._array(observation)
+
+    def _array(self, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        if self.channels_last and array.ndim >= 4:
+            count, stack, height, width, *colours = array.shape
+            array = np.moveaxis(array, 1, 3)
+            array = array.reshape(count, height, width, stack * colours[0]) if colours else array
+        return array if self.dtype == "uint8" else array.astype(np.float32)  # of the same strides
