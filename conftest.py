@@ -23,7 +23,7 @@ def run_atari_commands(example: Example) -> None:
         if words and words[0] == "atari":
             command = Path(sysconfig.get_path("scripts")) / "atari"
             subprocess.run([sys.executable, str(command), *words[1:]], check=True, timeout=300)
-        elif words[:3] == ["python", "-m", "atari.classic"]:
+        elif words[:2] == ["python", "-m"] and words[2] in ("atari.classic", "atari.integrations.envpool"):
             subprocess.run([sys.executable, *words[1:]], check=True, timeout=300)
 
 

@@ -21,6 +21,7 @@ ALLOWED = {
     "_sources": "",
     "actions": "",
     "protocols": "",
+    "_script": "",
     "validation": "",
     "games": "actions validation",
     "roms": "actions games validation",
@@ -35,13 +36,13 @@ ALLOWED = {
     "algorithmic": "validation",
     "recording": "_gymnasium atari actions cores env games registration rendering restorable roms validation vector "
     "wrappers",
-    "integrations": "_gymnasium actions cores env games validation vector wrappers",
+    "integrations": "_gymnasium _script actions classic cores env games registration validation vector wrappers",
     "sb3": "integrations",
     # The package itself exports the parts above, and `atari.__version__` to the parts below and to recordings.
     "atari": "actions algorithmic cores env games integrations registration roms vector wrappers",
     # Programs and old interfaces, which no part above imports; they may import `recording`.
     "play": "actions cores env games recording registration rendering validation",
-    "classic": "atari cores env games recording registration rendering validation wrappers",
+    "classic": "_script atari cores env games recording registration rendering validation wrappers",
     "cli": "atari actions cores env games play recording registration rendering roms validation vector wrappers",
     "__main__": "cli",
 }

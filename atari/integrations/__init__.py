@@ -1,1 +1,4 @@
-"""Environments and arrays for other libraries: Stable-Baselines3 (`sb3.py`), PyTorch and JAX (`arrays.py`)."""
+"""Environments and arrays for other libraries.
+
+Stable-Baselines3: `sb3.py`; EnvPool's interface: `envpool`; PyTorch and JAX: `arrays.py`.
+"""

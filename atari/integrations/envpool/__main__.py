@@ -1,0 +1,33 @@
+"""`python -m atari.integrations.envpool script.py [arguments]`: run a script whose `import envpool` gives this package.
+
+If Gym is not installed, `import gym` gives `atari.classic`.
+"""
+
+import sys
+from importlib.util import find_spec
+from types import ModuleType
+
+from atari._script import run_script
+from atari.classic.__main__ import stand_in as stand_in_for_gym
+from atari.integrations import envpool
+
+_HELP = "Runs a script written for EnvPool: `import envpool` gives it atari.integrations.envpool."
+
+
+def main(arguments: list[str]) -> int:
+    """Run a script as `python script.py` would, and return its exit code."""
+    return run_script("atari.integrations.envpool", _HELP, arguments, stand_in)
+
+
+def stand_in() -> None:
+    """Let `import envpool` give this package, and `envpool.python.protocol` the type `EnvPool` for annotations."""
+    if find_spec("gym") is None:
+        stand_in_for_gym()
+    sys.modules["envpool"] = envpool
+    for name in ("envpool.python", "envpool.python.protocol"):
+        sys.modules[name] = ModuleType(name)
+    vars(sys.modules["envpool.python.protocol"])["EnvPool"] = envpool.EnvPool
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,227 @@
+"""`EnvPool`: an `AtariVectorEnv` with the interface of EnvPool's Atari environments."""
+
+import sys
+from typing import Any
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+
+from atari._gymnasium import AutoresetMode, VectorEnv
+from atari.integrations.envpool.spec import EnvPoolSpec, make_spec, task_ids
+from atari.vector import AtariVectorEnv
+from atari.vector.results import pick_rows
+from atari.vector.seeds import SEED_LIMIT
+
+
+class EnvPool:
+    """Environments of one game with the interface of EnvPool.
+
+    Observations are uint8 (batch, stack_num, img_height, img_width), in RGB with 3 * stack_num; rewards float32
+    (batch,). `info` has, (batch,) each: `env_id`, `lives`, `elapsed_step`, int32; `reward`, float32, not clipped;
+    `terminated`, int32, whether the game is over, also where a lost life ends an episode; `TimeLimit.truncated`, bool;
+    `players`, a dict with `env_id`; and `ram`, uint8 (batch, 128).
+
+    The step after an end ignores its action and returns the first observation of the next episode. Observations stay
+    as they are while you hold them.
+
+    Attributes may be set, as scripts do with `num_envs` and `single_action_space`; nothing depends on them.
+
+    Args:
+        spec: from `make_spec`.
+        returns_done: whether `step` returns four values, with `done`, and `reset` the observations alone.
+    """
+
+    is_vector_env = True
+
+    def __init__(self, spec: EnvPoolSpec, returns_done: bool) -> None:
+        self.vector: AtariVectorEnv = spec.make_vector()
+        self.spec: Any = spec
+        self.config: dict[str, Any] = spec.config._asdict()
+        self.num_envs = self.vector.num_envs
+        self.is_async = self.vector.batch_size < self.vector.num_envs
+        self.all_env_ids = np.arange(self.num_envs, dtype=np.int32)
+        self.metadata: Any = {"render_modes": [], "render.modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
+        self.observation_space: Any = spec.observation_space if returns_done else spec.gymnasium_observation_space
+        self.action_space: Any = spec.action_space if returns_done else spec.gymnasium_action_space
+        self.single_observation_space: Any = self.observation_space
+        self.single_action_space: Any = self.action_space
+        self.render_mode: Any = None
+        self.closed = False
+        self.returns_done = returns_done
+        self._reset_returns_info = not returns_done or spec.config.gym_reset_return_info
+        self._seed: Any = spec.config.seed
+
+    def reset(self, env_id: Any = None, *, seed: Any = None, options: Any = None) -> Any:
+        """Reset all environments, or those in `env_id`, and return their first observations and `info`.
+
+        Args:
+            env_id: integers (rows,), each once; the rows of the results are theirs, in this order.
+            seed: environment i is seeded with seed + i; None continues, or begins with the seed of `make`.
+            options: none.
+
+        Raises:
+            TypeError, ValueError, IndexError: `env_id` or `seed` does not fit.
+            gymnasium.error.ResetNeeded: the first reset is not of all environments.
+        """
+        if options:
+            raise ValueError(f"reset() has no options here, got {options!r}")
+        rows = None if env_id is None else self._check_env_id(env_id)
+        if rows is not None and self.is_async and len(rows) < self.vector.num_envs:
+            raise ValueError("with batch_size < num_envs all environments are reset together; leave env_id out")
+        chosen: dict[str, Any] = {"new_game": True}
+        if rows is not None and len(rows) < self.vector.num_envs:
+            chosen["reset_mask"] = np.isin(self.all_env_ids, rows)
+        else:
+            seed = self._take_seed(seed)
+        observation, info = self.vector.reset(seed=seed, options=chosen)
+        none = np.zeros(len(info["env_id"]), np.bool_)
+        results = (observation, none.astype(np.float32), none, none.copy(), info)
+        return self._shown(results if rows is None or self.is_async else pick_rows(results, rows), reset=True)
+
+    def step(self, action: Any, env_id: Any = None) -> Any:
+        """Play a step of all environments, or of those in `env_id`, whose rows alone come back.
+
+        Returns:
+            Observations, rewards, dones and `info`; for "gymnasium" terminations and truncations instead of dones.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first reset.
+            TypeError, ValueError, IndexError: the actions or `env_id` do not fit; nothing is played.
+        """
+        self.send(action, env_id)
+        return self.recv()
+
+    def send(self, action: Any, env_id: Any = None) -> None:
+        """Begin a step; `recv` returns its results. Errors are those of `step`.
+
+        Raises:
+            gymnasium.error.AlreadyPendingCallError: the last step has not been received.
+        """
+        if isinstance(action, dict):
+            action, env_id = action["action"], action.get("env_id", env_id)
+        self.vector.send(action, env_id=env_id)
+
+    def recv(self, reset: bool = False, return_info: bool = True) -> Any:
+        """Wait for a batch of results, as `step` returns them, or with `reset` as `reset` does.
+
+        Raises:
+            gymnasium.error.NoAsyncCallError: nothing has been sent.
+        """
+        return self._shown(self.vector.recv(), reset, return_info)
+
+    def async_reset(self) -> None:
+        """Begin a reset of all environments; `recv` returns the first results."""
+        self.vector.reset_async(seed=self._take_seed(None), options={"new_game": True})
+
+    def seed(self, seed: Any = None) -> None:
+        """Seed the next reset of all environments; environment i with seed + i."""
+        self._seed = seed
+
+    def xla(self) -> Any:
+        """`handle`, `recv`, `send` and `step` for functions compiled by JAX, see `atari.integrations.envpool.xla`.
+
+        Raises:
+            gymnasium.error.DependencyNotInstalled: JAX is not installed.
+        """
+        from atari.integrations.envpool.xla import xla
+
+        return xla(self)
+
+    def close(self, **_: Any) -> None:
+        """Join the threads and release the environments."""
+        self.closed = True
+        self.vector.close()
+
+    def __len__(self) -> int:
+        return self.vector.num_envs
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in self.config.items())})"
+
+    __str__ = __repr__
+
+    def _take_seed(self, seed: Any) -> Any:
+        """The given seed, or the one that waits for a reset."""
+        seed, self._seed = self._seed if seed is None else seed, None
+        if isinstance(seed, (int, np.integer)):
+            return int(seed) % (SEED_LIMIT - self.vector.num_envs)
+        return seed
+
+    def _check_env_id(self, env_id: Any) -> npt.NDArray[np.int64]:
+        array = np.asarray(env_id)
+        if array.dtype.kind not in "iu" or array.ndim != 1 or not array.size:
+            raise TypeError(f"env_id must be integers (rows,), one or more, got {env_id!r}")
+        if array.min() < 0 or array.max() >= self.vector.num_envs:
+            raise IndexError(f"env_id must be within 0..{self.vector.num_envs - 1}, got {env_id!r}")
+        if len(np.unique(array)) < len(array):
+            raise ValueError(f"env_id must name each environment once, got {env_id!r}")
+        return array.astype(np.int64)
+
+    def _shown(self, results: Any, reset: bool, return_info: bool = True) -> Any:
+        """Results of the vector environment as EnvPool returns them."""
+        observation, reward, terminated, truncated, theirs = results
+        image = observation["image"]
+        if image.ndim == 5:
+            count, stack, height, width, colours = image.shape
+            image = image.transpose(0, 1, 4, 2, 3).reshape(count, stack * colours, height, width)
+        env_id = theirs["env_id"].copy()
+        info = {
+            "env_id": env_id,
+            "players": {"env_id": env_id.copy()},
+            "lives": theirs["lives"],
+            "reward": theirs["reward"].astype(np.float32),
+            "terminated": theirs["terminated"].astype(np.int32),
+            "ram": observation["ram"],
+            "elapsed_step": theirs["elapsed_step"],
+            "TimeLimit.truncated": truncated & ~terminated,
+        }
+        if reset:
+            return (image, info) if self._reset_returns_info and return_info else image
+        ends = (terminated | truncated,) if self.returns_done else (terminated, truncated)
+        return (image, reward.astype(np.float32), *ends, info)
+
+
+class GymnasiumEnvPool(EnvPool, VectorEnv, gymnasium.Env[Any, Any]):  # type: ignore[misc]
+    """An `EnvPool` for Gymnasium's wrappers, of single and of vector environments, as EnvPool's own is."""
+
+
+def make(task_id: str, env_type: str, **options: Any) -> EnvPool:
+    """Make environments of a task, as `envpool.make` does.
+
+    Args:
+        task_id: a name of `list_all_envs`, such as "Breakout-v5".
+        env_type: "gym", where `step` returns four values and `reset` one, as in EnvPool with Gym before 0.26; or
+            "gymnasium".
+        options: EnvPool's: num_envs, batch_size, num_threads, thread_affinity_offset, seed, max_episode_steps,
+            stack_num, frame_skip, noop_max, episodic_life, reward_clip, use_fire_reset, img_height, img_width, mode,
+            difficulty, full_action_space, repeat_action_probability, gray_scale, gym_reset_return_info.
+
+    Raises:
+        TypeError, ValueError: an option does not exist, is of the wrong kind or out of range, or is not supported.
+        FileNotFoundError: there is no ROM of the game.
+    """
+    if env_type == "gym":
+        return make_gym(task_id, **options)
+    if env_type == "gymnasium":
+        return make_gymnasium(task_id, **options)
+    raise ValueError(f"env_type must be 'gym' or 'gymnasium', got {env_type!r}")
+
+
+def make_gym(task_id: str, **options: Any) -> EnvPool:
+    """`make` with env_type="gym". If `gym` is imported, the result is one of its `Env` and has its spaces."""
+    gym = sys.modules.get("gym")
+    kind: type[EnvPool] = EnvPool
+    if gym is not None:
+        kind = type("GymEnvPool", (EnvPool, gym.Env), {"__doc__": EnvPool.__doc__})
+    return kind(make_spec(task_id, **options), returns_done=True)
+
+
+def make_gymnasium(task_id: str, **options: Any) -> EnvPool:
+    """`make` with env_type="gymnasium"."""
+    return GymnasiumEnvPool(make_spec(task_id, **options), returns_done=False)
+
+
+def list_all_envs() -> list[str]:
+    """The names of all tasks."""
+    return list(task_ids())

@@ -1,0 +1,261 @@
+"""`atari.integrations.envpool`: what scripts for EnvPool use, and scripts in their style.
+
+`tests/peers/test_envpool_interface.py` compares it with EnvPool.
+"""
+
+import inspect
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.vector import VectorEnv
+
+from atari.integrations import envpool
+
+SCRIPTS = Path(__file__).parent / "scripts"
+
+
+def make(env_type: str = "gymnasium", **options: Any) -> Any:
+    return envpool.make("Breakout-v5", env_type, **{"num_envs": 3, "seed": 1, "num_threads": 1, **options})
+
+
+def run(script: Path, *arguments: str) -> "subprocess.CompletedProcess[str]":
+    command = [sys.executable, "-m", "atari.integrations.envpool", str(script), *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120)
+
+
+class TestScripts:
+    def test_ppo(self) -> None:
+        result = run(SCRIPTS / "ppo_style.py", "--num-envs", "4")
+        assert result.returncode == 0, result.stderr
+        *games, ended = result.stdout.splitlines()
+        assert len(games) > 4
+        assert int(ended.split()[1]) > 4 * len(games)  # lives
+        first = re.fullmatch(r"return (\d+) length (\d+) steps (\d+)", games[0])
+        assert first
+        assert int(first[2]) >= int(first[3])  # the wrapper counts resets after lost lives as steps
+
+    def test_another_game(self) -> None:
+        result = run(SCRIPTS / "ppo_style.py", "--env-id", "KungFuMaster-v5", "--num-envs", "2")
+        assert result.returncode == 0, result.stderr
+
+    def test_the_types_module(self, tmp_path: Path) -> None:
+        script = tmp_path / "script.py"
+        script.write_text(
+            "import envpool\nfrom envpool.python.protocol import EnvPool\nassert EnvPool is envpool.EnvPool"
+        )
+        assert run(script).returncode == 0
+
+    def test_a_missing_script(self) -> None:
+        result = run(Path("nothing.py"))
+        assert result.returncode == 2
+        assert result.stderr.startswith("atari.integrations.envpool: there is no script 'nothing.py'; usage: ")
+
+
+class TestGym:
+    def test_steps_have_four_values(self) -> None:
+        envs = make("gym")
+        assert isinstance(envs.reset(), np.ndarray)
+        observation, reward, done, info = envs.step(np.zeros(3, int))
+        assert (observation.shape, observation.dtype) == ((3, 4, 84, 84), np.uint8)
+        assert (reward.dtype, done.dtype) == (np.float32, np.bool_)
+        assert set(info) >= {
+            "TimeLimit.truncated",
+            "env_id",
+            "lives",
+            "reward",
+            "terminated",
+            "elapsed_step",
+            "players",
+        }
+
+    def test_reset_can_return_info(self) -> None:
+        _, info = make("gym", gym_reset_return_info=True).reset()
+        assert info["lives"].tolist() == [5, 5, 5]
+
+    def test_spaces_are_gyms(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        import atari.classic as gym
+
+        monkeypatch.setitem(sys.modules, "gym", gym)
+        monkeypatch.setitem(sys.modules, "gym.spaces", gym.spaces)
+        envs = make("gym")
+        assert isinstance(envs, gym.Env)
+        assert isinstance(envs.action_space, gym.spaces.Discrete)
+        assert isinstance(gym.Wrapper(envs).reset(), np.ndarray)
+        assert not isinstance(make("gymnasium"), gym.Env)
+
+
+class TestGymnasium:
+    def test_steps_have_five_values(self) -> None:
+        envs = make()
+        observation, _ = envs.reset()
+        assert len(envs.step(np.zeros(3, int))) == 5
+        assert isinstance(envs, VectorEnv)
+        assert isinstance(envs, gymnasium.Env)
+        assert observation[0] in envs.observation_space
+
+    def test_a_wrapper_of_gymnasium(self) -> None:
+        envs = gymnasium.Wrapper(make(episodic_life=True))
+        envs.reset()
+        assert len(envs.step(np.zeros(3, int))) == 5
+        assert envs.get_wrapper_attr("num_envs") == 3
+
+    def test_the_statistics_of_gymnasium(self) -> None:
+        envs = gymnasium.wrappers.vector.RecordEpisodeStatistics(make(max_episode_steps=5))
+        envs.reset()
+        for _ in range(5):
+            *_, info = envs.step(np.zeros(3, int))
+        assert info["episode"]["l"].tolist() == [5, 5, 5]
+        assert info["TimeLimit.truncated"].tolist() == [True] * 3
+
+
+class TestWhatScriptsUse:
+    def test_attributes(self) -> None:
+        envs = make(batch_size=2)
+        assert (len(envs), envs.num_envs, envs.is_async, envs.is_vector_env) == (3, 3, True, True)
+        assert envs.all_env_ids.tolist() == [0, 1, 2]
+        assert envs.spec.config.num_envs == 3
+        assert envs.config["task"] == "breakout"
+        assert envs.spec.reward_threshold is None
+        envs.spec.id = "Breakout-v5"
+        assert not make().is_async
+        for name in ("num_envs", "single_action_space", "single_observation_space", "is_vector_env", "name"):
+            setattr(envs, name, 7)
+            assert getattr(envs, name) == 7
+        assert len(envs) == 3
+
+    def test_reset_of_some_as_adapters_for_sb3_do(self) -> None:
+        envs = make("gym", episodic_life=True, num_envs=4)
+        observation = envs.reset()
+        for _ in range(60):
+            observation, _, done, info = envs.step(np.zeros(4, int))
+            for one in np.flatnonzero(done):
+                observation[one] = envs.reset(np.array([one]))[0]
+        assert info["env_id"].tolist() == [0, 1, 2, 3]
+
+    def test_collectors(self) -> None:
+        envs = make()
+        envs.reset()
+        *_, info = envs.step(np.zeros(2, int), np.array([2, 0]))
+        assert info["players"]["env_id"].tolist() == [2, 0]
+        observation, info = envs.reset(np.array([1]))
+        assert (observation.shape[0], info["env_id"].tolist()) == (1, [1])
+
+    def test_asynchronous_loop(self) -> None:
+        envs = make(num_envs=4, batch_size=2)
+        envs.async_reset()
+        steps = np.zeros(4, int)
+        for _ in range(20):
+            *_, info = envs.recv()
+            assert np.array_equal(info["elapsed_step"], steps[info["env_id"]])
+            steps[info["env_id"]] += 1
+            envs.send(np.zeros(2, int), info["env_id"])
+        envs.recv()
+        envs.send({"action": np.zeros(2, int), "env_id": envs.vector.reset()[1]["env_id"]})
+
+    def test_the_seed_counts_once(self) -> None:
+        first, other = make(), make(seed=[1, 2, 3])
+        begun = first.reset()[0]
+        assert np.array_equal(begun, other.reset()[0])
+        first.seed(1)
+        assert np.array_equal(first.reset()[0], begun)
+        assert make(seed=2**31 - 1).reset()[0].shape == begun.shape
+
+    def test_close(self) -> None:
+        envs = make()
+        envs.close()
+        envs.close()
+        with pytest.raises(gymnasium.error.ClosedEnvironmentError):
+            envs.step(np.zeros(3, int))
+
+    def test_xla_without_jax(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setitem(sys.modules, "jax", None)
+        with pytest.raises(gymnasium.error.DependencyNotInstalled, match="pip install jax"):
+            make().xla()
+
+
+class TestResults:
+    def test_lives_and_games(self) -> None:
+        """A lost life ends an episode; `terminated` and `elapsed_step` are of the whole game, `reward` is not clipped."""
+        envs = make(episodic_life=True, reward_clip=True, num_envs=8)
+        envs.reset()
+        rng = np.random.default_rng(0)
+        lost = over = points = 0
+        for _ in range(400):
+            _, reward, terminated, _, info = envs.step(rng.integers(4, size=8))
+            assert np.array_equal(np.sign(info["reward"]), reward)
+            points = max(points, info["reward"].max())
+            assert np.array_equal(info["terminated"] == 1, terminated & (info["lives"] == 0))
+            lost += int((terminated & (info["lives"] > 0)).sum())
+            over += int(info["terminated"].sum())
+        assert lost > over > 0
+        assert points >= 1
+
+    def test_rgb(self) -> None:
+        envs = make(gray_scale=False, stack_num=2)
+        observation, _ = envs.reset()
+        assert observation.shape == (3, 6, 84, 84)
+        assert observation[0] in envs.observation_space
+
+    def test_ram(self) -> None:
+        envs = make()
+        _, info = envs.reset()
+        assert np.array_equal(info["ram"][1], envs.vector.members[1].ram())
+
+
+class TestTasks:
+    def test_every_game_has_one(self) -> None:
+        tasks = envpool.list_all_envs()
+        assert len(tasks) == 104
+        assert {"Breakout-v5", "TicTacToe3d-v5", "UpNDown-v5", "Et-v5"} <= set(tasks)
+
+    def test_spec(self) -> None:
+        spec = envpool.make_spec("Pong-v5", num_envs=2, full_action_space=True)
+        assert (spec.config.task, spec.config.batch_size, spec.action_space.n) == ("pong", 2, 18)
+        assert spec.observation_space.shape == (4, 84, 84)
+
+    @pytest.mark.parametrize(
+        ("arguments", "error", "words"),
+        [
+            ({"task_id": "Breakot-v5"}, ValueError, "did you mean 'Breakout-v5'"),
+            ({"task_id": "ALE/Pong-v5"}, ValueError, "did you mean 'Pong-v5'"),
+            ({"task_id": "PongNoFrameskip-v4"}, ValueError, "did you mean 'Pong-v5'"),
+            ({"env_type": "dm"}, ValueError, "'gym' or 'gymnasium', got 'dm'"),
+            ({"num_env": 3}, TypeError, "did you mean 'num_envs'"),
+            ({"task": "pong"}, TypeError, "there is no option 'task'"),
+            ({"num_envs": 0}, ValueError, "num_envs"),
+            ({"num_envs": 2, "batch_size": 3}, ValueError, "batch_size"),
+            ({"noop_max": 0}, ValueError, "noop_max"),
+            ({"frame_skip": 0}, ValueError, "frame_skip"),
+            ({"stack_num": 2.5}, TypeError, "stack_num"),
+            ({"use_inter_area_resize": False}, ValueError, "use_inter_area_resize"),
+            ({"max_num_players": 2}, ValueError, "one player"),
+            ({"img_height": 500}, ValueError, "500"),
+        ],
+    )
+    def test_mistakes(self, arguments: dict[str, Any], error: type[Exception], words: str) -> None:
+        with pytest.raises(error, match=re.escape(words)):
+            envpool.make(**{"task_id": "Pong-v5", "env_type": "gym", **arguments})
+
+    def test_wrong_steps(self) -> None:
+        envs = make()
+        with pytest.raises(gymnasium.error.ResetNeeded):
+            envs.step(np.zeros(3, int))
+        envs.reset()
+        for env_id, error in (([0, 0], ValueError), ([3], IndexError), (["a"], TypeError), ([], TypeError)):
+            with pytest.raises(error):
+                envs.reset(np.array(env_id))
+        with pytest.raises(ValueError, match="leave env_id out"):
+            make(batch_size=2).reset(np.array([0]))
+
+
+def test_the_options_are_those_of_the_docstring() -> None:
+    described = inspect.getdoc(envpool.make) or ""
+    config = envpool.make_spec("Pong-v5").config._asdict()
+    hidden = {"task", "base_path", "max_num_players", "zero_discount_on_life_loss", "use_inter_area_resize"}
+    assert all(name in described for name in set(config) - hidden)
