@@ -423,6 +423,7 @@ void register_inspection(nb::module_& m) {
           "A frame of palette indices, (rows, 160), in the colours of a TV format.");
     m.def("short_jump",
           [](size_t distance) {
+              if (distance > 1000) throw nb::value_error("distance must be within 0..1000");
               Assembler code;
               const ShortJump jump = code.jump_short(If::zero);
               for (size_t i = 0; i < distance; ++i) code.ret();

@@ -1,0 +1,1 @@
+"""Attackers: each makes up hostile input for one part of the package, from a seed."""

@@ -1,0 +1,95 @@
+"""Runs the attackers in child processes, since what they look for are crashes and hangs.
+
+    python -m attack --seconds 300         all attackers in turn
+    python -m attack roms --seed 17       one seed again, in this process
+"""
+
+import argparse
+import importlib
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+ATTACKERS = ("roms", "api", "files", "threads", "memory")
+HANGS_AFTER = 60.0  # seconds without a new seed
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="attack", description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("attackers", nargs="*", metavar="ATTACKER", help=f"one of {', '.join(ATTACKERS)} (default: all)")
+    parser.add_argument("--seconds", type=float, default=300.0, help="for all of them together (default 300)")
+    parser.add_argument("--seed", type=int, help="play this seed alone, in this process")
+    parser.add_argument("--first-seed", type=int, default=None, help="default: by the clock, so that runs differ")
+    parser.add_argument("--until", type=float, help=argparse.SUPPRESS)
+    arguments = parser.parse_args()
+    if unknown := set(arguments.attackers) - set(ATTACKERS):
+        parser.error(f"there is no attacker {sorted(unknown)[0]!r}; there are {', '.join(ATTACKERS)}")
+    names = arguments.attackers or ATTACKERS
+    with tempfile.TemporaryDirectory() as home:
+        os.environ.update(HOME=home, XDG_DATA_HOME=home)  # your own ROM files stay out of it
+        return run(arguments, names)
+
+
+def run(arguments: argparse.Namespace, names: Sequence[str]) -> int:
+    """One seed, a child's seeds, or all attackers; 1 if something was found."""
+    if arguments.seed is not None:
+        for name in names:
+            importlib.import_module(f"attack.{name}").attack(arguments.seed)
+        return 0
+    if arguments.until is not None:
+        return play(names[0], arguments.first_seed, arguments.until)
+    first = int(time.time()) if arguments.first_seed is None else arguments.first_seed
+    results = [watch(name, first, arguments.seconds / len(names)) for name in names]
+    return 0 if all(results) else 1
+
+
+def play(name: str, seed: int, until: float) -> int:
+    """Seed after seed, each written out before it is played."""
+    attack = importlib.import_module(f"attack.{name}").attack
+    while time.time() < until:
+        print(seed, flush=True)
+        attack(seed)
+        seed += 1
+    return 0
+
+
+def watch(name: str, first: int, seconds: float) -> bool:
+    """Whether a child that plays seeds for so long ends well; reports the seed otherwise."""
+    command = [sys.executable, "-m", "attack", name, "--first-seed", str(first), "--until", str(time.time() + seconds)]
+    with tempfile.TemporaryDirectory() as folder:
+        seeds, errors = Path(folder, "seeds"), Path(folder, "errors")
+        with seeds.open("w") as out, errors.open("w") as err:
+            child = subprocess.Popen(command, stdout=out, stderr=err)
+            hung = wait(child, seeds)
+        played = seeds.read_text().split()
+        if not hung and child.returncode == 0:
+            print(f"{name}: {len(played)} seeds, nothing found", flush=True)
+            return True
+        last = played[-1] if played else first
+        print(errors.read_text()[-4000:])
+    ending = f"no answer for {HANGS_AFTER:.0f} s" if hung else f"exit status {child.returncode}"
+    print(f"{name}: {ending} at seed {last}. To see it again: python -m attack {name} --seed {last}", flush=True)
+    return False
+
+
+def wait(child: "subprocess.Popen[bytes]", seeds: Path) -> bool:
+    """Waits for the child; kills it, and returns True, if it hangs."""
+    written, since = -1, time.monotonic()
+    while child.poll() is None:
+        time.sleep(0.2)
+        size = seeds.stat().st_size
+        if size != written:
+            written, since = size, time.monotonic()
+        elif time.monotonic() - since > HANGS_AFTER:
+            child.kill()
+            child.wait()
+            return True
+    return False
+
+
+if __name__ == "__main__":
+    sys.exit(main())

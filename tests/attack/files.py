@@ -1,0 +1,123 @@
+"""Damaged and forged files: snapshots, replays, game definitions, ROM images and archives."""
+
+import contextlib
+import io
+import random
+import tempfile
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import atari
+from atari import roms
+from atari.cores import snapshot
+from atari.recording import RecordReplay, Replay
+from attack.findings import ALLOWED, attempt
+
+
+def damaged(source: random.Random, content: bytes) -> bytes:
+    """The content with bytes replaced, removed, doubled or cut off."""
+    made = bytearray(content)
+    for _ in range(source.choice((1, 1, 3, 20))):
+        place = source.randrange(len(made) + 1)
+        match source.randrange(4):
+            case 0:
+                made[place : place + 1] = source.randbytes(1)
+            case 1:
+                del made[place : place + source.choice((1, 8, 500))]
+            case 2:
+                made[place:place] = made[place : place + source.choice((1, 64))]
+            case 3:
+                made[place : place + 4] = source.choice((b"\xff" * 4, b"\0" * 4, b"\x7f\xff\xff\xff", b"-1e9", b"[[[["))
+    return bytes(made)
+
+
+def forged(source: random.Random, content: bytes) -> bytes:
+    """A snapshot with a right checksum and wrong facts or blobs."""
+    facts, blobs = snapshot.unpack(content)
+    facts.pop("blobs", None)
+    key = source.choice(sorted(facts))
+    values: list[Any] = [None, -1, 2**70, "x", [], {}, 1.5, True, [[[]]], {"a": {"b": 1}}]
+    if source.random() < 0.3:
+        del facts[key]
+    elif isinstance(facts[key], dict) and facts[key] and source.random() < 0.7:
+        facts[key] = {**facts[key], source.choice(sorted(facts[key])): source.choice(values)}
+    else:
+        facts[key] = source.choice(values)
+    name = source.choice(sorted(blobs))
+    if source.random() < 0.3:
+        blobs[name] = damaged(source, blobs[name])
+    return snapshot.pack(facts, blobs)
+
+
+def attack(seed: int) -> None:
+    """One round of each kind of file."""
+    source = random.Random(seed)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        attack_snapshots(source)
+        attack_replays(source, folder)
+        attack_definitions(source, folder)
+        attack_archives(source, folder)
+
+
+def attack_snapshots(source: random.Random) -> None:
+    """A refused snapshot leaves the environment as it was."""
+    env = atari.AtariEnv("pong", obs_type="ram")
+    env.reset(seed=1)
+    for _ in range(30):
+        env.step(source.randrange(6))
+    good = env.snapshot()
+    for make in (damaged, forged, forged):
+        try:
+            env.restore(make(source, good))
+        except (TypeError, ValueError):
+            assert env.snapshot() == good, "a refused snapshot has changed the environment"
+        else:
+            env.restore(good)
+
+
+def attack_replays(source: random.Random, folder: Path) -> None:
+    """A damaged replay is refused, or read."""
+    path = folder / "a.a26"
+    env = RecordReplay(atari.AtariEnv("pong", obs_type="ram"), path)
+    env.reset(seed=2)
+    for _ in range(20):
+        env.step(source.randrange(6))
+    env.close()
+    files = sorted(folder.rglob("*.a26"))
+    assert files, "no replay was written"
+    files[0].write_bytes(damaged(source, files[0].read_bytes()))
+    attempt(lambda: [frame.reward for frame in Replay(files[0]).frames()])
+
+
+def attack_definitions(source: random.Random, folder: Path) -> None:
+    """A damaged game definition is refused, or makes an environment that runs."""
+    definition = Path(atari.games.__path__[0], "data", source.choice(("pong.toml", "seaquest.toml", "qbert.toml")))
+    text = damaged(source, definition.read_bytes())
+    (folder / "own.toml").write_bytes(text)
+    (folder / "own.bin").write_bytes(source.randbytes(4096))
+
+    def play() -> None:
+        env = atari.AtariEnv(str(folder / "own.toml"), rom=folder / "own.bin")
+        observation, _ = env.reset(seed=0)
+        assert env.observation_space.contains(observation), "the observation is not in its space"
+        for _ in range(5):
+            env.step(0)
+
+    attempt(play)
+
+
+def attack_archives(source: random.Random, folder: Path) -> None:
+    """An import of a folder with a damaged archive in it ends, and stores no wrong image."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", source.choice((zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED))) as archive:
+        for number in range(source.randrange(5)):
+            archive.writestr(source.choice(("a.bin", "../b.bin", "/c.bin", "d/e.a26", f"{number}.zip")), source.randbytes(5000))
+    given = folder / "given"
+    given.mkdir()
+    (given / "roms.zip").write_bytes(damaged(source, content.getvalue()))
+    before = sorted(roms.path().glob("*"))
+    with contextlib.suppress(*ALLOWED):
+        roms.import_from(given)
+    assert sorted(roms.path().glob("*")) == before, "an image that is of no game was stored"

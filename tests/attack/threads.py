@@ -1,0 +1,57 @@
+"""One environment, one core and one vector used, saved and closed by several threads at the same time."""
+
+import random
+import sys
+import threading
+from typing import Any
+
+import numpy as np
+
+import atari
+from attack.findings import ALLOWED
+
+
+def attack(seed: int) -> None:
+    """All threads must end; a call raises an allowed exception, or does its work."""
+    source = random.Random(seed)
+    sys.setswitchinterval(source.choice((1e-6, 1e-4, 5e-3)))
+    env = atari.AtariEnv("breakout", obs_type="ram")
+    vector = atari.AtariVectorEnv("breakout", 2, num_threads=source.choice((1, 2)), obs_type="ram")
+    env.reset(seed=0), vector.reset(seed=0)
+    saved, saved_members = env.snapshot(), vector.snapshot()
+    actions = np.zeros(2, np.int64)
+    calls: list[Any] = [
+        lambda: env.step(0),
+        lambda: env.step(0),
+        lambda: env.reset(),
+        lambda: env.restore(saved),
+        lambda: env.snapshot(),
+        lambda: env.core.screen(),
+        lambda: vector.step(actions),
+        lambda: vector.step(actions),
+        lambda: vector.reset(),
+        lambda: vector.snapshot(),
+        lambda: vector.restore(None, saved_members),
+        lambda: actions.fill(source.choice((0, 1, 3, 2**44, -1))),
+    ]
+    findings: list[BaseException] = []
+
+    def work(number: int) -> None:
+        chosen = random.Random(seed * 100 + number)
+        for _ in range(60):
+            try:
+                chosen.choice(calls)()
+            except ALLOWED:
+                pass
+            except BaseException as error:
+                findings.append(error)
+                return
+
+    workers = [threading.Thread(target=work, args=(number,)) for number in range(4)]
+    closing = threading.Timer(source.random() * 0.02, lambda: (env.close(), vector.close()))
+    for thread in (*workers, closing):
+        thread.start()
+    for thread in (*workers, closing):
+        thread.join()
+    if findings:
+        raise AssertionError(f"a thread raised {findings[0]!r}") from findings[0]
