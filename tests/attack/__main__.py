@@ -1,7 +1,7 @@
 """Runs the attackers in child processes, since what they look for are crashes and hangs.
 
-    python -m attack --seconds 300         all attackers in turn
-    python -m attack roms --seed 17       one seed again, in this process
+python -m attack --seconds 300         all attackers in turn
+python -m attack roms --seed 17       one seed again, in this process
 """
 
 import argparse
@@ -20,7 +20,9 @@ HANGS_AFTER = 60.0  # seconds without a new seed
 
 def main() -> int:
     parser = argparse.ArgumentParser(prog="attack", description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("attackers", nargs="*", metavar="ATTACKER", help=f"one of {', '.join(ATTACKERS)} (default: all)")
+    parser.add_argument(
+        "attackers", nargs="*", metavar="ATTACKER", help=f"one of {', '.join(ATTACKERS)} (default: all)"
+    )
     parser.add_argument("--seconds", type=float, default=300.0, help="for all of them together (default 300)")
     parser.add_argument("--seed", type=int, help="play this seed alone, in this process")
     parser.add_argument("--first-seed", type=int, default=None, help="default: by the clock, so that runs differ")

@@ -113,7 +113,9 @@ def attack_archives(source: random.Random, folder: Path) -> None:
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", source.choice((zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED))) as archive:
         for number in range(source.randrange(5)):
-            archive.writestr(source.choice(("a.bin", "../b.bin", "/c.bin", "d/e.a26", f"{number}.zip")), source.randbytes(5000))
+            archive.writestr(
+                source.choice(("a.bin", "../b.bin", "/c.bin", "d/e.a26", f"{number}.zip")), source.randbytes(5000)
+            )
     given = folder / "given"
     given.mkdir()
     (given / "roms.zip").write_bytes(damaged(source, content.getvalue()))

@@ -1,4 +1,7 @@
-"""Allocations that fail: the address space is limited to little more than what is in use."""
+"""Allocations that fail: the address space is limited to little more than what is in use.
+
+Vectors have one thread: glibc aborts the process if it finds no memory for the thread-local memory of a new thread.
+"""
 
 import random
 import resource
@@ -17,16 +20,24 @@ def attack(seed: int) -> None:
     pages = int(Path("/proc/self/statm").read_text().split()[0])
     limit = pages * resource.getpagesize() + source.choice((0, 100_000, 1 << 20, 4 << 20, 30 << 20))
     env = atari.AtariEnv("pong")
+    make(1).close()  # The thread-local memory of this thread is there from now on.
     resource.setrlimit(resource.RLIMIT_AS, (limit, before[1]))
     try:
         for _ in range(20):
             attempt(lambda: env.reset(seed=1))
             attempt(lambda: env.step(0))
             attempt(lambda: env.restore(env.snapshot()))
-            vector = attempt(lambda: atari.AtariVectorEnv(source.choice(("pong", "qbert")), source.choice((1, 8, 64))))
+            vector = attempt(lambda: make(source.choice((1, 8, 64)), source.choice(("pong", "qbert"))))
             if vector is not None:
-                attempt(lambda vector=vector: vector.reset(seed=0))
                 attempt(lambda vector=vector: vector.step(np.zeros(vector.num_envs, np.int64)))
                 attempt(vector.close)
     finally:
         resource.setrlimit(resource.RLIMIT_AS, before)
+
+
+def make(count: int, game: str = "pong") -> atari.AtariVectorEnv:
+    """A vector that has played."""
+    vector = atari.AtariVectorEnv(game, count, num_threads=1)
+    vector.reset(seed=0)
+    vector.step(np.zeros(count, np.int64))
+    return vector

@@ -39,7 +39,9 @@ terminal = ram[{terminal:#x}] == {value}
 lives    = ram[{lives:#x}]
 '''
 """
-OPCODES = bytes.fromhex("a9 85 95 86 84 8d 9d a5 b5 ad bd e6 c6 4c 6c 20 60 d0 10 f0 48 08 28 68 9a ba 69 e9 0a 2a a2 a0 02")
+OPCODES = bytes.fromhex(
+    "a9 85 95 86 84 8d 9d a5 b5 ad bd e6 c6 4c 6c 20 60 d0 10 f0 48 08 28 68 9a ba 69 e9 0a 2a a2 a0 02"
+)
 """Instructions that reach the chips, drawn more often than others."""
 
 
