@@ -429,13 +429,6 @@ void make_engine(BoundEngine* self, const std::vector<const MemberSpec*>& member
     new (self) BoundEngine(std::move(engine));
 }
 
-void make_gray_of_pairs(Shared<GrayOfPairs>* self, nb::bytes values) {
-    if (values.size() != GrayOfPairs::kSize)
-        throw nb::value_error("the gray values of pairs of colours are 65536 bytes");
-    const auto* data = static_cast<const uint8_t*>(values.data());
-    new (self) Shared<GrayOfPairs>{std::make_shared<const GrayOfPairs>(GrayOfPairs{{data, data + values.size()}})};
-}
-
 nb::object screen_of(BoundEngine& engine, int environment) {
     const auto height = engine.get(environment, [](Environment& e) { return static_cast<size_t>(e.height()); });
     auto* bytes = new uint8_t[height * kScreenWidth * 3];
@@ -447,91 +440,9 @@ nb::object screen_of(BoundEngine& engine, int environment) {
 
 }  // namespace
 
+void register_settings(nb::module_& m);  // binding_settings.cpp
+
 #define ARRAY(type) "numpy.typing.NDArray[numpy." type "]"
-
-void register_settings(nb::module_& m) {
-    nb::enum_<EpisodeKind>(m, "EpisodeKind", 
-                           "In which order no-ops, FIRE, lost lives and the frame skip are applied: as in ale-py's "
-                           "AtariVectorEnv,\n"
-                           "as by wrappers of single frames inside of the frame skip, or as in OpenAI's Baselines.")
-        .value("ALE", EpisodeKind::kAle)
-        .value("FRAMES", EpisodeKind::kFrames)
-        .value("BASELINES", EpisodeKind::kBaselines);
-    nb::enum_<FirePress>(m, "FirePress", "When FIRE is pressed at the start of an episode.")
-        .value("NEVER", FirePress::kNever)
-        .value("BEFORE_NOOPS", FirePress::kBeforeNoops)
-        .value("AFTER_NOOPS", FirePress::kAfterNoops);
-    nb::enum_<OnReset>(m, "OnReset", "What a reset does after a lost life.")
-        .value("NOOP", OnReset::kNoop)
-        .value("CONTINUE", OnReset::kContinue)
-        .value("NEW_GAME", OnReset::kNewGame);
-    nb::enum_<PixelFormat>(m, "PixelFormat", "Of observations; GRAY_OF_RGB pools colours and makes the result gray.")
-        .value("NONE", PixelFormat::kNone)
-        .value("GRAY", PixelFormat::kGray)
-        .value("RGB", PixelFormat::kRgb)
-        .value("GRAY_OF_RGB", PixelFormat::kGrayOfRgb);
-    nb::enum_<EndFrames>(m, "EndFrames", "What is observed when an episode ends inside a skip.")
-        .value("LAST", EndFrames::kLast)
-        .value("GYMNASIUM", EndFrames::kGymnasium)
-        .value("BASELINES", EndFrames::kBaselines)
-        .value("ENVPOOL", EndFrames::kEnvpool);
-    nb::enum_<Autoreset>(m, "Autoreset", "As gymnasium.vector.AutoresetMode.")
-        .value("NEXT_STEP", Autoreset::kNextStep)
-        .value("SAME_STEP", Autoreset::kSameStep)
-        .value("DISABLED", Autoreset::kDisabled);
-
-    nb::class_<EpisodeSettings>(m, "EpisodeSettings", "How episodes begin, are played, and end.")
-        .def(nb::init<>())
-        .def_rw("kind", &EpisodeSettings::kind)
-        .def_rw("repeat_action_probability", &EpisodeSettings::repeat_action_probability)
-        .def_rw("max_num_frames_per_episode", &EpisodeSettings::max_num_frames_per_episode)
-        .def_rw("frame_skip", &EpisodeSettings::frame_skip)
-        .def_rw("noops", &EpisodeSettings::noops)
-        .def_rw("fire_counts", &EpisodeSettings::fire_counts)
-        .def_rw("fire", &EpisodeSettings::fire)
-        .def_rw("episodic_life", &EpisodeSettings::episodic_life)
-        .def_rw("life_loss_info", &EpisodeSettings::life_loss_info)
-        .def_rw("on_reset", &EpisodeSettings::on_reset)
-        .def_rw("last_life", &EpisodeSettings::last_life)
-        .def_rw("seamless_lives", &EpisodeSettings::seamless_lives)
-        .def_rw("clip_reward", &EpisodeSettings::clip_reward)
-        .def_rw("max_frames", &EpisodeSettings::max_frames);
-    nb::class_<ObservationSettings>(m, "ObservationSettings", "How frames are pooled, resized and stacked.")
-        .def(nb::init<>())
-        .def_rw("pixels", &ObservationSettings::pixels)
-        .def_rw("height", &ObservationSettings::height)
-        .def_rw("width", &ObservationSettings::width)
-        .def_rw("stack", &ObservationSettings::stack)
-        .def_rw("max_pool", &ObservationSettings::max_pool)
-        .def_rw("end_frames", &ObservationSettings::end_frames)
-        .def_rw("pads_zero", &ObservationSettings::pads_zero);
-    nb::class_<VectorSettings>(m, "VectorSettings", "How many results make a batch, and which threads work on them.")
-        .def(nb::init<>())
-        .def_rw("batch_size", &VectorSettings::batch_size)
-        .def_rw("threads", &VectorSettings::threads)
-        .def_rw("first_core", &VectorSettings::first_core)
-        .def_rw("autoreset", &VectorSettings::autoreset);
-    nb::class_<Shared<GrayOfPairs>>(m, "GrayOfPairs",
-                                    "For GRAY_OF_RGB: the gray value of the maximum of two colours, 256 x 256.")
-        .def("__init__", &make_gray_of_pairs, "values"_a);
-    nb::class_<MemberSpec>(m, "MemberSpec",
-                           "What differs between the environments of a vector. `seed` is nine words: the emulator's, "
-                           "and\n"
-                           "eight of the episode's generator.")
-        .def(nb::init<>())
-        .def_prop_rw("game", [](const MemberSpec& x) { return Shared<Game>{x.game}; },
-                     [](MemberSpec& x, const Shared<Game>& game) { x.game = game.value; })
-        .def_rw("actions", &MemberSpec::actions)
-        .def_rw("action_set", &MemberSpec::action_set)
-        .def_rw("mode", &MemberSpec::mode, nb::arg().none())
-        .def_rw("difficulty", &MemberSpec::difficulty, nb::arg().none())
-        .def_rw("seed", &MemberSpec::seed)
-        .def_prop_rw("gray_of_pairs", [](const MemberSpec& x) { return Shared<GrayOfPairs>{x.gray_of_pairs}; },
-                     [](MemberSpec& x, const Shared<GrayOfPairs>* table) {
-                         x.gray_of_pairs = table ? table->value : nullptr;
-                     },
-                     nb::for_setter(nb::arg("table").none()));
-}
 
 void register_vector(nb::module_& m) {
     register_settings(m);
