@@ -1,6 +1,7 @@
 // The settings of the vector engine, bound as structs and enums: atari/vector/settings.py makes them of a `Protocol`.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
