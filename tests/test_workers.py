@@ -4,8 +4,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
 SPAWN = """
 import sys
 import gymnasium
@@ -70,5 +68,4 @@ def test_a_pool_of_processes(tmp_path: Path) -> None:
 
 
 def test_joblib(tmp_path: Path) -> None:
-    pytest.importorskip("joblib")
     assert run(KIND + JOBLIB, tmp_path) == "atari.env\n"

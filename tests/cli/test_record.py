@@ -104,7 +104,7 @@ def test_a_replay_is_a_policy(folder: Path, capsys: pytest.CaptureFixture[str]) 
         (["pong", "--policy", "policies_of_a_test:f"], "has no attribute 'f'"),
         (["pong", "--policy", "policies_of_a_test:constant"], "must be a function of an observation, got 1"),
         (["pong", "--policy", "policies_of_a_test:wrong"], "action 99 is not within 0..5 (pong)"),
-        (["pong", "--policy", "none.a26"], "No such file or directory: none.a26"),
+        (["pong", "--policy", "none.a26"], "there is no file none.a26"),
         (["pong", "--policy", "seaquest.a26"], "seaquest.a26 is a replay of seaquest, not of pong"),
         (["seaquest", "--policy", "seaquest.a26", "-o", "b.a26"], "a replay of a replay is its copy"),
         (["pong", "-o", "a.avi"], "-o is a file that ends in one of .mp4, .mkv, .webm, .gif, .png, .a26, got 'a.avi'"),

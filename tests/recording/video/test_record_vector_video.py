@@ -45,6 +45,8 @@ def play(envs: Any, steps: int) -> list[Any]:
         if envs.metadata["autoreset_mode"] == AutoresetMode.DISABLED and done.any():
             results.append(envs.reset(options={"reset_mask": done}))
         results[-1] = (results[-1][0].copy(), *results[-1][1:])
+        for info in (results[-1][-1], results[-1][-1].get("final_info", {})):
+            info.get("episode", {}).pop("t", None)  # seconds
     return results[1:]
 
 
