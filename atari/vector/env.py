@@ -275,6 +275,8 @@ class AtariVectorEnv(VectorEnv):
 
     def _check_idle(self) -> None:
         if self._phase == "new":
+            if self._engine is None:  # A signal handler has closed it since `_open`.
+                raise _closed()
             raise gymnasium.error.ResetNeeded("call reset() before the first step, and after an error in one")
         if self._phase == "sent":
             raise gymnasium.error.AlreadyPendingCallError("call recv() before the next send()", "send")
