@@ -7,11 +7,13 @@ import ale_py.env
 import gymnasium
 import numpy as np
 import pytest
+from env_tools import needs_gymnasium_1, needs_new_ale_py
 from gymnasium import wrappers
 from gymnasium.utils.env_checker import data_equivalence
 
 from atari import AtariEnv
 
+pytestmark = [needs_gymnasium_1, needs_new_ale_py]
 pygame = pytest.importorskip("pygame")
 
 

@@ -7,11 +7,14 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.vector import AutoresetMode, SyncVectorEnv
-from gymnasium.wrappers import RecordEpisodeStatistics, vector
+from gymnasium.vector import SyncVectorEnv
+from gymnasium.wrappers import RecordEpisodeStatistics
 
 import atari
 from atari import wrappers
+from atari._gymnasium import AutoresetMode
+
+vector: Any = pytest.importorskip("gymnasium.wrappers.vector", reason="Gymnasium 0.29 has no wrappers of vectors")
 
 Game = tuple[float, int]
 
