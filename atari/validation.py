@@ -153,16 +153,53 @@ def check_file(file: Path, instead: str = "give a regular file") -> Path:
     return file
 
 
+PREPROCESSING_OPTIONS = (
+    "num_envs",
+    "img_height",
+    "img_width",
+    "stack_num",
+    "maxpool",
+    "noop_max",
+    "use_fire_reset",
+    "episodic_life",
+    "life_loss_info",
+    "clip_reward",
+)
+"""Options of `AtariVectorEnv` that single environments do not have, because wrappers do this."""
+
+# Names of other projects' options that are too unlike ours to be found by their letters.
+_OTHER_NAMES = {
+    "frame_stack": "stack_num",
+    "n_stack": "stack_num",
+    "stack_size": "stack_num",
+    "screen_size": "img_height",
+    "gray_scale": "obs_type",
+    "grayscale": "obs_type",
+    "grayscale_obs": "obs_type",
+    "max_frames": "max_num_frames_per_episode",
+    "sticky_actions": "repeat_action_probability",
+    "terminal_on_life_loss": "episodic_life",
+}
+
+
 def check_known(owner: str, wrong: Iterable[str], known: Iterable[str]) -> None:
     """Refuse options that do not exist.
 
     Raises:
-        TypeError: `wrong` is not empty; the message suggests the nearest of the known names.
+        TypeError: `wrong` is not empty; the message suggests the nearest of the known names, or of
+            `PREPROCESSING_OPTIONS`.
     """
-    names = {_sorted_words(name): name for name in known}
+    known = tuple(known)
+    names = {_sorted_words(name): name for name in (*PREPROCESSING_OPTIONS, *known)}
     for name in wrong:
-        near = difflib.get_close_matches(_sorted_words(name), names, n=1, cutoff=0.5)
-        hint = f"did you mean {names[near[0]]!r}?" if near else f"it has {', '.join(names.values())}"
+        words = _sorted_words(_OTHER_NAMES.get(name, name))
+        near = [names[match] for match in difflib.get_close_matches(words, names, n=1, cutoff=0.5)]
+        if not near:
+            hint = f"it has {', '.join(known)}"
+        elif near[0] in known:
+            hint = f"did you mean {near[0]!r}?"
+        else:
+            hint = f"AtariVectorEnv has {near[0]!r}, and a single environment is preprocessed by atari.wrappers"
         raise TypeError(f"{owner} has no option {name!r}; {hint}")
 
 
