@@ -9,7 +9,7 @@ LIMIT = 60
 
 
 def run_program(program: str) -> str:
-    """What the program prints; it must end by itself, with status 0.
+    """What the program prints; it must end by itself, with status 0 and without an error in any of its threads.
 
     Raises:
         AssertionError: it hung, crashed, or raised; the message has what it wrote to stderr.
@@ -20,4 +20,5 @@ def run_program(program: str) -> str:
     except subprocess.TimeoutExpired as error:
         raise AssertionError(f"the program hung; it printed {error.stdout!r}, and to stderr {error.stderr!r}") from None
     assert done.returncode == 0, f"status {done.returncode}: {done.stderr}"
+    assert "Exception in thread" not in done.stderr, done.stderr  # which does not change the status
     return done.stdout
