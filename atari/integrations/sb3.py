@@ -44,8 +44,8 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
     The `info` of each environment has `lives`, `frame_number`, `episode_frame_number`, `TimeLimit.truncated`, and when
     its episode ends `terminal_observation`. When a whole game ends, with all its lives, it also has `episode`: `r`, the
     sum of its rewards as the game gives them, not clipped; `l`, its length in frames; `t`, the seconds since the
-    environments were made. So a `VecMonitor` is not needed, and would record clipped rewards of single lives. Rewards
-    during the no-ops and the FIRE of a reset are not returned, and not part of it.
+    environments were made. So a `VecMonitor` is not needed, and would record clipped rewards of single lives. As
+    `Monitor` does, `r` includes the rewards during the no-ops and the FIRE of a reset, which no step returns.
 
     `vector` is the `AtariVectorEnv`; `get_attr`, `set_attr` and `env_method` are about its `members`. To record videos,
     replace it by a wrapper that leaves observations, rewards and actions as they are:
@@ -78,8 +78,6 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         )
         self._actions: Any = None
         self._made_at = time.time()
-        self._returns = np.zeros(self.num_envs, np.int64)
-        self._game_began = np.zeros(self.num_envs, np.int64)
 
     def reset(self) -> Any:
         """Begin new games, with the seeds of `seed` if it was called. Warn if a `VecFrameStack` calls it."""
@@ -91,8 +89,6 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         observation, info = self.vector.reset(seed=self._seeds)
         self._reset_seeds()
         self._reset_options()
-        self._returns[:] = 0
-        self._game_began = _game_began(info)
         self.reset_infos = _split(info)
         return _shown(observation)
 
@@ -113,25 +109,21 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         shown, infos = _shown(observation), _split(info)
         for one, truncated in zip(infos, (truncations & ~terminations).tolist(), strict=True):
             one["TimeLimit.truncated"] = truncated
-        self._returns += rewards
         if dones.any():
             self._note_ends(dones, info, shown, infos)
         return shown, np.float32(np.sign(rewards) if self._clips else rewards), dones, infos
 
     def _note_ends(self, dones: Any, info: dict[str, Any], shown: Any, infos: list[dict[str, Any]]) -> None:
-        final = _shown(info["final_obs"])
-        began = _game_began(info)
+        final, games = _shown(info["final_obs"]), info["final_info"]
+        whole = games.get("_episode", np.zeros_like(dones))
+        seconds = round(time.time() - self._made_at, 6)
         for index in np.flatnonzero(dones).tolist():
             # With `life_loss_info` an episode goes on after a termination.
             source = final if info["_final_obs"][index] else shown
             infos[index]["terminal_observation"] = _row(source, index)
-            if began[index] == self._game_began[index]:
-                continue  # a life was lost, the game goes on
-            frames = int(info["final_info"]["episode_frame_number"][index])
-            seconds = round(time.time() - self._made_at, 6)
-            infos[index]["episode"] = {"r": float(self._returns[index]), "l": frames, "t": seconds}
-            self._returns[index] = 0
-        self._game_began = began
+            if whole[index]:
+                score, frames = (games["episode"][key][index] for key in "rl")
+                infos[index]["episode"] = {"r": float(score), "l": int(frames), "t": seconds}
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
         """Seed environment i with seed + i, at the next reset; None draws one.
@@ -191,11 +183,6 @@ def _called_by(kind: type[Any], frame: FrameType | None) -> bool:
             return True
         frame = frame.f_back
     return False
-
-
-def _game_began(info: dict[str, Any]) -> Any:
-    """The frame in which each game began, which differs from game to game."""
-    return info["frame_number"] - info["episode_frame_number"]
 
 
 def _split(info: dict[str, Any]) -> list[dict[str, Any]]:

@@ -245,3 +245,16 @@ def test_dqn_learns_and_its_replay_buffer_is_right(tmp_path: Any) -> None:
     loaded = DQN.load(tmp_path / "model", env=envs, device="cpu")
     actions, _ = loaded.predict(envs.reset(), deterministic=True)
     assert actions.shape == (4,)
+
+
+def test_rewards_of_the_noops_of_a_reset_are_part_of_a_game() -> None:
+    """In Skiing every frame costs a reward."""
+    ours, expected = make("skiing", 1, preset="baselines"), theirs("skiing", 1)
+    for envs in (ours, expected):
+        envs.seed(3)
+        envs.reset()
+    done = np.zeros(1, bool)
+    while not done[0]:
+        _, _, done, (info,) = ours.step(np.zeros(1, int))
+        *_, (other,) = expected.step(np.zeros(1, int))
+    assert (info["episode"]["r"], info["episode"]["l"]) == (other["episode"]["r"], other["episode"]["l"])
