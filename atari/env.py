@@ -47,6 +47,7 @@ class _Game:
     steps: int = 0  # counted by wrappers, for which a step is several frames
     first_frame: int = 0  # the episode frame number after the reset
     began: float = field(default_factory=time.perf_counter)
+    rewards: int = 0  # other than zero; counted again from a restored snapshot
 
 
 class AtariEnv(gymnasium.Env[Any, Any]):
@@ -211,7 +212,9 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         reward = 0.0
         for _ in range(frames):
             reward += act(action, strength)
-        self._game.score += reward
+        if reward:
+            self._game.score += reward
+            self._game.rewards += 1
         if (self.core.game_over or self.core.truncated) and self._phase == "playing":
             self._phase = "over"
             self._ended_game = self._game_statistics()

@@ -3,10 +3,13 @@
 from typing import Any
 
 import gymnasium
+from gymnasium import logger, spaces
 from gymnasium.utils import RecordConstructorArgs
 
 from atari.restorable import Restorable
-from atari.wrappers._checks import Environment, require_atari
+from atari.wrappers._checks import Environment, action_meanings, require_atari
+
+_STEPS_WITHOUT_PROGRESS = 2250  # 9,000 frames, two and a half minutes of play
 
 
 class GameStatistics(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
@@ -16,6 +19,8 @@ class GameStatistics(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCo
     the game, lost lives do not matter; "terminated", whether the game is over. When a game has ended, in the step or
     inside the reset, `info` has "episode", see `atari.wrappers.preset`.
 
+    In games with FIRE, the first 9,000 frames in which nothing happens give a warning: the game may wait for it.
+
     Args:
         env: an `AtariEnv` with wrappers that do not change the reward.
     """
@@ -24,6 +29,9 @@ class GameStatistics(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCo
         RecordConstructorArgs.__init__(self)
         super().__init__(env)
         self._atari = require_atari(env, "GameStatistics")
+        meanings = action_meanings(env) if isinstance(env.action_space, spaces.Discrete) else []
+        self._fires = [index for index, meaning in enumerate(meanings) if "FIRE" in meaning]
+        self._progress: Any = None  # the game, its rewards and its lives when they were compared last
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset, and add the statistics to `info`."""
@@ -33,8 +41,26 @@ class GameStatistics(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCo
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Step, and add the statistics to `info`."""
         observation, reward, terminated, truncated, info = self.env.step(action)
-        self._atari._game.steps += 1
+        game = self._atari._game
+        game.steps += 1
+        if game.steps % _STEPS_WITHOUT_PROGRESS == 0:
+            self._warn_of_waiting(action)
         return observation, reward, terminated, truncated, self._with_statistics(info, reward, truncated)
+
+    def _warn_of_waiting(self, action: Any) -> None:
+        """Warn once if rewards and lives are those of the last check, unless the action is FIRE."""
+        game = self._atari._game
+        progress = game, game.rewards, self._atari.core.lives
+        before, self._progress = self._progress, progress
+        same = before is not None and before[0] is game and before[1:] == progress[1:]
+        if same and self._fires and not any(action == fire for fire in self._fires):
+            self._fires = []
+            logger.warn(
+                f"{self._atari.game.id} gave no reward and took no life for {_STEPS_WITHOUT_PROGRESS} steps; it may "
+                "wait for FIRE, which the agent must press: presets press it in resets at most. With "
+                "preset='baselines', episodic_life=True, they do so after each lost life, and info['episode'] has "
+                "whole games"
+            )
 
     def _with_statistics(self, info: dict[str, Any], reward: Any, truncated: bool) -> dict[str, Any]:
         atari = self._atari

@@ -251,7 +251,8 @@ def preset(
             its sticky actions and its action set.
         name: one of the names above.
         episodic_life: whether a lost life ends the episode; None is as the implementation does by default. For
-            evaluation: False.
+            evaluation: False, or True for an agent that never presses FIRE, which games such as Breakout wait for
+            after each lost life; the environment warns if a game seems to wait.
         clip_reward: whether rewards are clipped; None is as the implementation does by default. For evaluation: False.
         reward_clipping: another name of `clip_reward`, that of ale-py's vector environment.
 

@@ -3,12 +3,16 @@
 This file compares Gymnasium and ale-py; `tests/peers` compares the other implementations.
 """
 
+import warnings
+from typing import Any
+
 import ale_py
 import cv2
 import gymnasium
 import numpy as np
 import pytest
 
+import atari
 from atari import Action, games
 from atari.wrappers import PRESETS, ClipReward, DqnPreprocessing, EpisodicLife, NoopReset, preset, preset_options
 
@@ -260,3 +264,25 @@ def test_other_environments_and_ram(game_env, scripted):
 def test_options_are_a_copy(game_env):
     preset_options("dqn2015")["frameskip"] = 4
     assert preset_options("dqn2015")["frameskip"] == 1
+
+
+def standing(game: str, action: int, steps: int, **options: Any) -> list[str]:
+    """The warnings of an agent that always does the same."""
+    env = atari.make(game, preset="baselines", **options)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        env.reset(seed=0)
+        for _ in range(steps):
+            *_, terminated, truncated, _ = env.step(action)
+            if terminated or truncated:
+                env.reset()
+    return [str(warning.message) for warning in caught]
+
+
+def test_an_evaluation_that_never_presses_fire_warns_once() -> None:
+    """Without `episodic_life`, the reset presses FIRE for the first ball only."""
+    (text,) = standing("breakout", 0, 9_000, episodic_life=False)
+    assert "breakout gave no reward and took no life for 2250 steps; it may wait for FIRE" in text
+    assert standing("breakout", 1, 5_000, episodic_life=False) == []
+    assert standing("breakout", 0, 5_000, episodic_life=True) == []
+    assert standing("freeway", 0, 5_000) == []
