@@ -29,7 +29,7 @@ class RgbPool:
         """The gray values of two frames, pooled, uint8 of their shape, written to `out`."""
         self.gray(late, out)
         early, late = early.ravel(), late.ravel()
-        differing = np.flatnonzero(early != late)
+        (differing,) = (early != late).nonzero()
         out.ravel()[differing] = self._of_pair[early[differing], late[differing]]
         return out
 

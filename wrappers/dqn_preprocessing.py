@@ -199,9 +199,11 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
 
     def _play_direct(self, move: tuple[int, float]) -> tuple[float, bool, bool]:
         """Play a frame on the emulator."""
-        reward = self._atari.play_frames(move[0], 1, move[1])
-        core = self._atari.core
-        terminated, truncated = core.game_over, core.truncated
+        atari = self._atari
+        reward = atari.play_frames(move[0], 1, move[1])
+        core = atari.core
+        ended = atari._phase != "playing"
+        terminated, truncated = ended and core.game_over, ended and core.truncated
         if self._life is not None:
             terminated = self._life.observe(core.lives, terminated, truncated)
         return reward, terminated, truncated
