@@ -1,20 +1,13 @@
-"""The code blocks of the documentation that need other packages. All other blocks run in every test lane."""
+"""The code blocks of the documentation that need the packages of requirements.txt."""
 
-import re
 from pathlib import Path
 
 import pytest
+from documents import blocks
 
 pytestmark = pytest.mark.peers
 
-TOP = Path(__file__).parents[2]
-BLOCKS = {
-    f"{path.name}-{number}": block
-    for path in [*sorted(TOP.glob("*.md")), *sorted(TOP.glob("docs/*.md"))]
-    for number, block in enumerate(
-        re.findall(r"^```python peers\n(.*?)^```$", path.read_text(), re.MULTILINE | re.DOTALL)
-    )
-}
+BLOCKS = blocks("peers")
 
 
 @pytest.mark.parametrize("name", BLOCKS)
