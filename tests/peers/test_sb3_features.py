@@ -1,5 +1,6 @@
 """What users of Stable-Baselines3 and its zoo do around environments, with ours: videos, memory, statistics, files."""
 
+import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -172,6 +173,33 @@ def test_make_atari_env(vector: str, tmp_path: Path) -> None:
             ]
     finally:
         envs.close()
+
+
+SPAWN = """
+import sys
+import numpy as np
+from stable_baselines3.common.env_util import make_atari_env
+from stable_baselines3.common.vec_env import SubprocVecEnv
+
+if __name__ == "__main__":
+    options = {"vec_env_cls": SubprocVecEnv, "vec_env_kwargs": {"start_method": "spawn"}}
+    envs = make_atari_env("atari:BreakoutNoFrameskip-v4", n_envs=2, seed=5, **options)
+    np.savez("steps.npz", envs.reset(), *(envs.step(np.array([2, 3]))[0] for _ in range(30)))
+    print(envs.get_attr("spec")[1].entry_point)
+    envs.close()
+"""
+
+
+def test_spawned_processes_that_do_not_import_the_package(tmp_path: Path) -> None:
+    (tmp_path / "script.py").write_text(SPAWN)
+    done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert (done.returncode, done.stdout) == (0, "atari.env:AtariEnv\n"), done.stderr
+    ours = make()
+    ours.seed(5)
+    expected = [ours.reset(), *(ours.step(np.array([2, 3]))[0] for _ in range(30))]
+    with np.load(tmp_path / "steps.npz") as steps:
+        for name, observation in zip(steps, expected, strict=True):
+            np.testing.assert_array_equal(steps[name][..., 0], observation[:, -1])
 
 
 def test_attributes_are_those_of_one_environment() -> None:

@@ -1,5 +1,8 @@
 """TorchRL's `GymWrapper` around single and vector environments."""
 
+import subprocess
+import sys
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -96,9 +99,51 @@ def test_a_single_environment_with_a_preset() -> None:
         assert data["next", "reward"][step].item() == reward
 
 
-def test_a_registered_id() -> None:
+@pytest.mark.parametrize("preset", ["dqn2015", "baselines", "dopamine", "envpool"])
+def test_a_vector_with_a_preset(preset: str) -> None:
+    envs = PatientRecorder("breakout", 2, preset=preset, autoreset_mode="Disabled")
+    data = rollout(envs, 80)
+    assert data["observation"].shape == (2, 80, 4, 84, 84)
+    np.testing.assert_array_equal(data["next", "observation"].numpy(), np.stack(envs.ends, 1))
+    np.testing.assert_array_equal(data["next", "reward"].numpy()[..., 0], np.stack(envs.rewards, 1))
+
+
+@pytest.mark.parametrize("skip", [1, 4])
+@pytest.mark.parametrize(("env_id", "shape"), [("ALE/Pong-ram-v5", (128,)), ("ALE/Pong-v5", (210, 160, 3))])
+def test_a_registered_id(env_id: str, shape: tuple[int, ...], skip: int) -> None:
+    """TorchRL calls the observation `pixels` if it has three dimensions, and replaces the frame skip of the ID."""
     from torchrl.envs.libs.gym import GymEnv
 
-    data = GymEnv("ALE/Pong-ram-v5").rollout(10)
-    assert data["observation"].shape == (10, 128)
-    assert len(np.unique(data["observation"].numpy(), axis=0)) > 5
+    env, twin = GymEnv(env_id, frame_skip=skip), gymnasium.make(env_id, frameskip=skip)
+    assert GymEnv(env_id)._env.spec.kwargs["frameskip"] == 1
+    env.set_seed(0)
+    data = env.rollout(50)
+    key = "pixels" if len(shape) == 3 else "observation"
+    assert data[key].shape == (50, *shape)
+    twin.reset(seed=0)
+    observation, _ = twin.reset()
+    for step in range(50):
+        np.testing.assert_array_equal(data[key][step].numpy(), observation)
+        observation, reward, *_ = twin.step(int(data["action"][step].argmax()))
+        np.testing.assert_array_equal(data["next", key][step].numpy(), observation)
+        assert data["next", "reward"][step].item() == reward
+
+
+PROCESSES = """
+import sys
+from torchrl.envs import GymEnv, ParallelEnv
+
+def make():
+    return GymEnv("atari:ALE/Pong-v5")
+
+if __name__ == "__main__":
+    envs = ParallelEnv(2, make, mp_start_method="spawn")
+    print(*envs.rollout(5)["pixels"].shape)
+    envs.close()
+"""
+
+
+def test_processes(tmp_path: Path) -> None:
+    (tmp_path / "script.py").write_text(PROCESSES)
+    done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert (done.returncode, done.stdout) == (0, "2 5 210 160 3\n"), done.stderr
