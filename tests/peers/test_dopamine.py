@@ -77,3 +77,20 @@ def compare(atari_lib, game, limit=108_000, episodic_life=False, steps=600):
 def push(stack, frame):
     """The stack of an agent, with the new frame last."""
     return np.concatenate([stack[1:], frame[None, ..., 0]])
+
+
+def test_its_function_makes_our_environment(atari_lib):
+    """The environment of its runner, where only `import atari` was added."""
+    theirs = atari_lib.create_atari_environment("Breakout")
+    assert isinstance(theirs.environment.unwrapped, AtariEnv)
+    ours = preset(AtariEnv("breakout", **preset_options("dopamine")), "dopamine")
+    theirs.environment.reset(seed=3)
+    ours.reset(seed=3)
+    assert np.array_equal(theirs.reset()[..., 0], ours.reset()[0][-1])
+    for step in range(400):
+        frame, reward, ended, _ = theirs.step(step % 4)
+        observation, own_reward, terminated, truncated, _ = ours.step(step % 4)
+        assert np.array_equal(frame[..., 0], observation[-1])
+        assert (np.clip(reward, -1, 1), ended) == (own_reward, terminated or truncated)
+        if ended:
+            assert np.array_equal(theirs.reset()[..., 0], ours.reset()[0][-1])
