@@ -1,0 +1,295 @@
+"""`compare`: results of evaluations beside published ones, in human-normalised scores."""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from atari.learning.evaluation.protocols import EvaluationProtocol, differences
+from atari.learning.evaluation.published import Published, human_scores, published
+from atari.learning.evaluation.results import Result, aligned
+from atari.learning.evaluation.statistics import Estimate, Floats, estimate_of_episodes, estimate_of_runs
+from atari.learning.evaluation.tables import read_table
+from atari.validation import check_integer
+
+References = Mapping[str, tuple[float, float]]
+"""By game, the score of random play and of a human."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """An agent in a comparison.
+
+    Attributes:
+        name: of the agent.
+        runs: trainings whose scores are known one by one; None if only their mean is.
+        frames: of the training, in emulator frames; None is not known.
+        median, mean: over games of the mean of runs, human-normalised.
+        iqm: interquartile mean over games and runs.
+        protocol: how its scores came about.
+        scores: by game, the scores of runs, not normalised.
+    """
+
+    name: str
+    runs: int | None
+    frames: int | None
+    median: Estimate
+    mean: Estimate
+    iqm: Estimate
+    protocol: str
+    scores: Mapping[str, tuple[float, ...]]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Agents beside each other, on the games that all of them have. It prints as two tables.
+
+    Attributes:
+        rows: the agents, the evaluated one first.
+        games: that are compared.
+        human: the table of human scores, by name.
+        references: by game, the score of random play and of a human, which are 0 and 1 of normalised scores.
+        mixed: whether agents of different protocols or budgets are compared nevertheless.
+        notes: what a reader must know.
+    """
+
+    rows: tuple[Row, ...]
+    games: tuple[str, ...]
+    human: str
+    references: References
+    mixed: bool
+    notes: tuple[str, ...]
+
+    def normalised(self, row: Row) -> dict[str, Floats]:
+        """By game, the human-normalised scores of a row's runs, (runs,) float64."""
+        return _normalised({game: np.array(scores) for game, scores in row.scores.items()}, self.references)
+
+    def __str__(self) -> str:
+        title = f"human-normalised scores (table {self.human}) of {len(self.games)} games"
+        if self.mixed:
+            title = f"MIXED PROTOCOLS OR BUDGETS, not a fair comparison: {title}"
+        overview: list[Sequence[object]] = [("agent", "runs", "frames", "median", "mean", "IQM")]
+        for row in self.rows:
+            frames = "?" if row.frames is None else f"{row.frames:,}"
+            overview.append((row.name, "?" if row.runs is None else row.runs, frames, row.median, row.mean, row.iqm))
+        table: list[Sequence[object]] = [("game", "random", "human", *(row.name for row in self.rows))]
+        for game in self.games:
+            means = (f"{np.mean(row.scores[game]):,.1f}" for row in self.rows)
+            table.append((game, *(f"{score:,.1f}" for score in self.references[game]), *means))
+        return "\n".join(
+            [title, "", *aligned(overview), "", *aligned(table), "", *(f"- {note}" for note in self.notes)]
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """All of it, as the types of JSON."""
+        return {"format": "atari comparison 1", **asdict(self)}
+
+    def save(self, file: str | PathLike[str]) -> None:
+        """Write a JSON file; an existing one is replaced.
+
+        Raises:
+            OSError: it cannot be written.
+        """
+        Path(file).write_text(json.dumps(self.to_json(), indent=1) + "\n", encoding="utf-8")
+
+    def plot(self, file: str | PathLike[str]) -> None:
+        """Draw the summaries with their intervals, and performance profiles; the file's ending decides the format.
+
+        Raises:
+            gymnasium.error.DependencyNotInstalled: Matplotlib is not installed.
+            ValueError: Matplotlib does not know the format.
+            OSError: the file cannot be written.
+        """
+        from atari.learning.evaluation.plot import plot  # here, because it imports Matplotlib
+
+        plot(self, Path(file))
+
+
+def compare(
+    results: Result | Sequence[Result],
+    to: str | Sequence[str] = ("dopamine/rainbow",),
+    *,
+    frames: int | None = None,
+    human: str = "noop57",
+    mixed: bool = False,
+    repetitions: int = 2000,
+    seed: int = 0,
+) -> Comparison:
+    """Put results of evaluations beside published ones, on the games that all of them have.
+
+    A normalised score is (score - random) / (human - random). With one result of each game, intervals are of the
+    bootstrap that draws its episodes again: they are about this policy. With several results of a game, from trainings
+    with different seeds, runs are drawn again, as for published agents: they are about the algorithm.
+
+    Published scores are mostly those of training games, with their exploration, of other code. The notes say so.
+
+    Args:
+        results: of `evaluate`; several are of the same agent, other games or other trainings.
+        to: names of published agents, see `published_names`.
+        frames: emulator frames of training at which to compare; None is the `training_frames` of the results. If both
+            are not known, published agents have their final scores.
+        human: the table of human and random scores, see `human_scores`.
+        mixed: compare agents of different protocols or budgets nevertheless. The comparison then says so.
+        repetitions: of the bootstrap.
+        seed: of the bootstrap.
+
+    Raises:
+        TypeError, ValueError: an argument is of the wrong kind, a name is not known (the nearest is suggested), the
+            protocols or budgets differ, the human table is of another protocol, or no game is left.
+    """
+    results = _check_results(results)
+    to = [to] if isinstance(to, str) else list(to)
+    others = [published(name) for name in to]
+    repetitions = check_integer("repetitions", repetitions, 1, 1_000_000)
+    notes: list[str] = []
+    faults: list[str] = []
+    protocol = _common_protocol(results, faults)
+    frames = _common_frames(results, frames, faults)
+    faults += _human_faults(human, protocol)
+    references = human_scores(human)
+    for other in others:
+        faults += [f"{other.name}: {fault}" for fault in (*protocol_faults(protocol, other), *_budget(other, frames))]
+    if faults and not mixed:
+        raise ValueError(f"these are not comparable: {'; '.join(faults)}; mixed=True compares them, and says so")
+    notes += [f"MIXED: {fault}" for fault in faults]
+    played = {one.game for result in results for one in result.games}
+    games = tuple(
+        game
+        for game in references
+        if game in played and all(game in other.games and len(_scores_at(other, game, frames)) for other in others)
+    )
+    if left := sorted(played - set(games)):
+        notes.append(f"left out, because not all have scores of them: {', '.join(left)}")
+    if not games:
+        raise ValueError(f"there is no game that all of {', '.join(['the results', human, *to])} have scores of")
+    bootstrap = {"repetitions": repetitions, "seed": seed}
+    rows = [_own_row(results, {game: references[game] for game in games}, frames, bootstrap)]
+    rows += [_published_row(other, {game: references[game] for game in games}, frames, bootstrap) for other in others]
+    notes += [f"{row.name}: {row.protocol}" for row in rows]
+    if "video_pinball" in games and human == "noop57":
+        notes.append("Video Pinball's random score here is 16,256.9; other tables have 0, which changes means")
+    return Comparison(
+        rows=tuple(rows),
+        games=games,
+        human=human,
+        references={game: references[game] for game in games},
+        mixed=bool(faults),
+        notes=tuple(notes),
+    )
+
+
+def protocol_faults(protocol: EvaluationProtocol, other: Published) -> list[str]:
+    """In which facts the environments of a published agent differ from a protocol, in words.
+
+    One no-op is no random start, and counts as none. A limit of frames that is not stated is no difference.
+    """
+    facts = other.protocol
+    pairs = [
+        ("repeat_action_probability", protocol.repeat_action_probability, facts["repeat_action_probability"]),
+        ("noop_max", protocol.noop_max if protocol.noop_max > 1 else 0, facts["noop_max"] * (facts["noop_max"] > 1)),
+        ("full_action_space", protocol.full_action_space, facts["full_action_space"]),
+        ("frame_skip", protocol.frame_skip, facts["frame_skip"]),
+        ("max_frames", protocol.max_frames, facts["max_frames"] or protocol.max_frames),
+    ]
+    return [f"{name} is {theirs}, and {ours} in {protocol.name}" for name, ours, theirs in pairs if ours != theirs]
+
+
+def _check_results(results: Any) -> list[Result]:
+    results = [results] if isinstance(results, Result) else results
+    if not isinstance(results, Sequence) or not results or not all(isinstance(one, Result) for one in results):
+        raise TypeError(f"results must be a Result of evaluate(), or several, got {results!r:.100}")
+    return list(results)
+
+
+def _common_protocol(results: Sequence[Result], faults: list[str]) -> EvaluationProtocol:
+    first = results[0].protocol
+    for result in results[1:]:
+        if different := differences(first, result.protocol):
+            faults.append(
+                f"the results are of protocols {first.name} and {result.protocol.name}: {', '.join(different)}"
+            )
+    return first
+
+
+def _common_frames(results: Sequence[Result], frames: int | None, faults: list[str]) -> int | None:
+    known = {result.training_frames for result in results}
+    if frames is not None:
+        known -= {None}
+        frames = check_integer("frames", frames, 1, 10**15)
+        if known - {frames}:
+            faults.append(f"the results were trained for {_listed(known)} frames, not for {frames:,}")
+        return frames
+    if len(known) > 1:
+        faults.append(f"the results were trained for different numbers of frames: {_listed(known)}")
+    return known.pop() if len(known) == 1 else None
+
+
+def _listed(numbers: set[int | None]) -> str:
+    return " and ".join(
+        "unknown" if number is None else f"{number:,}" for number in sorted(numbers, key=lambda n: n or 0)
+    )
+
+
+def _human_faults(human: str, protocol: EvaluationProtocol) -> list[str]:
+    """Tables of other protocols than no-op starts and sticky actions are only for scores of theirs."""
+    human_scores(human)
+    if human == "noop57" or (human == "nature2015" and protocol.name == "dqn2015"):
+        return []
+    meaning = read_table("human")["tables"][human]["meaning"]
+    return [f"the human table {human} is not for scores of {protocol.name} ({meaning}); use noop57"]
+
+
+def _budget(other: Published, frames: int | None) -> list[str]:
+    if frames is None or frames == other.final_frames or (other.has_curves and frames <= (other.final_frames or 0)):
+        return []
+    final = "an unknown number of" if other.final_frames is None else f"{other.final_frames:,}"
+    return [f"it has scores {'until' if other.has_curves else 'only at'} {final} frames, not at {frames:,}"]
+
+
+def _scores_at(other: Published, game: str, frames: int | None) -> Floats:
+    """The scores of a published agent at so many frames, or its final ones if it has none there."""
+    return other.final(game) if frames is None or _budget(other, frames) else other.at(game, frames)
+
+
+def _own_row(results: Sequence[Result], references: References, frames: int | None, bootstrap: dict[str, int]) -> Row:
+    of_game = {game: [one for result in results for one in result.games if one.game == game] for game in references}
+    runs = {game: np.array([one.mean for one in several]) for game, several in of_game.items()}
+    if all(len(several) == 1 for several in of_game.values()):
+        episodes = {game: np.array(several[0].scores) for game, several in of_game.items()}
+        estimates = estimate_of_episodes(_normalised(episodes, references), **bootstrap)
+    else:
+        estimates = estimate_of_runs(_normalised(runs, references), **bootstrap)
+    played = sum(len(one.scores) for several in of_game.values() for one in several)
+    return Row(
+        name=", ".join(dict.fromkeys(result.policy for result in results)),
+        runs=max(map(len, runs.values())),
+        frames=frames,
+        protocol=f"{results[0].protocol}; {played:,} games, played after the training",
+        scores={game: tuple(scores.tolist()) for game, scores in runs.items()},
+        **estimates,
+    )
+
+
+def _published_row(other: Published, references: References, frames: int | None, bootstrap: dict[str, int]) -> Row:
+    scores = {game: _scores_at(other, game, frames) for game in references}
+    runs = max(map(len, scores.values()))
+    return Row(
+        name=other.name,
+        runs=runs if runs > 1 else None,
+        frames=other.final_frames if frames is None or _budget(other, frames) else frames,
+        protocol=f"{other.title}, {other.protocol['phase']}; {other.source['repo']}, {other.source['licence']}",
+        scores={game: tuple(values.tolist()) for game, values in scores.items()},
+        **estimate_of_runs(_normalised(scores, references), **bootstrap),
+    )
+
+
+def _normalised(scores: Mapping[str, Floats], references: References) -> dict[str, Floats]:
+    """Human-normalised scores by game: random play is 0, a human 1."""
+    normalised = {}
+    for game, (random, human) in references.items():
+        normalised[game] = (scores[game] - random) / (human - random)
+    return normalised

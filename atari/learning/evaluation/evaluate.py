@@ -1,0 +1,220 @@
+"""`evaluate`: a fixed number of whole games of a policy, by a named protocol."""
+
+import zlib
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from atari.games.game import Game
+from atari.learning.evaluation.player import IntArray, Player
+from atari.learning.evaluation.protocols import MAX_EPISODES, EvaluationProtocol, find_games, find_protocol
+from atari.learning.evaluation.results import GameResult, Result, versions
+from atari.learning.policies import load_policy
+from atari.learning.policy import Policy, as_policy
+from atari.validation import check_integer
+from atari.vector import AtariVectorEnv
+
+_MOST_LANES = 64
+
+Progress = Callable[[int, int], Any]
+
+
+def evaluate(
+    policy: Any,
+    games: Any,
+    protocol: str | EvaluationProtocol = "machado2018",
+    *,
+    episodes: int | None = None,
+    seed: int = 0,
+    num_envs: int | None = None,
+    num_threads: int = 0,
+    progress: Progress | None = None,
+) -> Result:
+    """Let a policy play whole games, and return their scores: the game's own, not clipped, over all lives.
+
+    The games that count are fixed before the first step: lane i, of `num_envs` that play at a time, plays the games
+    i, i + num_envs, ... of each game to their ends. "The first 100 games that end", or "all that end within so many
+    steps", would favour short games: in most games a bad game is a short one, so their mean is too low, and too high in
+    games that a good player ends soon.
+
+    Each game has a seed of its own, made of `seed`, the game's id and its number. So the scores are the same for any
+    `num_envs` and `num_threads`, and the first 50 of 100 games are those of an evaluation of 50; provided that a
+    policy's action depends neither on the other rows of its batch nor on generators that all lanes share. Networks on
+    batches of another size may round differently, and choose another action where two are nearly equal; with equal
+    `num_envs` they give the same scores.
+
+    Args:
+        policy: a `Policy`; a function of observations (n, ...) that returns actions (n,); a source for `load_policy`,
+            such as "random", in which "{game}" stands for the game's id; or a mapping from game id to one of these.
+        games: a game, a set of `GAME_SETS` such as "atari26", or a sequence of these.
+        protocol: one of `PROTOCOLS`, or an `EvaluationProtocol` of your own. It decides how games begin, are played and
+            end, whatever environment the policy was trained in. The images are those that the policy needs. If the
+            protocol has all 18 actions and the policy was trained with those that the game uses, its actions are
+            translated.
+        episodes: whole games of each game; None is as the protocol says.
+        seed: of all games, 0 or more.
+        num_envs: games that are played at a time; None is up to 64.
+        num_threads: of the vector environment; 0 is as many as the machine has cores.
+        progress: called with the number of games that have ended and the number of all, after each that ends.
+
+    Raises:
+        TypeError, ValueError: an argument is of the wrong kind or out of range, the policy does not fit the protocol,
+            or it returns no actions.
+        FileNotFoundError: there is no such file of a policy, or no ROM file of a game.
+    """
+    protocol = find_protocol(protocol)
+    chosen = find_games(games)
+    episodes = check_integer("episodes", protocol.episodes if episodes is None else episodes, 1, MAX_EPISODES)
+    seed = check_integer("seed", seed, 0, 2**63 - 1)
+    if num_envs is None:
+        rounds = -(-episodes // _MOST_LANES)
+        num_envs = -(-episodes // rounds)
+    lanes = min(check_integer("num_envs", num_envs, 1, 100_000), episodes)
+    policies = [_policy(policy, game) for game in chosen]
+    players = [Player(one, protocol, game) for one, game in zip(policies, chosen, strict=True)]
+    played = []
+    for number, (game, player) in enumerate(zip(chosen, players, strict=True)):
+        report = _report(progress, number * episodes, len(chosen) * episodes)
+        seeds = np.array([episode_seed(seed, game.id, episode) for episode in range(episodes)], np.int64)
+        played.append(_play(game, player, seeds, lanes, num_threads, report))
+    frames = {getattr(one, "training_frames", None) for one in policies}
+    return Result(
+        policy=_name(policy, policies),
+        protocol=protocol,
+        seed=seed,
+        games=tuple(played),
+        training_frames=frames.pop() if len(frames) == 1 else None,
+        versions=versions(),
+    )
+
+
+def episode_seed(seed: int, game: str, episode: int) -> int:
+    """The seed of a game of an evaluation, 0..2**31-1."""
+    words = np.random.SeedSequence([seed, zlib.crc32(game.encode()), episode]).generate_state(1)
+    return int(words[0]) >> 1
+
+
+def _policy(policy: Any, game: Game) -> Policy:
+    if isinstance(policy, Mapping):
+        if game.id not in policy:
+            raise ValueError(f"there is no policy for {game.id}; there are some for {', '.join(map(str, policy))}")
+        policy = policy[game.id]
+    if isinstance(policy, (str, Path)):
+        return load_policy(str(policy).replace("{game}", game.id))
+    return as_policy(policy)
+
+
+def _name(policy: Any, policies: Sequence[Policy]) -> str:
+    if isinstance(policy, (str, Path)):
+        return str(policy)
+    names = {
+        str(getattr(one, "name", "") or getattr(one, "__qualname__", "") or type(one).__name__) for one in policies
+    }
+    return names.pop() if len(names) == 1 else f"{len(policies)} policies"
+
+
+def _report(progress: Progress | None, before: int, total: int) -> Callable[[int], Any]:
+    return lambda done: progress(before + done, total) if progress else None
+
+
+def _play(
+    game: Game, player: Player, seeds: IntArray, lanes: int, num_threads: int, report: Callable[[int], Any]
+) -> GameResult:
+    """Play a game for each seed and return the results in the order of the seeds."""
+    envs = AtariVectorEnv(game, lanes, autoreset_mode="Disabled", num_threads=num_threads, **player.options)
+    with closing(envs):
+        games = _Games(envs, player, seeds, report)
+        while games.active.any():
+            games.step()
+    scores, frames, truncated = zip(*filter(None, games.ended), strict=True)
+    return GameResult(game.id, scores, frames, truncated, tuple(seeds.tolist()), observation_facts(player.options))
+
+
+class _Games:
+    """The games of an evaluation that are being played, and the results of those that have ended.
+
+    `number[lane]` is the game of a lane; lane i plays games i, i + lanes, ... `ended` has (score, frames, truncated) by
+    game. A lane is active until the last of its games has ended.
+    """
+
+    def __init__(self, envs: AtariVectorEnv, player: Player, seeds: IntArray, report: Callable[[int], Any]) -> None:
+        self._envs, self._player, self._seeds, self._report = envs, player, seeds, report
+        self._limit = player.max_frames
+        self.active = np.ones(envs.num_envs, np.bool_)
+        self.number = np.arange(envs.num_envs)
+        self.ended: list[tuple[float, int, bool] | None] = [None] * len(seeds)
+        self._done = 0
+        self._begin(self.active.copy())
+
+    def step(self) -> None:
+        """Play a step of all active lanes, and begin new games, or go on after a lost life, where one has ended."""
+        rows = np.flatnonzero(self.active)
+        actions = np.zeros(len(self.active), np.int64)
+        actions[rows] = self._player.act(_rows(self._observations, rows, len(self.active)), rows)
+        self._observations, _, terminations, truncations, info = self._envs.step(actions)
+        stopped = (terminations | truncations) & self.active
+        if not stopped.any():
+            return
+        over = self._record(info, stopped, truncations)
+        lost_lives = stopped & ~over
+        if lost_lives.any():
+            keep = np.full(lost_lives.sum(), -1)  # the generators: the same game goes on
+            self._observations, info = self._envs.reset(seed=keep, options={"reset_mask": lost_lives})
+            over |= self._record(info, lost_lives, np.zeros_like(over))  # it may end in the reset
+        self._begin(over)
+
+    def _record(
+        self, info: dict[str, Any], lanes: npt.NDArray[np.bool_], truncations: npt.NDArray[np.bool_]
+    ) -> npt.NDArray[np.bool_]:
+        """Keep the results of the games that have ended in some lanes, and return which have."""
+        over: npt.NDArray[np.bool_] = info.get("_episode", np.zeros_like(lanes)) & lanes
+        for lane in np.flatnonzero(over).tolist():
+            score, frames = float(info["episode"]["r"][lane]), int(info["episode"]["l"][lane])
+            self.ended[self.number[lane]] = (score, frames, bool(truncations[lane]) or frames >= self._limit)
+            self._done += 1
+            self._report(self._done)
+        self.number[over] += len(lanes)
+        self.active &= self.number < len(self._seeds)
+        return over
+
+    def _begin(self, lanes: npt.NDArray[np.bool_]) -> None:
+        """Begin the next games of some lanes, if they have any."""
+        lanes = lanes & self.active
+        if not lanes.any():
+            return
+        rows = np.flatnonzero(lanes)
+        seeds = self._seeds[self.number[rows]]
+        self._observations, _ = self._envs.reset(seed=seeds, options={"reset_mask": lanes, "new_game": True})
+        self._player.begin(rows, seeds)
+
+
+def _rows(observations: Any, rows: IntArray, count: int) -> Any:
+    """The observations of some lanes."""
+    if len(rows) == count:
+        return observations
+    if isinstance(observations, dict):
+        return {key: value[rows] for key, value in observations.items()}
+    return observations[rows]
+
+
+def observation_facts(options: Mapping[str, Any]) -> dict[str, Any]:
+    """What a policy is shown, as a mapping of JSON's types."""
+    protocol = options["preset"]
+    facts = {
+        name: str(value) if name in ("rom", "dtype") else value for name, value in options.items() if name != "preset"
+    }
+    return {
+        "obs_type": "grayscale",
+        "img_height": 84,
+        "img_width": 84,
+        "stack_num": 4,
+        **facts,
+        "pool_rgb": protocol.pool_rgb,
+        "max_pool": protocol.max_pool,
+        "padding": protocol.padding,
+        "end_frames": protocol.end_frames,
+    }

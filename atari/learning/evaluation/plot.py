@@ -1,0 +1,67 @@
+"""The plot of a comparison."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import gymnasium
+import numpy as np
+
+from atari.learning.evaluation.statistics import profile
+
+try:
+    from matplotlib.figure import Figure
+except ImportError:
+    raise gymnasium.error.DependencyNotInstalled("plots need Matplotlib: pip install 'atari-envs[learn]'") from None
+
+if TYPE_CHECKING:
+    from atari.learning.evaluation.compare import Comparison
+
+_SUMMARIES = {"median": "median", "iqm": "interquartile mean", "mean": "mean"}
+
+
+def plot(comparison: "Comparison", file: Path) -> None:
+    """Draw the summaries with their intervals of 95 %, and the performance profile of each agent.
+
+    Raises:
+        ValueError: the file's ending names no format that Matplotlib knows.
+        OSError: the file cannot be written.
+    """
+    figure = Figure(figsize=(11, 3.2 + 0.3 * len(comparison.rows)), layout="constrained")
+    axes = figure.subplots(1, 4, width_ratios=(1, 1, 1, 2.2))
+    for axis, (name, title) in zip(axes, _SUMMARIES.items(), strict=False):
+        _draw_summary(axis, comparison, name, title)
+        if axis is not axes[0]:
+            axis.set_yticklabels([])
+    _draw_profiles(axes[-1], comparison)
+    title = f"Human-normalised scores ({comparison.human}) of {len(comparison.games)} games"
+    if comparison.mixed:
+        title = f"MIXED PROTOCOLS OR BUDGETS, not a fair comparison. {title}"
+    figure.suptitle(title, fontsize=11, color="firebrick" if comparison.mixed else "black")
+    figure.savefig(file, dpi=150)
+
+
+def _draw_summary(axis: Any, comparison: "Comparison", name: str, title: str) -> None:
+    for number, row in enumerate(comparison.rows):
+        estimate = getattr(row, name)
+        colour = f"C{number}"
+        if estimate.low is not None:
+            axis.barh(number, estimate.high - estimate.low, left=estimate.low, height=0.6, color=colour, alpha=0.5)
+        axis.plot([estimate.value] * 2, [number - 0.3, number + 0.3], color=colour, linewidth=2)
+    axis.set_yticks(range(len(comparison.rows)), [row.name for row in comparison.rows])
+    axis.set_ylim(len(comparison.rows) - 0.4, -0.6)
+    axis.set_title(title, fontsize=10)
+    axis.grid(axis="x", alpha=0.3)
+
+
+def _draw_profiles(axis: Any, comparison: "Comparison") -> None:
+    scores = [comparison.normalised(row) for row in comparison.rows]
+    highest = max(float(np.max(runs)) for one in scores for runs in one.values())
+    thresholds = np.linspace(0.0, min(max(1.0, highest), 8.0) * 1.02, 400)
+    for number, (row, one) in enumerate(zip(comparison.rows, scores, strict=True)):
+        axis.plot(thresholds, profile(one, thresholds), color=f"C{number}", label=row.name)
+    axis.set_title("performance profile", fontsize=10)
+    axis.set_xlabel("human-normalised score")
+    axis.set_ylabel("fraction of runs above it")
+    axis.set_ylim(-0.02, 1.02)
+    axis.grid(alpha=0.3)
+    axis.legend(fontsize=8)

@@ -1,0 +1,169 @@
+"""`published`: learning curves and scores that other projects have published, and tables of human scores.
+
+Where they are from, under which licences, is in `Published.source`, in docs/evaluation.md, and in `data/LICENSES.md`.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from atari.learning.evaluation.tables import check_known_name, read_table
+from atari.validation import check_integer
+
+Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A learning curve of one game.
+
+    Attributes:
+        frames: (n,) int64, emulator frames of the training at the right end of each interval.
+        mean: (n,) float64, mean score over seeds of the games that ended in the interval; NaN where none did.
+        std: (n,) float64, standard deviation over seeds (of the population); NaN where it is not known.
+    """
+
+    frames: npt.NDArray[np.int64]
+    mean: Floats
+    std: Floats
+
+
+@dataclass(frozen=True)
+class Published:
+    """What a project has published about one agent. Scores are of whole games and not clipped.
+
+    Attributes:
+        name: such as "dopamine/rainbow".
+        title: of the agent, as its source calls it.
+        protocol: facts of its environments: `repeat_action_probability`, `noop_max`, `full_action_space`,
+            `frame_skip`, `max_frames` (None is not stated), and `phase`, when its scores were taken.
+        source: where it is from: `repo`, `commit`, `paths`, `licence`, `copyright`, `notes`, and `score`, what its
+            scores are.
+        games: that there are scores of.
+        final_frames: emulator frames of the whole training; None is not stated.
+    """
+
+    name: str
+    title: str
+    protocol: Mapping[str, Any]
+    source: Mapping[str, Any]
+    games: tuple[str, ...]
+    final_frames: int | None
+
+    @property
+    def _entry(self) -> dict[str, Any]:
+        return _entry(self.name)
+
+    def _game(self, game: str) -> dict[str, Any]:
+        found: dict[str, Any] = self._entry["games"][
+            check_known_name(f"score of {self.name} in game", game, self.games)
+        ]
+        return found
+
+    @property
+    def has_curves(self) -> bool:
+        """Whether there are learning curves, not only final scores."""
+        return "frames" in self._entry
+
+    def curve(self, game: str) -> Curve:
+        """The learning curve of a game.
+
+        Raises:
+            ValueError: there is no such game, or the source has final scores only.
+        """
+        data = self._game(game)
+        if not self.has_curves:
+            raise ValueError(f"{self.name} has final scores only; use final({game!r})")
+        frames = np.array(self._entry["frames"], np.int64)
+        missing = np.full(len(frames), np.nan)
+        return Curve(frames, _floats(data["mean"]), _floats(data["std"]) if "std" in data else missing)
+
+    def final(self, game: str) -> Floats:
+        """The scores at the end of the training: (seeds,) float64, or (1,), the mean, where seeds are not given.
+
+        Raises:
+            ValueError: there is no such game.
+        """
+        data = self._game(game)
+        values = _floats(data.get("final") or [data["score"]])
+        return values[~np.isnan(values)]
+
+    def at(self, game: str, frames: int) -> Floats:
+        """The scores after so many emulator frames of training: (seeds,) float64, or (1,), the mean over seeds.
+
+        Scores of single seeds are kept at some frames only: 1, 2.5, 5, 10, 20, 50, 100 million and the end. Elsewhere
+        this is the mean of the interval that contains `frames`; (0,) if no game ended in it.
+
+        Raises:
+            ValueError: there is no such game, or no score at so many frames.
+        """
+        data = self._game(game)
+        frames = check_integer("frames", frames, 1, 10**15)
+        marks = self._entry.get("marks", [])
+        if frames in marks and data.get("marks"):
+            values = _floats(data["marks"][marks.index(frames)])
+        elif frames == self.final_frames:
+            return self.final(game)
+        elif not self.has_curves or frames > self._entry["frames"][-1]:
+            until = "until" if self.has_curves else "only at"
+            limit = "an unknown number of" if self.final_frames is None else f"{self.final_frames:,}"
+            raise ValueError(f"{self.name} has scores {until} {limit} frames, not at {frames:,}")
+        else:
+            interval = int(np.searchsorted(self._entry["frames"], frames))
+            values = _floats([data["mean"][interval]])
+        return values[~np.isnan(values)]
+
+
+def published_names(pattern: str = "") -> tuple[str, ...]:
+    """The names of all published agents, or of those that contain a text."""
+    agents = read_table("index")["agents"]
+    names = (f"{source}/{agent}" for source in agents for agent in agents[source])
+    return tuple(name for name in names if pattern in name)
+
+
+def published(name: str) -> Published:
+    """What has been published about an agent, by a name of `published_names`, or by a short one such as "cleanrl/ppo".
+
+    Raises:
+        TypeError: the name is no string.
+        ValueError: there is no such agent; the nearest is suggested.
+    """
+    aliases = read_table("index")["aliases"]
+    name = aliases.get(name, name) if isinstance(name, str) else name
+    check_known_name("published agent", name, published_names(), "atari.learning.published_names() has all")
+    entry, source = _entry(name), name.partition("/")[0]
+    sources = read_table("sources")
+    provenance = sources.get("/".join(name.split("/")[:2])) or sources[source]
+    frames = entry["frames"][-1] if "frames" in entry else entry["final_frames"]
+    return Published(name, entry["title"], entry["protocol"], provenance, tuple(entry["games"]), frames)
+
+
+def human_scores(table: str = "noop57") -> dict[str, tuple[float, float]]:
+    """Scores of random play and of a human by game, of one table; docs/evaluation.md says where they differ.
+
+    Raises:
+        TypeError: the name is no string.
+        ValueError: there is no such table; the nearest is suggested.
+    """
+    tables = read_table("human")["tables"]
+    entries = tables[check_known_name("human table", table, _human_tables())]["games"]
+    return {game: (random, human) for game, (random, human) in entries.items()}
+
+
+def _human_tables() -> list[str]:
+    """The tables that have human scores, not only random ones."""
+    tables = read_table("human")["tables"]
+    return [name for name, table in tables.items() if all(None not in pair for pair in table["games"].values())]
+
+
+def _entry(name: str) -> dict[str, Any]:
+    source, _, agent = name.partition("/")
+    entry: dict[str, Any] = read_table(source)[agent]
+    return entry
+
+
+def _floats(values: list[float | None]) -> Floats:
+    return np.array([np.nan if value is None else value for value in values], np.float64)

@@ -1,0 +1,89 @@
+"""Summaries of scores over games and runs, with bootstrap intervals (Agarwal et al. 2021, arXiv 2108.13264).
+
+Scores are a mapping from game to the normalised scores of its runs, (runs,) float64. Games may have different numbers of
+runs.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+Scores = Mapping[str, Floats]
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A number with the limits of its interval of 95 %, None where there is nothing to draw it from."""
+
+    value: float
+    low: float | None = None
+    high: float | None = None
+
+    def __str__(self) -> str:
+        interval = "" if self.low is None or self.high is None else f" [{self.low:.3f}, {self.high:.3f}]"
+        return f"{self.value:.3f}{interval}"
+
+
+def interquartile_mean(values: Floats) -> Floats:
+    """The mean of the middle half of the last axis: floor(n / 4) values are cut at either end, as SciPy's trim_mean."""
+    cut = values.shape[-1] // 4
+    middle: Floats = np.sort(values, axis=-1)[..., cut : values.shape[-1] - cut].mean(-1)
+    return middle
+
+
+def summaries(means: Floats, pooled: Floats) -> dict[str, Floats]:
+    """Median and mean over games (..., games), and the interquartile mean over games and runs (..., runs of all)."""
+    return {"median": np.median(means, -1), "mean": means.mean(-1), "iqm": interquartile_mean(pooled)}
+
+
+def estimate_of_runs(scores: Scores, repetitions: int, seed: int) -> dict[str, Estimate]:
+    """Median, mean and IQM of several runs; intervals of the bootstrap stratified by game, which draws runs again.
+
+    Without intervals if no game has two runs.
+    """
+    generator = np.random.default_rng(seed)
+    drawn = [runs[generator.integers(len(runs), size=(repetitions, len(runs)))] for runs in scores.values()]
+    return _estimates(list(scores.values()), drawn if _several(scores) else None)
+
+
+def estimate_of_episodes(episodes: Scores, repetitions: int, seed: int) -> dict[str, Estimate]:
+    """Median, mean and IQM over games of one run, from its episodes by game, which the bootstrap draws again.
+
+    The intervals are those of this policy, not of another training of it. There are none if no game has two episodes.
+    """
+    generator = np.random.default_rng(seed)
+    drawn = [_means_drawn_again(scores, repetitions, generator) for scores in episodes.values()]
+    return _estimates(
+        [scores.mean(keepdims=True) for scores in episodes.values()], drawn if _several(episodes) else None
+    )
+
+
+def _several(scores: Scores) -> bool:
+    return any(len(values) > 1 for values in scores.values())
+
+
+def _means_drawn_again(values: Floats, repetitions: int, generator: np.random.Generator) -> Floats:
+    """Means of so many drawings of as many values, (repetitions, 1)."""
+    means = np.empty((repetitions, 1))
+    for row in means:  # not all at once: there may be a million episodes
+        row[:] = values[generator.integers(len(values), size=len(values))].mean()
+    return means
+
+
+def _estimates(runs: list[Floats], drawn: list[Floats] | None) -> dict[str, Estimate]:
+    """Of the runs of each game, (runs,), with intervals of those drawn again, (repetitions, runs)."""
+    values = summaries(np.array([one.mean() for one in runs]), np.concatenate(runs))
+    if drawn is None:
+        return {name: Estimate(float(value)) for name, value in values.items()}
+    again = summaries(np.stack([one.mean(-1) for one in drawn], -1), np.concatenate(drawn, -1))
+    limits = {name: np.percentile(several, (2.5, 97.5)) for name, several in again.items()}
+    return {name: Estimate(float(value), *map(float, limits[name])) for name, value in values.items()}
+
+
+def profile(scores: Scores, thresholds: Floats) -> Floats:
+    """The fraction of runs, each game with the same weight, whose score is above each threshold, (thresholds,)."""
+    fractions: Floats = np.mean([(runs[:, None] > thresholds).mean(0) for runs in scores.values()], axis=0)
+    return fractions

@@ -1,0 +1,35 @@
+"""The packed tables in `data`: published results, sets of games, human scores. `scripts/pack_published.py` makes them."""
+
+import difflib
+import gzip
+import json
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+_FOLDER = Path(__file__).parent / "data"
+
+
+@cache
+def read_table(name: str) -> Any:
+    """The content of a file of `data`, read at its first use."""
+    return json.loads(gzip.decompress((_FOLDER / f"{name}.json.gz").read_bytes()))
+
+
+def check_known_name(kind: str, name: Any, known: Iterable[str], where: str = "") -> str:
+    """`name`, which must be one of `known`.
+
+    Raises:
+        TypeError: it is no string.
+        ValueError: it is none of them; the nearest is suggested.
+    """
+    names = list(known)
+    if not isinstance(name, str):
+        raise TypeError(f"{kind} is named by a string such as {names[0]!r}, got {name!r}")
+    if name not in names:
+        near = difflib.get_close_matches(name.lower(), names, n=1, cutoff=0.3)
+        hint = f"did you mean {near[0]!r}?" if near else ""
+        listed = where or f"known are {', '.join(names)}"
+        raise ValueError(f"there is no {kind} {name!r}; {hint + ' ' if hint else ''}{listed}")
+    return name

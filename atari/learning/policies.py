@@ -1,0 +1,294 @@
+"""`load_policy`: a policy of a run folder, a file or the name of a function.
+
+Files are models of Stable-Baselines3, TorchScript and ONNX. Each format needs its package.
+"""
+
+import json
+import sys
+import zipfile
+from collections.abc import Mapping, Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+
+from atari.learning.policy import Array, Policy, ScoresPolicy, as_policy
+from atari.validation import check_file
+
+__all__ = ["Policy", "ScoresPolicy", "load_policy"]
+
+_SB3_VERSION = "_stable_baselines3_version"
+
+
+def load_policy(source: str | Path, *, sample: bool = False) -> Policy:
+    """Load a policy.
+
+    SB3 zips, TorchScript files and functions are programs: load them only from authors whom you trust (see
+    docs/trust.md).
+
+    Args:
+        source: one of
+
+            - "random" or "noop";
+            - a run folder of `atari train`;
+            - a model that Stable-Baselines3 has saved (.zip): PPO, A2C, DQN, QR-DQN (with sb3-contrib). It gets the
+              images of preset "baselines", or RAM, as its observation space says;
+            - a TorchScript file. It is called with uint8 observations, and returns scores (n, actions), floats, or
+              actions (n,), integers. An extra file "environment.json" in it, if there is one, is the policy's
+              `environment`;
+            - an ONNX file (.onnx), called likewise. The metadata "environment", JSON, is the policy's `environment`;
+              without it, the shape of its input says which images it needs;
+            - "module:name", a function, an object or a class that is a `Policy`; a module in the current folder is found.
+        sample: draw actions with the probabilities that a stochastic policy gives, instead of the most probable one.
+
+    Raises:
+        FileNotFoundError: there is no such file or folder.
+        ValueError: it is none of these, or it is damaged.
+        gymnasium.error.DependencyNotInstalled: a package is needed that is not installed; the text names it.
+    """
+    text = str(source)
+    if text in ("random", "noop"):
+        return _Random() if text == "random" else _Noop()
+    path = Path(source)
+    if path.is_dir():
+        return _run_folder(path, sample)
+    if isinstance(source, str) and ":" in text and not path.exists():
+        return _function(text)
+    return _file(path, sample)
+
+
+def _run_folder(folder: Path, sample: bool) -> Policy:
+    """The newest weights of a run folder of `atari train`."""
+    raise ValueError(f"{folder} is no run folder of `atari train`: it has no config.json")
+
+
+def _function(name: str) -> Policy:
+    module, _, attribute = name.partition(":")
+    sys.path.insert(0, "")  # modules of this folder, as with `python -m`
+    try:
+        found = getattr(import_module(module), attribute)
+    except (ImportError, AttributeError, ValueError) as error:
+        raise ValueError(f"policy {name} cannot be imported: {error}") from error
+    finally:
+        sys.path.remove("")
+    if not callable(found):
+        raise ValueError(f"policy {name} must be a function of observations and lanes, got {found!r}")
+    return as_policy(found() if isinstance(found, type) else found)
+
+
+class _Random:
+    """Uniformly random actions."""
+
+    name = "random"
+
+    def __init__(self) -> None:
+        self._count = 0
+        self._generators: dict[int, np.random.Generator] = {}
+
+    def begin(self, game: str, actions: Sequence[str], lanes: npt.NDArray[np.int64], seeds: Array) -> None:
+        self._count = len(actions)
+        for lane, seed in zip(lanes.tolist(), seeds.tolist(), strict=True):
+            self._generators[lane] = np.random.default_rng(seed)
+
+    def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Array:
+        return np.array([self._generators[lane].integers(self._count) for lane in lanes.tolist()], np.int64)
+
+
+class _Noop:
+    """NOOP, always."""
+
+    name = "noop"
+
+    def begin(self, game: str, actions: Sequence[str], lanes: Array, seeds: Array) -> None:
+        if "NOOP" not in actions:
+            raise ValueError(f"{game} has no NOOP; its actions are {', '.join(actions)}")
+        self._noop = actions.index("NOOP")
+
+    def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Array:
+        return np.full(len(lanes), self._noop)
+
+
+def _file(file: Path, sample: bool) -> Policy:
+    """The policy of a file; the content says of which kind it is, but for ONNX, which its ending says.
+
+    Raises:
+        FileNotFoundError, ValueError, gymnasium.error.DependencyNotInstalled: as `load_policy`.
+    """
+    check_file(file)
+    if file.suffix == ".onnx":
+        return _onnx(file, sample)
+    if not zipfile.is_zipfile(file):
+        raise ValueError(
+            f"{file} is no policy: give a run folder, an SB3 zip, a TorchScript or ONNX file, or module:name"
+        )
+    try:
+        with zipfile.ZipFile(file) as archive:
+            names = archive.namelist()
+            facts = json.loads(archive.read("data")) if _SB3_VERSION in names else None
+    except (zipfile.BadZipFile, ValueError, KeyError, OSError) as error:
+        raise ValueError(f"{file} is damaged: {error}") from error
+    if facts is not None:
+        return _sb3(file, facts, sample)
+    if any("/code/" in name for name in names):
+        return _torch_script(file, sample)
+    if any(name.endswith("/data.pkl") for name in names):
+        raise ValueError(
+            f"{file} has weights without a network; give the run folder that it is in, or a TorchScript file"
+        )
+    raise ValueError(f"{file} is a zip archive, but neither a model of Stable-Baselines3 nor a TorchScript file")
+
+
+def _need(module: str, what: str, install: str) -> Any:
+    try:
+        return import_module(module)
+    except ImportError as error:
+        raise gymnasium.error.DependencyNotInstalled(f"{what} needs {module}: pip install {install}") from error
+
+
+def _sb3(file: Path, facts: Mapping[str, Any], sample: bool) -> Policy:
+    """A model of Stable-Baselines3. What only its training needs is not loaded."""
+    _need("stable_baselines3", f"{file}, a model of Stable-Baselines3,", "'atari-envs[sb3]'")
+    module, name = _algorithm(file, facts)
+    algorithm = getattr(_need(module, f"{file}, a model of {name},", "sb3-contrib"), name)
+    unused = {
+        "learning_rate": 0.0,
+        "lr_schedule": _zero,
+        "clip_range": _zero,
+        "clip_range_vf": None,
+        "exploration_schedule": _zero,
+        "buffer_size": 1,
+        "optimize_memory_usage": False,
+        "replay_buffer_class": None,
+        "tensorboard_log": None,
+    }
+    try:
+        model = algorithm.load(file, device="cpu", custom_objects={key: unused[key] for key in unused if key in facts})
+    except Exception as error:
+        raise ValueError(f"{file} cannot be loaded as a model of {name}: {error}") from error
+    model.policy.set_training_mode(False)
+    scores = _sb3_scores(model, name)
+    steps = facts.get("num_timesteps")
+    return ScoresPolicy(
+        scores,
+        sample=sample and name in ("PPO", "A2C"),
+        name=f"{name} ({file.name})",
+        environment=_of_space(file, model.observation_space, int(model.action_space.n)),
+        training_frames=4 * int(steps) if isinstance(steps, int) and steps > 0 else None,
+    )
+
+
+def _zero(_: float) -> float:
+    return 0.0
+
+
+def _algorithm(file: Path, facts: Mapping[str, Any]) -> tuple[str, str]:
+    """The module and the class of a model, which Stable-Baselines3 does not store by name."""
+    policy = facts.get("policy_class")
+    module = str(policy.get("__module__", "")) if isinstance(policy, dict) else ""
+    if "qrdqn" in module:
+        return "sb3_contrib", "QRDQN"
+    if "exploration_fraction" in facts:
+        return "stable_baselines3", "DQN"
+    if "clip_range" in facts:
+        return "stable_baselines3", "PPO"
+    if "gae_lambda" in facts:
+        return "stable_baselines3", "A2C"
+    raise ValueError(
+        f"{file} is a model of Stable-Baselines3, but not of PPO, A2C, DQN or QR-DQN (its policy: {module})"
+    )
+
+
+def _sb3_scores(model: Any, name: str) -> Any:
+    """A function of observations that returns logits or action values."""
+    torch = import_module("torch")
+    policy = model.policy
+
+    def scores(observations: Any) -> Any:
+        tensor, _ = policy.obs_to_tensor(observations)
+        with torch.no_grad():
+            if name in ("PPO", "A2C"):
+                return policy.get_distribution(tensor).distribution.logits.numpy()
+            if name == "DQN":
+                return policy.q_net(tensor).numpy()
+            return policy.quantile_net(tensor).mean(dim=1).numpy()
+
+    return scores
+
+
+def _of_space(file: Path, space: Any, actions: int) -> dict[str, Any]:
+    """The options of the environment that a model of Stable-Baselines3 was trained in."""
+    options: dict[str, Any] = {"preset": "baselines", "full_action_space": actions == 18}
+    shape = getattr(space, "shape", None)
+    if shape == (128,):
+        return options | {"obs_type": "ram"}
+    if shape is None or len(shape) != 3 or space.dtype != np.uint8:
+        raise ValueError(f"{file} was trained on observations that are no images and no RAM: {space}")
+    last = shape[2] < shape[0]
+    stack, height, width = (shape[2], *shape[:2]) if last else shape
+    return options | {"stack_num": stack, "img_height": height, "img_width": width, "channels_last": last}
+
+
+def _torch_script(file: Path, sample: bool) -> Policy:
+    torch = _need("torch", f"{file}, a TorchScript file,", "'atari-envs[learn]'")
+    extra = {"environment.json": ""}
+    try:
+        module = torch.jit.load(str(file), map_location="cpu", _extra_files=extra).eval()
+    except RuntimeError as error:
+        raise ValueError(f"{file} is no TorchScript file, or damaged: {str(error).splitlines()[0]}") from error
+
+    def scores(observations: Any) -> Any:
+        if isinstance(observations, dict):
+            observations = {key: torch.from_numpy(value) for key, value in observations.items()}
+        else:
+            observations = torch.from_numpy(observations)
+        with torch.no_grad():
+            return module(observations).numpy()
+
+    environment = _environment(file, extra["environment.json"])
+    return ScoresPolicy(scores, sample=sample, name=file.name, environment=environment)
+
+
+def _onnx(file: Path, sample: bool) -> Policy:
+    onnxruntime = _need("onnxruntime", f"{file}, an ONNX file,", "onnxruntime")
+    try:
+        session = onnxruntime.InferenceSession(file.read_bytes(), providers=["CPUExecutionProvider"])
+    except Exception as error:  # of classes that are not public
+        raise ValueError(f"{file} is no ONNX file, or damaged: {error}") from error
+    if len(session.get_inputs()) != 1:
+        raise ValueError(f"{file} must have one input, has {len(session.get_inputs())}")
+    (entry,) = session.get_inputs()
+    dtype = {"tensor(uint8)": np.uint8, "tensor(float)": np.float32}.get(entry.type)
+    if dtype is None:
+        raise ValueError(f"{file} must take uint8 or float, takes {entry.type}")
+
+    def scores(observations: Any) -> Any:
+        return session.run(None, {entry.name: np.ascontiguousarray(observations, dtype)})[0]
+
+    stored = session.get_modelmeta().custom_metadata_map.get("environment", "")
+    environment = _environment(file, stored) or _of_shape(entry.shape)
+    return ScoresPolicy(scores, sample=sample, name=file.name, environment=environment)
+
+
+def _of_shape(shape: list[Any]) -> dict[str, Any]:
+    """The options of an environment whose observations fit an input; none if its dimensions are not fixed."""
+    if shape[1:] == [128]:
+        return {"obs_type": "ram"}
+    if len(shape) == 4 and all(isinstance(size, int) for size in shape[1:]):
+        return {"stack_num": shape[1], "img_height": shape[2], "img_width": shape[3]}
+    return {}
+
+
+def _environment(file: Path, text: str | bytes) -> dict[str, Any]:
+    """The environment that a file of a network names."""
+    if not text:
+        return {}
+    try:
+        options = json.loads(text)
+    except ValueError as error:
+        raise ValueError(f"{file}: its environment is no JSON: {error}") from error
+    if not isinstance(options, dict):
+        raise ValueError(f"{file}: its environment must be an object of options, got {options!r}")
+    return options

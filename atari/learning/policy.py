@@ -1,0 +1,111 @@
+"""`Policy`: what chooses actions; and policies made of a function that gives scores of actions."""
+
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[Any]
+
+
+@runtime_checkable
+class Policy(Protocol):
+    """What chooses actions for a batch of environments: a function of two arrays, with optional attributes.
+
+    - `name`: a string, for results.
+    - `environment`: a mapping of options of `AtariVectorEnv` that say which observations it needs: `preset`,
+      `obs_type`, `img_height`, `img_width`, `grayscale`, `stack_num`, `channels_last`, `maxpool`, `dtype`; and which
+      actions its indices are: `full_action_space`, or `actions`, a sequence of names such as ("NOOP", "RIGHT", "LEFT").
+      Options that say how games begin and end are ignored in an evaluation: its protocol decides.
+    - `training_frames`: emulator frames of its training, an int.
+    - `begin(game, actions, lanes, seeds)`: called when games begin in some lanes, before their first observations.
+      `game` is the game's id, `actions` the names of all its actions in the order of indices, `lanes` (n,) int64,
+      `seeds` (n,) int64. A policy that draws numbers or has a memory sets them up here for these lanes; then results
+      do not depend on the number of lanes.
+    """
+
+    def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Any:
+        """Actions (n,), integers, for the observations (n, ...) uint8 of the environments `lanes` (n,) int64."""
+
+
+def as_policy(policy: Any) -> Policy:
+    """`policy`, or a policy of a function of observations alone.
+
+    Raises:
+        TypeError: it cannot be called with observations, nor with observations and lanes.
+    """
+    if not callable(policy):
+        raise TypeError(f"a policy is a function of observations and lanes, got {policy!r}")
+    try:
+        signature = inspect.signature(policy)
+    except (TypeError, ValueError):  # a builtin
+        return policy
+    for count in (2, 1):
+        try:
+            signature.bind(*[None] * count)
+        except TypeError:
+            continue
+        return policy if count == 2 else _OfObservations(policy)
+    raise TypeError(f"a policy takes (observations, lanes) or (observations), got {policy!r} with {signature}")
+
+
+class _OfObservations:
+    """A policy of a function that takes no lanes. It has the function's attributes."""
+
+    def __init__(self, function: Callable[[Any], Any]) -> None:
+        self._function = function
+
+    def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Any:
+        return self._function(observations)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.__dict__["_function"], name)
+
+
+class ScoresPolicy:
+    """A policy of a function that gives a score for each action: action values, or logits.
+
+    Args:
+        scores: a function of observations (n, ...) uint8 that returns scores (n, actions), or actions (n,), integers.
+        sample: whether actions are drawn with the probabilities softmax(scores), with a generator for each game;
+            otherwise the action with the highest score is taken.
+        name, environment, training_frames: as of `Policy`.
+    """
+
+    def __init__(
+        self,
+        scores: Callable[[Any], Array],
+        *,
+        sample: bool = False,
+        name: str = "",
+        environment: Mapping[str, Any] | None = None,
+        training_frames: int | None = None,
+    ) -> None:
+        self._scores = scores
+        self._sample = sample
+        self._generators: dict[int, np.random.Generator] = {}
+        self.name = name
+        self.environment = dict(environment or {})
+        self.training_frames = training_frames
+
+    def begin(self, game: str, actions: Sequence[str], lanes: npt.NDArray[np.int64], seeds: Array) -> None:
+        """Set up the generators of some lanes."""
+        for lane, seed in zip(lanes.tolist(), seeds.tolist(), strict=True):
+            self._generators[lane] = np.random.default_rng(seed)
+
+    def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Array:
+        scores = np.asarray(self._scores(observations))
+        if scores.ndim == 1 and scores.dtype.kind in "iu":
+            return scores
+        if scores.ndim != 2 or scores.dtype.kind != "f":
+            raise ValueError(
+                f"{self.name or 'the policy'} must return scores (n, actions), floats, or actions (n,), integers; "
+                f"got {scores.dtype} {scores.shape}"
+            )
+        if np.isnan(scores).any():
+            raise ValueError(f"{self.name or 'the policy'} returned a score that is no number (NaN)")
+        if self._sample:  # the highest of scores with Gumbel noise is a draw of softmax
+            scores = scores + np.stack([self._generators[lane].gumbel(size=scores.shape[1]) for lane in lanes.tolist()])
+        return scores.argmax(1)
