@@ -17,7 +17,7 @@ import gymnasium
 import atari
 from atari.cli.output import print_error
 
-_COMMANDS = ("list", "info", "explain", "roms", "verify", "demo", "record", "replay", "play")
+_COMMANDS = ("list", "info", "explain", "roms", "verify", "demo", "record", "replay", "play", "evaluate")
 
 _EXAMPLES = """\
 examples:
@@ -25,6 +25,7 @@ examples:
   atari record pong -o pong.mp4            let a policy play, and record a video with sound
   atari replay verify game.a26             compare a replay with its recording
   atari play ms_pacman                     play a game by hand, in a window
+  atari evaluate random pong               play whole games by a protocol, and score a policy
   atari explain PongDeterministic-v4       what an environment ID means
   atari info ms_pacman --json              all facts of a game
   atari list --ids | grep Pong             every environment ID

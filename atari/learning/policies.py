@@ -41,7 +41,7 @@ def load_policy(source: str | Path, *, sample: bool = False) -> Policy:
               `environment`;
             - an ONNX file (.onnx), called likewise. The metadata "environment", JSON, is the policy's `environment`;
               without it, the shape of its input says which images it needs;
-            - "module:name", a function, an object or a class that is a `Policy`; a module in the current folder is found.
+            - "module:name", a function, an object or a class that is a `Policy`; a module in this folder is found.
         sample: draw actions with the probabilities that a stochastic policy gives, instead of the most probable one.
 
     Raises:

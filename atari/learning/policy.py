@@ -19,6 +19,7 @@ class Policy(Protocol):
       `obs_type`, `img_height`, `img_width`, `grayscale`, `stack_num`, `channels_last`, `maxpool`, `dtype`; and which
       actions its indices are: `full_action_space`, or `actions`, a sequence of names such as ("NOOP", "RIGHT", "LEFT").
       Options that say how games begin and end are ignored in an evaluation: its protocol decides.
+    - `game`: the id of the game that it was trained on.
     - `training_frames`: emulator frames of its training, an int.
     - `begin(game, actions, lanes, seeds)`: called when games begin in some lanes, before their first observations.
       `game` is the game's id, `actions` the names of all its actions in the order of indices, `lanes` (n,) int64,
@@ -36,18 +37,19 @@ def as_policy(policy: Any) -> Policy:
     Raises:
         TypeError: it cannot be called with observations, nor with observations and lanes.
     """
+    found: Policy = policy
     if not callable(policy):
         raise TypeError(f"a policy is a function of observations and lanes, got {policy!r}")
     try:
         signature = inspect.signature(policy)
     except (TypeError, ValueError):  # a builtin
-        return policy
+        return found
     for count in (2, 1):
         try:
             signature.bind(*[None] * count)
         except TypeError:
             continue
-        return policy if count == 2 else _OfObservations(policy)
+        return found if count == 2 else _OfObservations(policy)
     raise TypeError(f"a policy takes (observations, lanes) or (observations), got {policy!r} with {signature}")
 
 
@@ -96,6 +98,11 @@ class ScoresPolicy:
             self._generators[lane] = np.random.default_rng(seed)
 
     def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Array:
+        """The actions (n,) for observations (n, ...) of some lanes.
+
+        Raises:
+            ValueError: the function returns neither scores nor actions.
+        """
         scores = np.asarray(self._scores(observations))
         if scores.ndim == 1 and scores.dtype.kind in "iu":
             return scores
@@ -108,4 +115,5 @@ class ScoresPolicy:
             raise ValueError(f"{self.name or 'the policy'} returned a score that is no number (NaN)")
         if self._sample:  # the highest of scores with Gumbel noise is a draw of softmax
             scores = scores + np.stack([self._generators[lane].gumbel(size=scores.shape[1]) for lane in lanes.tolist()])
-        return scores.argmax(1)
+        best: Array = scores.argmax(1)
+        return best

@@ -148,6 +148,7 @@ class _Games:
         self.number = np.arange(envs.num_envs)
         self.ended: list[tuple[float, int, bool] | None] = [None] * len(seeds)
         self._done = 0
+        self._observations: Any = None
         self._begin(self.active.copy())
 
     def step(self) -> None:

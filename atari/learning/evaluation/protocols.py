@@ -147,8 +147,8 @@ PROTOCOLS: Mapping[str, EvaluationProtocol] = MappingProxyType(
             ),
             EvaluationProtocol(
                 name="baselines",
-                source="the wrappers of OpenAI's Baselines, Stable-Baselines3 and CleanRL, with scores as their Monitor "
-                "records them",
+                source="the wrappers of OpenAI's Baselines, Stable-Baselines3 and CleanRL, with scores as their "
+                "Monitor records them around the game",
                 repeat_action_probability=0.0,
                 full_action_space=False,
                 noop_min=1,

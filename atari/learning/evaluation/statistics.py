@@ -1,7 +1,7 @@
 """Summaries of scores over games and runs, with bootstrap intervals (Agarwal et al. 2021, arXiv 2108.13264).
 
-Scores are a mapping from game to the normalised scores of its runs, (runs,) float64. Games may have different numbers of
-runs.
+Scores are a mapping from game to the normalised scores of its runs, (runs,) float64. Games may have different numbers
+of runs.
 """
 
 from collections.abc import Mapping

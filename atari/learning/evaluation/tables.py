@@ -1,4 +1,4 @@
-"""The packed tables in `data`: published results, sets of games, human scores. `scripts/pack_published.py` makes them."""
+"""The tables in `data`, made by `scripts/pack_published.py`: published results, sets of games, human scores."""
 
 import difflib
 import gzip

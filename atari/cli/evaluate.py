@@ -1,0 +1,169 @@
+"""`atari evaluate`: whole games of a policy by a protocol, and published results beside them."""
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tqdm import tqdm
+
+from atari.cli.arguments import add_command, find_game, number
+from atari.cli.output import print_json, print_table
+from atari.learning import (
+    GAME_SETS,
+    PROTOCOLS,
+    Comparison,
+    Policy,
+    Result,
+    compare,
+    evaluate,
+    human_scores,
+    load_policy,
+    published,
+    published_names,
+)
+from atari.learning.evaluation.compare import protocol_faults
+from atari.learning.evaluation.protocols import find_games, find_protocol
+
+if TYPE_CHECKING:
+    from atari.cli.arguments import Commands
+
+
+def register(commands: "Commands") -> None:
+    """Add `atari evaluate`."""
+    parser = add_command(commands, "evaluate", _evaluate, "let a policy play whole games by a protocol, and score it")
+    parser.add_argument(
+        "source",
+        nargs="?",
+        metavar="SOURCE",
+        help="a run folder, an SB3 zip, a TorchScript or ONNX file, MODULE:NAME, random or noop; {game} in it stands "
+        "for the game's id",
+    )
+    parser.add_argument(
+        "games",
+        nargs="*",
+        metavar="GAME",
+        help=f"games, or sets of games: {', '.join(GAME_SETS)} (default: the game that a run folder was trained on)",
+    )
+    parser.add_argument(
+        "--protocol", default="machado2018", metavar="NAME", help=f"{', '.join(PROTOCOLS)} (default: machado2018)"
+    )
+    parser.add_argument(
+        "--episodes", type=number(int, 1), metavar="N", help="whole games of each game (default: as the protocol says)"
+    )
+    parser.add_argument("--seed", type=number(int, 0), default=0, metavar="N", help="of the games (default: 0)")
+    parser.add_argument("--num-envs", type=number(int, 1), metavar="N", help="games at a time (default: up to 64)")
+    parser.add_argument("--sample", action="store_true", help="draw the actions of stochastic policies")
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="save the result, JSON")
+    parser.add_argument(
+        "--compare", action="append", default=[], metavar="NAME", help="a published agent, such as dopamine/rainbow"
+    )
+    parser.add_argument("--frames", type=number(int, 1), metavar="N", help="compare at so many frames of training")
+    parser.add_argument("--human", default="noop57", metavar="TABLE", help="human scores (default: noop57)")
+    parser.add_argument("--mixed", action="store_true", help="compare although protocols or budgets differ")
+    parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the comparison: .svg, .png, .pdf")
+    parser.add_argument("--list", action="store_true", help="show protocols, sets of games and published agents")
+
+
+def _evaluate(args: argparse.Namespace) -> int:
+    if args.list:
+        return _list(args)
+    if args.source is None:
+        args.parser.error("the following arguments are required: SOURCE (or --list)")
+    _check_before_playing(args)
+    policies = _policies(args)
+    result = _play(args, policies)
+    comparison = None
+    if args.output:
+        result.save(args.output)
+    if args.compare:
+        comparison = compare(result, args.compare, frames=args.frames, human=args.human, mixed=args.mixed)
+        if args.plot:
+            comparison.plot(args.plot)
+    _print(args, result, comparison)
+    return 0
+
+
+def _check_before_playing(args: argparse.Namespace) -> None:
+    """Refuse what would be refused after the games, which may take hours."""
+    protocol = find_protocol(args.protocol)
+    human_scores(args.human)
+    for name in args.compare:
+        faults = protocol_faults(protocol, published(name))
+        if faults and not args.mixed:
+            raise ValueError(f"{name} is not comparable: {'; '.join(faults)}; --mixed compares it, and says so")
+    if args.plot:
+        if not args.compare:
+            raise ValueError("--plot draws a comparison; name a published agent with --compare")
+        import atari.learning.evaluation.plot  # noqa: F401 - raises an error without Matplotlib
+    for file in (args.output, args.plot):
+        if file and not file.absolute().parent.is_dir():
+            raise FileNotFoundError(f"there is no folder {file.absolute().parent} for {file.name}")
+
+
+def _policies(args: argparse.Namespace) -> dict[str, Policy]:
+    """The policy of each game."""
+    if args.games:
+        names = [name if name in GAME_SETS else find_game(name).id for name in args.games]
+    else:
+        names = [getattr(load_policy(args.source), "game", None)]
+        if names == [None]:
+            raise ValueError(f"{args.source} does not say which game it plays; name games or a set, such as atari26")
+    policies: dict[str, Policy] = {}
+    loaded: dict[str, Policy] = {}
+    for game in find_games(names):
+        source = args.source.replace("{game}", game.id)
+        if source not in loaded:
+            loaded[source] = load_policy(source, sample=args.sample)
+        policies[game.id] = loaded[source]
+    return policies
+
+
+def _play(args: argparse.Namespace, policies: dict[str, Policy]) -> Result:
+    with tqdm(unit=" games", disable=None) as bar:
+
+        def progress(done: int, total: int) -> None:
+            bar.total = total
+            bar.update(done - bar.n)
+
+        try:
+            return evaluate(
+                policies,
+                list(policies),
+                args.protocol,
+                episodes=args.episodes,
+                seed=args.seed,
+                num_envs=args.num_envs,
+                progress=progress,
+            )
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt("before all games had ended; nothing is saved") from None
+
+
+def _print(args: argparse.Namespace, result: Result, comparison: Comparison | None) -> None:
+    if args.json:
+        print_json({"result": result.to_json(), "comparison": comparison and comparison.to_json()})
+        return
+    print(result)
+    if comparison is not None:
+        print(f"\n{comparison}")
+    for file in (args.output, args.plot):
+        if file:
+            print(f"\n{file.absolute()}")
+
+
+def _list(args: argparse.Namespace) -> int:
+    agents = [published(name) for name in published_names()]
+    if args.json:
+        print_json({"protocols": PROTOCOLS, "sets": GAME_SETS, "published": [agent.name for agent in agents]})
+        return 0
+    rows: list[Any] = [(name, f"{len(games)} games") for name, games in GAME_SETS.items()]
+    for protocol in PROTOCOLS.values():
+        print(protocol)
+    print()
+    print_table(rows)
+    print()
+    print_table(
+        (agent.name, f"{len(agent.games)} games", "curves" if agent.has_curves else "scores", agent.source["repo"])
+        for agent in agents
+    )
+    return 0
