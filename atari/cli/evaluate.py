@@ -1,6 +1,7 @@
 """`atari evaluate`: whole games of a policy by a protocol, and published results beside them."""
 
 import argparse
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -68,7 +69,9 @@ def _evaluate(args: argparse.Namespace) -> int:
     if args.list:
         return _list(args)
     if args.source is None:
-        args.parser.error("the following arguments are required: SOURCE (or --list)")
+        with suppress(SystemExit):  # the exit code is 2
+            args.parser.error("the following arguments are required: SOURCE (or --list)")
+        return 2
     _check_before_playing(args)
     policies = _policies(args)
     result = _play(args, policies)

@@ -74,9 +74,10 @@ def _function(name: str) -> Policy:
         raise ValueError(f"policy {name} cannot be imported: {error}") from error
     finally:
         sys.path.remove("")
-    if not callable(found):
-        raise ValueError(f"policy {name} must be a function of observations and lanes, got {found!r}")
-    return as_policy(found() if isinstance(found, type) else found)
+    try:
+        return as_policy(found() if isinstance(found, type) else found)
+    except TypeError as error:
+        raise ValueError(f"policy {name} cannot be used: {error}") from error
 
 
 class _Random:

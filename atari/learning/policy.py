@@ -44,7 +44,8 @@ def as_policy(policy: Any) -> Policy:
         signature = inspect.signature(policy)
     except (TypeError, ValueError):  # a builtin
         return found
-    for count in (2, 1):
+    # A second argument with a default is something else, unless its name is `lanes`.
+    for count in (2, 1, 2)["lanes" not in signature.parameters :]:
         try:
             signature.bind(*[None] * count)
         except TypeError:
@@ -54,16 +55,17 @@ def as_policy(policy: Any) -> Policy:
 
 
 class _OfObservations:
-    """A policy of a function that takes no lanes. It has the function's attributes."""
+    """A policy of a function that takes no lanes. It has those of a policy's attributes that the function has."""
 
     def __init__(self, function: Callable[[Any], Any]) -> None:
         self._function = function
+        self.name = getattr(function, "__qualname__", type(function).__name__)
+        for name in ("name", "environment", "game", "training_frames", "begin"):
+            if hasattr(function, name):
+                setattr(self, name, getattr(function, name))
 
     def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Any:
         return self._function(observations)
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self.__dict__["_function"], name)
 
 
 class ScoresPolicy:

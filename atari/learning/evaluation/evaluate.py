@@ -125,8 +125,7 @@ def _play(
     game: Game, player: Player, seeds: IntArray, lanes: int, num_threads: int, report: Callable[[int], Any]
 ) -> GameResult:
     """Play a game for each seed and return the results in the order of the seeds."""
-    envs = AtariVectorEnv(game, lanes, autoreset_mode="Disabled", num_threads=num_threads, **player.options)
-    with closing(envs):
+    with closing(player.make(lanes, num_threads)) as envs:
         games = _Games(envs, player, seeds, report)
         while games.active.any():
             games.step()

@@ -30,7 +30,8 @@ class Player:
         game: that is played.
 
     Raises:
-        TypeError, ValueError: the policy needs an environment that the protocol or the game does not allow.
+        ValueError: the policy needs an environment that there is not, or that the protocol does not allow.
+        FileNotFoundError: there is no ROM file of the game.
     """
 
     def __init__(self, policy: Policy, protocol: EvaluationProtocol, game: Game) -> None:
@@ -46,6 +47,14 @@ class Player:
         self._names = _actions_of(environment, game, every)
         self._indices = np.array([every.index(name) for name in self._names], np.int64)
         self._generators: dict[int, np.random.Generator] = {}
+        self.make(1).close()  # errors are raised before the first game of an evaluation
+
+    def make(self, lanes: int, num_threads: int = 1) -> AtariVectorEnv:
+        """Environments of the game, which wait for a reset when a game or a life has ended."""
+        try:
+            return AtariVectorEnv(self._game, lanes, autoreset_mode="Disabled", num_threads=num_threads, **self.options)
+        except TypeError as error:
+            raise ValueError(f"the environment of the policy: {error}") from error
 
     def begin(self, lanes: IntArray, seeds: IntArray) -> None:
         """Begin games in some lanes, each with the seed of the game."""
@@ -59,7 +68,7 @@ class Player:
         """The actions of some lanes, (n,) indices of the environment's actions.
 
         Raises:
-            TypeError, ValueError: the policy returns no actions.
+            ValueError: the policy returns no actions.
         """
         chosen = self._indices[self._checked(self._policy(observations, lanes), len(lanes))]
         if self._epsilon > 0:
@@ -72,7 +81,7 @@ class Player:
     def _checked(self, actions: Any, count: int) -> IntArray:
         array = np.asarray(actions)
         if array.dtype.kind not in "iu" or array.shape != (count,):
-            raise TypeError(
+            raise ValueError(
                 f"a policy must return integers of shape ({count},), one for each observation; "
                 f"got {array.dtype} {array.shape}"
             )
@@ -89,10 +98,13 @@ def environment_options(environment: Mapping[str, Any], protocol: EvaluationProt
     """The options of `AtariVectorEnv` that show a policy what it needs, in games as the protocol has them.
 
     Raises:
-        TypeError, ValueError: there is no such option, or the protocol does not allow it.
+        ValueError: there is no such option, or the protocol does not allow it.
     """
     known = [*signature(AtariVectorEnv.__init__).parameters, "actions"]
-    check_known("the environment of a policy", set(environment) - set(known), known)
+    try:
+        check_known("the environment of a policy", set(environment) - set(known), known)
+    except TypeError as error:  # which may be from a file
+        raise ValueError(str(error)) from None
     for name, default in (("continuous", False), ("mode", None), ("difficulty", None)):
         if environment.get(name) not in (default, None):
             raise ValueError(f"games are evaluated with {name}={default}, the policy has {environment[name]!r}")

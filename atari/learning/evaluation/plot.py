@@ -1,7 +1,7 @@
 """The plot of a comparison."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -13,14 +13,11 @@ try:
 except ImportError:
     raise gymnasium.error.DependencyNotInstalled("plots need Matplotlib: pip install 'atari-envs[learn]'") from None
 
-if TYPE_CHECKING:
-    from atari.learning.evaluation.compare import Comparison
-
 _SUMMARIES = {"median": "median", "iqm": "interquartile mean", "mean": "mean"}
 
 
-def plot(comparison: "Comparison", file: Path) -> None:
-    """Draw the summaries with their intervals of 95 %, and the performance profile of each agent.
+def plot(comparison: Any, file: Path) -> None:
+    """Draw the summaries of a `Comparison` with their intervals of 95 %, and the performance profile of each agent.
 
     Raises:
         ValueError: the file's ending names no format that Matplotlib knows.
@@ -40,7 +37,7 @@ def plot(comparison: "Comparison", file: Path) -> None:
     figure.savefig(file, dpi=150)
 
 
-def _draw_summary(axis: Any, comparison: "Comparison", name: str, title: str) -> None:
+def _draw_summary(axis: Any, comparison: Any, name: str, title: str) -> None:
     for number, row in enumerate(comparison.rows):
         estimate = getattr(row, name)
         colour = f"C{number}"
@@ -53,7 +50,7 @@ def _draw_summary(axis: Any, comparison: "Comparison", name: str, title: str) ->
     axis.grid(axis="x", alpha=0.3)
 
 
-def _draw_profiles(axis: Any, comparison: "Comparison") -> None:
+def _draw_profiles(axis: Any, comparison: Any) -> None:
     scores = [comparison.normalised(row) for row in comparison.rows]
     highest = max(float(np.max(runs)) for one in scores for runs in one.values())
     thresholds = np.linspace(0.0, min(max(1.0, highest), 8.0) * 1.02, 400)

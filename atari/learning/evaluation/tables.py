@@ -28,8 +28,8 @@ def check_known_name(kind: str, name: Any, known: Iterable[str], where: str = ""
     if not isinstance(name, str):
         raise TypeError(f"{kind} is named by a string such as {names[0]!r}, got {name!r}")
     if name not in names:
-        near = difflib.get_close_matches(name.lower(), names, n=1, cutoff=0.3)
-        hint = f"did you mean {near[0]!r}?" if near else ""
-        listed = where or f"known are {', '.join(names)}"
-        raise ValueError(f"there is no {kind} {name!r}; {hint + ' ' if hint else ''}{listed}")
+        beginning_so = [known for known in names if name and known.startswith(name)]
+        near = beginning_so or difflib.get_close_matches(name.lower(), names, n=1, cutoff=0.3)
+        hint = f"did you mean {near[0]!r}? " if near else ""
+        raise ValueError(f"there is no {kind} {name!r}; {hint}{where or 'known are ' + ', '.join(names)}")
     return name

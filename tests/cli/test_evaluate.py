@@ -1,0 +1,87 @@
+"""`atari evaluate`: its output, and errors that come before the first game."""
+
+import json
+
+import pytest
+from cli_tools import read, read_json
+
+from atari.cli import main
+from atari.learning import PROTOCOLS, Result, evaluate, published_names
+
+
+@pytest.fixture(autouse=True)
+def policy(tmp_path, monkeypatch):
+    """A policy that never serves, or loses fast."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "idle.py").write_text("def act(o): return [0] * len(o)\n")
+
+
+def test_text_files_and_comparison(capsys, tmp_path):
+    words = ("evaluate", "random", "pong", "--protocol", "dopamine", "--episodes", "2", "--seed", "4")
+    text = read(capsys, *words, "-o", "result.json", "--compare", "dopamine/rainbow", "--human", "noop57")
+    result = evaluate("random", "pong", "dopamine", episodes=2, seed=4)
+    assert str(result) in text
+    assert Result.load(tmp_path / "result.json") == result
+    assert "dopamine/rainbow     5  199,000,000" in text
+    assert str(tmp_path / "result.json") in text
+
+
+def test_json(capsys):
+    content = read_json(capsys, "evaluate", "idle:act", "pong", "--protocol", "dopamine", "--episodes", "1")
+    assert content["result"]["protocol"]["name"] == "dopamine"
+    assert content["result"]["games"][0]["scores"] == [-21.0]
+    assert content["comparison"] is None
+
+
+def test_lists(capsys):
+    text = read(capsys, "evaluate", "--list")
+    content = read_json(capsys, "evaluate", "--list")
+    assert list(content["protocols"]) == list(PROTOCOLS)
+    assert content["published"] == list(published_names())
+    for name in (*PROTOCOLS, *content["sets"], *content["published"]):
+        assert name in text
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (("nosuch.zip", "pong"), "there is no file nosuch.zip"),
+        (("random",), "does not say which game it plays"),
+        (("random", "pogn"), "pong"),
+        (("random", "pong", "--protocol", "dopamin"), "did you mean 'dopamine'"),
+        (("random", "pong", "--compare", "dopamine/rainbw"), "dopamine/rainbow"),
+        (("random", "pong", "--compare", "cleanrl/ppo"), "cleanrl/ppo is not comparable: repeat_action_probability"),
+        (("random", "pong", "--human", "noop"), "noop57"),
+        (("random", "pong", "--plot", "a.svg"), "--compare"),
+        (("random", "pong", "-o", "nosuch/a.json"), "there is no folder"),
+        (("nosuch:act", "pong"), "cannot be imported"),
+    ],
+)
+def test_errors_are_one_sentence(capsys, words, text):
+    assert main(("evaluate", *words)) == 1
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.startswith("atari: error: ")
+    assert captured.err.count("\n") == 1
+    assert text in captured.err
+
+
+def test_no_source(capsys):
+    assert main(("evaluate",)) == 2
+    assert "SOURCE (or --list)" in capsys.readouterr().err
+
+
+def test_ctrl_c(capsys, monkeypatch, tmp_path):
+    (tmp_path / "stopped.py").write_text("def act(o): raise KeyboardInterrupt\n")
+    assert main(("evaluate", "stopped:act", "pong", "-o", "result.json")) == 130
+    assert capsys.readouterr().err == "atari: interrupted before all games had ended; nothing is saved\n"
+    assert not (tmp_path / "result.json").exists()
+
+
+def test_sources_by_game(capsys, tmp_path):
+    for game in ("pong", "freeway"):
+        (tmp_path / f"{game}_agent.py").write_text("def act(o): return [0] * len(o)\n")
+    words = ("evaluate", "{game}_agent:act", "Pong-v4", "--protocol", "dopamine", "--episodes", "1")
+    content = read_json(capsys, *words)
+    assert [game["game"] for game in content["result"]["games"]] == ["pong"]
+    json.dumps(content)

@@ -1,0 +1,186 @@
+"""`compare`: normalised scores, intervals, and what it refuses to put beside each other."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from atari.learning import PROTOCOLS, GameResult, Result, compare, human_scores, published
+from atari.learning.evaluation.statistics import estimate_of_episodes, estimate_of_runs, interquartile_mean, profile
+
+
+def result(protocol="dopamine", frames=None, shift=0.0, games=("breakout", "pong")):
+    played = []
+    for game in games:
+        scores = tuple(float(score) + shift for score in range(10, 20))
+        played.append(GameResult(game, scores, (1000,) * 10, (False,) * 10, tuple(range(10))))
+    return Result("mine", PROTOCOLS[protocol], 0, tuple(played), frames)
+
+
+def test_scores_and_summaries():
+    comparison = compare(result(), "dopamine/rainbow")
+    mine, rainbow = comparison.rows
+    human = human_scores()
+    breakout = (14.5 - human["breakout"][0]) / (human["breakout"][1] - human["breakout"][0])
+    pong = (14.5 - human["pong"][0]) / (human["pong"][1] - human["pong"][0])
+    assert mine.median.value == mine.mean.value == mine.iqm.value == pytest.approx((breakout + pong) / 2)
+    assert mine.median.low < mine.median.value < mine.median.high
+    assert comparison.normalised(mine)["pong"] == pytest.approx(pong)
+    assert (mine.runs, rainbow.runs, rainbow.frames) == (1, 5, 199_000_000)
+    assert rainbow.scores["pong"] == tuple(published("dopamine/rainbow").final("pong"))
+    assert not comparison.mixed
+    assert compare(result(), "dopamine/rainbow") == comparison
+
+
+def test_several_trainings_are_runs():
+    runs = [result(shift=shift) for shift in (0.0, 1.0, 2.0)]
+    row = compare(runs, "dopamine/rainbow").rows[0]
+    assert row.runs == 3
+    assert row.scores["pong"] == (14.5, 15.5, 16.5)
+    merged = compare([result(games=["pong"]), result(games=["breakout"])], "dopamine/rainbow")
+    assert merged.games == compare(result(), "dopamine/rainbow").games
+    assert merged.rows[0].runs == 1
+
+
+def test_equal_frames():
+    comparison = compare(result(frames=10_000_000), ["dopamine/rainbow", "dopamine/dqn"])
+    assert [row.frames for row in comparison.rows] == [10_000_000] * 3
+    assert comparison.rows[1].scores["pong"] == tuple(published("dopamine/rainbow").at("pong", 10_000_000))
+    at_mean = compare(result(), "dopamine/rainbow", frames=30_000_000).rows[1]
+    assert (at_mean.runs, at_mean.iqm.low) == (None, None)  # only the mean over seeds is kept there
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        ({"to": "cleanrl/ppo"}, "repeat_action_probability is 0.0, and 0.25 in dopamine"),
+        ({"to": ["dopamine/rainbow", "dreamerv3/ppo"]}, "full_action_space is True"),
+        ({"to": "dopamine_nets/rainbow_cnn"}, "max_frames is 100000"),
+        ({"results": result("machado2018")}, "full_action_space is False, and True in machado2018"),
+        ({"results": result(frames=200_000_001)}, "until 199,000,000 frames"),
+        ({"results": result("baselines", 10_000_000), "to": "cleanrl/ppo"}, "only at 40,000,000 frames"),
+        ({"results": [result(), result("machado2018")]}, "results are of protocols dopamine and machado2018"),
+        ({"results": [result(frames=4), result(frames=8)]}, "different numbers of frames: 4 and 8"),
+        ({"results": result(frames=4_000_000), "frames": 8_000_000}, "trained for 4,000,000 frames"),
+        ({"human": "nature2015"}, "the human table nature2015 is not for scores of dopamine"),
+        ({"human": "human_starts"}, "use noop57"),
+    ],
+)
+def test_refuses_to_mix_unless_told(arguments, text):
+    arguments = {"results": result(), "to": "dopamine/rainbow", **arguments}
+    with pytest.raises(ValueError, match="mixed=True") as caught:
+        compare(**arguments)
+    assert text in str(caught.value)
+    comparison = compare(**arguments, mixed=True)
+    assert comparison.mixed
+    assert str(comparison).startswith("MIXED PROTOCOLS OR BUDGETS")
+    assert any(text in note for note in comparison.notes)
+
+
+def test_what_is_comparable():
+    for name, to in [
+        ("dqn2015", "pfrl/dqn"),
+        ("dqn2015", "papers/dqn2015"),
+        ("baselines", "cleanrl/ppo"),
+        ("baselines", "sb3_zoo/ppo"),
+        ("machado2018", "cleanba/cleanba_ppo_8gpu"),  # one no-op is no random start
+    ]:
+        assert not compare(result(name), to).mixed
+    assert not compare(result("dqn2015"), "papers/dqn2015", human="nature2015").mixed
+
+
+@pytest.mark.parametrize(
+    ("error", "arguments", "text"),
+    [
+        (TypeError, {"results": 3}, "results must be"),
+        (TypeError, {"results": []}, "results must be"),
+        (ValueError, {"to": "dopamine/dqnn"}, "dopamine/dqn"),
+        (ValueError, {"human": "noop56"}, "noop57"),
+        (ValueError, {"repetitions": 0}, "repetitions"),
+        (ValueError, {"frames": 0}, "frames"),
+        (ValueError, {"results": result(games=["adventure"])}, "there is no game"),
+    ],
+)
+def test_wrong_arguments(error, arguments, text):
+    with pytest.raises(error) as caught:
+        compare(**{"results": result(), "to": "dopamine/rainbow", **arguments})
+    assert text in str(caught.value)
+
+
+def test_games_that_not_all_have_are_left_out():
+    comparison = compare(result(games=["pong", "adventure"]), "dopamine/rainbow")
+    assert comparison.games == ("pong",)
+    assert any("left out" in note and "adventure" in note for note in comparison.notes)
+
+
+def test_files_and_text(tmp_path):
+    comparison = compare(result(), ["dopamine/rainbow"])
+    comparison.save(tmp_path / "comparison.json")
+    content = json.loads((tmp_path / "comparison.json").read_text())
+    assert content["rows"][0]["name"] == "mine"
+    assert content["human"] == "noop57"
+    text = str(comparison)
+    assert "dopamine/rainbow     5  199,000,000" in text
+    assert "google/dopamine, Apache-2.0" in text
+    video_pinball = compare(result(games=["video_pinball"]), "dopamine/rainbow")
+    assert "16,256.9" in str(video_pinball)
+
+
+def test_iqm_is_the_trimmed_mean():
+    for count in range(1, 12):
+        values = np.random.default_rng(count).normal(size=count)
+        cut = int(0.25 * count)
+        assert interquartile_mean(values) == pytest.approx(np.sort(values)[cut : count - cut].mean())
+
+
+def test_intervals_cover():
+    """Of 200 samples, about 95 % of the intervals contain the mean of the distribution."""
+    generator = np.random.default_rng(0)
+    inside = 0
+    for number in range(200):
+        scores = {str(game): generator.normal(1.0, 1.0, 30) for game in range(4)}
+        mean = estimate_of_runs(scores, 300, number)["mean"]
+        inside += mean.low <= 1.0 <= mean.high
+    assert 180 <= inside <= 199
+
+
+def test_intervals_of_episodes_are_those_of_runs_for_the_mean():
+    scores = {game: np.random.default_rng(0).normal(size=50) for game in "ab"}
+    runs, episodes = estimate_of_runs(scores, 4000, 0)["mean"], estimate_of_episodes(scores, 4000, 0)["mean"]
+    assert episodes.value == pytest.approx(runs.value)
+    assert episodes.low == pytest.approx(runs.low, abs=0.02)
+    assert episodes.high == pytest.approx(runs.high, abs=0.02)
+
+
+def test_without_two_of_anything_there_is_no_interval():
+    one = {"pong": np.ones(1)}
+    assert str(estimate_of_runs(one, 10, 0)["iqm"]) == str(estimate_of_episodes(one, 10, 0)["mean"]) == "1.000"
+
+
+def test_profile():
+    scores = {"a": np.array([0.0, 1.0]), "b": np.array([2.0])}
+    assert profile(scores, np.array([-1.0, 0.0, 0.5, 1.0, 2.0])).tolist() == [1.0, 0.75, 0.75, 0.5, 0.0]
+
+
+def test_plot(tmp_path):
+    pytest.importorskip("matplotlib")
+    mixed = compare(
+        [result(), replace(result(shift=1), policy="other")], ["dopamine/rainbow", "cleanrl/ppo"], mixed=True
+    )
+    mixed.plot(tmp_path / "comparison.svg")
+    svg = (tmp_path / "comparison.svg").read_text()
+    assert svg.startswith("<?xml")
+    with pytest.raises(ValueError, match="xyz"):
+        mixed.plot(tmp_path / "comparison.xyz")
+
+
+def test_no_matplotlib(monkeypatch, tmp_path):
+    import sys
+
+    import gymnasium
+
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    monkeypatch.delitem(sys.modules, "atari.learning.evaluation.plot", raising=False)
+    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"atari-envs\[learn\]"):
+        compare(result()).plot(tmp_path / "a.svg")

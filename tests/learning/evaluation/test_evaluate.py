@@ -1,0 +1,238 @@
+"""`evaluate`: which games are played, in which environments, and that the scores are those of whole games."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import atari
+from atari.learning import PROTOCOLS, ScoresPolicy, evaluate
+from atari.learning.evaluation.evaluate import episode_seed
+from atari.wrappers import preset, preset_options
+
+
+def short(name, frames=1600, **changes):
+    return replace(PROTOCOLS[name], **{"name": f"short {name}", "max_frames": frames, "epsilon": 0.0, **changes})
+
+
+def sums(observations):
+    """Actions that depend on every pixel."""
+    return observations.reshape(len(observations), -1).sum(1, dtype=np.int64) % 4
+
+
+def single_game(game, protocol, seed, policy=sums):
+    """Score and frames of one game, played with the wrappers of single environments."""
+    options = {**preset_options(protocol.preset), "max_num_frames_per_episode": protocol.max_frames}
+    env = atari.AtariEnv(game, **options)
+    lives = {} if protocol.lives == "fire" else {"episodic_life": False}
+    env = preset(env, protocol.preset, clip_reward=False, **lives)
+    observation, info = env.reset(seed=seed)
+    while True:
+        observation, _, terminated, truncated, info = env.step(int(policy(observation[None])[0]))
+        if (terminated or truncated) and "episode" not in info:
+            observation, info = env.reset()
+        if "episode" in info:
+            return float(info["episode"]["r"]), int(info["episode"]["l"])
+
+
+@pytest.mark.parametrize("name", PROTOCOLS)
+@pytest.mark.parametrize("game", ["breakout", "ms_pacman"])
+def test_games_are_those_of_the_wrappers(name, game):
+    protocol = short(name)
+    result = evaluate(sums, game, protocol, episodes=3, seed=5, num_envs=2)[game]
+    expected = [single_game(game, protocol, episode_seed(5, game, episode)) for episode in range(3)]
+    assert list(zip(result.scores, result.frames, strict=True)) == expected
+    assert result.truncated == tuple(frames >= protocol.max_frames for _, frames in expected)
+
+
+def test_a_score_is_that_of_all_lives_and_not_clipped():
+    result = evaluate("random", "qbert", "baselines", episodes=2)["qbert"]
+    assert max(result.scores) > 100  # a reward of Q*bert is 25 at least: clipped, the sum would be about 10
+    assert min(result.frames) > 800  # a life is about 250
+
+
+@pytest.mark.parametrize("name", ["dqn2015", "baselines"])
+def test_the_number_of_lanes_and_threads_does_not_matter(name):
+    protocol = short(name, epsilon=0.3)
+    games = ["pong", "breakout"]
+    results = [
+        evaluate("random", games, protocol, episodes=5, seed=3, num_envs=lanes, num_threads=threads)
+        for lanes, threads in [(1, 1), (2, 2), (5, 1), (7, 2), (None, 0)]
+    ]
+    assert all(result == results[0] for result in results)
+    fewer = evaluate("random", "breakout", protocol, episodes=2, seed=3)
+    assert fewer["breakout"].scores == results[0]["breakout"].scores[:2]
+    assert evaluate("random", games, protocol, episodes=5, seed=4) != results[0]
+
+
+def test_a_sampling_policy_has_a_generator_for_each_game():
+    def logits(observations):
+        return np.zeros((len(observations), 4))
+
+    def play(sample, lanes):
+        policy = ScoresPolicy(logits, sample=sample)
+        return evaluate(policy, "breakout", short("dopamine"), episodes=4, num_envs=lanes)["breakout"]
+
+    assert play(True, 1) == play(True, 3) != play(False, 3)
+
+
+def test_each_lane_plays_its_own_games_to_their_ends():
+    """A batch of 2 lanes plays games 0, 2, 4 and 1, 3, whatever their lengths."""
+    begun = []
+
+    class Policy:
+        def begin(self, game, actions, lanes, seeds):
+            assert actions == ("NOOP", "FIRE", "RIGHT", "LEFT")
+            begun.extend(zip(lanes.tolist(), seeds.tolist(), strict=True))
+
+        def __call__(self, observations, lanes):
+            assert len(observations) == len(lanes)
+            return np.where(lanes == 0, 1, 0)  # lane 1 never presses FIRE
+
+    result = evaluate(Policy(), "breakout", short("dopamine"), episodes=5, num_envs=2)["breakout"]
+    seeds = [episode_seed(0, "breakout", episode) for episode in range(5)]
+    assert sorted(begun) == sorted((episode % 2, seed) for episode, seed in enumerate(seeds))
+    assert result.seeds == tuple(seeds)
+    assert result.truncated == (False, True, False, True, False)
+    assert [frames == 1600 for frames in result.frames] == [False, True, False, True, False]
+
+
+def test_truncated_games_are_reported():
+    result = evaluate("noop", "breakout", short("machado2018"), episodes=3)
+    assert result["breakout"].truncations == 3
+    assert str(result).splitlines()[-1] == "3 of 3 games did not end within 1,600 frames"
+
+
+def test_epsilon_draws_actions_that_the_policy_does_not_choose():
+    fire = evaluate("noop", "breakout", short("dopamine", epsilon=0.5), episodes=4)["breakout"]
+    assert fire.truncations < 4  # without random actions no ball is served
+
+
+@pytest.mark.parametrize(
+    ("environment", "shape"),
+    [
+        ({}, (4, 84, 84)),
+        ({"preset": "baselines"}, (4, 84, 84)),
+        ({"obs_type": "ram"}, (128,)),
+        ({"img_height": 42, "img_width": 40, "stack_num": 2}, (2, 42, 40)),
+        ({"channels_last": True, "stack_num": 3}, (84, 84, 3)),
+        ({"grayscale": False, "stack_num": 1, "noop_max": 7, "episodic_life": True}, (1, 84, 84, 3)),
+    ],
+)
+def test_a_policy_gets_the_observations_that_it_names(environment, shape):
+    def policy(observations, lanes):
+        assert observations.shape == (len(lanes), *shape)
+        return np.zeros(len(lanes), np.int64)
+
+    policy.environment = environment
+    result = evaluate(policy, "breakout", short("dqn2015", 100), episodes=2)
+    assert result["breakout"].observation["padding"] == "zero"
+
+
+def test_a_policy_of_the_games_own_actions_is_translated():
+    """Index 2 of Breakout's four actions is RIGHT, which is index 3 of all."""
+
+    def minimal(observations):
+        return np.full(len(observations), 2)
+
+    def full(observations):
+        return np.full(len(observations), 3)
+
+    def named(observations):
+        return np.full(len(observations), 1)
+
+    minimal.environment = {"full_action_space": False}
+    named.environment = {"actions": ["LEFT", "RIGHT"]}
+    full.environment = {"full_action_space": True}
+    shown = []
+    for policy in (minimal, full, named):
+        shown.append([])
+
+        def recording(observations, policy=policy):  # a second argument with a default is not `lanes`
+            shown[-1].append(observations.copy())
+            return policy(observations)
+
+        recording.environment = policy.environment
+        evaluate(recording, "breakout", short("machado2018", 200), episodes=1)
+    assert len(shown[0]) == 50
+    np.testing.assert_array_equal(shown[0], shown[1])
+    np.testing.assert_array_equal(shown[0], shown[2])
+
+
+def returns(actions):
+    def policy(observations):
+        return actions(len(observations))
+
+    return policy
+
+
+def needs(**environment):
+    policy = returns(np.zeros)
+    policy.environment = environment
+    return policy
+
+
+@pytest.mark.parametrize(
+    ("error", "arguments", "text"),
+    [
+        (ValueError, {"games": "pogn"}, "pong"),
+        (TypeError, {"games": []}, "games must be"),
+        (TypeError, {"games": 3}, "games must be"),
+        (ValueError, {"games": ["pong", "atari27"]}, "atari27"),
+        (ValueError, {"protocol": "machado"}, "did you mean 'machado2018'"),
+        (TypeError, {"protocol": 5}, "protocol"),
+        (ValueError, {"episodes": 0}, "episodes must be within 1"),
+        (TypeError, {"episodes": 1.5}, "episodes must be an integer"),
+        (ValueError, {"seed": -1}, "seed must be within"),
+        (ValueError, {"num_envs": 0}, "num_envs must be within"),
+        (TypeError, {"policy": 5}, "a policy is a function"),
+        (TypeError, {"policy": lambda: 0}, "a policy takes"),
+        (ValueError, {"policy": {"breakout": "random"}}, "there is no policy for pong"),
+        (ValueError, {"policy": returns(np.zeros)}, "must return integers"),
+        (ValueError, {"policy": returns(lambda n: np.zeros(n + 1, int))}, "must return integers"),
+        (ValueError, {"policy": returns(lambda n: np.full(n, 18))}, "returned action 18; in pong it has 18 actions"),
+        (ValueError, {"policy": returns(lambda n: np.full(n, -1))}, "returned action -1"),
+        (ValueError, {"policy": needs(stack=4)}, "has no option 'stack'"),
+        (ValueError, {"policy": needs(img_height="84")}, "the environment of the policy"),
+        (ValueError, {"policy": needs(obs_type="pixels")}, "obs_type"),
+        (FileNotFoundError, {"policy": needs(rom="nosuch.bin")}, "nosuch.bin"),
+        (ValueError, {"policy": needs(frameskip=5)}, "plays 4 frames an action, the policy 5"),
+        (ValueError, {"policy": needs(mode=2)}, "mode=None"),
+        (ValueError, {"policy": needs(preset="dqn15")}, "dqn2015"),
+        (ValueError, {"policy": needs(actions=["FLY"])}, "action FLY"),
+        (ValueError, {"policy": needs(full_action_space=True), "protocol": "dqn2015"}, "all 18 actions"),
+        (ValueError, {"policy": ScoresPolicy(lambda o: np.full((len(o), 6), np.nan))}, "NaN"),
+        (ValueError, {"policy": ScoresPolicy(lambda o: np.zeros((len(o), 2, 2)))}, "must return scores"),
+    ],
+)
+def test_wrong_arguments(error, arguments, text):
+    with pytest.raises(error) as caught:
+        evaluate(**{"policy": "random", "games": "pong", "episodes": 1, **arguments})
+    assert text in str(caught.value)
+
+
+def test_an_error_in_the_policy_is_raised():
+    def policy(observations):
+        raise ZeroDivisionError("mine")
+
+    with pytest.raises(ZeroDivisionError, match="mine"):
+        evaluate(policy, "pong", episodes=1)
+
+
+def test_progress_and_sources_by_game(tmp_path, monkeypatch):
+    (tmp_path / "pong_policy.py").write_text("def act(o):\n    return [0] * len(o)\n")
+    (tmp_path / "breakout_policy.py").write_text(
+        "class act:\n    def __call__(self, o, lanes):\n        return lanes * 0\n"
+    )
+    monkeypatch.chdir(tmp_path)
+    seen = []
+    result = evaluate(
+        "{game}_policy:act",
+        ["pong", "breakout"],
+        short("dopamine", 100),
+        episodes=2,
+        progress=lambda *counts: seen.append(counts),
+    )
+    assert seen == [(1, 4), (2, 4), (3, 4), (4, 4)]
+    assert result.policy == "{game}_policy:act"
+    assert [one.game for one in result.games] == ["pong", "breakout"]

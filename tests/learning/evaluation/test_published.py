@@ -1,0 +1,121 @@
+"""Published results: what is packed, where it is from, and that known figures come out of it."""
+
+import numpy as np
+import pytest
+
+import atari
+from atari.learning import human_scores, published, published_names
+from atari.learning.evaluation import tables
+from atari.learning.evaluation.statistics import interquartile_mean
+
+
+def test_every_agent_can_be_read():
+    names = published_names()
+    assert len(names) == len(set(names)) == 69
+    for name in names:
+        agent = published(name)
+        assert agent.name == name
+        assert {"repo", "licence", "copyright", "score"} <= set(agent.source), name
+        assert {
+            "repeat_action_probability",
+            "noop_max",
+            "full_action_space",
+            "frame_skip",
+            "max_frames",
+            "phase",
+        } == set(agent.protocol)
+        assert set(agent.games) <= set(atari.games)
+        for game in agent.games:
+            final = agent.final(game)
+            assert final.ndim == 1
+            assert np.isfinite(final).all()
+            if agent.has_curves:
+                curve = agent.curve(game)
+                assert curve.frames.shape == curve.mean.shape == curve.std.shape
+                assert (np.diff(curve.frames) > 0).all()
+                assert curve.frames[-1] == agent.final_frames
+
+
+def test_the_files_are_small_and_their_licences_are_there():
+    folder = tables._FOLDER
+    assert sum(file.stat().st_size for file in folder.glob("*.gz")) < 1_000_000
+    licences = (folder / "LICENSES.md").read_text()
+    for name in published_names():
+        source = published(name).source
+        assert source["repo"].split(";")[0] in licences
+        assert source["licence"] in licences or name.startswith("papers/")
+        assert source["copyright"].split(" ", 1)[-1] in licences or name.startswith("papers/")
+    assert "Apache License" in (folder / "Apache-2.0.txt").read_text()
+
+
+@pytest.mark.parametrize(
+    ("name", "median"), [("dopamine/rainbow", 1.48), ("pfrl/rainbow", 2.47), ("papers/dqn2015", 0.793)]
+)
+def test_known_medians(name, median):
+    """Of the provenance table in docs/evaluation.md: medians that were computed from the sources."""
+    agent, human = published(name), human_scores()
+    scores = [
+        (agent.final(game).mean() - human[game][0]) / (human[game][1] - human[game][0])
+        for game in agent.games
+        if game in human
+    ]
+    assert np.median(scores) == pytest.approx(median, abs=0.005)
+
+
+def test_known_iqm():
+    """DQN of Dopamine: 0.75."""
+    agent, human = published("dopamine/dqn"), human_scores()
+    scores = [
+        (agent.final(game) - human[game][0]) / (human[game][1] - human[game][0])
+        for game in agent.games
+        if game in human
+    ]
+    assert interquartile_mean(np.concatenate(scores)) == pytest.approx(0.75, abs=0.005)
+
+
+def test_scores_at_frames():
+    agent = published("dopamine/rainbow")
+    assert agent.at("pong", 10_000_000).shape == (5,)
+    assert agent.at("pong", 199_000_000).shape == (5,)
+    between = agent.at("pong", 30_000_001)  # in the interval that ends at 31 million
+    assert between == agent.curve("pong").mean[30]
+    assert agent.at("pong", 1) == agent.curve("pong").mean[0] or agent.at("pong", 1).shape == (1,)
+    with pytest.raises(ValueError, match="until 199,000,000 frames, not at 200,000,000"):
+        agent.at("pong", 200_000_000)
+    ppo = published("cleanrl/ppo")
+    assert ppo.name == "cleanrl/ppo_atari_envpool_xla_jax"
+    assert ppo.at("pong", 40_000_000) == ppo.final("pong")
+    with pytest.raises(ValueError, match="only at 40,000,000 frames"):
+        ppo.at("pong", 10_000_000)
+    with pytest.raises(ValueError, match=r"final\('pong'\)"):
+        ppo.curve("pong")
+
+
+@pytest.mark.parametrize(
+    ("name", "near"), [("dopamine/rainbw", "dopamine/rainbow"), ("cleanrl/pqn_atari", "cleanrl/pqn_atari_envpool")]
+)
+def test_a_wrong_name_suggests_the_nearest(name, near):
+    with pytest.raises(ValueError, match=near):
+        published(name)
+
+
+def test_wrong_arguments():
+    with pytest.raises(TypeError, match="string"):
+        published(3)
+    with pytest.raises(ValueError, match="breakout"):
+        published("dopamine/rainbow").final("breakuot")
+    with pytest.raises(ValueError, match="noop57"):
+        human_scores("noop")
+    with pytest.raises(TypeError, match="string"):
+        human_scores(None)
+
+
+def test_human_tables():
+    assert {name: len(human_scores(name)) for name in ("noop57", "nature2015", "human_starts", "dqn2013")} == {
+        "noop57": 57,
+        "nature2015": 49,
+        "human_starts": 57,
+        "dqn2013": 7,
+    }
+    assert human_scores()["video_pinball"] == (16256.9, 17667.9)
+    assert human_scores("nature2015")["beam_rider"] != human_scores()["beam_rider"]

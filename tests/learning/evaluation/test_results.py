@@ -1,0 +1,104 @@
+"""`Result`: statistics, the table, files, and damaged files."""
+
+import json
+
+import pytest
+
+from atari.learning import PROTOCOLS, GameResult, Result
+
+
+def result():
+    pong = GameResult("pong", (-21.0, 3.5, 21.0), (4000, 9000, 6000), (False, True, False), (5, 6, 7), {"stack_num": 4})
+    breakout = GameResult("breakout", (1.0,), (600,), (False,), (8,))
+    return Result("mine", PROTOCOLS["dopamine"], 3, (pong, breakout), 40_000_000, {"numpy": "2"})
+
+
+def test_statistics():
+    pong = result()["pong"]
+    assert (pong.mean, pong.median, pong.truncations) == (3.5 / 3, 3.5, 1)
+    assert pong.std == pytest.approx(17.226, abs=1e-3)
+    with pytest.raises(KeyError, match="there are some of pong, breakout"):
+        result()["qbert"]
+
+
+def test_the_table():
+    assert str(result()) == (
+        "policy mine, seed 3\n"
+        "protocol dopamine: sticky actions 0.25, the game's minimal actions, no no-ops, 4 frames an action, epsilon 0.001, "
+        "at most 108,000 frames a game; unclipped scores of whole games\n"
+        "\n"
+        "game      games  mean   std  median    min   max  truncated\n"
+        "pong          3   1.2  17.2     3.5  -21.0  21.0          1\n"
+        "breakout      1   1.0   0.0     1.0    1.0   1.0          0\n"
+        "\n"
+        "1 of 4 games did not end within 108,000 frames"
+    )
+
+
+def test_a_file_keeps_everything(tmp_path):
+    file = tmp_path / "result.json"
+    result().save(file)
+    assert Result.load(file) == result()
+    assert json.loads(file.read_text())["versions"] == {"numpy": "2"}
+
+
+def changed(**changes):
+    return {**json.loads(json.dumps(result().to_json())), **changes}
+
+
+def without(name):
+    content = changed()
+    del content[name]
+    return content
+
+
+def with_game(**changes):
+    content = changed()
+    content["games"][0].update(changes)
+    return content
+
+
+@pytest.mark.parametrize(
+    ("content", "text"),
+    {
+        "no JSON": ("{", "is no result"),
+        "empty": ("", "is no result"),
+        "deep": ("[" * 100_000, "is no result"),
+        "binary": (b"\xff\xfe\x00", "is no result"),
+        "list": ([], "format"),
+        "foreign": ({"games": []}, "format"),
+        "another version": (changed(format="atari evaluation 2"), "format"),
+        "no seed": (without("seed"), "'seed' is missing"),
+        "no protocol": (without("protocol"), "'protocol' is missing"),
+        "no games": (changed(games=[]), "at least one"),
+        "a game twice": (changed(games=changed()["games"][:1] * 2), "each game once"),
+        "a game is no object": (changed(games=[1]), "a game is int 1"),
+        "other numbers": (changed(protocol={**changed()["protocol"], "epsilon": 0.5}), "needs another name"),
+        "unknown number": (changed(protocol={**changed()["protocol"], "luck": 1}), "luck"),
+        "bool as a seed": (changed(seed=True), "seed is bool"),
+        "a score missing": (with_game(scores=[1.0]), "as many scores"),
+        "a score of text": (with_game(scores=["1", 2, 3]), "a score is str"),
+        "a score that is none": (with_game(scores=[float("nan"), 2, 3]), "no number"),
+        "a huge score": (with_game(scores=[10**400, 2, 3]), "damaged"),
+        "no scores": (with_game(scores=3), "damaged"),
+        "frames of text": (with_game(frames="abc"), "frames is str"),
+        "truncated is a number": (with_game(truncated=[0, 0, 0]), "truncated is int"),
+    }.values(),
+)
+def test_damaged_files(tmp_path, content, text):
+    file = tmp_path / "result.json"
+    if isinstance(content, bytes):
+        file.write_bytes(content)
+    else:
+        file.write_text(content if isinstance(content, str) else json.dumps(content))
+    with pytest.raises(ValueError, match="result") as caught:
+        Result.load(file)
+    assert text in str(caught.value)
+    assert str(file) in str(caught.value)
+
+
+def test_missing_files(tmp_path):
+    with pytest.raises(FileNotFoundError):
+        Result.load(tmp_path / "result.json")
+    with pytest.raises(IsADirectoryError):
+        Result.load(tmp_path)
