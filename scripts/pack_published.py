@@ -102,6 +102,7 @@ def main() -> None:
     write("index", {"aliases": ALIASES, "agents": {name: list(agents) for name, agents in files.items()}})
     suites = {name.replace("_", "").replace("nature", "atari"): suite for name, suite in benchmarks["suites"].items()}
     suites["atari5"] = benchmarks["atari_5"]["subsets"]["atari_5"]
+    write("atari5", suites["atari5"]["coefficients"])
     write("sets", {name: sorted(suite["games"]) for name, suite in suites.items()})
 
 

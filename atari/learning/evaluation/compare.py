@@ -2,17 +2,23 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from atari.learning.evaluation.protocols import EvaluationProtocol, differences
+from atari.learning.evaluation.protocols import GAME_SETS, EvaluationProtocol, differences
 from atari.learning.evaluation.published import Published, human_scores, published
 from atari.learning.evaluation.results import Result, aligned
-from atari.learning.evaluation.statistics import Estimate, Floats, estimate_of_episodes, estimate_of_runs
+from atari.learning.evaluation.statistics import (
+    Estimate,
+    Floats,
+    atari5_estimate,
+    estimate_of_episodes,
+    estimate_of_runs,
+)
 from atari.learning.evaluation.tables import read_table
 from atari.validation import check_integer
 
@@ -172,7 +178,7 @@ def compare(
     notes += [f"{row.name}: {row.protocol}" for row in rows]
     if "video_pinball" in games and human == "noop57":
         notes.append("Video Pinball's random score here is 16,256.9; other tables have 0, which changes means")
-    return Comparison(
+    comparison = Comparison(
         rows=tuple(rows),
         games=games,
         human=human,
@@ -180,6 +186,11 @@ def compare(
         mixed=bool(faults),
         notes=tuple(notes),
     )
+    if not set(games) >= set(GAME_SETS["atari5"]):
+        return comparison
+    estimates = (f"{row.name} {atari5_estimate(comparison.normalised(row)):.3f}" for row in rows)
+    note = f"Atari-5's estimate of the median over 57 games: {', '.join(estimates)}"
+    return replace(comparison, notes=(*comparison.notes, note))
 
 
 def protocol_faults(protocol: EvaluationProtocol, other: Published) -> list[str]:

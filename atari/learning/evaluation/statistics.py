@@ -10,6 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from atari.learning.evaluation.tables import read_table
+
 Floats = npt.NDArray[np.float64]
 Scores = Mapping[str, Floats]
 
@@ -81,6 +83,18 @@ def _estimates(runs: list[Floats], drawn: list[Floats] | None) -> dict[str, Esti
     again = summaries(np.stack([one.mean(-1) for one in drawn], -1), np.concatenate(drawn, -1))
     limits = {name: np.percentile(several, (2.5, 97.5)) for name, several in again.items()}
     return {name: Estimate(float(value), *map(float, limits[name])) for name, value in values.items()}
+
+
+def atari5_estimate(scores: Scores) -> float:
+    """The median over 57 games that Atari-5 predicts from its five (Aitchison et al. 2023, arXiv 2210.02019).
+
+    The model is of logarithms of percent, without an intercept; its relative error is about 10 %.
+    """
+    coefficients: Mapping[str, float] = read_table("atari5")
+    logarithms = (
+        weight * np.log10(1 + 100 * max(0.0, float(scores[game].mean()))) for game, weight in coefficients.items()
+    )
+    return float(10 ** sum(logarithms) - 1) / 100
 
 
 def profile(scores: Scores, thresholds: Floats) -> Floats:

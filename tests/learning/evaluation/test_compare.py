@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from atari.learning import PROTOCOLS, GameResult, Result, compare, human_scores, published
+from atari.learning import GAME_SETS, PROTOCOLS, GameResult, Result, compare, human_scores, published
 from atari.learning.evaluation.statistics import estimate_of_episodes, estimate_of_runs, interquartile_mean, profile
 
 
@@ -112,6 +112,22 @@ def test_games_that_not_all_have_are_left_out():
     comparison = compare(result(games=["pong", "adventure"]), "dopamine/rainbow")
     assert comparison.games == ("pong",)
     assert any("left out" in note and "adventure" in note for note in comparison.notes)
+
+
+def test_the_estimate_of_atari_5():
+    """By hand, from the coefficients of the paper's code; of Rainbow's final scores it is 1.19, where their median is 1.48."""
+    comparison = compare(result(games=GAME_SETS["atari5"]), "dopamine/rainbow")
+    weights = {
+        "battle_zone": 0.3819751237831753,
+        "double_dunk": 0.0679099488887574,
+        "name_this_game": 0.310804148620847,
+        "phoenix": 0.12412619402774641,
+        "qbert": 0.08048518286466755,
+    }
+    rainbow = {game: runs.mean() for game, runs in comparison.normalised(comparison.rows[1]).items()}
+    expected = 10 ** sum(weight * np.log10(1 + 100 * max(0, rainbow[game])) for game, weight in weights.items()) - 1
+    assert f"dopamine/rainbow {expected / 100:.3f}" in comparison.notes[-1]
+    assert 1.0 < expected / 100 < 1.8
 
 
 def test_files_and_text(tmp_path):
