@@ -4,7 +4,7 @@ import ale_py
 import numpy as np
 import pytest
 
-from atari.learning import evaluate, human_scores, load_policy, published
+from atari.learning import compare, evaluate, human_scores, load_policy, published
 from atari.learning.evaluation.evaluate import episode_seed
 from atari.learning.evaluation.statistics import estimate_of_runs, profile
 
@@ -15,6 +15,7 @@ EPISODES = 3
 
 def trained(name, folder, obs_type="grayscale"):
     """A model after a few steps, in a file."""
+    import sb3_contrib
     import stable_baselines3
 
     from atari.sb3 import AtariVecEnv
@@ -25,9 +26,11 @@ def trained(name, folder, obs_type="grayscale"):
         "PPO": {"n_steps": 16, "batch_size": 16, "n_epochs": 1},
         "A2C": {},
         "DQN": {"buffer_size": 100, "learning_starts": 20},
+        "QRDQN": {"buffer_size": 100, "learning_starts": 20},
     }[name]
     policy = "CnnPolicy" if obs_type == "grayscale" else "MlpPolicy"
-    model = getattr(stable_baselines3, name)(policy, envs, seed=0, device="cpu", **options)
+    module = sb3_contrib if name == "QRDQN" else stable_baselines3
+    model = getattr(module, name)(policy, envs, seed=0, device="cpu", **options)
     model.learn(64)
     model.save(folder / "model.zip")
     envs.close()
@@ -51,7 +54,7 @@ def scores_of_sb3(model, game):
     return tuple(scores)
 
 
-@pytest.mark.parametrize("name", ["PPO", "A2C", "DQN"])
+@pytest.mark.parametrize("name", ["PPO", "A2C", "DQN", "QRDQN"])
 def test_scores_are_those_of_sb3s_evaluate_policy(name, tmp_path):
     model = trained(name, tmp_path)
     policy = load_policy(tmp_path / "model.zip")
@@ -162,6 +165,15 @@ def test_onnx(tmp_path, dtype):
     file.write_bytes(b"damaged")
     with pytest.raises(ValueError, match="no ONNX file"):
         load_policy(file)
+
+
+def test_plot(tmp_path):
+    result = evaluate("random", ["breakout", "pong"], "dopamine", episodes=2)
+    comparison = compare(result, ["dopamine/rainbow", "cleanrl/ppo"], mixed=True)
+    comparison.plot(tmp_path / "comparison.svg")
+    assert (tmp_path / "comparison.svg").read_text().startswith("<?xml")
+    with pytest.raises(ValueError, match="xyz"):
+        comparison.plot(tmp_path / "comparison.xyz")
 
 
 @pytest.mark.parametrize("name", ["dopamine/rainbow", "dreamerv3/atari57/ppo"])

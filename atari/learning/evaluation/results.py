@@ -3,6 +3,7 @@
 import json
 import math
 import platform
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from importlib.metadata import version
@@ -10,9 +11,6 @@ from os import PathLike
 from pathlib import Path
 from statistics import fmean, median, pstdev
 from typing import Any
-
-import gymnasium
-import numpy as np
 
 from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.validation import check_file
@@ -179,13 +177,10 @@ def _of_type(value: Any, kind: Any, name: str) -> Any:
 
 
 def versions() -> dict[str, str]:
-    """The versions of what an evaluation runs on."""
-    return {
-        "atari-envs": version("atari-envs"),
-        "gymnasium": gymnasium.__version__,
-        "numpy": np.__version__,
-        "python": platform.python_version(),
-    }
+    """The versions of what an evaluation runs on, and of what has been imported for a policy."""
+    own = {"atari-envs": version("atari-envs"), "python": platform.python_version()}
+    others = ("gymnasium", "numpy", "torch", "stable_baselines3", "onnxruntime")
+    return {**own, **{name: str(sys.modules[name].__version__) for name in others if name in sys.modules}}
 
 
 def aligned(rows: Iterable[Sequence[object]]) -> list[str]:

@@ -1,8 +1,9 @@
 """`compare`: normalised scores, intervals, and what it refuses to put beside each other."""
 
 import json
-from dataclasses import replace
+import sys
 
+import gymnasium
 import numpy as np
 import pytest
 
@@ -179,23 +180,7 @@ def test_profile():
     assert profile(scores, np.array([-1.0, 0.0, 0.5, 1.0, 2.0])).tolist() == [1.0, 0.75, 0.75, 0.5, 0.0]
 
 
-def test_plot(tmp_path):
-    pytest.importorskip("matplotlib")
-    mixed = compare(
-        [result(), replace(result(shift=1), policy="other")], ["dopamine/rainbow", "cleanrl/ppo"], mixed=True
-    )
-    mixed.plot(tmp_path / "comparison.svg")
-    svg = (tmp_path / "comparison.svg").read_text()
-    assert svg.startswith("<?xml")
-    with pytest.raises(ValueError, match="xyz"):
-        mixed.plot(tmp_path / "comparison.xyz")
-
-
 def test_no_matplotlib(monkeypatch, tmp_path):
-    import sys
-
-    import gymnasium
-
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     monkeypatch.delitem(sys.modules, "atari.learning.evaluation.plot", raising=False)
     with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"atari-envs\[learn\]"):
