@@ -131,7 +131,7 @@ def _file(file: Path, sample: bool) -> Policy:
             facts = json.loads(archive.read("data")) if _SB3_VERSION in names else None
     except (zipfile.BadZipFile, ValueError, KeyError, OSError) as error:
         raise ValueError(f"{file} is damaged: {error}") from error
-    if facts is not None:
+    if isinstance(facts, dict):
         return _sb3(file, facts, sample)
     if any("/code/" in name for name in names):
         return _torch_script(file, sample)
@@ -167,16 +167,16 @@ def _sb3(file: Path, facts: Mapping[str, Any], sample: bool) -> Policy:
     }
     try:
         model = algorithm.load(file, device="cpu", custom_objects={key: unused[key] for key in unused if key in facts})
-    except Exception as error:
+        model.policy.set_training_mode(False)
+        scores, actions = _sb3_scores(model, name), int(model.action_space.n)
+    except Exception as error:  # of many kinds: they are pickles
         raise ValueError(f"{file} cannot be loaded as a model of {name}: {error}") from error
-    model.policy.set_training_mode(False)
-    scores = _sb3_scores(model, name)
     steps = facts.get("num_timesteps")
     return ScoresPolicy(
         scores,
         sample=sample and name in ("PPO", "A2C"),
         name=f"{name} ({file.name})",
-        environment=_of_space(file, model.observation_space, int(model.action_space.n)),
+        environment=_of_space(file, model.observation_space, actions),
         training_frames=4 * int(steps) if isinstance(steps, int) and steps > 0 else None,
     )
 
@@ -246,7 +246,10 @@ def _torch_script(file: Path, sample: bool) -> Policy:
         else:
             observations = torch.from_numpy(observations)
         with torch.no_grad():
-            return module(observations).numpy()
+            returned = module(observations)
+        if not torch.is_tensor(returned):
+            raise ValueError(f"{file} must return one tensor, of scores or of actions, got {type(returned).__name__}")
+        return returned.numpy()
 
     environment = _environment(file, extra["environment.json"])
     return ScoresPolicy(scores, sample=sample, name=file.name, environment=environment)

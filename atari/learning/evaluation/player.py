@@ -11,7 +11,7 @@ from atari.games.game import Game
 from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.learning.policy import Policy
 from atari.protocols import Protocol
-from atari.validation import check_known
+from atari.validation import check_frameskip, check_known
 from atari.vector import AtariVectorEnv
 from atari.wrappers.presets import preset_protocol
 
@@ -38,23 +38,23 @@ class Player:
         self._policy = policy
         self._epsilon = protocol.epsilon
         self._game = game
-        self.max_frames = protocol.max_frames
-        environment = getattr(policy, "environment", None) or {}
-        self.options = environment_options(environment, protocol)
-        given = game.legal_actions if protocol.full_action_space else game.minimal_actions
-        self._count = len(given)
-        every = tuple(action.name for action in given)
-        self._names = _actions_of(environment, game, every)
-        self._indices = np.array([every.index(name) for name in self._names], np.int64)
         self._generators: dict[int, np.random.Generator] = {}
-        self.make(1).close()  # errors are raised before the first game of an evaluation
+        self.max_frames = protocol.max_frames
+        given = game.legal_actions if protocol.full_action_space else game.minimal_actions
+        every = tuple(action.name for action in given)
+        self._count = len(every)
+        environment = getattr(policy, "environment", None) or {}
+        try:
+            self.options = environment_options(environment, protocol)
+            self._names = _actions_of(environment, game, every)
+            self.make(1).close()  # so that errors are raised before the first game of an evaluation
+        except TypeError as error:  # the options may be from a file
+            raise ValueError(f"the environment of the policy: {error}") from error
+        self._indices = np.array([every.index(name) for name in self._names], np.int64)
 
     def make(self, lanes: int, num_threads: int = 1) -> AtariVectorEnv:
         """Environments of the game, which wait for a reset when a game or a life has ended."""
-        try:
-            return AtariVectorEnv(self._game, lanes, autoreset_mode="Disabled", num_threads=num_threads, **self.options)
-        except TypeError as error:
-            raise ValueError(f"the environment of the policy: {error}") from error
+        return AtariVectorEnv(self._game, lanes, autoreset_mode="Disabled", num_threads=num_threads, **self.options)
 
     def begin(self, lanes: IntArray, seeds: IntArray) -> None:
         """Begin games in some lanes, each with the seed of the game."""
@@ -98,13 +98,12 @@ def environment_options(environment: Mapping[str, Any], protocol: EvaluationProt
     """The options of `AtariVectorEnv` that show a policy what it needs, in games as the protocol has them.
 
     Raises:
-        ValueError: there is no such option, or the protocol does not allow it.
+        TypeError, ValueError: there is no such option, or the protocol does not allow it.
     """
-    known = [*signature(AtariVectorEnv.__init__).parameters, "actions"]
-    try:
-        check_known("the environment of a policy", set(environment) - set(known), known)
-    except TypeError as error:  # which may be from a file
-        raise ValueError(str(error)) from None
+    if not isinstance(environment, Mapping):
+        raise TypeError(f"it must be a mapping of options, got {environment!r}")
+    _, *known, _ = signature(AtariVectorEnv.__init__).parameters  # without self and **wrong
+    check_known("AtariVectorEnv", set(environment) - {*known, "actions"}, [*known, "actions"])
     for name, default in (("continuous", False), ("mode", None), ("difficulty", None)):
         if environment.get(name) not in (default, None):
             raise ValueError(f"games are evaluated with {name}={default}, the policy has {environment[name]!r}")
@@ -124,8 +123,8 @@ def _frame_skip(environment: Mapping[str, Any]) -> tuple[int, int]:
     if preset is not None:
         low, high = preset.frame_skip if isinstance(preset, Protocol) else (4, 5)
     else:
-        skip = environment.get("frameskip", 4)
-        low, high = skip if isinstance(skip, Sequence) else (skip, skip + 1)
+        skip = check_frameskip(environment.get("frameskip", 4))
+        low, high = skip if isinstance(skip, tuple) else (skip, skip + 1)
     return low, high
 
 
@@ -134,7 +133,7 @@ def _image(environment: Mapping[str, Any], protocol: EvaluationProtocol) -> Prot
     preset = environment.get("preset", None if environment else protocol.preset)
     if preset is None:
         return Protocol(max_pool=bool(environment.get("maxpool", True)))
-    return preset if isinstance(preset, Protocol) else preset_protocol(preset)
+    return preset if isinstance(preset, Protocol) else preset_protocol(str(preset))
 
 
 def _episodes(image: Protocol, protocol: EvaluationProtocol) -> Protocol:
@@ -176,10 +175,12 @@ def _actions_of(environment: Mapping[str, Any], game: Game, given: tuple[str, ..
         elif full is None and isinstance(preset, Protocol):
             full = preset.full_action_space
         chosen = [action.name for action in (game.legal_actions if full else game.minimal_actions)]
+    if not isinstance(chosen, Sequence) or isinstance(chosen, str) or not chosen:
+        raise ValueError(f"the actions of a policy are a sequence of names such as 'FIRE', got {chosen!r}")
     missing = [name for name in chosen if name not in given]
     if missing:
         raise ValueError(
-            f"the policy has the action {missing[0]} in {game.id}, where this protocol has {', '.join(given)}; choose "
-            "a protocol with all 18 actions, such as 'machado2018'"
+            f"the policy has the action {missing[0]!r} in {game.id}, where this protocol has {', '.join(given)}; "
+            "choose a protocol with all 18 actions, such as 'machado2018', or a policy with these"
         )
     return tuple(chosen)
