@@ -1,7 +1,7 @@
 """`compare`: results of evaluations beside published ones, in human-normalised scores."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from os import PathLike
 from pathlib import Path
@@ -150,47 +150,42 @@ def compare(
     results = _check_results(results)
     to = [to] if isinstance(to, str) else list(to)
     others = [published(name) for name in to]
-    repetitions = check_integer("repetitions", repetitions, 1, 1_000_000)
-    notes: list[str] = []
+    repetitions = check_integer("repetitions", repetitions, 1, 100_000)
+    seed = check_integer("seed", seed, 0, 2**63 - 1)
+    references = human_scores(human)
     faults: list[str] = []
     protocol = _common_protocol(results, faults)
     frames = _common_frames(results, frames, faults)
     faults += _human_faults(human, protocol)
-    references = human_scores(human)
     for other in others:
         faults += [f"{other.name}: {fault}" for fault in (*protocol_faults(protocol, other), *_budget(other, frames))]
     if faults and not mixed:
         raise ValueError(f"these are not comparable: {'; '.join(faults)}; mixed=True compares them, and says so")
-    notes += [f"MIXED: {fault}" for fault in faults]
     played = {one.game for result in results for one in result.games}
-    games = tuple(
-        game
-        for game in references
-        if game in played and all(game in other.games and len(_scores_at(other, game, frames)) for other in others)
-    )
-    if left := sorted(played - set(games)):
-        notes.append(f"left out, because not all have scores of them: {', '.join(left)}")
+    games = [game for game in references if game in played and all(_has(other, game, frames) for other in others)]
     if not games:
         raise ValueError(f"there is no game that all of {', '.join(['the results', human, *to])} have scores of")
+    references = {game: references[game] for game in games}
     bootstrap = {"repetitions": repetitions, "seed": seed}
-    rows = [_own_row(results, {game: references[game] for game in games}, frames, bootstrap)]
-    rows += [_published_row(other, {game: references[game] for game in games}, frames, bootstrap) for other in others]
-    notes += [f"{row.name}: {row.protocol}" for row in rows]
-    if "video_pinball" in games and human == "noop57":
-        notes.append("Video Pinball's random score here is 16,256.9; other tables have 0, which changes means")
-    comparison = Comparison(
-        rows=tuple(rows),
-        games=games,
-        human=human,
-        references={game: references[game] for game in games},
-        mixed=bool(faults),
-        notes=tuple(notes),
-    )
-    if not set(games) >= set(GAME_SETS["atari5"]):
-        return comparison
-    estimates = (f"{row.name} {atari5_estimate(comparison.normalised(row)):.3f}" for row in rows)
-    note = f"Atari-5's estimate of the median over 57 games: {', '.join(estimates)}"
-    return replace(comparison, notes=(*comparison.notes, note))
+    rows = [
+        _own_row(results, references, frames, bootstrap),
+        *(_published_row(other, references, frames, bootstrap) for other in others),
+    ]
+    comparison = Comparison(tuple(rows), tuple(games), human, references, bool(faults), ())
+    return replace(comparison, notes=tuple(_notes(comparison, faults, sorted(played - set(games)))))
+
+
+def _notes(comparison: Comparison, faults: Sequence[str], left_out: Sequence[str]) -> Iterator[str]:
+    """What a reader must know."""
+    yield from (f"MIXED: {fault}" for fault in faults)
+    if left_out:
+        yield f"left out, because not all have scores of them: {', '.join(left_out)}"
+    yield from (f"{row.name}: {row.protocol}" for row in comparison.rows)
+    if "video_pinball" in comparison.games and comparison.human == "noop57":
+        yield "Video Pinball's random score here is 16,256.9; other tables have 0, which changes means"
+    if set(comparison.games) >= set(GAME_SETS["atari5"]):
+        estimates = (f"{row.name} {atari5_estimate(comparison.normalised(row)):.3f}" for row in comparison.rows)
+        yield f"Atari-5's estimate of the median over 57 games: {', '.join(estimates)}"
 
 
 def protocol_faults(protocol: EvaluationProtocol, other: Published) -> list[str]:
@@ -259,6 +254,10 @@ def _budget(other: Published, frames: int | None) -> list[str]:
         return []
     final = "an unknown number of" if other.final_frames is None else f"{other.final_frames:,}"
     return [f"it has scores {'until' if other.has_curves else 'only at'} {final} frames, not at {frames:,}"]
+
+
+def _has(other: Published, game: str, frames: int | None) -> bool:
+    return game in other.games and len(_scores_at(other, game, frames)) > 0
 
 
 def _scores_at(other: Published, game: str, frames: int | None) -> Floats:
