@@ -75,7 +75,7 @@ class ScoresPolicy:
         scores: a function of observations (n, ...) uint8 that returns scores (n, actions), or actions (n,), integers.
         sample: whether actions are drawn with the probabilities softmax(scores), with a generator for each game;
             otherwise the action with the highest score is taken.
-        name, environment, training_frames: as of `Policy`.
+        name, environment, training_frames, game: as of `Policy`.
     """
 
     def __init__(
@@ -86,6 +86,7 @@ class ScoresPolicy:
         name: str = "",
         environment: Mapping[str, Any] | None = None,
         training_frames: int | None = None,
+        game: str | None = None,
     ) -> None:
         self._scores = scores
         self._sample = sample
@@ -93,6 +94,7 @@ class ScoresPolicy:
         self.name = name
         self.environment = dict(environment or {})
         self.training_frames = training_frames
+        self.game = game
 
     def begin(self, game: str, actions: Sequence[str], lanes: npt.NDArray[np.int64], seeds: Array) -> None:
         """Set up the generators of some lanes."""

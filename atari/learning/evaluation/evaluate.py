@@ -74,7 +74,8 @@ def evaluate(
         rounds = -(-episodes // _MOST_LANES)
         num_envs = -(-episodes // rounds)
     lanes = min(check_integer("num_envs", num_envs, 1, 100_000), episodes)
-    policies = [_policy(policy, game) for game in chosen]
+    loaded: dict[str, Policy] = {}
+    policies = [_policy(policy, game, loaded) for game in chosen]
     players = [Player(one, protocol, game) for one, game in zip(policies, chosen, strict=True)]
     played = []
     for number, (game, player) in enumerate(zip(chosen, players, strict=True)):
@@ -98,14 +99,18 @@ def episode_seed(seed: int, game: str, episode: int) -> int:
     return int(words[0]) >> 1
 
 
-def _policy(policy: Any, game: Game) -> Policy:
+def _policy(policy: Any, game: Game, loaded: dict[str, Policy]) -> Policy:
+    """The policy of a game; `loaded` keeps those of sources, which several games may share."""
     if isinstance(policy, Mapping):
         if game.id not in policy:
             raise ValueError(f"there is no policy for {game.id}; there are some for {', '.join(map(str, policy))}")
         policy = policy[game.id]
-    if isinstance(policy, (str, Path)):
-        return load_policy(str(policy).replace("{game}", game.id))
-    return as_policy(policy)
+    if not isinstance(policy, (str, Path)):
+        return as_policy(policy)
+    source = str(policy).replace("{game}", game.id)
+    if source not in loaded:
+        loaded[source] = load_policy(source)
+    return loaded[source]
 
 
 def _name(policy: Any, policies: Sequence[Policy]) -> str:
