@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from emulator import wild_programs
 from emulator.programs import cpu_program, tia_program
-from emulator.wild_programs import SIZES
+from emulator.wild_programs import BLANKED_LOOKS, SIZES
 
 import atari
 from atari._emulator import Console, same_state
@@ -261,6 +261,24 @@ def test_short_frames(batch: int) -> None:
     for seed in range(100 * batch, 100 * batch + 100):
         rng = random.Random(seed)
         play(wild_programs.short_frames(rng), "4K", f"short_frames {seed}", rng, looks=0.4)
+
+
+@pytest.mark.parametrize("look", BLANKED_LOOKS, ids=bytes.hex)
+@pytest.mark.parametrize("wait", [0, 9, 25])
+@pytest.mark.parametrize("looks", [0, 0.5, 1])
+def test_frames_that_end_in_a_blanked_line(look: bytes, wait: int, looks: float) -> None:
+    """How far the black of HMOVE's blank reaches there depends on the first access for which the TIA renders."""
+    pair = Pair(wild_programs.blank_ends(look, wait), "4K", look.hex(), random.Random(0), first_line=34, height=210)
+    for _ in range(4):
+        pair.play(5, pokes=0, resets=0, looks=looks, travels=0)
+        pair.compare_framebuffers()
+
+
+@pytest.mark.parametrize("batch", range(4))
+def test_latches_read_in_blanked_lines(batch: int) -> None:
+    for seed in range(100 * batch, 100 * batch + 100):
+        rng = random.Random(seed)
+        play(wild_programs.glances_at_blanks(rng), "4K", f"glances_at_blanks {seed}", rng, rounds=6, looks=0.3)
 
 
 @pytest.mark.parametrize("batch", range(4))

@@ -107,3 +107,9 @@ def test_programs_that_run_in_tia_space(make: Any, seeds: tuple[int, ...], tmp_p
         actions = [-1 if k % 4 == 0 else rng.randrange(18) for k in range(12)]
         programs.append((f"{make.__name__} {seed}", image, actions))
     compare(programs, ("ram", "audio"), tmp_path)
+
+
+@pytest.mark.parametrize("look", wild_programs.BLANKED_LOOKS, ids=bytes.hex)
+def test_frames_that_end_in_a_blanked_line(look: bytes, tmp_path: Path) -> None:
+    programs = [(f"{look.hex()}, {wait}", wild_programs.blank_ends(look, wait), [0] * 8) for wait in (0, 9, 25)]
+    compare(programs, ("ram", "screen"), tmp_path)

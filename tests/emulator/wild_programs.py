@@ -374,6 +374,53 @@ def short_frames(rng: random.Random) -> bytes:
     return code.image(again)
 
 
+BLANKED_LOOKS = [
+    bytes.fromhex(code) for code in ("", "2400", "2407", "2408", "852C", "853F", "8504", "850D", "8515", "EAEA2402")
+]
+
+
+def blank_ends(look: bytes, wait: int = 0) -> bytes:
+    """Frames of 60 and of 40 lines, two of each, that end in the visible line of an HMOVE, after the code `look`."""
+    code = Code()
+    code.emit(0x78, 0xD8, 0xA2, 0xFF, 0x9A)
+    code.store(0x3A, W.COLUBK)
+    again = len(code.bytes)
+    code.emit(0xE6, COUNTER, 0xA2, 60, 0xA5, COUNTER, 0x29, 2, 0xF0, 2, 0xA2, 40)  # LDX #60 or #40
+    code.store(2, W.VSYNC)
+    code.emit(0x85, W.WSYNC, 0xCA, 0xD0, 0xFB, 0xA9, 0, 0x85, W.HMOVE, *look, *[0xEA] * wait, 0x85, W.VSYNC)
+    return code.image(again)
+
+
+def glances_at_blanks(rng: random.Random) -> bytes:
+    """As `short_frames`; between HMOVE and the frame's end latches are read and cleared, also by accesses that only pass
+    over their addresses."""
+    code = Code()
+    code.emit(0x78, 0xD8, 0xA2, 0xFF, 0x9A)
+    code.store(0x3A, W.COLUBK)
+    code.store(rng.randrange(256), W.PF1)
+    again = len(code.bytes)
+    code.emit(0xE6, COUNTER)
+    for register in rng.sample([W.COLUBK, W.PF2, W.GRP0, W.HMP0], 2):
+        sometimes(code, rng, lambda _, register=register: bytes([0xA5, COUNTER, 0x85, register]))
+    code.store(2, W.VSYNC)
+    code.emit(0xA5, COUNTER, 0x29, rng.choice((1, 2, 4, 8)), 0xA8)  # in Y 0 or not
+    lines = rng.choice((1, 1, 8, 19, 20, 33, 34, 0x28))
+    code.emit(0xA5, COUNTER, 0x29, rng.choice((0, 0, 1, 2, 3, 7)), 0x09, lines, 0xAA)
+    code.emit(0x85, W.WSYNC, 0xCA, 0xD0, 0xFB, 0xA9, 0)
+    delay = rng.choice((0, 0, rng.randrange(70), 64, 66, 66, 67))
+    code.emit(*[0xEA] * (delay // 2 - delay % 2), *[0x24, 0x80] * (delay % 2))
+    code.emit(*rng.choice(((), (0x85, W.HMOVE), (0x99, W.HMOVE, 0))))
+    for _ in range(rng.randrange(5)):
+        any_byte, latch = rng.randrange(256), rng.randrange(8)
+        writes = (0x85, rng.choice((W.NUSIZ0, W.PF0, W.RESP0, W.HMOVE, W.CXCLR, W.CXCLR))), (0x99, W.CXCLR, 0)
+        reads = (0x24, latch), (0x04, latch), (0xA7, latch), (0xE6, latch | 3), (0x14, any_byte), (0xB1, any_byte)
+        indexed = (0xA2, any_byte), (0xBD, 0xFF, 0x00), (0xBD, any_byte, 0), (0x1C, any_byte, 0), (0xFE, 0xFF, 0x00)
+        code.emit(*rng.choice((*writes, *reads, *indexed)))
+    sometimes(code, rng, lambda _: bytes([0x24, rng.randrange(8)]))
+    code.emit(*[0xEA] * rng.choice((0, 0, 1, 5, 9, rng.randrange(30))), 0xA9, 0, 0x85, W.VSYNC)
+    return code.image(again)
+
+
 def waiting(rng: random.Random) -> bytes:
     """Loops, and waits for the timer: every form, interval and place in a page, also after expiry."""
     code = Code()

@@ -81,7 +81,7 @@ void FastConsole::emulate_frame(bool whole) {
 
 // Returns false and changes nothing if this frame cannot be deferred. That is so if the frame could reach the
 // instruction limit, as instructions are not counted here, or if an illegal opcode stops the processor before a write
-// ends the frame.
+// ends the frame, or if the frame ends in the line of an HMOVE blank.
 bool FastConsole::run_deferred() {
     machine_before_ = m_;
     cart_ram_before_ = cart_ram_;
@@ -89,7 +89,7 @@ bool FastConsole::run_deferred() {
     m_.cpu.stop = false;
     begin_log();
     deferred_ = true;
-    const bool ended = run_fast();
+    const bool ended = run_fast() && !ends_in_blanked_line();
     deferred_ = false;
     if (!ended) {
         m_ = machine_before_;
@@ -117,25 +117,49 @@ void FastConsole::begin_log() {
     shadow_.fill(t);
 }
 
+// Returns the clock up to which the frame that has run is rendered. The write that ends a frame that is too long may show
+// a little later than the frame's end.
+int32_t FastConsole::rendered_until() {
+    const bool empty = log_end_ == history_.current().writes;
+    return empty ? end_clock_ : std::max(end_clock_, shown_at(log_end_[-1], first_cycle_));
+}
+
+// Returns whether the frame ends in a line that an HMOVE blanks, before the pixels that could stay black. How far the
+// black reaches there depends on the first access of the TIA after the HMOVE, which may be one that is not logged.
+bool FastConsole::ends_in_blanked_line() {
+    const Tia& t = m_.tia;
+    const int32_t end = rendered_until();
+    if (!config_.hmove_blanks || end <= t.draw_start || end >= t.draw_stop) return false;
+    const int32_t in_line = (end - t.draw_start) % kClocksPerLine, line = end - in_line;
+    if (in_line == 0 || in_line >= 2 * kHblankClocks + kHmoveBlank) return false;
+    const bool first = line == t.draw_start;  // An HMOVE in any line above blanks this line.
+    const FrameLog& log = history_.current();
+    for (const TiaWrite* write = log_end_; write != log.writes;) {
+        --write;
+        const auto clock = static_cast<int32_t>(3 * write->cycle);
+        if (!first && clock < line - 3) return false;  // in the line above, before its last cycle
+        const bool moves = write->reg == HMOVE || write->reg == STILL;
+        if (moves && hmove_blanks((write->cycle - first_cycle_) % kCyclesPerLine)) return true;
+    }
+    return first && log.start.hmove_blank;
+}
+
 void FastConsole::end_log() {
     Tia& t = m_.tia;
     FrameLog& log = history_.current();
     log.size = static_cast<int>(log_end_ - log.writes);
-    // The write that ends a frame that is too long may show a little later than the frame's end.
-    apply_log(log.size > 0 ? std::max(end_clock_, shown_at(log_end_[-1], first_cycle_)) : end_clock_);
+    apply_log(rendered_until());
     collider_.finish();
     for (int i = 0; i < 4; ++i) t.colour[i] = colour_of(shadow_.reg[COLUP0 + i], config_.pal, t);
     t.ctrlpf = shadow_.reg[CTRLPF];
     for (int object = kP0; object <= kBL; ++object) t.hm[object] = shadow_.reg[HMP0 + object] >> 4;
     log.reached = t.pending;
     log.replaced = t.write_pos;
-    // If the frame ends before its last line, an HMOVE blank may reach further.
-    log.extent = t.write_pos + (t.hmove_blank && t.drawn_to < t.draw_stop ? kScreenWidth : 0);
     if (!history_.cleared()) settle_latches();  // otherwise latches would stay pending over more and more logs
     // If the framebuffer is still owed an older frame that reaches further than this one, that frame's last pixels stay
     // visible, so it is rendered first.
     const FrameLog* const owed = history_.owed(t.current);
-    if (owed && owed->extent > t.write_pos) rendered(t.current);
+    if (owed && owed->replaced > t.write_pos) rendered(t.current);
     history_.end_frame(t.current);
 }
 

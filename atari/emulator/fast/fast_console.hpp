@@ -66,6 +66,8 @@ class FastConsole final : public Console {
     bool run_fast();     // interpreter.cpp
     void run_counted();  // interpreter.cpp
     void begin_log();
+    int32_t rendered_until();
+    bool ends_in_blanked_line();
     void end_log();
     void log_write(uint8_t reg, uint8_t value);
     // Not inlined, because the interpreter would have one register less.

@@ -78,7 +78,7 @@ void FrameHistory::snapshot(Snapshot& out) const {
         out.logs[i].used = i == marks_.owed[0] || i == marks_.owed[1] || i == marks_.pending;
         if (!out.logs[i].used) continue;
         const FrameLog& log = logs_[i];
-        out.logs[i] = {true, log.start, log.reached, log.replaced, log.extent, {log.writes, log.writes + log.size}};
+        out.logs[i] = {true, log.start, log.reached, log.replaced, {log.writes, log.writes + log.size}};
     }
 }
 
@@ -92,7 +92,6 @@ void FrameHistory::restore(const Snapshot& in, bool swapped) {
         log.start = from.start;
         log.reached = from.reached;
         log.replaced = from.replaced;
-        log.extent = from.extent;
         log.size = static_cast<int>(from.writes.size());
         std::copy(from.writes.begin(), from.writes.end(), log.writes);
     }

@@ -49,7 +49,7 @@ class FrameHistory {
             bool used;
             Tia start;
             int32_t reached;
-            int replaced, extent;
+            int replaced;
             std::vector<TiaWrite> writes;
         };
         Marks marks;

@@ -13,7 +13,8 @@
 namespace atari {
 // A write only stores the clock up to which the old state is valid (`pending`). Rendering happens before visible state
 // changes, when a collision register is read, and at the end of the frame. The result does not depend on how rendering
-// is split into steps, as long as the state is constant between them.
+// is split into steps, as long as the state is constant between them. An HMOVE blank is the exception, if the frame ends
+// in its line (render_to): until the blank is rendered, every access of the TIA renders, as in ALE.
 void Console::write_tia(uint8_t reg, uint8_t value) {
     Tia& t = m_.tia;
     const int hpos = line_clock();
@@ -73,6 +74,7 @@ void Console::write_tia(uint8_t reg, uint8_t value) {
             break;
         default: break;
     }
+    if (t.hmove_blank) catch_up();
 }
 
 // Changes a register that affects pixels, and marks the masks of `objects` as stale.
@@ -207,7 +209,7 @@ void Console::hmove(int cycle_in_line) {
 
 void Console::before_tia_read(int reg) {
     m_.tia.pending = std::max(m_.tia.pending, clock());
-    if (reg < 8) catch_up();
+    if (reg < 8 || m_.tia.hmove_blank) catch_up();
 }
 
 uint8_t Console::read_tia(uint16_t address) {

@@ -19,7 +19,6 @@ struct alignas(4096) FrameLog {
     int32_t reached;  // clock of the frame's end
     int size;         // number of entries, valid once the frame has ended
     int replaced;     // pixels, from the first on, that the frame replaces
-    int extent;       // pixels, from the first on, that the frame may reach at most
     TiaWrite writes[kLogSize];
 };
 
