@@ -10,13 +10,12 @@
 namespace atari {
 namespace {
 
-// Returns scratch memory of the calling thread, valid until the next call for the same type. Environments share it.
-template <typename Value>
-Value* working_memory(size_t size) {
-    thread_local std::vector<Value> memory;
-    if (memory.size() < size) memory.resize(size);
-    return memory.data();
-}
+// A pooled plane, as working memory on the stack. The C library aborts a process in which it finds no memory for a new
+// thread's `thread_local` variables; a thread's stack is there from its start.
+struct PooledPlane {
+    uint8_t pixels[kFrameBytes];
+    uint32_t changes[kFrameRows];
+};
 
 // Frees the memory too; an assignment of {} would keep it.
 void release(std::vector<uint8_t>& values) { std::vector<uint8_t>().swap(values); }
@@ -111,20 +110,21 @@ void ObservationStack::add(Frame early, Frame late) {
     if (const AreaResize* resize = resizer_->area_resize(); resize && planes_ == 1) {
         add_changed_rows(early, late, *resize);
     } else {
-        const size_t rows = static_cast<size_t>(planes_ * environment_.height());
-        auto* const pooled = working_memory<uint8_t>(rows * kScreenWidth);
-        auto* const changes = working_memory<uint32_t>(rows);
-        pool_all(early, late, pooled, changes);
-        resize_and_add(pooled, changes);
+        PooledPlane pooled;
+        uint8_t* const slot = next_slot();
+        for (int plane = 0; plane < planes_; ++plane) {
+            pool_plane(early, late, plane, 0, environment_.height(), pooled.pixels, pooled.changes);
+            resize_plane(plane, pooled.pixels, pooled.changes, slot);
+        }
     }
     if (pools_last_again_) keep_last(early, late);
 }
 
-// Pools all planes of two frames, and sets `changes`.
-void ObservationStack::pool_all(Frame early, Frame late, uint8_t* out, uint32_t* changes) const {
-    const int height = environment_.height();
-    for (int plane = 0; plane < planes_; ++plane, out += plane_size(), changes += height)
-        pool_plane(early, late, plane, 0, height, out, changes);
+// Pools all planes of two frames.
+void ObservationStack::pool_all(Frame early, Frame late, uint8_t* out) const {
+    uint32_t changes[kFrameRows];
+    for (int plane = 0; plane < planes_; ++plane, out += plane_size())
+        pool_plane(early, late, plane, 0, environment_.height(), out, changes);
 }
 
 // Keeps the frames that the newest resized frame was pooled from, in place of the frames kept before.
@@ -133,7 +133,7 @@ void ObservationStack::keep_last(Frame early, Frame late) {
     last_[1] = late.framebuffer;
     if (early.framebuffer >= 0) return environment_.console().framebuffers().hold();
     pooled_.resize(pooled_size());
-    pool_all(early, late, pooled_.data(), working_memory<uint32_t>(pooled_size() / kScreenWidth));
+    pool_all(early, late, pooled_.data());
 }
 
 // To be called before the frames of the next resized frame are rendered.
@@ -151,8 +151,7 @@ void ObservationStack::pool_last(uint8_t* out) const {
         std::fill_n(out, pooled_size(), uint8_t{0});
     } else {
         const Framebuffers& framebuffers = environment_.console().framebuffers();
-        auto* const changes = working_memory<uint32_t>(pooled_size() / kScreenWidth);
-        pool_all({framebuffers.held(last_[0]), nullptr}, {framebuffers.held(last_[1]), nullptr}, out, changes);
+        pool_all({framebuffers.held(last_[0]), nullptr}, {framebuffers.held(last_[1]), nullptr}, out);
     }
 }
 
@@ -175,10 +174,9 @@ void ObservationStack::find_changed_rows(Frame early, Frame late, uint8_t* chang
 // Copies the result rows whose source rows have not changed from the newest resized frame.
 // (tests/vector/test_equals_ale_py.py and test_presets.py compare every byte)
 void ObservationStack::add_changed_rows(Frame early, Frame late, const AreaResize& resize) {
-    const int height = environment_.height(), results = settings_.height;
-    auto* const changed = working_memory<uint8_t>(static_cast<size_t>(height) + plane_size());
-    uint8_t* const pooled = changed + height;
-    auto* const changes = working_memory<uint32_t>(static_cast<size_t>(height));
+    const int results = settings_.height;
+    uint8_t changed[kFrameRows];
+    PooledPlane pooled;
     find_changed_rows(early, late, changed);
     const auto width = static_cast<size_t>(settings_.width);
     const auto is_new = [&](int result) {
@@ -192,8 +190,8 @@ void ObservationStack::add_changed_rows(Frame early, Frame late, const AreaResiz
         for (end = first + 1; end < results && is_new(end) == make;) ++end;
         if (make) {
             const int from = resize.sources(first).first, count = resize.sources(end - 1).last + 1 - from;
-            pool_plane(early, late, 0, from, count, pooled, changes);
-            resize.make_rows(pooled, changes, slot, first, end);
+            pool_plane(early, late, 0, from, count, pooled.pixels, pooled.changes);
+            resize.make_rows(pooled.pixels, pooled.changes, slot, first, end);
         } else if (slot != before) {
             const size_t offset = width * static_cast<size_t>(first), size = width * static_cast<size_t>(end - first);
             std::memcpy(slot + offset, before + offset, size);
@@ -220,10 +218,11 @@ void ObservationStack::add_rgb(Frame early, Frame late) {
 
 // Raises `colours` to the maximum of itself and of a frame, channel by channel.
 void ObservationStack::pool_rgb(Frame frame, uint8_t* colours) const {
-    const size_t size = frame_size_;
-    auto* const others = working_memory<uint8_t>(size);
-    to_rgb(frame.pixels, environment_.height(), *environment_.game()->palette, others);
-    for (size_t i = 0; i < size; ++i) colours[i] = std::max(colours[i], others[i]);
+    uint8_t others[3 * kScreenWidth];
+    for (int row = 0; row < environment_.height(); ++row, colours += sizeof others) {
+        to_rgb(frame.pixels + kScreenWidth * row, 1, *environment_.game()->palette, others);
+        for (size_t i = 0; i < sizeof others; ++i) colours[i] = std::max(colours[i], others[i]);
+    }
 }
 
 // Adds the last frame but one of the skip, pooled with the frames that the newest resized frame was pooled from.
@@ -235,10 +234,14 @@ void ObservationStack::add_pooled_with_last() {
     const Frame frame = early();
     std::vector<uint8_t> pooled(pooled_size());
     pool_last(pooled.data());
-    auto* const others = working_memory<uint8_t>(pooled.size());
-    pool_all(frame, frame, others, working_memory<uint32_t>(pooled.size() / kScreenWidth));
-    for (size_t i = 0; i < pooled.size(); ++i) pooled[i] = std::max(pooled[i], others[i]);
-    resize_and_add(pooled.data(), nullptr);
+    PooledPlane others;
+    uint8_t* const slot = next_slot();
+    for (int plane = 0; plane < planes_; ++plane) {
+        uint8_t* const out = pooled.data() + plane_size() * static_cast<size_t>(plane);
+        pool_plane(frame, frame, plane, 0, environment_.height(), others.pixels, others.changes);
+        for (size_t i = 0; i < plane_size(); ++i) out[i] = std::max(out[i], others.pixels[i]);
+        resize_plane(plane, out, nullptr, slot);
+    }
     drop_last();
     pooled_ = std::move(pooled);
     forget_looks();
@@ -249,16 +252,12 @@ uint8_t* ObservationStack::next_slot() {
     return newest_slot();
 }
 
-// `changes` has an entry for each row of each plane; null if the changes are unknown.
-void ObservationStack::resize_and_add(const uint8_t* pooled, const uint32_t* changes) {
-    uint8_t* const slot = next_slot();
+// Resizes a pooled plane into its place in `slot`. `changes` has an entry for each row; null if the changes are unknown.
+void ObservationStack::resize_plane(int plane, const uint8_t* pooled, const uint32_t* changes, uint8_t* slot) const {
     if (planes_ == 1) return (*resizer_)(pooled, changes, slot);
-    const size_t count = frame_size_ / 3;
-    std::vector<uint8_t> resized(count);
-    for (int k = 0; k < 3; ++k, pooled += plane_size()) {
-        (*resizer_)(pooled, changes ? changes + environment_.height() * k : nullptr, resized.data());
-        for (size_t i = 0; i < count; ++i) slot[3 * i + static_cast<size_t>(k)] = resized[i];
-    }
+    std::vector<uint8_t> resized(frame_size_ / 3);
+    (*resizer_)(pooled, changes, resized.data());
+    for (size_t i = 0; i < resized.size(); ++i) slot[3 * i + static_cast<size_t>(plane)] = resized[i];
 }
 
 void ObservationStack::write(uint8_t* out) const {

@@ -75,10 +75,10 @@ class ObservationStack {
     void keep_last(Frame early, Frame late);
     void drop_last();
     void pool_last(uint8_t* out) const;
-    void pool_all(Frame early, Frame late, uint8_t* out, uint32_t* changes) const;
+    void pool_all(Frame early, Frame late, uint8_t* out) const;
     size_t pooled_size() const { return pools_last_again_ ? static_cast<size_t>(planes_) * plane_size() : 0; }
     void pool_plane(Frame early, Frame late, int plane, int first, int count, uint8_t* out, uint32_t* changes) const;
-    void resize_and_add(const uint8_t* pooled, const uint32_t* changes);
+    void resize_plane(int plane, const uint8_t* pooled, const uint32_t* changes, uint8_t* slot) const;
     uint8_t* next_slot();
     uint8_t* newest_slot() { return ring_.data() + frame_size_ * static_cast<size_t>(newest_); }
     Frame early() {
