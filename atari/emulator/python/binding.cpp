@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <memory>
 #include <stdexcept>
 
@@ -215,6 +216,7 @@ NB_MODULE(_emulator, m) {
         return;
     }
     count_forks();
+    static_cast<void>(std::uncaught_exceptions());  // allocates this thread's memory for exceptions (thread_pool.cpp)
     m.attr("END") = static_cast<int>(Op::kEnd);
     m.doc() = "The native emulator, bound. Use it through atari.cores.NativeCore, which checks options and finds ROMs.";
 

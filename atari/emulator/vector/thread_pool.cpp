@@ -1,6 +1,8 @@
 #include "thread_pool.hpp"
 
 #include <algorithm>
+#include <exception>
+#include <memory>
 #include <utility>
 
 #if defined(__linux__)
@@ -43,6 +45,16 @@ void bind_to_core([[maybe_unused]] std::thread& thread, [[maybe_unused]] int cor
 #endif
 }
 
+// glibc allocates a thread's memory for exceptions when the thread first throws, and ends the process if it finds none.
+// So a thread allocates it when it begins, in the address space of a block that its creator could allocate. malloc
+// maps a block of this size by itself, and unmaps it when it is freed.
+constexpr size_t kSpare = size_t{33} << 20;
+
+void prepare_to_throw(std::unique_ptr<uint8_t[]>& spare) {
+    spare.reset();
+    static_cast<void>(std::uncaught_exceptions());
+}
+
 }  // namespace
 
 ThreadPool::ThreadPool(int items, int threads, bool queued, int first_core, std::function<void(int)> work)
@@ -54,9 +66,13 @@ ThreadPool::ThreadPool(int items, int threads, bool queued, int first_core, std:
         int item = bound(i);
         for (std::atomic<int>& place : ranges_.back()->items) place = item++;
     }
+    if (queued) finished_.reserve(static_cast<size_t>(items));
     try {
         for (int i = 1; i < threads; ++i) {
-            threads_.emplace_back([this, i] { run(i); });
+            threads_.emplace_back([this, i, spare = std::make_unique_for_overwrite<uint8_t[]>(kSpare)]() mutable {
+                prepare_to_throw(spare);
+                run(i);
+            });
             if (first_core >= 0) bind_to_core(threads_.back(), first_core + i);
         }
     } catch (...) {  // The system has no more threads.

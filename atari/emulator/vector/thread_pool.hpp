@@ -9,7 +9,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <deque>
 #include <exception>
 #include <functional>
 #include <memory>
@@ -67,7 +66,7 @@ class ThreadPool {
     uint32_t awaited_ = 0;  // of `done_`
     int pending_ = 0;
     std::mutex mutex_;  // of the members below
-    std::deque<int> finished_;
+    std::vector<int> finished_;  // has room for all items, so that adding one cannot fail
     std::exception_ptr deferred_error_;
 };
 
