@@ -91,7 +91,7 @@ Digests play(const Games& games, int threads, int batch_size, bool forks = false
         }
         for (int i = 0; forks && step % 3 == 0 && i < kEnvironments / 2; ++i)
             vector.restore(i + kEnvironments / 2, vector.snapshot(i));
-        vector.step(actions.data(), nullptr, batch);
+        vector.step(environments, actions.data(), nullptr, batch);
     }
     return digests;  // environments may still be running
 }
