@@ -684,3 +684,118 @@ class VectorEngine:
     def difficulty(self, environment: int) -> int: ...
     def set_mode(self, environment: int, mode: int) -> None: ...
     def set_difficulty(self, environment: int, difficulty: int) -> None: ...
+
+class ReplayGeometry:
+    """The sizes of a replay memory. ValueError if a number is out of range."""
+
+    def __init__(
+        self,
+        *,
+        lanes: int,
+        rows: int,
+        margin: int,
+        finals: int,
+        parts: Sequence[tuple[int, int, int]],
+        action_bytes: int,
+        autoreset: int,
+        repeat_first: bool,
+        exponent: float | None,
+        saved: bool,
+        packed_bytes: int | None,
+    ) -> None:
+        """
+        `rows` and `margin` are steps of each lane. `parts` has for each the bytes of a frame, the bytes from a
+        pixel to the one below, and the most frames of an observation. `autoreset` is 0 NEXT_STEP, 1 SAME_STEP,
+        2 DISABLED. With `packed_bytes`, frames are compressed into so many bytes.
+        """
+
+    @staticmethod
+    def least_packed_bytes(geometry: ReplayGeometry) -> int:
+        """The least `packed_bytes` with which a memory of these sizes works."""
+
+    @property
+    def block_bytes(self) -> int:
+        """Bytes of the block that a memory of these sizes lies in."""
+
+    @property
+    def packed_offset(self) -> int:
+        """
+        Where the compressed frames begin, which are written bit by bit as they are needed.
+        """
+
+class ReplayMemory:
+    """
+    The frames and steps of a replay memory. Use it through atari.learning.
+    """
+
+    def __init__(self, geometry: ReplayGeometry, block: numpy.typing.NDArray[numpy.uint8]) -> None:
+        """
+        `block` has `geometry.block_bytes` bytes: zeros, or those of a memory of this geometry, then call `load`.
+        """
+
+    def next_frames(self, part: int) -> int:
+        """The offset in the block where a part of the next row's frames goes."""
+
+    def seed(self, seed: int) -> None: ...
+    def reset(
+        self, mask: numpy.typing.NDArray[numpy.bool] | None, frames: Sequence[numpy.typing.NDArray[numpy.uint8]]
+    ) -> None:
+        """
+        Begin episodes in all lanes, with the next row's frames; or in those of `mask`, with `frames`.
+        """
+
+    def add(
+        self,
+        actions: numpy.typing.NDArray[numpy.uint8],
+        rewards: numpy.typing.NDArray[numpy.float32],
+        terminated: numpy.typing.NDArray[numpy.bool],
+        truncated: numpy.typing.NDArray[numpy.bool],
+        finals: Sequence[numpy.typing.NDArray[numpy.uint8]],
+    ) -> None:
+        """
+        Complete a step of all lanes; the next row's frames have been written. `actions` are bytes.
+        """
+
+    def observe(self, stacks: Sequence[int], to: Sequence[numpy.typing.NDArray[numpy.uint8]]) -> None: ...
+    def count(self, reach: int) -> int: ...
+    def sample(self, target: ReplayTarget, reach: int, discount: float, beta: float | None, threads: int) -> None: ...
+    def update_priorities(
+        self, indices: numpy.typing.NDArray[numpy.int64], priorities: numpy.typing.NDArray[numpy.float64]
+    ) -> None: ...
+    def save(self) -> None:
+        """Make the present state the one that `load` finds."""
+
+    def load(self, verify: bool) -> None:
+        """
+        Read the last saved state; ValueError says what is damaged. `verify` reads all frames.
+        """
+
+    @property
+    def numbers(self) -> tuple[bool, int, int, int]:
+        """
+        Whether there was a reset, the steps ever added, the saves, and the bytes in use.
+        """
+
+class ReplayTarget:
+    """The arrays of a batch. `sample` writes to them."""
+
+    def __init__(
+        self,
+        memory: ReplayMemory,
+        count: int,
+        length: int,
+        stacks: Sequence[int],
+        observations: Sequence[numpy.typing.NDArray[numpy.uint8]],
+        next_observations: Sequence[numpy.typing.NDArray[numpy.uint8]],
+        actions: numpy.typing.NDArray[numpy.uint8],
+        rewards: numpy.typing.NDArray[numpy.float32],
+        terminations: numpy.typing.NDArray[numpy.bool],
+        truncations: numpy.typing.NDArray[numpy.bool],
+        indices: numpy.typing.NDArray[numpy.int64],
+        discounts: numpy.typing.NDArray[numpy.float32] | None,
+        weights: numpy.typing.NDArray[numpy.float32] | None,
+        mask: numpy.typing.NDArray[numpy.bool] | None,
+    ) -> None:
+        """
+        For sequences `length` is theirs, and they have a mask; for transitions it is 0.
+        """

@@ -17,8 +17,9 @@ ALLOWED = {
     "fast/tia": {"machine", "fast"},
     "ale": FAST,
     "observations": FAST | {"ale"},
+    "memory": set[str](),
     "vector": FAST | {"ale", "observations"},
-    "python": FAST | {"ale", "observations", "vector"},
+    "python": FAST | {"ale", "observations", "vector", "memory"},
 }
 
 

@@ -201,6 +201,7 @@ class Emulator : Exclusive {
 void register_inspection(nb::module_& m);  // inspect.cpp
 void register_state(nb::module_& m);       // state.cpp
 void register_vector(nb::module_& m);      // binding_vector.cpp
+void register_memory(nb::module_& m);      // binding_memory.cpp
 
 }  // namespace atari
 
@@ -324,4 +325,5 @@ NB_MODULE(_emulator, m) {
 
     register_inspection(m);
     register_vector(m);
+    register_memory(m);
 }

@@ -1,0 +1,48 @@
+// The bytes of compressed frames: chunks that are filled one by one and become free in the same order.
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <queue>
+#include <vector>
+
+#include "geometry.hpp"
+
+namespace atari::memory {
+
+class PackedFrames {
+  public:
+    PackedFrames(const Geometry& geometry, uint8_t* bytes);
+
+    // Whether a row fits, with a final observation in each lane.
+    bool has_space() const { return free_.size() >= chunks_of_row_; }
+    // The newest row in the chunk that becomes free next.
+    int64_t next_release() const { return used_.empty() ? -1 : used_.front().newest; }
+    // Frees the chunks that have no row from `oldest` on.
+    void release(int64_t oldest);
+    // Stores the bytes of a frame of a row. Rows must not decrease, and `has_space` must have been true for the row.
+    PackedFrame store(const uint8_t* code, size_t size, int64_t row);
+    // The code of a frame; null if the frame, which may be of a file, does not lie within one chunk.
+    const uint8_t* find(PackedFrame frame) const;
+    size_t used_bytes() const { return used_.size() * chunk_; }
+
+    // Forget everything, then enter what a file has. Returns false if a frame does not lie within one chunk.
+    void clear();
+    bool enter(PackedFrame frame, int64_t row);
+    void finish_entering();
+
+  private:
+    struct Chunk {
+        size_t index;
+        int64_t newest;  // row
+        size_t end;      // bytes that are used
+    };
+
+    size_t chunk_, chunks_, chunks_of_row_;
+    uint8_t* bytes_;
+    std::deque<Chunk> used_;  // by age
+    std::priority_queue<size_t, std::vector<size_t>, std::greater<>> free_;  // the lowest first: few are ever touched
+    std::vector<Chunk> entered_;  // by index
+};
+
+}  // namespace atari::memory

@@ -1,0 +1,154 @@
+// A replay memory that stores each frame once, in rows of one frame for each lane (environment).
+//
+// Step (row, lane) is: the frame of this row, the action on it, and the reward and end that followed. The observation
+// after it is the stack at the next row. Where an episode's last observation has no row, because the next row has the
+// first frame of the next episode, it is stored apart (`finals`). Rows count from 0 and lie in a ring of slots.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "frames.hpp"
+#include "geometry.hpp"
+#include "state.hpp"
+#include "sum_tree.hpp"
+#include "valid_steps.hpp"
+
+namespace atari::memory {
+
+// What an environment vector returned, lane by lane. `finals` has, by part, the frames of all lanes; those of lanes
+// that have not ended are not read. It is empty if there are none.
+struct StepResults {
+    const uint8_t* actions;
+    const float* rewards;
+    const uint8_t* terminated;
+    const uint8_t* truncated;
+    std::vector<const uint8_t*> finals;
+};
+
+// How to sample.
+struct Choice {
+    int64_t count;   // steps
+    int64_t reach;   // n of n-step returns; the length of sequences
+    double discount;
+    std::optional<double> beta;  // of importance weights: by priority; nothing is uniform
+    std::vector<int> stacks;     // by part, the frames of an observation
+    int threads;
+};
+
+// Where a batch goes. Sequences have no `next`, `discounts` and `weights`; the arrays of transitions no `mask`.
+struct Target {
+    std::vector<uint8_t*> observations, next;  // by part
+    uint8_t* actions;
+    float* rewards;
+    float* discounts;
+    uint8_t* terminated;
+    uint8_t* truncated;
+    uint8_t* mask;
+    int64_t* indices;
+    float* weights;
+};
+
+class ReplayMemory {
+  public:
+    // `block` has `Layout(geometry).bytes` bytes, which are 0, or what an earlier memory of this geometry has left.
+    ReplayMemory(const Geometry& geometry, uint8_t* block);
+    ReplayMemory(const ReplayMemory&) = delete;
+    ReplayMemory& operator=(const ReplayMemory&) = delete;
+
+    const Geometry& geometry() const { return geometry_; }
+    const State& state() const { return state_; }
+    void seed(uint64_t seed) { state_.generator.seed(seed); }
+
+    // The offset in the block where the next row's frames go, lane by lane. Nothing reads them before `add`.
+    size_t next_frames(size_t part) const { return frames_.row_offset(part, state_.started ? state_.head + 1 : 0); }
+    // Begins new episodes in all lanes, with the next row's frames. Steps that have not ended are cut.
+    void reset();
+    // Begins new episodes in some lanes, whose frames replace those of the pending row.
+    void reset(const uint8_t* mask, const std::vector<const uint8_t*>& frames);
+    // Completes the pending row; the next row's frames are there. Throws before it changes anything.
+    void add(const StepResults& results);
+
+    // Steps from which `reach` steps, or an end, are there.
+    int64_t count(int64_t reach) const;
+    // The stacks at the pending row, on which to act.
+    void observe(const std::vector<int>& stacks, const std::vector<uint8_t*>& to) const;
+    void sample(const Choice& choice, const Target& target);
+    void sample_sequences(const Choice& choice, const Target& target);
+    // Sets the priorities of steps, the last of equal ones; those that are not there any more are left out.
+    void update_priorities(const int64_t* indices, const double* priorities, int64_t count);
+
+    // Makes the present state the one that `load` finds.
+    void save();
+    // Reads the last saved state. Throws std::invalid_argument that says what is damaged. `verify` reads all frames.
+    void load(bool verify);
+    int64_t saves() const { return static_cast<int64_t>(saves_); }
+    size_t used_bytes() const;
+
+  private:
+    struct Transition;
+    struct Source;
+    struct Span;
+    class Writer;
+
+    // replay_memory.cpp
+    int64_t cell(int64_t row, int64_t lane) const { return row % slots_ * geometry_.lanes + lane; }
+    uint8_t flags(int64_t row, int64_t lane) const { return flags_[cell(row, lane)]; }
+    uint8_t* lane_frames(size_t part, int64_t row, int64_t lane) const;
+    void check_results(const StepResults& results) const;
+    void make_space(int64_t finals);
+    void forget_oldest();
+    void release_chunks();
+    int64_t kept_tail() const { return saving_ ? std::min(saved_.tail, state_.tail) : state_.tail; }
+    void begin_row(int64_t lane, uint8_t flag) { flags_[cell(state_.head + 1, lane)] = flag; }
+    void complete_row();
+    void push_final(int64_t row, int64_t lane, const std::vector<const uint8_t*>& frames, int64_t frame);
+    int64_t find_final(int64_t row, int64_t lane) const;
+
+    // sampling.cpp
+    bool continues(int64_t row, int64_t lane) const;
+    Transition walk(int64_t row, int64_t lane, int64_t reach, double discount) const;
+    Source source(int64_t row, int64_t lane, int64_t steps) const;
+    Span span(int64_t reach) const;
+    std::vector<int64_t> draw(const Choice& choice, float* weights);
+    std::vector<int64_t> draw_by_priority(const Choice& choice, const Span& span, float* weights);
+    int64_t index(int64_t cell) const;
+    void check_choice(const Choice& choice) const;
+
+    // saving.cpp
+    uint8_t* section(int which) const { return block_ + layout_.sections[which]; }
+    uint64_t section_check(const uint8_t* section, uint64_t number) const;
+    int newest_section() const;
+    void check_state(const State& state) const;
+    void load_section(const uint8_t* section);
+    void check_rows(bool verify) const;
+    void rebuild();
+    uint64_t row_check(int64_t row) const;
+    uint64_t final_check(int64_t entry) const;
+    std::string place(size_t offset) const;
+
+    const Geometry geometry_;
+    const Layout layout_;
+    const int64_t slots_;
+    uint8_t* const block_;
+    uint8_t* const actions_;
+    float* const rewards_;
+    uint8_t* const flags_;
+    uint64_t* const checks_;
+    int64_t* const final_owners_;   // index of the step whose next observation it is
+    uint64_t* const final_checks_;
+
+    State state_{};
+    std::vector<uint8_t> waiting_;  // by lane: whether its episode has ended, and its action will be ignored
+    Frames frames_;
+    ValidSteps valid_;
+    std::optional<SumTree> tree_;
+    bool saving_ = false;           // whether the last saved state must stay readable: there is one, in a file
+    State saved_{};
+    uint64_t saves_ = 0;
+};
+
+}  // namespace atari::memory

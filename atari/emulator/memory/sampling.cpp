@@ -1,0 +1,287 @@
+// Sampling: which steps, and what becomes of them in a batch.
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+#include <thread>
+
+#include "replay_memory.hpp"
+
+namespace atari::memory {
+
+// Of up to n steps: `steps` were walked. Without `complete`, neither n steps nor an end are there yet.
+struct ReplayMemory::Transition {
+    int64_t steps;
+    double reward, discount;
+    bool terminated, truncated, complete;
+};
+
+// The newest frame of an observation: that of a row, or the final observation that follows it.
+struct ReplayMemory::Source {
+    int64_t row;
+    int64_t final;  // entry, or -1
+};
+
+// The steps with a reach. From row `first` on they are listed in `newest`; before it, all valid ones belong to them.
+struct ReplayMemory::Span {
+    int64_t first;
+    int64_t older;                  // how many come before `first`
+    std::vector<int64_t> newest;    // indices
+    std::vector<int64_t> excluded;  // cells, valid ones of the rows from `first`
+    int64_t count() const { return older + static_cast<int64_t>(newest.size()); }
+};
+
+// Writes observations to a batch, for one thread.
+class ReplayMemory::Writer {
+  public:
+    explicit Writer(const ReplayMemory& memory) : memory_(memory), reader_(memory.frames_) {}
+
+    // Writes the stack that ends with `source`. `older`, if not null, is a stack of the same size and episode, of rows
+    // alone, that ends with `older_row`; frames are copied from it where they are the same.
+    void write(size_t part, int64_t lane, Source source, int frames, uint8_t* to, const uint8_t* older = nullptr,
+               int64_t older_row = 0) {
+        const size_t bytes = memory_.geometry_.parts[part].bytes;
+        const int64_t head = memory_.state_.head;
+        int64_t left = frames - (source.final >= 0 ? 1 : 0), first = source.row;
+        while (first > 0 && source.row - first + 1 < left && !(memory_.flags(first, lane) & kFirst)) --first;
+        uint8_t* next = to;
+        const int64_t padding = left > 0 ? left - (source.row - first + 1) : 0;
+        if (left > 0) {
+            next += static_cast<size_t>(padding) * bytes;
+            for (int64_t row = first; row <= source.row; ++row, next += bytes) {
+                if (older && row <= older_row && row > older_row - frames)
+                    std::memcpy(next, older + static_cast<size_t>(frames - 1 - (older_row - row)) * bytes, bytes);
+                else reader_.read(part, row, lane, head, next);
+            }
+        }
+        if (source.final >= 0) reader_.read_final(part, source.final, source.row, lane, head, next);
+        const uint8_t* const oldest = to + static_cast<size_t>(padding) * bytes;
+        for (int64_t i = 0; i < padding; ++i) {
+            uint8_t* const frame = to + static_cast<size_t>(i) * bytes;
+            if (memory_.geometry_.repeat_first) std::memcpy(frame, oldest, bytes);
+            else std::memset(frame, 0, bytes);
+        }
+    }
+
+  private:
+    const ReplayMemory& memory_;
+    Frames::Reader reader_;
+};
+
+// Whether the episode of a complete step goes on with the next row.
+bool ReplayMemory::continues(int64_t row, int64_t lane) const {
+    if (flags(row, lane) & (kTerminated | kTruncated)) return false;
+    const uint8_t next = flags(row + 1, lane);
+    return !(next & kFirst) && (row + 1 == state_.head || !(next & kNoStep));
+}
+
+ReplayMemory::Transition ReplayMemory::walk(int64_t row, int64_t lane, int64_t reach, double discount) const {
+    Transition transition{0, 0, 1, false, false, true};
+    for (;; ++row) {
+        const int64_t here = cell(row, lane);
+        transition.reward += transition.discount * static_cast<double>(rewards_[here]);
+        transition.discount *= discount;
+        ++transition.steps;
+        if (!continues(row, lane)) {
+            transition.terminated = (flags_[here] & kTerminated) != 0;
+            transition.truncated = (flags_[here] & kTruncated) != 0 || !transition.terminated;
+            break;
+        }
+        if (transition.steps == reach) break;
+        if (row + 1 == state_.head) {
+            transition.complete = false;
+            break;
+        }
+    }
+    if (transition.terminated) transition.discount = 0;
+    return transition;
+}
+
+// The observation so many steps after that of a row: of one episode, so only the last step may end it.
+ReplayMemory::Source ReplayMemory::source(int64_t row, int64_t lane, int64_t steps) const {
+    const int64_t last = row + steps;
+    if (steps > 0 && flags(last, lane) & kFirst) return {last - 1, find_final(last - 1, lane)};
+    return {last, -1};
+}
+
+ReplayMemory::Span ReplayMemory::span(int64_t reach) const {
+    Span span{std::max(state_.tail, state_.head - (reach - 1)), 0, {}, {}};
+    for (int64_t lane = 0; lane < geometry_.lanes; ++lane) {
+        bool ends = false;
+        for (int64_t row = state_.head - 1; row >= span.first; --row) {
+            if (flags(row, lane) & kNoStep) continue;
+            ends = ends || !continues(row, lane);
+            if (ends) span.newest.push_back(row * geometry_.lanes + lane);
+            else span.excluded.push_back(cell(row, lane));
+        }
+    }
+    std::sort(span.newest.begin(), span.newest.end());
+    span.older = valid_.total() - static_cast<int64_t>(span.newest.size() + span.excluded.size());
+    return span;
+}
+
+int64_t ReplayMemory::count(int64_t reach) const { return reach <= 1 ? valid_.total() : span(reach).count(); }
+
+// The number of a step from its cell.
+int64_t ReplayMemory::index(int64_t cell) const {
+    const int64_t newest = state_.head - 1, slot = cell / geometry_.lanes;
+    const int64_t row = newest - (newest % slots_ - slot + slots_) % slots_;
+    return row * geometry_.lanes + cell % geometry_.lanes;
+}
+
+void ReplayMemory::check_choice(const Choice& choice) const {
+    if (choice.count < 1) throw std::invalid_argument("batch_size must be at least 1");
+    if (choice.reach < 1) throw std::invalid_argument("n, or the length of sequences, must be at least 1");
+    if (!(choice.discount >= 0 && choice.discount <= 1)) throw std::invalid_argument("gamma must be within 0..1");
+    if (choice.beta && !tree_)
+        throw std::invalid_argument("beta needs priorities; make the memory with priority_exponent");
+    if (choice.beta && !(*choice.beta >= 0 && *choice.beta <= 100))
+        throw std::invalid_argument("beta must be within 0..100");
+    for (size_t part = 0; part < choice.stacks.size(); ++part)
+        if (choice.stacks[part] < 1 || choice.stacks[part] > geometry_.parts[part].stack)
+            throw std::invalid_argument("stack_num must be within 1.." + std::to_string(geometry_.parts[part].stack) +
+                                        ", that of the memory, not " + std::to_string(choice.stacks[part]));
+}
+
+// The indices of sampled steps, and their weights if `weights` is not null.
+std::vector<int64_t> ReplayMemory::draw(const Choice& choice, float* weights) {
+    check_choice(choice);
+    const Span span = this->span(choice.reach);
+    const int64_t count = span.count();
+    if (count == 0)
+        throw std::invalid_argument("there is no step to sample yet from which " + std::to_string(choice.reach) +
+                                    " steps, or the end of an episode, are stored");
+    if (choice.beta) return draw_by_priority(choice, span, weights);
+    // By age: the ring's oldest step comes first.
+    const int64_t start = valid_.rank(cell(state_.tail, 0));
+    std::vector<int64_t> indices(static_cast<size_t>(choice.count));
+    for (int64_t& drawn : indices) {
+        const auto k = static_cast<int64_t>(state_.generator.below(static_cast<uint64_t>(count)));
+        drawn = k < span.older ? index(valid_.select((start + k) % valid_.total()))
+                               : span.newest[static_cast<size_t>(k - span.older)];
+    }
+    if (weights) std::fill_n(weights, choice.count, 1.0f);
+    return indices;
+}
+
+std::vector<int64_t> ReplayMemory::draw_by_priority(const Choice& choice, const Span& span, float* weights) {
+    std::vector<double> kept;
+    for (const int64_t cell : span.excluded) {
+        kept.push_back(tree_->get(cell));
+        tree_->set(cell, 0);
+    }
+    const double total = tree_->total();
+    std::vector<int64_t> indices(static_cast<size_t>(choice.count));
+    std::vector<double> exact(indices.size());
+    double greatest = 0;
+    for (size_t i = 0; i < indices.size() && total > 0; ++i) {
+        const double place = (static_cast<double>(i) + state_.generator.fraction()) / static_cast<double>(choice.count);
+        const int64_t cell = tree_->find(place * total);
+        indices[i] = index(cell);
+        exact[i] = std::pow(static_cast<double>(span.count()) * (tree_->get(cell) / total), -*choice.beta);
+        greatest = std::max(greatest, exact[i]);
+    }
+    for (size_t i = kept.size(); i-- > 0;) tree_->set(span.excluded[i], kept[i]);
+    if (!(total > 0)) throw std::invalid_argument("the priorities of all steps are 0: no step can be sampled");
+    for (size_t i = 0; weights && i < exact.size(); ++i) weights[i] = static_cast<float>(exact[i] / greatest);
+    return indices;
+}
+
+namespace {
+
+// Calls `work(i)` for i below `count`, from so many threads, each with what `make()` returns.
+template <typename Make, typename Work>
+void share(int64_t count, int threads, Make&& make, Work&& work) {
+    constexpr int64_t kTogether = 4;
+    std::atomic<int64_t> next{0};
+    const auto run = [&] {
+        auto own = make();
+        for (int64_t start; (start = next.fetch_add(kTogether)) < count;)
+            for (int64_t i = start; i < std::min(count, start + kTogether); ++i) work(own, i);
+    };
+    std::vector<std::thread> others;
+    try {
+        for (int i = 1; i < std::min<int64_t>(threads, count / kTogether); ++i) others.emplace_back(run);
+    } catch (const std::system_error&) {
+        // The threads that there are do the work.
+    }
+    run();
+    for (std::thread& other : others) other.join();
+}
+
+}  // namespace
+
+void ReplayMemory::observe(const std::vector<int>& stacks, const std::vector<uint8_t*>& to) const {
+    if (!state_.started) throw std::invalid_argument("call reset(observations) first");
+    check_choice({1, 1, 1.0, {}, stacks, 1});
+    Writer writer(*this);
+    for (size_t part = 0; part < to.size(); ++part) {
+        const size_t size = geometry_.parts[part].bytes * static_cast<size_t>(stacks[part]);
+        for (int64_t lane = 0; lane < geometry_.lanes; ++lane)
+            writer.write(part, lane, {state_.head, -1}, stacks[part], to[part] + static_cast<size_t>(lane) * size);
+    }
+}
+
+void ReplayMemory::sample(const Choice& choice, const Target& target) {
+    const std::vector<int64_t> indices = draw(choice, target.weights);
+    share(choice.count, choice.threads, [&] { return Writer(*this); }, [&](Writer& writer, int64_t at) {
+        const auto i = static_cast<size_t>(at);
+        const int64_t row = indices[i] / geometry_.lanes, lane = indices[i] % geometry_.lanes;
+        const Transition transition = walk(row, lane, choice.reach, choice.discount);
+        target.indices[i] = indices[i];
+        std::memcpy(target.actions + i * geometry_.action_bytes,
+                    actions_ + static_cast<size_t>(cell(row, lane)) * geometry_.action_bytes, geometry_.action_bytes);
+        target.rewards[i] = static_cast<float>(transition.reward);
+        target.discounts[i] = static_cast<float>(transition.discount);
+        target.terminated[i] = transition.terminated;
+        target.truncated[i] = transition.truncated;
+        const Source next = source(row, lane, transition.steps);
+        for (size_t part = 0; part < geometry_.parts.size(); ++part) {
+            const int frames = choice.stacks[part];
+            const size_t size = geometry_.parts[part].bytes * static_cast<size_t>(frames);
+            uint8_t* const observation = target.observations[part] + i * size;
+            writer.write(part, lane, {row, -1}, frames, observation);
+            writer.write(part, lane, next, frames, target.next[part] + i * size, observation, row);
+        }
+    });
+}
+
+void ReplayMemory::sample_sequences(const Choice& choice, const Target& target) {
+    const std::vector<int64_t> indices = draw(choice, nullptr);
+    const auto length = static_cast<size_t>(choice.reach);
+    share(choice.count, choice.threads, [&] { return Writer(*this); }, [&](Writer& writer, int64_t at) {
+        const auto i = static_cast<size_t>(at);
+        const int64_t row = indices[i] / geometry_.lanes, lane = indices[i] % geometry_.lanes;
+        const auto steps = static_cast<size_t>(walk(row, lane, choice.reach, 1.0).steps);
+        target.indices[i] = indices[i];
+        for (size_t step = 0; step < length; ++step) {
+            const size_t to = i * length + step;
+            const bool inside = step < steps;
+            const int64_t now = row + static_cast<int64_t>(step);
+            const Transition one = inside ? walk(now, lane, 1, 1.0) : Transition{};
+            uint8_t* const action = target.actions + to * geometry_.action_bytes;
+            if (inside)
+                std::memcpy(action, actions_ + static_cast<size_t>(cell(now, lane)) * geometry_.action_bytes,
+                            geometry_.action_bytes);
+            else std::memset(action, 0, geometry_.action_bytes);
+            target.rewards[to] = static_cast<float>(one.reward);
+            target.terminated[to] = one.terminated;
+            target.truncated[to] = one.truncated;
+            target.mask[to] = inside;
+        }
+        for (size_t part = 0; part < geometry_.parts.size(); ++part) {
+            const int frames = choice.stacks[part];
+            const size_t size = geometry_.parts[part].bytes * static_cast<size_t>(frames);
+            uint8_t* to = target.observations[part] + i * (length + 1) * size;
+            const uint8_t* older = nullptr;
+            for (size_t step = 0; step <= length; older = to, to += size, ++step) {
+                const int64_t now = row + static_cast<int64_t>(step);
+                if (step > steps) std::memset(to, 0, size);
+                else writer.write(part, lane, source(row, lane, static_cast<int64_t>(step)), frames, to, older, now - 1);
+            }
+        }
+    });
+}
+
+}  // namespace atari::memory

@@ -1,0 +1,333 @@
+// `_emulator.ReplayMemory`: the memory of atari/learning/memory, which validates options and makes the arrays.
+// threads.hpp has the rule for locks and the GIL.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "memory/replay_memory.hpp"
+#include "threads.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace atari {
+namespace {
+
+template <typename T>
+using Values = nb::ndarray<T, nb::c_contig, nb::device::cpu>;
+using memory::Geometry;
+
+// Arrays that are read or written without the GIL, held until the call has ended.
+class Arrays {
+  public:
+    // Returns the memory of an array that must have so many values.
+    template <typename T>
+    T* writable(nb::handle array, size_t size, const char* name) {
+        Values<T> values;
+        if (!nb::try_cast(array, values, false) || values.size() != size)
+            throw nb::value_error((std::string(name) + " must be a writable C-contiguous array of " +
+                                   std::to_string(size) + " values of its type").c_str());
+        held_.push_back(nb::borrow(array));
+        held_.push_back(prevent_resize(array));
+        return values.data();
+    }
+
+    template <typename T>
+    const T* readable(nb::handle array, size_t size, const char* name) {
+        Values<const T> values;
+        if (!nb::try_cast(array, values, false) || values.size() != size)
+            throw nb::value_error((std::string(name) + " must be a C-contiguous array of " + std::to_string(size) +
+                                   " values of its type").c_str());
+        held_.push_back(nb::borrow(array));
+        return values.data();
+    }
+
+  private:
+    std::vector<nb::object> held_;
+};
+
+void check_process(uint32_t made_in) {
+    if (made_in != process_generation)
+        throw std::runtime_error("this replay memory was made before the process was forked; make or open it in the "
+                                 "process that uses it");
+}
+
+// The memory as Python threads share it. The block is an object that Python releases.
+class BoundMemory : Exclusive {
+  public:
+    BoundMemory(const Geometry& geometry, nb::object block) : block_(std::move(block)) {
+        uint8_t* const bytes = arrays_.writable<uint8_t>(block_, memory::Layout(geometry).bytes, "the block");
+        memory_ = std::make_unique<memory::ReplayMemory>(geometry, bytes);
+    }
+
+    template <typename Work>
+    auto use(Work&& work) {
+        return locked([&] {
+            check_process(process_);
+            return work(*memory_);
+        });
+    }
+
+    template <typename Work>
+    auto use_briefly(Work&& work) {
+        return briefly([&] {
+            check_process(process_);
+            return work(*memory_);
+        });
+    }
+
+    const Geometry& geometry() const { return memory_->geometry(); }
+    nb::object block() const { return block_; }
+
+  private:
+    const uint32_t process_ = process_generation;
+    nb::object block_;
+    Arrays arrays_;
+    std::unique_ptr<memory::ReplayMemory> memory_;
+};
+
+std::vector<const uint8_t*> parts_of(Arrays& arrays, const Geometry& geometry, const std::vector<nb::object>& frames) {
+    std::vector<const uint8_t*> result;
+    if (frames.size() != geometry.parts.size()) throw nb::value_error("there must be an array for each part");
+    for (size_t part = 0; part < frames.size(); ++part)
+        result.push_back(arrays.readable<uint8_t>(
+            frames[part], static_cast<size_t>(geometry.lanes) * geometry.parts[part].bytes, "observations"));
+    return result;
+}
+
+// The arrays of one batch, checked once. They must not be changed in shape while this exists.
+struct BoundTarget {
+    Arrays arrays;
+    memory::Target target{};
+    std::vector<int> stacks;
+    int64_t count = 0, length = 0;  // `length` is 0 for transitions
+
+    BoundTarget(const BoundMemory& memory, int64_t count, int64_t length, std::vector<int> stacks,
+                const std::vector<nb::object>& observations, const std::vector<nb::object>& next, nb::object actions,
+                nb::object rewards, nb::object terminated, nb::object truncated, nb::object indices,
+                nb::object discounts, nb::object weights, nb::object mask)
+        : stacks(std::move(stacks)), count(count), length(length) {
+        const Geometry& geometry = memory.geometry();
+        const size_t parts = geometry.parts.size();
+        action_bytes = geometry.action_bytes;
+        for (const memory::Part& part : geometry.parts) frame_bytes.push_back(part.bytes);
+        if (count < 1 || count > (1 << 24) || length < 0 || length > (1 << 24))
+            throw nb::value_error("batch_size and length must be within 1..16777216");
+        if (observations.size() != parts || next.size() != (length ? 0 : parts) || this->stacks.size() != parts)
+            throw nb::value_error("there must be an array and a number of frames for each part");
+        const auto rows = static_cast<size_t>(count), steps = rows * static_cast<size_t>(length ? length : 1);
+        const size_t shown = length ? rows * static_cast<size_t>(length + 1) : rows;
+        for (size_t part = 0; part < parts; ++part) {
+            const int stack = this->stacks[part];
+            if (stack < 1 || stack > geometry.parts[part].stack)
+                throw nb::value_error(("stack_num must be within 1.." + std::to_string(geometry.parts[part].stack) +
+                                       ", that of the memory").c_str());
+            const size_t size = geometry.parts[part].bytes * static_cast<size_t>(stack);
+            target.observations.push_back(
+                arrays.writable<uint8_t>(observations[part], shown * size, "observations"));
+            if (!length) target.next.push_back(arrays.writable<uint8_t>(next[part], shown * size, "next_observations"));
+        }
+        target.actions = arrays.writable<uint8_t>(actions, steps * geometry.action_bytes, "actions");
+        target.rewards = arrays.writable<float>(rewards, steps, "rewards");
+        target.terminated = reinterpret_cast<uint8_t*>(arrays.writable<bool>(terminated, steps, "terminations"));
+        target.truncated = reinterpret_cast<uint8_t*>(arrays.writable<bool>(truncated, steps, "truncations"));
+        target.indices = arrays.writable<int64_t>(indices, rows, "indices");
+        if (length) {
+            target.mask = reinterpret_cast<uint8_t*>(arrays.writable<bool>(mask, steps, "mask"));
+        } else {
+            target.discounts = arrays.writable<float>(discounts, rows, "discounts");
+            target.weights = arrays.writable<float>(weights, rows, "weights");
+        }
+    }
+
+    // Whether a batch of a memory of this geometry has these sizes.
+    bool fits(const Geometry& geometry) const {
+        bool same = geometry.action_bytes == action_bytes && geometry.parts.size() == frame_bytes.size();
+        for (size_t part = 0; same && part < frame_bytes.size(); ++part)
+            same = geometry.parts[part].bytes == frame_bytes[part];
+        return same;
+    }
+
+  private:
+    size_t action_bytes = 0;
+    std::vector<size_t> frame_bytes;  // by part
+};
+
+void make_geometry(Geometry* self, int64_t lanes, int64_t rows, int64_t margin, int64_t finals,
+                   const std::vector<std::tuple<size_t, size_t, int>>& parts, size_t action_bytes, int autoreset,
+                   bool repeat_first, std::optional<double> exponent, bool saved, std::optional<size_t> packed_bytes) {
+    Geometry geometry{};
+    geometry.lanes = lanes;
+    geometry.rows = rows;
+    geometry.margin = margin;
+    geometry.finals = finals;
+    for (const auto& [bytes, pitch, stack] : parts) geometry.parts.push_back({bytes, pitch, stack});
+    geometry.action_bytes = action_bytes;
+    if (autoreset < 0 || autoreset > 2) throw nb::value_error("there is no such autoreset mode");
+    geometry.autoreset = static_cast<memory::Autoreset>(autoreset);
+    geometry.repeat_first = repeat_first;
+    geometry.prioritised = exponent.has_value();
+    geometry.exponent = exponent.value_or(0);
+    geometry.saved = saved;
+    geometry.compressed = packed_bytes.has_value();
+    geometry.packed_bytes = packed_bytes.value_or(0);
+    geometry.check();
+    new (self) Geometry(std::move(geometry));
+}
+
+void add(BoundMemory& bound, nb::object actions, nb::object rewards, nb::object terminated, nb::object truncated,
+         const std::vector<nb::object>& finals) {
+    const Geometry& geometry = bound.geometry();
+    const auto lanes = static_cast<size_t>(geometry.lanes);
+    Arrays arrays;
+    memory::StepResults results{};
+    results.actions = arrays.readable<uint8_t>(actions, lanes * geometry.action_bytes, "actions");
+    results.rewards = arrays.readable<float>(rewards, lanes, "rewards");
+    results.terminated = reinterpret_cast<const uint8_t*>(arrays.readable<bool>(terminated, lanes, "terminations"));
+    results.truncated = reinterpret_cast<const uint8_t*>(arrays.readable<bool>(truncated, lanes, "truncations"));
+    if (!finals.empty()) results.finals = parts_of(arrays, geometry, finals);
+    const auto work = [&](memory::ReplayMemory& memory) { memory.add(results); };
+    // Checksums and compression take longer than releasing the GIL.
+    if (geometry.saved || geometry.compressed) bound.use(work);
+    else bound.use_briefly(work);
+}
+
+void reset(BoundMemory& bound, nb::object mask, const std::vector<nb::object>& frames) {
+    if (mask.is_none()) {
+        bound.use([](memory::ReplayMemory& memory) { memory.reset(); });
+        return;
+    }
+    Arrays arrays;
+    const auto* const chosen =
+        reinterpret_cast<const uint8_t*>(arrays.readable<bool>(mask, static_cast<size_t>(bound.geometry().lanes), "mask"));
+    const std::vector<const uint8_t*> parts = parts_of(arrays, bound.geometry(), frames);
+    bound.use([&](memory::ReplayMemory& memory) { memory.reset(chosen, parts); });
+}
+
+void observe(BoundMemory& bound, const std::vector<int>& stacks, const std::vector<nb::object>& to) {
+    const Geometry& geometry = bound.geometry();
+    if (stacks.size() != geometry.parts.size() || to.size() != stacks.size())
+        throw nb::value_error("there must be an array and a number of frames for each part");
+    Arrays arrays;
+    std::vector<uint8_t*> parts;
+    for (size_t part = 0; part < to.size(); ++part) {
+        const int stack = std::clamp(stacks[part], 1, geometry.parts[part].stack);
+        parts.push_back(arrays.writable<uint8_t>(
+            to[part], static_cast<size_t>(geometry.lanes) * geometry.parts[part].bytes * static_cast<size_t>(stack),
+            "observations"));
+    }
+    bound.use([&](memory::ReplayMemory& memory) { memory.observe(stacks, parts); });
+}
+
+void sample(BoundMemory& bound, BoundTarget& target, int64_t reach, double discount, std::optional<double> beta,
+            int threads) {
+    if (!target.fits(bound.geometry())) throw nb::value_error("the batch was made for another memory");
+    const memory::Choice choice{target.count, target.length ? target.length : reach, discount, beta, target.stacks,
+                                threads};
+    const nb::object held = nb::find(target);
+    bound.use([&](memory::ReplayMemory& memory) {
+        if (target.length) memory.sample_sequences(choice, target.target);
+        else memory.sample(choice, target.target);
+    });
+}
+
+void update_priorities(BoundMemory& bound, nb::object indices, nb::object priorities) {
+    Arrays arrays;
+    Values<const int64_t> given;
+    if (!nb::try_cast(nb::handle(indices), given, false)) throw nb::type_error("indices must be int64");
+    const auto* const priority = arrays.readable<double>(priorities, given.size(), "priorities");
+    const std::vector<int64_t> steps(given.data(), given.data() + given.size());
+    const std::vector<double> values(priority, priority + given.size());
+    bound.use([&](memory::ReplayMemory& memory) {
+        memory.update_priorities(steps.data(), values.data(), static_cast<int64_t>(steps.size()));
+    });
+}
+
+}  // namespace
+
+#define ARRAY(type) "numpy.typing.NDArray[numpy." type "]"
+
+void register_memory(nb::module_& m) {
+    nb::class_<Geometry>(m, "ReplayGeometry", "The sizes of a replay memory. ValueError if a number is out of range.")
+        .def("__init__", &make_geometry, nb::kw_only(), "lanes"_a, "rows"_a, "margin"_a, "finals"_a, "parts"_a,
+             "action_bytes"_a, "autoreset"_a, "repeat_first"_a, "exponent"_a.none(), "saved"_a,
+             "packed_bytes"_a.none(),
+             "`rows` and `margin` are steps of each lane. `parts` has for each the bytes of a frame, the bytes from a\n"
+             "pixel to the one below, and the most frames of an observation. `autoreset` is 0 NEXT_STEP, 1 SAME_STEP,\n"
+             "2 DISABLED. With `packed_bytes`, frames are compressed into so many bytes.")
+        .def_static("least_packed_bytes", &memory::least_packed_bytes, "geometry"_a,
+                    "The least `packed_bytes` with which a memory of these sizes works.")
+        .def_prop_ro("block_bytes", [](const Geometry& geometry) { return memory::Layout(geometry).bytes; },
+                     "Bytes of the block that a memory of these sizes lies in.")
+        .def_prop_ro("packed_offset", [](const Geometry& geometry) { return memory::Layout(geometry).packed; },
+                     "Where the compressed frames begin, which are written bit by bit as they are needed.");
+    nb::class_<BoundMemory>(m, "ReplayMemory", "The frames and steps of a replay memory. Use it through atari.learning.")
+        .def("__init__", [](BoundMemory* self, const Geometry& geometry, nb::object block) {
+                 new (self) BoundMemory(geometry, std::move(block));
+             }, "geometry"_a, "block"_a,
+             nb::sig("def __init__(self, geometry: ReplayGeometry, block: " ARRAY("uint8") ") -> None"),
+             "`block` has `geometry.block_bytes` bytes: zeros, or those of a memory of this geometry, then call `load`.")
+        .def("next_frames", [](BoundMemory& bound, size_t part) {
+                 return bound.use_briefly([&](memory::ReplayMemory& memory) {
+                     if (part >= memory.geometry().parts.size()) throw nb::index_error("there is no such part");
+                     return memory.next_frames(part);
+                 });
+             }, "part"_a, "The offset in the block where a part of the next row's frames goes.")
+        .def("seed", [](BoundMemory& bound, uint64_t seed) {
+                 bound.use_briefly([&](memory::ReplayMemory& memory) { memory.seed(seed); });
+             }, "seed"_a)
+        .def("reset", &reset, "mask"_a.none(), "frames"_a,
+             nb::sig("def reset(self, mask: " ARRAY("bool") " | None, frames: Sequence[" ARRAY("uint8")
+                     "]) -> None"),
+             "Begin episodes in all lanes, with the next row's frames; or in those of `mask`, with `frames`.")
+        .def("add", &add, "actions"_a, "rewards"_a, "terminated"_a, "truncated"_a, "finals"_a,
+             nb::sig("def add(self, actions: " ARRAY("uint8") ", rewards: " ARRAY("float32") ", terminated: "
+                     ARRAY("bool") ", truncated: " ARRAY("bool") ", finals: Sequence[" ARRAY("uint8")
+                     "]) -> None"),
+             "Complete a step of all lanes; the next row's frames have been written. `actions` are bytes.")
+        .def("observe", &observe, "stacks"_a, "to"_a,
+             nb::sig("def observe(self, stacks: Sequence[int], to: Sequence[" ARRAY("uint8") "]) -> None"))
+        .def("count", [](BoundMemory& bound, int64_t reach) {
+                 return bound.use_briefly([&](memory::ReplayMemory& memory) { return memory.count(reach); });
+             }, "reach"_a)
+        .def("sample", &sample, "target"_a, "reach"_a, "discount"_a, "beta"_a.none(), "threads"_a)
+        .def("update_priorities", &update_priorities, "indices"_a, "priorities"_a,
+             nb::sig("def update_priorities(self, indices: " ARRAY("int64") ", priorities: " ARRAY("float64")
+                     ") -> None"))
+        .def("save", [](BoundMemory& bound) { bound.use([](memory::ReplayMemory& memory) { memory.save(); }); },
+             "Make the present state the one that `load` finds.")
+        .def("load", [](BoundMemory& bound, bool verify) {
+                 bound.use([&](memory::ReplayMemory& memory) { memory.load(verify); });
+             }, "verify"_a, "Read the last saved state; ValueError says what is damaged. `verify` reads all frames.")
+        .def_prop_ro("numbers", [](BoundMemory& bound) {
+                 return bound.use_briefly([](memory::ReplayMemory& memory) {
+                     const memory::State& state = memory.state();
+                     return std::tuple(state.started != 0, state.steps, memory.saves(), memory.used_bytes());
+                 });
+             }, "Whether there was a reset, the steps ever added, the saves, and the bytes in use.");
+    nb::class_<BoundTarget>(m, "ReplayTarget", "The arrays of a batch. `sample` writes to them.")
+        .def(nb::init<const BoundMemory&, int64_t, int64_t, std::vector<int>, const std::vector<nb::object>&,
+                      const std::vector<nb::object>&, nb::object, nb::object, nb::object, nb::object, nb::object,
+                      nb::object, nb::object, nb::object>(),
+             "memory"_a, "count"_a, "length"_a, "stacks"_a, "observations"_a, "next_observations"_a, "actions"_a,
+             "rewards"_a, "terminations"_a, "truncations"_a, "indices"_a, "discounts"_a.none(), "weights"_a.none(),
+             "mask"_a.none(),
+             nb::sig("def __init__(self, memory: ReplayMemory, count: int, length: int, stacks: Sequence[int], "
+                     "observations: Sequence[" ARRAY("uint8") "], next_observations: Sequence[" ARRAY("uint8")
+                     "], actions: " ARRAY("uint8") ", rewards: " ARRAY("float32") ", terminations: " ARRAY("bool")
+                     ", truncations: " ARRAY("bool") ", indices: " ARRAY("int64") ", discounts: " ARRAY("float32")
+                     " | None, weights: " ARRAY("float32") " | None, mask: " ARRAY("bool") " | None) -> None"),
+             "For sequences `length` is theirs, and they have a mask; for transitions it is 0.");
+}
+
+}  // namespace atari

@@ -1,0 +1,188 @@
+"""What a `ReplayMemory` samples: `Batch` of transitions, `Sequences` of steps. Their arrays can be used again."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, cast
+
+import gymnasium
+import numpy as np
+
+from atari import _emulator
+from atari.learning.memory.options import MemoryOptions, as_numpy, check_stack
+from atari.validation import check_integer
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """Transitions, each of up to n steps of one episode. Arrays of NumPy, or tensors of PyTorch on the CPU.
+
+    Attributes:
+        observations: uint8 (batch, stack_num, ...) as `ReplayMemory` describes them, or a dict of these.
+        actions: (batch, *action_shape), of `action_dtype`.
+        rewards: float32 (batch,), the discounted sum of the rewards, up to n or to the end of the episode.
+        next_observations: those after the last of these steps: the real last ones at the end of an episode.
+        discounts: float32 (batch,), gamma to the power of the number of steps, and 0 where the episode terminated. The
+            target of a value is `rewards + discounts * value(next_observations)`, at a truncation too.
+        terminations, truncations: bool (batch,), how the last step ended. A reset before the end is a truncation.
+        indices: int64 (batch,), the numbers of the steps, for `update_priorities`. A number is never used again.
+        weights: float32 (batch,), importance weights, divided by their maximum; 1 if sampling was uniform.
+    """
+
+    observations: Any
+    actions: Any
+    rewards: Any
+    next_observations: Any
+    discounts: Any
+    terminations: Any
+    truncations: Any
+    indices: Any
+    weights: Any
+    _target: list[Any] = field(default_factory=list, repr=False)
+
+
+@dataclass(frozen=True, eq=False)
+class Sequences:
+    """Sequences of steps, each of one episode. Arrays of NumPy, or tensors of PyTorch on the CPU.
+
+    Attributes:
+        observations: uint8 (batch, length + 1, stack_num, ...), or a dict of these: observation i + 1 follows step i.
+        actions: (batch, length, *action_shape), of `action_dtype`.
+        rewards: float32 (batch, length).
+        terminations, truncations: bool (batch, length).
+        mask: bool (batch, length), whether there is such a step. After the end of an episode all is 0.
+        indices: int64 (batch,), the numbers of the first steps.
+    """
+
+    observations: Any
+    actions: Any
+    rewards: Any
+    terminations: Any
+    truncations: Any
+    mask: Any
+    indices: Any
+    _target: list[Any] = field(default_factory=list, repr=False)
+
+
+def make_batch(
+    options: MemoryOptions, size: int, length: int, stacks: dict[str, int], torch: bool, pin_memory: bool
+) -> Batch | Sequences:
+    """Arrays for so many transitions; with a length other than 0, for sequences.
+
+    Raises:
+        gymnasium.error.DependencyNotInstalled: `torch` is true, and PyTorch is not installed.
+    """
+    steps = (size, length) if length else (size,)
+    shown = (size, length + 1) if length else (size,)
+
+    def array(shape: tuple[int, ...], dtype: Any) -> Any:
+        return _empty(shape, np.dtype(dtype), torch, pin_memory)
+
+    def observations() -> Any:
+        parts = {part.name: array((*shown, *part.stacked(stacks[part.name])), np.uint8) for part in options.parts}
+        return parts[""] if list(parts) == [""] else parts
+
+    common = {
+        "observations": observations(),
+        "actions": array((*steps, *options.action_shape), options.action_dtype),
+        "rewards": array(steps, np.float32),
+        "terminations": array(steps, np.bool_),
+        "truncations": array(steps, np.bool_),
+        "indices": array((size,), np.int64),
+    }
+    if length:
+        return Sequences(**common, mask=array(steps, np.bool_))
+    floats = {name: array((size,), np.float32) for name in ("discounts", "weights")}
+    return Batch(**common, next_observations=observations(), **floats)
+
+
+def _empty(shape: tuple[int, ...], dtype: np.dtype[Any], torch: bool, pin_memory: bool) -> Any:
+    if not torch:
+        return np.empty(shape, dtype)
+    try:
+        import torch as library
+    except ImportError:
+        raise gymnasium.error.DependencyNotInstalled("batches of tensors need PyTorch: pip install torch") from None
+    kind = library.from_numpy(np.empty(0, dtype)).dtype
+    return library.empty(shape, dtype=kind, pin_memory=pin_memory and library.cuda.is_available())
+
+
+def target_of(
+    batch: Batch | Sequences, core: _emulator.ReplayMemory, options: MemoryOptions, size: int, length: int
+) -> _emulator.ReplayTarget:
+    """What the extension module writes a batch to. It is kept with the batch.
+
+    Raises:
+        TypeError, ValueError: the batch is of another size or kind.
+    """
+    if batch._target and batch._target[0] == (id(core), size, length):
+        return cast(_emulator.ReplayTarget, batch._target[1])
+    kind = Sequences if length else Batch
+    if not isinstance(batch, kind):
+        raise TypeError(f"out must be a {kind.__name__}, got {type(batch).__name__}")
+    steps = (size, length) if length else (size,)
+    shown = (size, length + 1) if length else (size,)
+    observations, stacks = _parts("observations", batch.observations, options, shown)
+    following: list[Any] = []
+    if isinstance(batch, Batch):
+        following, of_next = _parts("next_observations", batch.next_observations, options, shown)
+        if of_next != stacks:
+            raise ValueError("observations and next_observations must have equally many frames")
+    actions = _checked("actions", batch.actions, (*steps, *options.action_shape), options.action_dtype)
+    target = _emulator.ReplayTarget(
+        core,
+        size,
+        length,
+        stacks,
+        observations,
+        following,
+        actions.reshape(-1).view(np.uint8),
+        _checked("rewards", batch.rewards, steps, np.float32),
+        _checked("terminations", batch.terminations, steps, np.bool_),
+        _checked("truncations", batch.truncations, steps, np.bool_),
+        _checked("indices", batch.indices, (size,), np.int64),
+        _checked("discounts", batch.discounts, (size,), np.float32) if isinstance(batch, Batch) else None,
+        _checked("weights", batch.weights, (size,), np.float32) if isinstance(batch, Batch) else None,
+        _checked("mask", batch.mask, steps, np.bool_) if isinstance(batch, Sequences) else None,
+    )
+    batch._target[:] = [(id(core), size, length), target]
+    return target
+
+
+def _parts(name: str, arrays: Any, options: MemoryOptions, shown: tuple[int, ...]) -> tuple[list[Any], list[int]]:
+    """The arrays of observations by part, and the number of frames in each."""
+    named = list(options.observation_shape) != [""]
+    parts = arrays if named else {"": arrays}
+    if not isinstance(parts, Mapping) or set(parts) != set(options.observation_shape):
+        raise TypeError(f"{name} must be a dict with the keys {', '.join(options.observation_shape)}")
+    result, stacks = [], []
+    for part in options.parts:
+        array = as_numpy(name, parts[part.name])
+        stack = max(1, math.prod(array.shape[len(shown) :]) // part.size)
+        result.append(_checked(name, array, (*shown, *part.stacked(check_stack(part, stack))), np.uint8))
+        stacks.append(stack)
+    return result, stacks
+
+
+def _checked(name: str, array: Any, shape: tuple[int, ...], dtype: Any) -> Any:
+    values = as_numpy(name, array)
+    if values.shape != shape or values.dtype != np.dtype(dtype):
+        raise ValueError(f"{name} of out must be {np.dtype(dtype)} {shape}, got {values.dtype} {values.shape}")
+    if not (values.flags.c_contiguous and values.flags.writeable):
+        raise ValueError(f"{name} of out must be writable and C-contiguous")
+    return values
+
+
+def check_stacks(options: MemoryOptions, stack_num: Any) -> dict[str, int]:
+    """The frames of an observation by part; None is those of the memory."""
+    if stack_num is None:
+        return dict(options.stack_num)
+    if isinstance(stack_num, Mapping) and set(stack_num) != set(options.observation_shape):
+        raise ValueError(f"stack_num must be a number, or a dict with the keys {', '.join(options.observation_shape)}")
+    chosen = stack_num if isinstance(stack_num, Mapping) else dict.fromkeys(options.observation_shape, stack_num)
+    return {part.name: check_stack(part, chosen[part.name]) for part in options.parts}
+
+
+def check_size(batch_size: Any) -> int:
+    """The number of transitions or sequences of a batch."""
+    return check_integer("batch_size", batch_size, 1, 2**24)

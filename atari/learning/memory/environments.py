@@ -1,0 +1,55 @@
+"""The options of a `ReplayMemory` that a vector environment decides."""
+
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+
+from atari._gymnasium import AutoresetMode
+from atari.vector import AtariVectorEnv
+
+
+def options_for(envs: Any) -> dict[str, Any]:
+    """Number of environments, shapes, autoreset mode, and of an `AtariVectorEnv` the padding.
+
+    Raises:
+        TypeError, ValueError: see `ReplayMemory.for_env`.
+    """
+    observation, action = envs.single_observation_space, envs.single_action_space
+    parts = observation.spaces if isinstance(observation, spaces.Dict) else {"": observation}
+    for name, part in parts.items():
+        if not isinstance(part, spaces.Box) or part.dtype != np.uint8:
+            raise TypeError(f"a ReplayMemory stores observations of uint8, and these are {part} {name}".rstrip())
+    if not isinstance(action, (spaces.Discrete, spaces.Box, spaces.MultiDiscrete, spaces.MultiBinary)):
+        raise TypeError(f"a ReplayMemory stores actions that are arrays, and these are {action}")
+    shapes = {name: tuple(part.shape or ()) for name, part in parts.items()}
+    images = {name: len(shape) >= 2 for name, shape in shapes.items()}
+    stacks = {name: 4 if image else 1 for name, image in images.items()}
+    options = {
+        "num_envs": envs.num_envs,
+        "observation_shape": shapes if isinstance(observation, spaces.Dict) else shapes[""],
+        "stack_num": stacks,
+        "autoreset_mode": envs.metadata.get("autoreset_mode", AutoresetMode.NEXT_STEP),
+        "action_shape": tuple(action.shape or ()),
+        "action_dtype": action.dtype,
+    }
+    unwrapped = getattr(envs, "unwrapped", envs)
+    return {**options, **_atari_options(unwrapped)} if isinstance(unwrapped, AtariVectorEnv) else options
+
+
+def _atari_options(envs: AtariVectorEnv) -> dict[str, Any]:
+    options, protocol = envs._options, envs._options.protocol
+    if options.stack_num != 1 and options.obs_type != "ram":
+        raise ValueError(
+            f"a ReplayMemory makes the stacks: make the environments with stack_num=1, not {options.stack_num}"
+        )
+    if not options.layout.is_engines:
+        raise ValueError("a ReplayMemory stores what the engine writes: leave channels_last and dtype out")
+    if envs.batch_size != envs.num_envs:
+        raise ValueError("a ReplayMemory stores steps of all environments: leave batch_size out")
+    if protocol.life_loss_info or (protocol.seamless_lives and protocol.episodic_life):
+        raise ValueError(
+            "a ReplayMemory begins a stack anew after each end: it does not serve life_loss_info, "
+            "nor episodic_life of a preset whose stack goes on after a lost life"
+        )
+    return {"padding": protocol.padding}

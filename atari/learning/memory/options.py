@@ -1,0 +1,234 @@
+"""`MemoryOptions`: the options of a `ReplayMemory`, checked. They decide its sizes, and a file begins with them."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from atari import _emulator
+from atari._gymnasium import AutoresetMode
+from atari.validation import check_integer
+
+Shape = tuple[int, ...]
+_MODES = {AutoresetMode.NEXT_STEP: 0, AutoresetMode.SAME_STEP: 1, AutoresetMode.DISABLED: 2}
+_PADDINGS = ("zero", "reset")
+_MOST = 2**40
+_MOST_FRAME = 2**26  # bytes
+
+
+@dataclass(frozen=True)
+class Part:
+    """One array of an observation: the image, or the RAM.
+
+    Attributes:
+        name: the key in the dict of observations; "" if an observation is no dict.
+        shape: of one frame as environments give it, such as (1, 84, 84).
+        stack: the most frames in an observation.
+    """
+
+    name: str
+    shape: Shape
+    stack: int
+
+    @property
+    def frame(self) -> Shape:
+        """The shape without the axis of the stack, which has the length 1."""
+        return self.shape[1:] if len(self.shape) >= 3 and self.shape[0] == 1 else self.shape
+
+    @property
+    def size(self) -> int:
+        """Bytes of a frame."""
+        return math.prod(self.shape)
+
+    @property
+    def pitch(self) -> int:
+        """Bytes from a pixel to the one below it."""
+        return math.prod(self.frame[1:]) if len(self.frame) >= 2 else self.size
+
+    def stacked(self, stack: int) -> Shape:
+        """The shape of an observation of so many frames, the oldest first."""
+        return self.shape if stack == 1 else (stack, *self.frame)
+
+
+@dataclass(frozen=True)
+class MemoryOptions:
+    """See `ReplayMemory`. All are checked, and none is None but `priority_exponent` and `compressed_bytes`."""
+
+    capacity: int
+    num_envs: int
+    observation_shape: dict[str, list[int]]
+    stack_num: dict[str, int]
+    padding: str
+    autoreset_mode: str
+    action_shape: list[int]
+    action_dtype: str
+    priority_exponent: float | None
+    final_frames: int
+    compressed_bytes: int | None
+    margin: int
+    saved: bool
+
+    @classmethod
+    def check(
+        cls,
+        *,
+        capacity: Any,
+        num_envs: Any,
+        observation_shape: Any,
+        stack_num: Any,
+        padding: Any,
+        autoreset_mode: Any,
+        action_shape: Any,
+        action_dtype: Any,
+        priority_exponent: Any,
+        final_frames: Any,
+        compressed_bytes: Any,
+        margin: Any,
+        saved: bool,
+        compress: bool = False,
+    ) -> "MemoryOptions":
+        """Raises TypeError or ValueError if an option is of the wrong kind or out of range."""
+        lanes = check_integer("num_envs", num_envs, 1, 2**20)
+        capacity = check_integer("capacity", capacity, 1, _MOST)
+        shapes = _check_shapes(observation_shape)
+        stacks = _check_stacks(stack_num, shapes)
+        mode = check_mode(autoreset_mode)
+        if padding not in _PADDINGS:
+            raise ValueError(f"padding must be one of {', '.join(map(repr, _PADDINGS))}, got {padding!r}")
+        dtype = np.dtype(action_dtype)
+        if dtype.kind not in "iufb":
+            raise TypeError(f"action_dtype must be of numbers or bools, got {dtype}")
+        least_finals = 0 if mode == AutoresetMode.NEXT_STEP else 2 * lanes
+        if final_frames is None:
+            final_frames = max(least_finals, capacity // 50) if least_finals else 0
+        if margin is None:
+            margin = capacity // 64 if saved else 0
+        raw = capacity * sum(math.prod(shape) for shape in shapes.values())
+        exponent = None if priority_exponent is None else _check_exponent(priority_exponent)
+        options = cls(
+            capacity=capacity,
+            num_envs=lanes,
+            observation_shape={name: list(shape) for name, shape in shapes.items()},
+            stack_num=stacks,
+            padding=padding,
+            autoreset_mode=mode.value,
+            action_shape=list(_check_shape("action_shape", action_shape, least=0)),
+            action_dtype=dtype.str,
+            priority_exponent=exponent,
+            final_frames=check_integer("final_frames", final_frames, least_finals, _MOST),
+            compressed_bytes=None,
+            margin=check_integer("margin", margin, 0, _MOST),
+            saved=saved,
+        )
+        if compress or compressed_bytes is not None:
+            chosen = max(raw // 4, options._least_packed()) if compressed_bytes is None else compressed_bytes
+            options = cls(
+                **{**asdict(options), "compressed_bytes": check_integer("compressed_bytes", chosen, 1, 2**46)}
+            )
+        options.geometry()
+        return options
+
+    def _least_packed(self) -> int:
+        return _emulator.ReplayGeometry.least_packed_bytes(self._geometry(packed_bytes=2**45))
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """The arrays of an observation."""
+        return tuple(Part(name, tuple(shape), self.stack_num[name]) for name, shape in self.observation_shape.items())
+
+    @property
+    def action_size(self) -> int:
+        """Bytes of an action."""
+        return math.prod(self.action_shape) * np.dtype(self.action_dtype).itemsize
+
+    def geometry(self) -> _emulator.ReplayGeometry:
+        """The sizes for the extension module.
+
+        Raises:
+            ValueError: they are out of range.
+        """
+        return self._geometry(self.compressed_bytes)
+
+    def _geometry(self, packed_bytes: int | None) -> _emulator.ReplayGeometry:
+        return _emulator.ReplayGeometry(
+            lanes=self.num_envs,
+            rows=-(-self.capacity // self.num_envs),
+            margin=-(-self.margin // self.num_envs),
+            finals=self.final_frames,
+            parts=[(part.size, part.pitch, part.stack) for part in self.parts],
+            action_bytes=self.action_size,
+            autoreset=_MODES[AutoresetMode(self.autoreset_mode)],
+            repeat_first=self.padding == "reset",
+            exponent=self.priority_exponent,
+            saved=self.saved,
+            packed_bytes=packed_bytes,
+        )
+
+
+def check_mode(mode: Any) -> AutoresetMode:
+    """The autoreset mode of a member of `AutoresetMode`, its value or its name in lower case."""
+    for member in AutoresetMode:
+        if mode in (member, member.value, member.name, member.name.lower()):
+            return member
+    names = ", ".join(repr(member.name.lower()) for member in AutoresetMode)
+    raise ValueError(f"autoreset_mode must be a gymnasium.vector.AutoresetMode, or one of {names}; got {mode!r}")
+
+
+def check_stack(part: Part, stack: Any) -> int:
+    """The number of frames of an observation, of which the memory serves so many."""
+    return check_integer("stack_num", stack, 1, part.stack)
+
+
+def _check_shape(name: str, shape: Any, least: int = 1) -> Shape:
+    try:
+        result = tuple(check_integer(name, size, 1, _MOST_FRAME) for size in shape)
+    except TypeError as error:
+        raise TypeError(f"{name} must be a tuple of integers, got {shape!r}") from error
+    if not least <= len(result) <= 8:
+        raise ValueError(f"{name} must have {least} to 8 axes, got {shape!r}")
+    if math.prod(result) > _MOST_FRAME:
+        raise ValueError(f"{name} must have at most 2**26 values, got {shape!r}")
+    return result
+
+
+def _check_shapes(shapes: Any) -> dict[str, Shape]:
+    parts = dict(shapes) if isinstance(shapes, Mapping) else {"": shapes}
+    if not 1 <= len(parts) <= 16 or not all(isinstance(name, str) for name in parts):
+        raise ValueError(f"observation_shape must be a shape, or a dict of 1 to 16 shapes by name, got {shapes!r}")
+    return {name: _check_shape("observation_shape", shape) for name, shape in parts.items()}
+
+
+def _check_stacks(stacks: Any, shapes: Mapping[str, Shape]) -> dict[str, int]:
+    parts = dict(stacks) if isinstance(stacks, Mapping) else dict.fromkeys(shapes, stacks)
+    if set(parts) != set(shapes):
+        raise ValueError(f"stack_num must be a number, or a dict with the keys {', '.join(shapes)}, got {stacks!r}")
+    return {name: check_integer("stack_num", parts[name], 1, 1024) for name in shapes}
+
+
+def _check_exponent(exponent: Any) -> float:
+    if isinstance(exponent, bool) or not isinstance(exponent, (int, float, np.floating, np.integer)):
+        raise TypeError(f"priority_exponent must be a number, or None for uniform sampling, got {exponent!r}")
+    if not 0 <= exponent <= 100:
+        raise ValueError(f"priority_exponent must be within 0..100, got {exponent!r}")
+    return float(exponent)
+
+
+def as_numpy(name: str, array: Any) -> npt.NDArray[Any]:
+    """An array or CPU tensor as a NumPy array of the same memory.
+
+    Raises:
+        TypeError: it is neither.
+    """
+    if isinstance(array, np.ndarray):
+        return array
+    for convert in (lambda: array.numpy(), lambda: np.from_dlpack(array)):
+        try:
+            result = convert()
+        except Exception:
+            continue
+        if isinstance(result, np.ndarray):
+            return result
+    raise TypeError(f"{name} must be a NumPy array or a tensor on the CPU, got {type(array).__name__}")

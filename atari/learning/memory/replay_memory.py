@@ -1,0 +1,531 @@
+"""`ReplayMemory`: the experience of vector environments, each frame once."""
+
+import os
+from collections.abc import Mapping
+from os import PathLike
+from pathlib import Path
+from typing import Any, cast
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+
+from atari import _emulator
+from atari._gymnasium import AutoresetMode
+from atari.learning.memory import storage
+from atari.learning.memory.batches import Batch, Sequences, check_size, check_stacks, make_batch, target_of
+from atari.learning.memory.final_frames import final_observations
+from atari.learning.memory.options import MemoryOptions, Part, as_numpy, check_mode
+from atari.validation import check_integer
+
+_UINT8 = np.dtype(np.uint8)
+_SEQUENCE_MOST = 2**20
+
+
+class ReplayMemory:
+    """The steps of a vector environment, with each frame stored once; stacks are made when they are sampled.
+
+    Environments write single frames into it without a copy, see `frames`::
+
+        envs = atari.AtariVectorEnv("pong", 8, stack_num=1)
+        memory = ReplayMemory.for_env(envs, 1_000_000)
+        observations, info = envs.reset(seed=0)
+        memory.reset(observations)
+        for _ in range(1000):
+            actions = policy(memory.observations())  # of (8, 4, 84, 84)
+            _, rewards, terminations, truncations, info = envs.step(actions, out=memory.frames())
+            memory.add(actions, rewards, terminations, truncations, info)
+        batch = memory.sample(32, n=3, gamma=0.99)
+
+    An observation of `stack_num` frames has the shape (stack_num, *frame), where `frame` is `observation_shape` without
+    a first axis of 1; one of a single frame has the shape `observation_shape`. Frames before the first of an episode
+    are 0, or with padding="reset" the first again.
+
+    A step is stored if its frame, its action and what followed are: the ignored step after the end of an episode in
+    NEXT_STEP is no transition, and the last observation of an episode is the real one in all autoreset modes. Threads
+    may share a memory; one call runs at a time.
+
+    Args:
+        capacity: the latest so many steps are kept, those of all environments together, ignored ones included.
+        num_envs: environments that step together.
+        observation_shape: of one frame, uint8, as the environment gives it: (1, 84, 84), (84, 84), (210, 160, 3),
+            (128,). For a dict of observations a dict of shapes.
+        stack_num: the most frames in an observation; with a dict of observations a number, or a dict of numbers.
+        padding: "zero", or "reset".
+        autoreset_mode: of the environments, a `gymnasium.vector.AutoresetMode`, or "next_step", "same_step",
+            "disabled".
+        action_shape, action_dtype: of one action.
+        priority_exponent: the power of priorities, 0.6 in Schaul et al. 2016; None is without priorities.
+        final_frames: the last observations that have no place among the frames (SAME_STEP, DISABLED) are stored
+            apart, the latest so many. A memory that needs more forgets its oldest steps earlier. None is a fiftieth of
+            the capacity.
+        compress: store frames compressed, without loss.
+        compressed_bytes: space for compressed frames; a memory that needs more forgets its oldest steps earlier. None
+            is a quarter of the bytes of the frames. Memory that is never needed is not taken, but a file has it all.
+        seed: of the generator that samples; None is random.
+        num_threads: threads that `sample` may use, the caller's included.
+        path: a file that holds the memory. It is as large as the memory can get, it must not exist, and `open`
+            continues it.
+        margin: with a file, so many more steps are kept, so that `flush` is needed only once in so many steps; see
+            there. None is a 64th of the capacity.
+
+    Raises:
+        TypeError, ValueError: an option is of the wrong kind or out of range.
+        MemoryError: the machine has not so much memory available.
+        FileExistsError: there is a file already; `open` continues it.
+        OSError: the file cannot be made, or the disk has no space for it.
+    """
+
+    def __init__(
+        self,
+        capacity: int,
+        num_envs: int,
+        observation_shape: Any,
+        *,
+        stack_num: int | Mapping[str, int] = 4,
+        padding: str = "zero",
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        action_shape: tuple[int, ...] = (),
+        action_dtype: npt.DTypeLike = "int64",
+        priority_exponent: float | None = None,
+        final_frames: int | None = None,
+        compress: bool = False,
+        compressed_bytes: int | None = None,
+        seed: int | None = None,
+        num_threads: int = 1,
+        path: str | PathLike[str] | None = None,
+        margin: int | None = None,
+    ) -> None:
+        options = MemoryOptions.check(
+            capacity=capacity,
+            num_envs=num_envs,
+            observation_shape=observation_shape,
+            stack_num=stack_num,
+            padding=padding,
+            autoreset_mode=autoreset_mode,
+            action_shape=action_shape,
+            action_dtype=action_dtype,
+            priority_exponent=priority_exponent,
+            final_frames=final_frames,
+            compress=compress,
+            compressed_bytes=compressed_bytes,
+            margin=margin,
+            saved=path is not None,
+        )
+        words = np.random.SeedSequence(None if seed is None else check_integer("seed", seed, 0, 2**128))
+        threads = check_integer("num_threads", num_threads, 1, 1024)
+        file = None if path is None else storage.BlockFile.create(Path(os.fspath(path)), options)
+        self._begin(options, threads, file, storage.allocate(options) if file is None else file.block)
+        self._core.seed(int(words.generate_state(1, np.uint64)[0]))
+        if file is not None:
+            self._core.save()
+
+    def _begin(
+        self, options: MemoryOptions, threads: int, file: storage.BlockFile | None, block: storage.Block
+    ) -> None:
+        self._options, self._threads, self._file, self._block = options, threads, file, block
+        self._parts: tuple[Part, ...] = options.parts
+        self._named = [part.name for part in self._parts] != [""]
+        self._lanes = options.num_envs
+        self._lane_shape = (self._lanes,)
+        self._action_shape, self._action_dtype = tuple(options.action_shape), np.dtype(options.action_dtype)
+        self._mode = check_mode(options.autoreset_mode)
+        self._frame_shapes = [(self._lanes, *part.shape) for part in self._parts]
+        self._closed_core: _emulator.ReplayMemory | None = _emulator.ReplayMemory(options.geometry(), block)
+
+    @classmethod
+    def for_env(cls, envs: Any, capacity: int, **options: Any) -> "ReplayMemory":
+        """A memory for a vector environment, whose spaces and autoreset mode it takes.
+
+        Of an `AtariVectorEnv`, which must be made with `stack_num=1`, also the padding. Images get stacks of 4, RAM
+        stacks of 1; `stack_num` chooses others. The other options are those of `ReplayMemory`.
+
+        Raises:
+            TypeError, ValueError: the environment's observations are no uint8 arrays, or its options do not fit.
+        """
+        from atari.learning.memory.environments import options_for
+
+        return cls(capacity, **{**options_for(envs), **options})
+
+    @classmethod
+    def open(cls, path: str | PathLike[str], *, num_threads: int = 1, verify: bool = True) -> "ReplayMemory":
+        """Continue the memory in a file, from its last `flush`, also if the process that wrote it was killed.
+
+        Args:
+            path: of the file.
+            num_threads: see `ReplayMemory`.
+            verify: read the whole file and compare its checksums. Without, damaged frames are not noticed.
+
+        Raises:
+            FileNotFoundError: there is no such file.
+            BlockingIOError: it is open, in this process or another.
+            ValueError: it is no replay memory, or damaged; the message says where.
+        """
+        threads = check_integer("num_threads", num_threads, 1, 1024)
+        where = Path(os.fspath(path))
+        file = storage.BlockFile.open(where)
+        try:
+            memory = cls.__new__(cls)
+            memory._begin(file.options, threads, file, file.block)
+            with storage.naming(where):
+                memory._core.load(bool(verify))
+        except BaseException:
+            file.close()
+            raise
+        return memory
+
+    @property
+    def _core(self) -> _emulator.ReplayMemory:
+        if self._closed_core is None:
+            raise ValueError("this replay memory is closed")
+        return self._closed_core
+
+    def frames(self) -> Any:
+        """The array for the observations of the next step, to be given as `out` to `AtariVectorEnv.step`.
+
+        uint8 (num_envs, *observation_shape), or a dict of such arrays. It is memory of the ring: `add` completes it,
+        and returns to it after `capacity` steps. Take it anew for every step.
+        """
+        arrays = [
+            np.ndarray(shape, _UINT8, self._block, self._core.next_frames(part))
+            for part, shape in enumerate(self._frame_shapes)
+        ]
+        return {part.name: array for part, array in zip(self._parts, arrays, strict=True)} if self._named else arrays[0]
+
+    def reset(self, observations: Any, mask: Any = None) -> None:
+        """Begin new episodes with the observations that a reset returned. Steps that had not ended are truncated.
+
+        Args:
+            observations: uint8 (num_envs, *observation_shape), or a dict of these.
+            mask: bool (num_envs,), as `reset_mask` of the environments: only these begin, and the rows of the others
+                are ignored. For DISABLED; None is all.
+
+        Raises:
+            TypeError, ValueError: an array does not fit; nothing has changed.
+        """
+        arrays = self._checked_frames("observations", observations)
+        if mask is None:
+            self._write_frames(arrays)
+            self._core.reset(None, [])
+            return
+        chosen = as_numpy("mask", mask)
+        if chosen.dtype != np.bool_ or chosen.shape != self._lane_shape:
+            raise ValueError(f"mask must be bool {self._lane_shape}, got {chosen.dtype} {chosen.shape}")
+        self._core.reset(np.ascontiguousarray(chosen), [np.ascontiguousarray(array) for array in arrays])
+
+    def add(
+        self,
+        actions: Any,
+        rewards: Any,
+        terminations: Any,
+        truncations: Any,
+        info: Mapping[str, Any] | None = None,
+        *,
+        observations: Any = None,
+    ) -> None:
+        """Complete a step of all environments: what `step(actions)` returned, whose observations are in `frames`.
+
+        Args:
+            actions: (num_envs, *action_shape).
+            rewards: finite numbers (num_envs,), stored as float32.
+            terminations, truncations: bool (num_envs,).
+            info: in SAME_STEP, with `final_obs` of the environments that ended.
+            observations: uint8 (num_envs, *observation_shape), or a dict of these: copied to `frames`. None is if
+                `frames` has them.
+
+        Raises:
+            gymnasium.error.ResetNeeded: before the first `reset`.
+            TypeError, ValueError: an array does not fit, a reward is not finite, or a final observation is missing;
+                nothing has changed.
+        """
+        core = self._core
+        terminations = self._checked_flags("terminations", terminations)
+        truncations = self._checked_flags("truncations", truncations)
+        rewards = self._checked_rewards(rewards)
+        actions = self._checked_actions(actions)
+        finals: list[Any] = []
+        if self._mode == AutoresetMode.SAME_STEP and (terminations.any() or truncations.any()):
+            finals = final_observations(info, terminations | truncations, self._parts, self._named)
+        if observations is not None:
+            if not core.numbers[0]:
+                raise gymnasium.error.ResetNeeded("call reset(observations) before the first add")
+            self._write_frames(self._checked_frames("observations", observations))
+        core.add(actions, rewards, terminations, truncations, finals)
+
+    def _checked_flags(self, name: str, values: Any) -> npt.NDArray[np.bool_]:
+        array = as_numpy(name, values)
+        if array.dtype != np.bool_ or array.shape != self._lane_shape:
+            raise ValueError(f"{name} must be bool {self._lane_shape}, got {array.dtype} {array.shape}")
+        return np.ascontiguousarray(array)
+
+    def _checked_rewards(self, values: Any) -> npt.NDArray[np.float32]:
+        array = as_numpy("rewards", values)
+        if array.dtype.kind not in "iufb" or array.shape != self._lane_shape:
+            raise ValueError(f"rewards must be numbers {self._lane_shape}, got {array.dtype} {array.shape}")
+        return np.ascontiguousarray(array, np.float32)
+
+    def _checked_actions(self, values: Any) -> npt.NDArray[np.uint8]:
+        array = as_numpy("actions", values)
+        shape = (self._lanes, *self._action_shape)
+        if array.dtype != self._action_dtype and not np.can_cast(array.dtype, self._action_dtype, "same_kind"):
+            raise TypeError(f"actions must be {self._action_dtype} {shape}, got {array.dtype}")
+        if array.shape != shape:
+            raise ValueError(f"actions must have the shape {shape}, got {array.shape}")
+        return np.ascontiguousarray(array, self._action_dtype).reshape(-1).view(np.uint8)
+
+    def _checked_frames(self, name: str, observations: Any) -> list[npt.NDArray[np.uint8]]:
+        if self._named and not (isinstance(observations, Mapping) and set(observations) >= set(self.stack_nums)):
+            raise TypeError(f"{name} must be a dict with the keys {', '.join(self.stack_nums)}")
+        result = []
+        for part, shape in zip(self._parts, self._frame_shapes, strict=True):
+            array = as_numpy(name, observations[part.name] if self._named else observations)
+            if array.dtype != np.uint8 or array.shape != shape:
+                raise ValueError(f"{name} must be uint8 {shape}, got {array.dtype} {array.shape}")
+            result.append(array)
+        return result
+
+    def _write_frames(self, arrays: list[npt.NDArray[np.uint8]]) -> None:
+        to = self.frames()
+        for part, array in zip(self._parts, arrays, strict=True):
+            np.copyto(to[part.name] if self._named else to, array)
+
+    def observations(self, *, stack_num: int | Mapping[str, int] | None = None, out: Any = None) -> Any:
+        """The present observations of all environments, on which to act.
+
+        Args:
+            stack_num: see `sample`.
+            out: a C-contiguous uint8 array or CPU tensor for them, or a dict of these.
+
+        Returns:
+            uint8 (num_envs, stack_num, *frame), see above, or a dict of such arrays; `out` if it was given.
+
+        Raises:
+            ValueError: before the first `reset`, or `out` does not fit.
+        """
+        stacks = check_stacks(self._options, stack_num)
+        shapes = {part.name: (self._lanes, *part.stacked(stacks[part.name])) for part in self._parts}
+        if out is None:
+            arrays = {name: np.empty(shape, np.uint8) for name, shape in shapes.items()}
+        else:
+            given = out if self._named else {"": out}
+            if not isinstance(given, Mapping) or set(given) != set(shapes):
+                raise TypeError(f"out must be a dict with the keys {', '.join(shapes)}")
+            arrays = {name: as_numpy("out", given[name]) for name in shapes}
+            for name, shape in shapes.items():
+                if arrays[name].shape != shape:
+                    raise ValueError(f"out must have the shape {shape}, got {arrays[name].shape}")
+        self._core.observe([stacks[name] for name in shapes], [arrays[name] for name in shapes])
+        return out if out is not None else arrays if self._named else arrays[""]
+
+    def make_batch(
+        self,
+        batch_size: int,
+        *,
+        stack_num: int | Mapping[str, int] | None = None,
+        torch: bool = False,
+        pin_memory: bool = False,
+    ) -> Batch:
+        """Arrays for `sample(batch_size, out=...)`, to be used again.
+
+        Args:
+            batch_size: transitions.
+            stack_num: see `sample`.
+            torch: tensors of PyTorch on the CPU.
+            pin_memory: tensors in page-locked memory, from which a GPU copies asynchronously; without CUDA no effect.
+
+        Raises:
+            gymnasium.error.DependencyNotInstalled: PyTorch is not installed.
+        """
+        stacks = check_stacks(self._options, stack_num)
+        return cast(Batch, make_batch(self._options, check_size(batch_size), 0, stacks, torch, pin_memory))
+
+    def make_sequences(
+        self,
+        batch_size: int,
+        length: int,
+        *,
+        stack_num: int | Mapping[str, int] | None = None,
+        torch: bool = False,
+        pin_memory: bool = False,
+    ) -> Sequences:
+        """Arrays for `sample_sequences(batch_size, length, out=...)`; see `make_batch`."""
+        stacks = check_stacks(self._options, stack_num)
+        size, length = check_size(batch_size), check_integer("length", length, 1, _SEQUENCE_MOST)
+        return cast(Sequences, make_batch(self._options, size, length, stacks, torch, pin_memory))
+
+    def sample(
+        self,
+        batch_size: int,
+        *,
+        n: int = 1,
+        gamma: float = 0.99,
+        beta: float | None = None,
+        stack_num: int | Mapping[str, int] | None = None,
+        out: Batch | None = None,
+    ) -> Batch:
+        """Transitions of up to n steps, drawn with replacement from all steps after which n steps, or an end, are known.
+
+        Args:
+            batch_size: how many.
+            n: steps of a transition; it ends earlier where its episode does.
+            gamma: discount of a step, within 0..1.
+            beta: draw by priority, in equal strata (Schaul et al. 2016), and with importance weights of this exponent;
+                None draws uniformly.
+            stack_num: frames in an observation, at most those of the memory; None is those.
+            out: a batch to write to, of `make_batch` or of your own arrays and CPU tensors.
+
+        Returns:
+            `out`, or new arrays.
+
+        Raises:
+            TypeError, ValueError: an argument does not fit, there is no step to draw yet, or all priorities are 0.
+        """
+        core, size = self._core, check_size(batch_size)
+        reach = check_integer("n", n, 1, 2**40)
+        batch = out if out is not None else self.make_batch(size, stack_num=stack_num)
+        target = target_of(batch, core, self._options, size, 0)
+        core.sample(target, reach, float(gamma), None if beta is None else float(beta), self._threads)
+        return batch
+
+    def sample_sequences(
+        self,
+        batch_size: int,
+        length: int,
+        *,
+        stack_num: int | Mapping[str, int] | None = None,
+        out: Sequences | None = None,
+    ) -> Sequences:
+        """Sequences of steps of one episode, whose starts are drawn uniformly with replacement.
+
+        A start is a step after which `length` steps, or an end, are known. `mask` says where the end came earlier.
+
+        Args:
+            batch_size: how many.
+            length: steps in each.
+            stack_num, out: see `sample`, and `make_sequences`.
+
+        Raises:
+            TypeError, ValueError: an argument does not fit, or there is no such sequence yet.
+        """
+        core, size = self._core, check_size(batch_size)
+        length = check_integer("length", length, 1, _SEQUENCE_MOST)
+        batch = out if out is not None else self.make_sequences(size, length, stack_num=stack_num)
+        core.sample(target_of(batch, core, self._options, size, length), length, 1.0, None, self._threads)
+        return batch
+
+    def update_priorities(self, indices: Any, priorities: Any) -> None:
+        """Set the priorities of sampled steps, before the exponent: commonly the magnitude of their TD errors.
+
+        New steps have the greatest priority so far, 1 at first. Steps that have been overwritten are left out.
+
+        Args:
+            indices: int64 (batch,), those of a `Batch`.
+            priorities: numbers (batch,), finite and not negative.
+
+        Raises:
+            TypeError, ValueError: the memory has no priorities, or an array does not fit; nothing has changed.
+        """
+        steps, values = as_numpy("indices", indices), as_numpy("priorities", priorities)
+        if steps.dtype.kind not in "iu" or values.dtype.kind not in "iuf":
+            raise TypeError(f"indices must be integers and priorities numbers, got {steps.dtype} and {values.dtype}")
+        if steps.ndim != 1 or values.shape != steps.shape:
+            raise ValueError(f"indices and priorities must be (batch,), got {steps.shape} and {values.shape}")
+        self._core.update_priorities(np.ascontiguousarray(steps, np.int64), np.ascontiguousarray(values, np.float64))
+
+    def __len__(self) -> int:
+        """Steps that `sample` can draw with n=1."""
+        return self._core.count(1)
+
+    def count(self, n: int = 1) -> int:
+        """Steps that `sample` can draw with this n."""
+        return self._core.count(check_integer("n", n, 1, 2**40))
+
+    @property
+    def steps(self) -> int:
+        """Steps ever added, those of all environments, ignored ones included."""
+        return self._core.numbers[1]
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of memory, or of the file, and of the index. If frames are compressed: those in use up to now."""
+        return self._core.numbers[3]
+
+    @property
+    def num_envs(self) -> int:
+        """Environments that step together."""
+        return self._lanes
+
+    @property
+    def capacity(self) -> int:
+        """The latest so many steps are kept."""
+        return self._options.capacity
+
+    @property
+    def stack_nums(self) -> dict[str, int]:
+        """The most frames in an observation, by part; the part "" if an observation is no dict."""
+        return dict(self._options.stack_num)
+
+    @property
+    def flushes(self) -> int:
+        """Times that the state was saved, also by itself."""
+        return self._core.numbers[2]
+
+    def flush(self, *, sync: bool = False) -> None:
+        """Make the present state the one that `open` finds.
+
+        After `margin` more steps the memory flushes by itself, because it would overwrite what this state needs. What
+        was flushed survives the end of the process, however it ends. Without a file nothing happens.
+
+        Args:
+            sync: wait until the disk has it, so that it also survives a loss of power.
+
+        Raises:
+            OSError: the disk reports an error; only with `sync`.
+        """
+        if self._file is None:
+            return
+        if sync:
+            self._file.sync()
+        self._core.save()
+        if sync:
+            self._file.sync()
+
+    def state(self) -> dict[str, Any]:
+        """A copy of all that the memory is, for checkpoints without a file. It is as large as the memory."""
+        self._core.save()
+        return storage.copy_of(self._options, self._block)
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Return to a state of this memory, or of another one with the same options.
+
+        Raises:
+            ValueError: the state is of a memory with other options, or damaged; nothing has changed.
+        """
+        with storage.naming("the state"):
+            options = storage.options_of(state["options"])
+            if options != self._options:
+                raise ValueError("it is of a replay memory with other options")
+            block = storage.allocate(options)
+            given = np.asarray(state["block"])
+            if given.dtype != np.uint8 or given.shape != block.shape:
+                raise ValueError(f"its block must be uint8 {block.shape}, got {given.dtype} {given.shape}")
+            block[:] = given
+            core = _emulator.ReplayMemory(options.geometry(), block)
+            core.load(True)
+        if self._file is None:
+            self._block, self._closed_core = block, core
+        else:
+            self._block[:] = block
+            self._core.load(True)
+
+    def close(self) -> None:
+        """Release the memory and the file, without a flush."""
+        self._closed_core = None
+        if self._file is not None:
+            self._file.close()
+
+    def __enter__(self) -> "ReplayMemory":
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
