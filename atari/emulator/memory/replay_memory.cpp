@@ -30,6 +30,7 @@ void ReplayMemory::reset() {
         return;
     }
     make_space(0);
+    frames_.store(state_.head);
     for (int64_t lane = 0; lane < geometry_.lanes; ++lane) {
         flags_[cell(state_.head, lane)] |= kNoStep;
         begin_row(lane, kFirst);

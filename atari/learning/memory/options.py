@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -125,9 +125,7 @@ class MemoryOptions:
         )
         if compress or compressed_bytes is not None:
             chosen = max(raw // 4, options._least_packed()) if compressed_bytes is None else compressed_bytes
-            options = cls(
-                **{**asdict(options), "compressed_bytes": check_integer("compressed_bytes", chosen, 1, 2**46)}
-            )
+            options = replace(options, compressed_bytes=check_integer("compressed_bytes", chosen, 1, 2**46))
         options.geometry()
         return options
 

@@ -363,7 +363,9 @@ class ReplayMemory:
         stack_num: int | Mapping[str, int] | None = None,
         out: Batch | None = None,
     ) -> Batch:
-        """Transitions of up to n steps, drawn with replacement from all steps after which n steps, or an end, are known.
+        """Transitions of up to n steps, drawn with replacement.
+
+        They begin with any step after which n steps, or the end of its episode, are known.
 
         Args:
             batch_size: how many.

@@ -62,7 +62,7 @@ class BlockFile:
 
     def __init__(self, file: BinaryIO, options: MemoryOptions) -> None:
         self.options = options
-        self._file = file
+        self._file, self._process = file, os.getpid()
         size = _PAGE + options.geometry().block_bytes
         self._map = mmap.mmap(file.fileno(), size)
         self.block: Block = np.frombuffer(self._map, np.uint8, offset=_PAGE)
@@ -117,7 +117,12 @@ class BlockFile:
 
     def close(self) -> None:
         """Give the file free for others. Arrays of its memory stay readable."""
+        if not self._file.closed and self._process == os.getpid():
+            _unlock(self._file)
         self._file.close()
+
+    def __del__(self) -> None:
+        self.close()
 
 
 def copy_of(options: MemoryOptions, block: Block) -> dict[str, Any]:
@@ -192,6 +197,14 @@ def _lock(file: BinaryIO, path: Path) -> None:
         fcntl.flock(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError as error:
         raise BlockingIOError(error.errno, f"{path} is in use by another replay memory; close that one") from None
+
+
+def _unlock(file: BinaryIO) -> None:
+    """Unlock a file that is mapped: the mapping holds the lock too."""
+    with suppress(ImportError, OSError):
+        import fcntl
+
+        fcntl.flock(file.fileno(), fcntl.LOCK_UN)
 
 
 def _gigabytes(size: int) -> str:

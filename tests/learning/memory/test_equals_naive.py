@@ -1,0 +1,140 @@
+"""`ReplayMemory` shows, bit for bit, what a memory of whole stacks shows."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from memory_streams import Stream, everything, same
+from naive_memory import NaiveMemory
+
+from atari.learning import ReplayMemory
+
+SHAPES = [(5, 6), (1, 4, 7), (3, 4, 3), (9,)]
+
+
+@st.composite
+def cases(draw: st.DrawFn) -> dict:
+    return {
+        "lanes": draw(st.integers(1, 4)),
+        "capacity": draw(st.integers(1, 60)),
+        "shape": draw(st.sampled_from(SHAPES)),
+        "stack": draw(st.integers(1, 5)),
+        "padding": draw(st.sampled_from(["zero", "reset"])),
+        "mode": draw(st.sampled_from(["next_step", "same_step", "disabled"])),
+        "compress": draw(st.booleans()),
+        "ends": draw(st.sampled_from([0.0, 0.03, 0.2, 0.7])),
+        "steps": draw(st.integers(1, 90)),
+        "resets": draw(st.sampled_from([0.0, 0.0, 0.1])),
+        "copied": draw(st.booleans()),
+        "threads": draw(st.integers(1, 2)),
+        "seed": draw(st.integers(0, 2**20)),
+    }
+
+
+def play(case: dict, **options: object) -> tuple[ReplayMemory, NaiveMemory, Stream]:
+    lanes, shape, mode = case["lanes"], case["shape"], case["mode"]
+    memory = ReplayMemory(
+        case["capacity"],
+        lanes,
+        shape,
+        stack_num=case["stack"],
+        padding=case["padding"],
+        autoreset_mode=mode,
+        compress=case["compress"],
+        final_frames=None if mode == "next_step" else 4 * case["capacity"] + 8 * lanes,
+        seed=case["seed"],
+        num_threads=case["threads"],
+        **options,
+    )
+    frame = shape[1:] if len(shape) >= 3 and shape[0] == 1 else shape
+    naive = NaiveMemory(case["capacity"], lanes, frame, case["stack"], case["padding"], mode)
+    stream = Stream(lanes, shape, mode, case["ends"], case["seed"])
+    reshaped = Reshaped(naive, (lanes, *frame))
+    stream.reset(memory, reshaped, first=True)
+    for _ in range(case["steps"]):
+        stream.step(memory, reshaped, copied=case["copied"])
+        if stream.random.random() < case["resets"]:
+            stream.reset(memory, reshaped)
+    return memory, naive, stream
+
+
+class Reshaped:
+    """Gives frames to a naive memory without the axis of length 1."""
+
+    def __init__(self, naive: NaiveMemory, shape: tuple[int, ...]) -> None:
+        self.naive, self.shape = naive, shape
+
+    def reset(self, frames: np.ndarray, mask: object = None, first: bool = False) -> None:
+        self.naive.reset(frames.reshape(self.shape), mask, first)
+
+    def add(self, *arguments: object) -> None:
+        *rest, frames, finals = arguments
+        self.naive.add(*rest, frames.reshape(self.shape), finals.reshape(self.shape))
+
+
+def compare(memory: ReplayMemory, naive: NaiveMemory, n: int, stack: int) -> None:
+    wanted = naive.transitions(n, 0.9, stack)
+    assert memory.count(n) == len(wanted)
+    if not wanted:
+        with pytest.raises(ValueError, match="no step to sample"):
+            memory.sample(1, n=n)
+        return
+    found = everything(memory, n=n, gamma=0.9, stack_num=stack)
+    assert sorted(found) == [row["indices"] for row in wanted]
+    for row in wanted:
+        same(found[row["indices"]], row)
+
+
+@settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
+@given(case=cases(), n=st.sampled_from([1, 2, 3, 7, 40]), data=st.data())
+def test_transitions(case: dict, n: int, data: st.DataObject) -> None:
+    memory, naive, _ = play(case)
+    assert np.array_equal(memory.observations().reshape(naive.observations().shape), naive.observations())
+    stack = data.draw(st.integers(1, case["stack"]))
+    compare(memory, naive, n, stack)
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@given(case=cases(), length=st.integers(1, 12))
+def test_sequences(case: dict, length: int) -> None:
+    memory, naive, _ = play(case)
+    if not memory.count(length):
+        return
+    batch = memory.sample_sequences(20, length)
+    known = {row["indices"] for row in naive.transitions(length, 1.0, 1)}
+    for i, index in enumerate(batch.indices):
+        assert index in known
+        wanted = naive.sequence(int(index), length, case["stack"])
+        same({name: getattr(batch, name)[i] for name in wanted}, wanted)
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@given(case=cases(), margin=st.integers(0, 40), n=st.sampled_from([1, 3]))
+def test_a_file_has_the_state_of_its_last_flush(
+    case: dict, margin: int, n: int, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    path = tmp_path_factory.mktemp("memory") / "replay"
+    memory, naive, stream = play(case, path=path, margin=margin)
+    memory.flush()
+    flushes = memory.flushes
+    wanted = naive.transitions(n, 0.9, case["stack"])
+    present = memory.observations()
+    shape = (case["lanes"], *present.shape[1:][-len(case["shape"]) :])
+    del shape
+    for _ in range(margin // case["lanes"]):
+        other = NaiveMemory(1, case["lanes"], case["shape"], 1, "zero", case["mode"])
+        other.reset(stream.frames())
+        stream.step(memory, other)
+    later = memory.flushes
+    memory.close()
+    reopened = ReplayMemory.open(path)
+    if later == flushes:
+        assert np.array_equal(reopened.observations(), present)
+        assert reopened.count(n) == len(wanted)
+        found = everything(reopened, n=n, gamma=0.9) if wanted else {}
+        for row in wanted:
+            same(found[row["indices"]], row)
+    reopened.close()
+    Path(path).unlink()

@@ -1,0 +1,228 @@
+"""The file of a `ReplayMemory`: what survives a kill, and what is refused."""
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from memory_streams import FIELDS, Stream, everything
+from naive_memory import NaiveMemory
+
+from atari.learning import ReplayMemory
+
+SHAPE = (4, 6)
+WORKER = """
+import sys
+import numpy as np
+from memory_streams import Stream
+from naive_memory import NaiveMemory
+from atari.learning import ReplayMemory
+
+path, mode, compress = sys.argv[1], sys.argv[2], sys.argv[3] == "1"
+memory = ReplayMemory(200, 2, (4, 6), autoreset_mode=mode, priority_exponent=0.6, seed=3, compress=compress,
+                      final_frames=200, path=path, margin=100)
+stream = Stream(2, (4, 6), mode, 0.1, 5)
+def naive():
+    other = NaiveMemory(1, 2, (4, 6), 1, "zero", mode)
+    other.reset(np.zeros((2, 4, 6), np.uint8))
+    return other
+stream.reset(memory, naive(), first=True)
+for step in range(330):
+    stream.step(memory, naive())
+memory.update_priorities(memory.sample(32, beta=0.4).indices, stream.random.random(32))
+memory.flush()
+expected = memory.sample(64, n=3, beta=0.5)
+np.savez(path + ".npz", **{name: getattr(expected, name) for name in %r + ("weights",)}, present=memory.observations())
+flushes = memory.flushes
+for step in range(40):
+    stream.step(memory, naive())
+    memory.update_priorities(memory.sample(8).indices, stream.random.random(8))
+assert memory.flushes == flushes
+print("ready", flush=True)
+while True:
+    memory.frames()[...] = 255
+    memory.update_priorities(memory.sample(8).indices, stream.random.random(8))
+"""
+
+
+@pytest.mark.parametrize("compress", ["0", "1"])
+@pytest.mark.parametrize("mode", ["next_step", "same_step", "disabled"])
+def test_a_killed_process_leaves_the_state_of_its_last_flush(tmp_path: Path, mode: str, compress: str) -> None:
+    path = tmp_path / "replay"
+    script = WORKER % (FIELDS,)
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    command = [sys.executable, "-c", script, str(path), mode, compress]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, env=environment) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == b"ready\n"
+        with pytest.raises(BlockingIOError, match="in use"):
+            ReplayMemory.open(path)
+        process.send_signal(signal.SIGKILL)
+    memory = ReplayMemory.open(path)
+    expected = np.load(f"{path}.npz")
+    assert np.array_equal(memory.observations(), expected["present"])
+    batch = memory.sample(64, n=3, beta=0.5)
+    for name in (*FIELDS, "weights"):
+        assert np.array_equal(getattr(batch, name), expected[name]), name
+    memory.close()
+
+
+def make(path: Path, compress: bool = False, mode: str = "same_step") -> ReplayMemory:
+    memory = ReplayMemory(
+        30,
+        2,
+        SHAPE,
+        stack_num=2,
+        autoreset_mode=mode,
+        priority_exponent=1.0,
+        seed=1,
+        compress=compress,
+        final_frames=8,
+        path=path,
+        margin=4,
+    )
+    stream = Stream(2, SHAPE, mode, 0.05, 2)
+    for step in range(40):
+        naive = NaiveMemory(1, 2, SHAPE, 1, "zero", mode)
+        naive.reset(np.zeros((2, *SHAPE), np.uint8))
+        if step == 0:
+            stream.reset(memory, naive, first=True)
+        stream.step(memory, naive)
+    memory.flush()
+    return memory
+
+
+def test_reopened_memory_goes_on(tmp_path: Path) -> None:
+    memory = make(tmp_path / "replay")
+    twin = make(tmp_path / "twin")
+    memory.close()
+    reopened = ReplayMemory.open(tmp_path / "replay")
+    for one in (reopened, twin):
+        stream = Stream(2, SHAPE, "same_step", 0.2, 9)
+        for _ in range(50):
+            naive = NaiveMemory(1, 2, SHAPE, 1, "zero", "same_step")
+            naive.reset(np.zeros((2, *SHAPE), np.uint8))
+            stream.step(one, naive)
+    first, second = reopened.sample(50, n=2, beta=1.0), twin.sample(50, n=2, beta=1.0)
+    for name in (*FIELDS, "weights"):
+        assert np.array_equal(getattr(first, name), getattr(second, name)), name
+
+
+@pytest.mark.parametrize("compress", [False, True])
+def test_damage_is_an_error_or_harmless(tmp_path: Path, compress: bool) -> None:
+    """Each byte that was changed is noticed, or the memory is the same as before."""
+    path = tmp_path / "replay"
+    memory = make(path, compress)
+    wanted = everything(memory, n=2)
+    memory.close()
+    good = path.read_bytes()
+    used = [i for i in range(0, len(good)) if good[i]]
+    random = np.random.default_rng(0)
+    places = [*range(0, 300, 7), *random.choice(used, 300), *random.integers(0, len(good), 100)]
+    errors = 0
+    for place in places:
+        damaged = bytearray(good)
+        damaged[place] ^= 1 << int(random.integers(8))
+        path.write_bytes(damaged)
+        try:
+            reopened = ReplayMemory.open(path)
+        except ValueError as error:
+            errors += str(path) in str(error)
+            continue
+        found = everything(reopened, n=2)
+        assert found.keys() == wanted.keys()
+        for index, row in found.items():
+            for name in FIELDS:
+                assert np.array_equal(row[name], wanted[index][name]), (place, name)
+        reopened.close()
+    assert errors > len(places) // 2
+
+
+@pytest.mark.parametrize("compress", [False, True])
+def test_unverified_damage_does_no_harm(tmp_path: Path, compress: bool) -> None:
+    path = tmp_path / "replay"
+    make(path, compress).close()
+    good = path.read_bytes()
+    random = np.random.default_rng(1)
+    for _ in range(150):
+        damaged = bytearray(good)
+        start = int(random.integers(8192, len(good)))
+        damaged[start : start + 64] = random.bytes(len(damaged[start : start + 64]))
+        path.write_bytes(damaged)
+        try:
+            memory = ReplayMemory.open(path, verify=False)
+        except ValueError:
+            continue
+        memory.sample(64, n=3)
+        memory.sample_sequences(8, 5)
+        memory.close()
+
+
+@pytest.mark.parametrize("size", [0, 1, 100, 8191, 8192, 20000, -1])
+def test_a_file_of_another_size_is_refused(tmp_path: Path, size: int) -> None:
+    path = tmp_path / "replay"
+    make(path).close()
+    good = path.read_bytes()
+    path.write_bytes(good[:size])
+    with pytest.raises(ValueError, match=r"replay"):
+        ReplayMemory.open(path)
+    path.write_bytes(good + b"x")
+    with pytest.raises(ValueError, match="should have"):
+        ReplayMemory.open(path)
+
+
+def test_other_files_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "replay"
+    path.write_bytes(b"x" * 100_000)
+    with pytest.raises(ValueError, match="no replay memory"):
+        ReplayMemory.open(path)
+    with pytest.raises(FileNotFoundError):
+        ReplayMemory.open(tmp_path / "other")
+    with pytest.raises(FileExistsError):
+        ReplayMemory(10, 1, SHAPE, path=path)
+    with pytest.raises((IsADirectoryError, PermissionError)):
+        ReplayMemory.open(tmp_path)
+
+
+def test_an_open_file_is_locked(tmp_path: Path) -> None:
+    path = tmp_path / "replay"
+    memory = make(path)
+    with pytest.raises(BlockingIOError, match="in use"):
+        ReplayMemory.open(path)
+    frames = memory.frames()
+    memory.close()
+    ReplayMemory.open(path).close()
+    frames[...] = 1  # the array is still memory
+    with pytest.raises(ValueError, match="closed"):
+        memory.sample(1)
+
+
+def test_a_full_disk_is_an_error_at_creation(tmp_path: Path) -> None:
+    path = tmp_path / "replay"
+    with pytest.raises(OSError, match="on the disk"):
+        ReplayMemory(2**24, 1, (1024, 1024), path=path)
+    assert not path.exists()
+
+
+def test_a_state_restores_a_memory(tmp_path: Path) -> None:
+    memory = make(tmp_path / "replay")
+    state = memory.state()
+    first = memory.sample(40, n=2, beta=0.3)
+    stream = Stream(2, SHAPE, "same_step", 0.2, 9)
+    for _ in range(20):
+        naive = NaiveMemory(1, 2, SHAPE, 1, "zero", "same_step")
+        naive.reset(np.zeros((2, *SHAPE), np.uint8))
+        stream.step(memory, naive)
+    memory.restore(state)
+    second = memory.sample(40, n=2, beta=0.3)
+    for name in (*FIELDS, "weights"):
+        assert np.array_equal(getattr(first, name), getattr(second, name)), name
+    with pytest.raises(ValueError, match="block"):
+        memory.restore({**state, "block": state["block"][:-1]})
+    broken = state["block"].copy()
+    broken[20] ^= 1
+    with pytest.raises(ValueError, match="damaged"):
+        memory.restore({**state, "block": broken})
