@@ -93,7 +93,7 @@ class AtariVectorEnv(VectorEnv):
         use_fire_reset: an episode begins with FIRE in games that have it.
         preset: name of a preprocessing, one of `atari.wrappers.PRESETS` (added). Environment i then is
             `atari.wrappers.preset(env, name)` with seed + i, to the byte: no-ops, FIRE, lost lives, pooling, padding
-            and limits are the preset's, and ale-py's options that shape them must be left out. An
+            and limits are the preset's, and ale-py's options that shape them must be left out, but `stack_num`. An
             `atari.protocols.Protocol` decides the same, but for the size, colours and number of the images.
         obs_type: "grayscale", "rgb", "ram" ((batch, 128), no stack), or "dict" of "image" and "ram"; None is what
             `grayscale` says (added).

@@ -241,7 +241,7 @@ _SHAPING = {
     "life_loss_info": False,
     "use_fire_reset": True,
 }
-"""The options that a preset decides, with their defaults: another value is an error."""
+"""The options that a preset decides, with their defaults: another value is an error, but for `stack_num`."""
 
 _IMAGE = frozenset(["img_height", "img_width", "grayscale", "stack_num"])
 """Those of them that a user's own `Protocol` leaves open."""
@@ -255,7 +255,7 @@ def _check_protocol(given: dict[str, Any]) -> Protocol:
     if isinstance(given["preset"], Protocol):
         return _check_own_protocol(given)
     if given["preset"] is not None:
-        _require_defaults(given, _SHAPING)
+        _require_defaults(given, {name: _SHAPING[name] for name in _SHAPING if name != "stack_num"})
         from atari.wrappers.presets import preset_protocol  # here, because it imports OpenCV
 
         return preset_protocol(

@@ -28,6 +28,11 @@ int equal_bytes(uint64_t difference) {
 // Returns how many bytes from `start` are equal.
 size_t match(const uint8_t* a, const uint8_t* b, size_t start, size_t end) {
     size_t i = start;
+    for (; i + 64 <= end; i += 64) {
+        uint64_t difference = 0;
+        for (size_t j = 0; j < 64; j += 8) difference |= word_at(a + i + j) ^ word_at(b + i + j);
+        if (difference) break;
+    }
     for (; i + 8 <= end; i += 8)
         if (const uint64_t difference = word_at(a + i) ^ word_at(b + i))
             return i + static_cast<size_t>(equal_bytes(difference)) - start;

@@ -124,7 +124,7 @@ class MemoryOptions:
             saved=saved,
         )
         if compress or compressed_bytes is not None:
-            chosen = max(raw // 4, options._least_packed()) if compressed_bytes is None else compressed_bytes
+            chosen = max(raw // 7, options._least_packed()) if compressed_bytes is None else compressed_bytes
             options = replace(options, compressed_bytes=check_integer("compressed_bytes", chosen, 1, 2**46))
         options.geometry()
         return options

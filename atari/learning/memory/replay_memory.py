@@ -61,7 +61,7 @@ class ReplayMemory:
             the capacity.
         compress: store frames compressed, without loss.
         compressed_bytes: space for compressed frames; a memory that needs more forgets its oldest steps earlier. None
-            is a quarter of the bytes of the frames. Memory that is never needed is not taken, but a file has it all.
+            is a seventh of the bytes of the frames. Memory that is never needed is not taken, but a file has it all.
         seed: of the generator that samples; None is random.
         num_threads: threads that `sample` may use, the caller's included.
         path: a file that holds the memory. It is as large as the memory can get, it must not exist, and `open`

@@ -1,0 +1,124 @@
+"""`ReplayMemory` beside environments that make the stacks themselves."""
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode
+from memory_streams import row_of
+
+import atari
+from atari.learning import ReplayMemory
+
+MODES = [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP, AutoresetMode.DISABLED]
+
+
+def play(
+    memory: ReplayMemory, envs: Any, stacked: Any, steps: int, mode: AutoresetMode, copied: bool = False
+) -> dict[int, dict[str, Any]]:
+    """Plays the same in both; by index, the transitions that the stacked environments have shown."""
+    random = np.random.default_rng(0)
+    lanes = envs.num_envs
+    observations, _ = envs.reset(seed=7)
+    before, _ = stacked.reset(seed=7)
+    memory.reset(observations)
+    waiting = np.zeros(lanes, bool)
+    wanted: dict[int, dict[str, Any]] = {}
+    for step in range(steps):
+        assert np.array_equal(memory.observations().reshape(before.shape), before)
+        actions = random.integers(0, envs.single_action_space.n, lanes)
+        observations, rewards, terminated, truncated, info = envs.step(
+            actions, **({} if copied else {"out": memory.frames()})
+        )
+        memory.add(actions, rewards, terminated, truncated, info, observations=observations if copied else None)
+        after, _, _, _, stacked_info = stacked.step(actions)
+        ended = terminated | truncated
+        for lane in np.flatnonzero(~waiting):
+            final = mode == AutoresetMode.SAME_STEP and ended[lane]
+            wanted[step * lanes + lane] = {
+                "observations": before[lane],
+                "actions": actions[lane],
+                "rewards": np.float32(rewards[lane]),
+                "next_observations": stacked_info["final_obs"][lane] if final else after[lane],
+                "terminations": terminated[lane],
+                "truncations": truncated[lane],
+            }
+        before = np.array(after)
+        waiting = ended & (mode == AutoresetMode.NEXT_STEP)
+        if mode == AutoresetMode.DISABLED and ended.any():
+            reset, _ = envs.reset(options={"reset_mask": ended})
+            memory.reset(reset, ended)
+            before = np.array(stacked.reset(options={"reset_mask": ended})[0])
+    return wanted
+
+
+def compare(memory: ReplayMemory, wanted: dict[int, dict[str, Any]]) -> None:
+    assert len(memory) == len(wanted)
+    seen = set()
+    for _ in range(12):
+        batch = memory.sample(500)
+        for i, index in enumerate(batch.indices):
+            row = row_of(batch, i)
+            for name, value in wanted[int(index)].items():
+                assert np.array_equal(row[name].reshape(np.shape(value)), value), (index, name)
+            seen.add(int(index))
+    assert len(seen) > 0.8 * len(wanted)
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("preset", [None, "dqn2015", "machado2018", "gymnasium", "envpool", "ale_vector"])
+def test_stacks_are_those_of_the_preset(preset: str | None, mode: AutoresetMode) -> None:
+    options = {"num_threads": 1, "autoreset_mode": mode}
+    options |= {"episodic_life": True} if preset is None else {"preset": preset}
+    envs = atari.AtariVectorEnv("breakout", 3, stack_num=1, **options)
+    stacked = atari.AtariVectorEnv("breakout", 3, **options)
+    memory = ReplayMemory.for_env(envs, 3000, seed=0)
+    wanted = play(memory, envs, stacked, 300, mode)
+    assert sum(row["terminations"] for row in wanted.values()) >= 3
+    compare(memory, wanted)
+
+
+@pytest.mark.parametrize("mode", MODES[:2])
+def test_a_vector_environment_of_gymnasium(mode: AutoresetMode) -> None:
+    def make(stack: int) -> gymnasium.vector.VectorEnv:
+        def one() -> gymnasium.Env:
+            env = atari.AtariEnv("breakout", frameskip=4, obs_type="grayscale", max_num_frames_per_episode=200)
+            return gymnasium.wrappers.FrameStackObservation(env, stack, padding_type="zero")
+
+        return gymnasium.vector.SyncVectorEnv([one, one], autoreset_mode=mode)
+
+    envs, stacked = make(1), make(4)
+    memory = ReplayMemory.for_env(envs, 500, seed=0, compress=True)
+    compare(memory, play(memory, envs, stacked, 150, mode, copied=True))
+
+
+def test_a_dict_of_image_and_ram() -> None:
+    envs = atari.AtariVectorEnv("pong", 2, stack_num=1, obs_type="dict", autoreset_mode="SameStep")
+    memory = ReplayMemory.for_env(envs, 100)
+    observations, _ = envs.reset(seed=0)
+    memory.reset(observations)
+    rams = [observations["ram"].copy()]
+    for _ in range(20):
+        observations, *rest = envs.step(np.zeros(2, np.int64), out=memory.frames())
+        memory.add(np.zeros(2, np.int64), *rest)
+        rams.append(observations["ram"].copy())
+    batch = memory.sample(50)
+    assert batch.observations["image"].shape == (50, 4, 84, 84)
+    for i, index in enumerate(batch.indices):
+        assert np.array_equal(batch.observations["ram"][i], rams[index // 2][index % 2])
+        assert np.array_equal(batch.next_observations["ram"][i], rams[index // 2 + 1][index % 2])
+
+
+def test_environments_that_do_not_fit() -> None:
+    for options, text in (
+        ({}, "stack_num=1"),
+        ({"stack_num": 1, "channels_last": True}, "channels_last"),
+        ({"stack_num": 1, "life_loss_info": True}, "life_loss_info"),
+        ({"stack_num": 1, "preset": "envpool", "episodic_life": True}, "episodic_life"),
+        ({"stack_num": 1, "batch_size": 1}, "batch_size"),
+    ):
+        with pytest.raises(ValueError, match=text):
+            ReplayMemory.for_env(atari.AtariVectorEnv("pong", 2, **options), 100)
+    with pytest.raises(TypeError, match="uint8"):
+        ReplayMemory.for_env(gymnasium.make_vec("CartPole-v1", 2), 100)
