@@ -115,11 +115,11 @@ def target_of(
     Raises:
         TypeError, ValueError: the batch is of another size or kind.
     """
-    if batch._target and batch._target[0] == (id(core), size, length):
-        return cast(_emulator.ReplayTarget, batch._target[1])
     kind = Sequences if length else Batch
     if not isinstance(batch, kind):
         raise TypeError(f"out must be a {kind.__name__}, got {type(batch).__name__}")
+    if batch._target and batch._target[0] == (id(core), size, length):
+        return cast(_emulator.ReplayTarget, batch._target[1])
     steps = (size, length) if length else (size,)
     shown = (size, length + 1) if length else (size,)
     observations, stacks = _parts("observations", batch.observations, options, shown)

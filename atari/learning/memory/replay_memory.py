@@ -129,6 +129,7 @@ class ReplayMemory:
         self._lanes = options.num_envs
         self._lane_shape = (self._lanes,)
         self._action_shape, self._action_dtype = tuple(options.action_shape), np.dtype(options.action_dtype)
+        self._started = False  # as far as `add` has seen
         self._mode = check_mode(options.autoreset_mode)
         self._frame_shapes = [(self._lanes, *part.shape) for part in self._parts]
         self._closed_core: _emulator.ReplayMemory | None = _emulator.ReplayMemory(options.geometry(), block)
@@ -246,9 +247,10 @@ class ReplayMemory:
         finals: list[Any] = []
         if self._mode == AutoresetMode.SAME_STEP and (terminations.any() or truncations.any()):
             finals = final_observations(info, terminations | truncations, self._parts, self._named)
+        if not self._started and not core.numbers[0]:
+            raise gymnasium.error.ResetNeeded("call reset(observations) before the first add")
+        self._started = True
         if observations is not None:
-            if not core.numbers[0]:
-                raise gymnasium.error.ResetNeeded("call reset(observations) before the first add")
             self._write_frames(self._checked_frames("observations", observations))
         core.add(actions, rewards, terminations, truncations, finals)
 
@@ -373,7 +375,7 @@ class ReplayMemory:
             gamma: discount of a step, within 0..1.
             beta: draw by priority, in equal strata (Schaul et al. 2016), and with importance weights of this exponent;
                 None draws uniformly.
-            stack_num: frames in an observation, at most those of the memory; None is those.
+            stack_num: frames in an observation, at most those of the memory; None is those, or those of `out`.
             out: a batch to write to, of `make_batch` or of your own arrays and CPU tensors.
 
         Returns:
@@ -384,6 +386,8 @@ class ReplayMemory:
         """
         core, size = self._core, check_size(batch_size)
         reach = check_integer("n", n, 1, 2**40)
+        if out is not None and stack_num is not None:
+            raise ValueError("out has a number of frames; leave stack_num out")
         batch = out if out is not None else self.make_batch(size, stack_num=stack_num)
         target = target_of(batch, core, self._options, size, 0)
         core.sample(target, reach, float(gamma), None if beta is None else float(beta), self._threads)
@@ -411,6 +415,8 @@ class ReplayMemory:
         """
         core, size = self._core, check_size(batch_size)
         length = check_integer("length", length, 1, _SEQUENCE_MOST)
+        if out is not None and stack_num is not None:
+            raise ValueError("out has a number of frames; leave stack_num out")
         batch = out if out is not None else self.make_sequences(size, length, stack_num=stack_num)
         core.sample(target_of(batch, core, self._options, size, length), length, 1.0, None, self._threads)
         return batch

@@ -1,0 +1,229 @@
+"""Bad input of `ReplayMemory`: errors, before anything changes."""
+
+import multiprocessing
+import os
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+from atari.learning import Batch, ReplayMemory
+
+FRAMES = np.zeros((2, 3, 4), np.uint8)
+NO = np.zeros(2, bool)
+
+
+def make(**options: Any) -> ReplayMemory:
+    return ReplayMemory(**{"capacity": 20, "num_envs": 2, "observation_shape": (3, 4), "seed": 0, **options})
+
+
+def filled(steps: int = 5, **options: Any) -> ReplayMemory:
+    memory = make(**options)
+    memory.reset(FRAMES)
+    for step in range(steps):
+        memory.add(np.array([1, 2]), np.array([step, 1.0]), NO, NO, observations=FRAMES + step)
+    return memory
+
+
+@pytest.mark.parametrize(
+    ("options", "error"),
+    [
+        ({"capacity": 0}, ValueError),
+        ({"capacity": 2.5}, TypeError),
+        ({"capacity": True}, TypeError),
+        ({"capacity": 2**70}, ValueError),
+        ({"capacity": 2**40, "observation_shape": (1000, 1000)}, ValueError),
+        ({"num_envs": 0}, ValueError),
+        ({"num_envs": 2**30}, ValueError),
+        ({"observation_shape": ()}, ValueError),
+        ({"observation_shape": (0, 3)}, ValueError),
+        ({"observation_shape": (-1, 3)}, ValueError),
+        ({"observation_shape": 84}, TypeError),
+        ({"observation_shape": {}}, ValueError),
+        ({"observation_shape": {1: (3,)}}, ValueError),
+        ({"observation_shape": (2**20, 2**20)}, ValueError),
+        ({"stack_num": 0}, ValueError),
+        ({"stack_num": 10**6}, ValueError),
+        ({"stack_num": {"image": 4}}, ValueError),
+        ({"padding": "first"}, ValueError),
+        ({"autoreset_mode": "never"}, ValueError),
+        ({"action_shape": (0,)}, ValueError),
+        ({"action_shape": (10**6,)}, ValueError),
+        ({"action_dtype": "O"}, TypeError),
+        ({"action_dtype": "no"}, TypeError),
+        ({"priority_exponent": -1}, ValueError),
+        ({"priority_exponent": float("nan")}, ValueError),
+        ({"priority_exponent": "1"}, TypeError),
+        ({"final_frames": 1, "autoreset_mode": "same_step"}, ValueError),
+        ({"compressed_bytes": 10}, ValueError),
+        ({"seed": -1}, ValueError),
+        ({"num_threads": 0}, ValueError),
+        ({"margin": -1}, ValueError),
+        ({"path": 3}, TypeError),
+    ],
+)
+def test_options(options: dict[str, Any], error: type[Exception]) -> None:
+    with pytest.raises(error):
+        make(**options)
+
+
+def test_more_memory_than_there_is() -> None:
+    with pytest.raises(MemoryError, match=r"needs .* GB and .* are available"):
+        ReplayMemory(2**32, 1, (84, 84))
+
+
+@pytest.mark.parametrize(
+    ("change", "error"),
+    [
+        ({"actions": np.zeros(3, int)}, ValueError),
+        ({"actions": np.zeros((2, 1), int)}, ValueError),
+        ({"actions": np.zeros(2)}, TypeError),
+        ({"actions": [0, 1]}, TypeError),
+        ({"rewards": np.zeros(3)}, ValueError),
+        ({"rewards": np.array(["a", "b"])}, ValueError),
+        ({"rewards": np.array([0, np.nan])}, ValueError),
+        ({"rewards": np.array([0, np.inf])}, ValueError),
+        ({"rewards": np.array([0, 1e300])}, ValueError),
+        ({"terminations": np.zeros(2, int)}, ValueError),
+        ({"terminations": np.zeros(1, bool)}, ValueError),
+        ({"truncations": None}, TypeError),
+        ({"observations": FRAMES[:1]}, ValueError),
+        ({"observations": FRAMES.astype(float)}, ValueError),
+        ({"observations": {"": FRAMES}}, TypeError),
+        ({"terminations": ~NO}, ValueError),
+        ({"terminations": ~NO, "info": {"final_obs": FRAMES[:1]}}, ValueError),
+        ({"terminations": ~NO, "info": {"final_obs": np.array([None, None])}}, ValueError),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:overflow")
+def test_add(change: dict[str, Any], error: type[Exception]) -> None:
+    memory = filled(autoreset_mode="same_step")
+    before = memory.observations()
+    good = {"actions": np.array([1, 2]), "rewards": np.zeros(2), "terminations": NO, "truncations": NO}
+    with pytest.raises(error):
+        memory.add(**{**good, "observations": FRAMES, **change})
+    assert (memory.steps, len(memory)) == (10, 10)
+    assert np.array_equal(memory.observations(), before)
+
+
+def test_order_of_calls() -> None:
+    memory = make()
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        memory.add(np.array([1, 2]), np.zeros(2), NO, NO, observations=FRAMES)
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        memory.add(np.array([1, 2]), np.zeros(2), NO, NO)
+    with pytest.raises(ValueError, match="reset"):
+        memory.observations()
+    with pytest.raises(ValueError, match="no step to sample"):
+        memory.sample(1)
+    with pytest.raises(ValueError, match="without a mask"):
+        memory.reset(FRAMES, ~NO)
+    memory.reset(FRAMES)
+    with pytest.raises(ValueError, match="autoreset_mode"):
+        memory.reset(FRAMES, ~NO)
+    with pytest.raises(ValueError, match="mask"):
+        memory.reset(FRAMES, np.ones(2))
+    memory.close()
+    memory.close()
+    with pytest.raises(ValueError, match="closed"):
+        memory.frames()
+
+
+@pytest.mark.parametrize(
+    ("options", "error"),
+    [
+        ({"batch_size": 0}, ValueError),
+        ({"batch_size": 2**40}, ValueError),
+        ({"batch_size": 1.5}, TypeError),
+        ({"n": 0}, ValueError),
+        ({"n": 6}, ValueError),
+        ({"gamma": 1.5}, ValueError),
+        ({"gamma": float("nan")}, ValueError),
+        ({"gamma": "a"}, (TypeError, ValueError)),
+        ({"beta": 0.5}, ValueError),
+        ({"stack_num": 5}, ValueError),
+        ({"stack_num": {"a": 1}}, ValueError),
+        ({"out": 3}, TypeError),
+        ({"batch_size": 3, "out": 4}, ValueError),
+    ],
+)
+def test_sample(options: dict[str, Any], error: Any) -> None:
+    memory = filled()
+    if options.get("out") == 4:
+        options = {**options, "out": memory.make_batch(4)}
+    with pytest.raises(error):
+        memory.sample(**{"batch_size": 4, **options})
+
+
+def test_arrays_of_your_own() -> None:
+    memory, twin = filled(), filled()
+    good = memory.make_batch(4)
+    fields = {name: getattr(good, name) for name in Batch.__dataclass_fields__ if name != "_target"}
+    mine = Batch(**fields)
+    assert memory.sample(4, out=mine) is mine
+    assert np.array_equal(mine.observations, twin.sample(4).observations)
+    read_only = np.zeros(4, np.float32)
+    read_only.flags.writeable = False
+    for name, array in (
+        ("observations", np.zeros((4, 4, 3, 5), np.uint8)),
+        ("observations", np.zeros((4, 4, 3, 4), np.int8)),
+        ("observations", np.zeros((4, 4, 3, 8), np.uint8)[..., ::2]),
+        ("next_observations", np.zeros((4, 3, 3, 4), np.uint8)),
+        ("actions", np.zeros(4, np.int32)),
+        ("rewards", np.zeros(4)),
+        ("rewards", read_only),
+        ("indices", [0, 0, 0, 0]),
+    ):
+        with pytest.raises((TypeError, ValueError)):
+            memory.sample(4, out=Batch(**{**fields, name: array}))
+
+
+def test_a_batch_of_another_memory() -> None:
+    small, large = filled(), ReplayMemory(20, 2, (30, 40), seed=0)
+    large.reset(np.zeros((2, 30, 40), np.uint8))
+    large.add(np.array([1, 2]), np.zeros(2), NO, NO)
+    batch = small.make_batch(4)
+    small.sample(4, out=batch)
+    with pytest.raises(ValueError, match="observations"):
+        large.sample(4, out=batch)
+
+
+def test_resizing_an_array_of_a_batch_is_refused() -> None:
+    memory = filled()
+    batch = memory.make_batch(4)
+    memory.sample(4, out=batch)
+    with pytest.raises(ValueError, match="resize"):
+        batch.rewards.resize(1, refcheck=False)
+    memory.sample(4, out=batch)
+
+
+def test_tensors_of_torch() -> None:
+    torch = pytest.importorskip("torch")
+    memory, twin = filled(), filled()
+    batch = memory.make_batch(6, torch=True, pin_memory=True)
+    assert memory.sample(6, n=2, out=batch) is batch
+    other = twin.sample(6, n=2)
+    assert batch.observations.dtype == torch.uint8
+    for name in ("observations", "next_observations", "actions", "rewards", "discounts", "truncations"):
+        assert np.array_equal(getattr(batch, name).numpy(), getattr(other, name))
+    memory.add(torch.tensor([1, 2]), torch.zeros(2), torch.zeros(2, dtype=torch.bool), NO, observations=FRAMES)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
+def test_a_forked_process_is_refused() -> None:
+    memory = filled()
+
+    def child(pipe: Any) -> None:
+        try:
+            memory.sample(1)
+        except RuntimeError as error:
+            pipe.send(str(error))
+
+    receiver, sender = multiprocessing.Pipe()
+    process = multiprocessing.get_context("fork").Process(target=child, args=(sender,))
+    process.start()
+    assert receiver.poll(20)
+    assert "forked" in receiver.recv()
+    process.join()

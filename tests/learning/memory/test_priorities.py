@@ -1,0 +1,119 @@
+"""Sampling by priority, beside the definition of Schaul et al. 2016."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from atari.learning import ReplayMemory
+
+
+def filled(steps: int, lanes: int = 1, *, ends: tuple[int, ...] = (), exponent: float = 0.6, **options) -> ReplayMemory:
+    """A memory in which the reward of a step is its row."""
+    memory = ReplayMemory(1000, lanes, (2, 2), priority_exponent=exponent, seed=0, **options)
+    frames = np.zeros((lanes, 2, 2), np.uint8)
+    memory.reset(frames)
+    for row in range(steps):
+        ended = np.full(lanes, row in ends)
+        memory.add(np.zeros(lanes, int), np.full(lanes, row, float), ended, ~ended & False, observations=frames)
+    return memory
+
+
+def test_weights_are_exact_and_draws_stratified() -> None:
+    memory = filled(200)
+    priorities = np.random.default_rng(0).random(200) ** 3
+    priorities[::7] = 0
+    memory.update_priorities(np.arange(200), priorities)
+    mass = priorities**0.6
+    probability = mass / mass.sum()
+    edges = np.concatenate([[0], np.cumsum(mass)])
+    for beta in (0.0, 0.4, 1.0):
+        batch = memory.sample(64, beta=beta)
+        weights = (200 * probability[batch.indices]) ** -beta
+        np.testing.assert_allclose(batch.weights, weights / weights.max(), rtol=1e-6)
+        for stratum, index in enumerate(batch.indices):
+            low, high = stratum / 64 * edges[-1], (stratum + 1) / 64 * edges[-1]
+            assert edges[index] < high + 1e-9
+            assert edges[index + 1] > low - 1e-9
+            assert priorities[index] > 0
+
+
+def test_frequencies_are_the_probabilities() -> None:
+    memory = filled(50, exponent=1.0)
+    priorities = np.arange(50.0)
+    memory.update_priorities(np.arange(50), priorities)
+    counts = np.bincount(np.concatenate([memory.sample(25, beta=0.5).indices for _ in range(4000)]), minlength=50)
+    expected = priorities / priorities.sum() * 100_000
+    assert counts[0] == 0
+    assert (np.abs(counts - expected) < 6 * np.sqrt(expected + 1)).all()
+
+
+def test_uniform_frequencies() -> None:
+    memory = filled(50, lanes=3, ends=(10, 30))
+    wanted = {index for index in range(150) if index // 3 not in (11, 31)}
+    counts = np.bincount(np.concatenate([memory.sample(100).indices for _ in range(1000)]), minlength=150)
+    assert set(np.flatnonzero(counts)) == wanted
+    expected = 100_000 / len(wanted)
+    assert (np.abs(counts[sorted(wanted)] - expected) < 6 * np.sqrt(expected)).all()
+
+
+def test_steps_within_the_reach_of_n_are_not_drawn() -> None:
+    memory = filled(100, ends=(96,))
+    memory.update_priorities(np.array([95, 96, 98, 99]), np.full(4, 1e6))
+    drawn = set(np.concatenate([memory.sample(32, n=3, beta=1.0).indices for _ in range(50)]))
+    assert {95, 96} <= drawn
+    assert not drawn & {97, 98, 99}  # 97 is the ignored step; 98 and 99 have no third step yet
+    assert 99 in memory.sample(32, beta=1.0).indices  # its priority is as it was
+
+
+def test_priorities_of_overwritten_steps_have_no_effect() -> None:
+    memory = ReplayMemory(10, 1, (2, 2), priority_exponent=1.0, seed=0)
+    frames = np.zeros((1, 2, 2), np.uint8)
+    memory.reset(frames)
+    no = np.zeros(1, bool)
+    for _ in range(25):
+        memory.add(np.zeros(1, int), np.zeros(1), no, no, observations=frames)
+    memory.update_priorities(np.arange(25), np.where(np.arange(25) < 15, 1e9, 1.0))
+    batch = memory.sample(1000, beta=1.0)
+    assert batch.indices.min() == 15
+    assert (batch.weights == 1).all()
+    memory.add(np.zeros(1, int), np.zeros(1), no, no, observations=frames)
+    assert 25 in memory.sample(100, beta=1.0).indices
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.lists(st.tuples(st.integers(0, 39), st.floats(0, 1e3)), max_size=60))
+def test_the_last_of_equal_indices_counts(updates: list[tuple[int, float]]) -> None:
+    memory = filled(40, exponent=1.0)
+    mass = np.ones(40)
+    for index, priority in updates:
+        mass[index] = priority
+    memory.update_priorities(np.array([i for i, _ in updates], int), np.array([p for _, p in updates], float))
+    if mass.sum() == 0:
+        return
+    batch = memory.sample(32, beta=1.0)
+    weights = 1 / mass[batch.indices]
+    np.testing.assert_allclose(batch.weights, weights / weights.max(), rtol=1e-5)
+
+
+def test_bad_priorities_change_nothing() -> None:
+    memory = filled(10)
+    for indices, priorities, error in (
+        ([0, 1], [1.0, -1.0], ValueError),
+        ([0, 1], [1.0, np.nan], ValueError),
+        ([0, 1], [1.0, np.inf], ValueError),
+        ([0, 99], [1.0, 1.0], ValueError),
+        ([0, -1], [1.0, 1.0], ValueError),
+        ([0, 1], [1.0], ValueError),
+        ([0.5], [1.0], TypeError),
+        (["a"], [1.0], TypeError),
+    ):
+        with pytest.raises(error):
+            memory.update_priorities(np.array(indices), np.array(priorities))
+    memory.update_priorities(np.array([], int), np.array([]))
+    assert (memory.sample(10, beta=1.0).weights == 1).all()
+    memory.update_priorities(np.arange(10), np.zeros(10))
+    with pytest.raises(ValueError, match="are 0"):
+        memory.sample(1, beta=1.0)
+    with pytest.raises(ValueError, match="priority_exponent"):
+        ReplayMemory(10, 1, (2, 2)).update_priorities(np.array([0]), np.array([1.0]))
