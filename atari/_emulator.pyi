@@ -594,6 +594,13 @@ class Batch:
         (5, rows): terminated, truncated, game over, has a final observation, a game ended.
         """
 
+    def aimed_at(
+        self, pixels: numpy.typing.NDArray[numpy.uint8] | None, ram: numpy.typing.NDArray[numpy.uint8] | None
+    ) -> Batch:
+        """
+        A batch with other arrays of observations, which shares the other arrays.
+        """
+
 class MemberSnapshot:
     """The state of an environment of a vector, in memory. It can be pickled."""
 
@@ -754,6 +761,11 @@ class ReplayMemory:
     ) -> None:
         """
         Complete a step of all lanes; the next row's frames have been written. `actions` are bytes.
+        """
+
+    def try_add(self, actions: object, rewards: object, terminated: object, truncated: object) -> bool:
+        """
+        As `add`, if the arrays are int64, int32 and bool, of one axis; returns whether they were.
         """
 
     def observe(self, stacks: Sequence[int], to: Sequence[numpy.typing.NDArray[numpy.uint8]]) -> None: ...

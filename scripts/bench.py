@@ -13,6 +13,9 @@ Suites:
             `AtariVectorEnv` beside ale-py's and EnvPool's; then RGB, RAM, one thread beside several, the cost of a call
     sizes   the same over numbers of environments, by default of one game: the others take a minute to make 1024;
             scripts/plot_vector.py draws what --json writes
+    memory  sampling from a `ReplayMemory`, uniform and by priority, beside the buffers of Stable-Baselines3, TorchRL,
+            cpprb and Dopamine where they are installed; adding to it; and its size, plain and compressed. By default
+            times of one game and sizes of all
 
 Each number is the median over the rounds; in each round every contestant runs once, in turn, so that a slow phase of
 the machine affects all of them. All play the same actions. The ratio is that of the medians. `raw` over all games takes
@@ -33,6 +36,7 @@ from typing import Any
 import atari
 
 sys.path.insert(0, str(Path(__file__).parent))  # PYTHONSAFEPATH leaves it out
+import bench_memory
 from bench_suites import SUITES, Comparison, without_envpool
 
 Times = dict[str, list[float]]
@@ -40,7 +44,10 @@ Times = dict[str, list[float]]
 
 GAMES = ["breakout", "pong", "ms_pacman", "seaquest", "space_invaders", "montezuma_revenge", "qbert", "enduro"]
 
-PACKAGES = ("atari-envs", "ale-py", "envpool", "gymnasium", "numpy")
+PACKAGES = (
+    *("atari-envs", "ale-py", "envpool", "gymnasium", "numpy"),
+    *("stable-baselines3", "torchrl", "cpprb", "dopamine-rl", "torch"),
+)
 
 
 def measure(comparisons: list[Comparison], game: str, steps: int, rounds: int) -> dict[str, Times]:
@@ -171,7 +178,7 @@ def main() -> None:
     options = parser.parse_args()
     if min(options.steps, options.rounds, *options.envs) < 1:
         parser.error("--steps, --rounds and --envs take whole numbers of at least 1")
-    games = options.games or (GAMES[:1] if options.suite == "sizes" else GAMES)
+    games = options.games or (GAMES[:1] if options.suite in ("sizes", "memory") else GAMES)
     if games == ["all"]:
         games = [game.id for game in atari.games.playable()]
     for game in games:
@@ -184,6 +191,8 @@ def main() -> None:
         results[game] = measure(comparisons, game, options.steps, options.rounds)
     for comparison in comparisons:
         print(table(comparison.name, {game: times[comparison.name] for game, times in results.items()}), end="\n\n")
+    if options.suite == "memory":
+        print(bench_memory.bytes_table(options.games or GAMES))
     if options.json:
         run = {"suite": options.suite, "steps": options.steps, "rounds": options.rounds}
         document = {**run, **circumstances(), "unit": "microseconds, one value a round", "results": results}

@@ -16,6 +16,9 @@ import numpy as np
 
 import atari
 
+sys.path.insert(0, str(Path(__file__).parent))  # PYTHONSAFEPATH leaves it out
+import bench_memory
+
 Run = Callable[[int], float]
 """Takes a number of steps and returns the seconds they took."""
 
@@ -114,6 +117,12 @@ def sizes(counts: Iterable[int]) -> Iterator[Comparison]:
         yield Comparison(f"{count} x 84x84 gray", sides, min(4.0, max(0.5, count / 16)))
 
 
+def memory() -> Iterator[Comparison]:
+    """Sampling from a replay memory, and adding to it."""
+    for name, part, sides in bench_memory.contestants():
+        yield Comparison(name, [Contestant(*side) for side in sides], part)
+
+
 SUITES: dict[str, Callable[..., Iterator[Comparison]]] = {
     "raw": raw,
     "state": state,
@@ -121,6 +130,7 @@ SUITES: dict[str, Callable[..., Iterator[Comparison]]] = {
     "preset": preset,
     "vector": vector,
     "sizes": sizes,
+    "memory": memory,
 }
 
 

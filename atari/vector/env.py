@@ -172,6 +172,7 @@ class AtariVectorEnv(VectorEnv):
         self.single_observation_space = options.layout.space(options.observation_space())
         self.action_space = batch_space(self.single_action_space, self.batch_size)
         self._buffers = [Results(self._engine, options) for _ in range(2)]
+        self._out_results: Results | None = None  # of the last step with `out`
         self._flying: Results | None = None  # what the environments are writing to
         self._chosen: IntArray | None = None  # of all environments, those that are being played
         self._phase: Literal["new", "idle", "sent"] = "new"
@@ -477,7 +478,7 @@ class AtariVectorEnv(VectorEnv):
     def _release(self) -> None:
         self._engine = None
         self._phase = "new"
-        self._flying = None
+        self._flying = self._out_results = None
         self._buffers = []
 
     def _choices(self, engine: _emulator.VectorEngine) -> dict[str, list[int]]:
@@ -512,7 +513,11 @@ class AtariVectorEnv(VectorEnv):
         if out is not None:
             if not self._options.layout.is_engines:
                 raise ValueError("out is filled as the engine writes: leave it, or channels_last and dtype, out")
-            return Results(engine, self._options, out)
+            if self._out_results is None or self._out_results.lent():
+                self._out_results = Results(engine, self._options, out)
+            else:
+                self._out_results = self._out_results.aimed_at(out)
+            return self._out_results
         if not (buffers := self._buffers):  # A signal handler may close the environment during a step.
             raise _closed()
         older, newer = buffers

@@ -37,7 +37,7 @@ class Results:
         parts = space.spaces if isinstance(space, spaces.Dict) else {"": space}
         self._named = isinstance(space, spaces.Dict)
         self._shape = (rows, *(space.shape or ()))
-        shapes = {name: (rows, *(part.shape or ())) for name, part in parts.items()}
+        self._shapes = shapes = {name: (rows, *(part.shape or ())) for name, part in parts.items()}
         self._observation = _checked(out, shapes) if out is not None else _empty(shapes)
         self._final = _empty(shapes) if options.autoreset_mode == AutoresetMode.SAME_STEP else {}
         self._numbers, self._flags = np.zeros((10, rows), np.int32), np.zeros((5, rows), np.bool_)
@@ -50,7 +50,8 @@ class Results:
         names = (*_INFO, *(_GAME_INFO if options.preset else ()))
         self._info = {key: self._all_rows for name in names for key in (name, "_" + name)}
         self._info["env_id"] = _read_only(np.arange(rows, dtype=np.int32))  # for a batch of all environments
-        pixels, ram = options.part_names()
+        self._part_names = options.part_names()
+        pixels, ram = self._part_names
         self.batch = _emulator.Batch(
             engine,
             pixels=self._observation.get(pixels),
@@ -66,6 +67,22 @@ class Results:
         self._lenders = {} if out is not None else _lenders(self._observation)
         self._final_lenders = _lenders(self._final)
         self._all_lenders = [*self._lenders.values(), *self._final_lenders.values()]
+
+    def aimed_at(self, out: Any) -> "Results":
+        """These results with observations in another array of the user's, in a tenth of the time of new ones.
+
+        They share all other memory, so it must have been read, and not be lent.
+
+        Raises:
+            TypeError, ValueError: `out` does not fit.
+        """
+        observation = _checked(out, self._shapes)
+        results = object.__new__(Results)
+        results.__dict__.update(self.__dict__)
+        results._observation = observation
+        pixels, ram = self._part_names
+        results.batch = self.batch.aimed_at(observation.get(pixels), observation.get(ram))
+        return results
 
     def lent(self) -> bool:
         """Whether the user still holds observations in this memory."""

@@ -202,6 +202,33 @@ void add(BoundMemory& bound, nb::object actions, nb::object rewards, nb::object 
     else bound.use_briefly(work);
 }
 
+// As `add`, for the arrays that environments usually return; other arrays, and ends in SAME_STEP, change nothing and
+// return false. A fifth of the time of a step's checks in Python.
+bool try_add(BoundMemory& bound, nb::handle actions, nb::handle rewards, nb::handle terminated, nb::handle truncated) {
+    const Geometry& geometry = bound.geometry();
+    const auto lanes = static_cast<size_t>(geometry.lanes);
+    Values<const int64_t> indices;
+    Values<const int32_t> whole;
+    Values<const bool> flags[2];
+    if (geometry.action_bytes != sizeof(int64_t) || geometry.saved || geometry.compressed ||
+        !nb::try_cast(actions, indices, false) || indices.ndim() != 1 || indices.size() != lanes ||
+        !nb::try_cast(rewards, whole, false) || whole.ndim() != 1 || whole.size() != lanes ||
+        !nb::try_cast(terminated, flags[0], false) || flags[0].ndim() != 1 || flags[0].size() != lanes ||
+        !nb::try_cast(truncated, flags[1], false) || flags[1].ndim() != 1 || flags[1].size() != lanes)
+        return false;
+    const std::vector<float> values(whole.data(), whole.data() + lanes);
+    const auto* const ends = reinterpret_cast<const uint8_t*>(flags[0].data());
+    const auto* const cuts = reinterpret_cast<const uint8_t*>(flags[1].data());
+    const auto ended = [&](const uint8_t* all) { return std::find(all, all + lanes, uint8_t{1}) != all + lanes; };
+    if (geometry.autoreset == memory::Autoreset::kSameStep && (ended(ends) || ended(cuts))) return false;
+    const memory::StepResults results{reinterpret_cast<const uint8_t*>(indices.data()), values.data(), ends, cuts, {}};
+    return bound.use_briefly([&](memory::ReplayMemory& memory) {
+        const bool started = memory.state().started != 0;
+        if (started) memory.add(results);
+        return started;
+    });
+}
+
 void reset(BoundMemory& bound, nb::object mask, const std::vector<nb::object>& frames) {
     if (mask.is_none()) {
         bound.use([](memory::ReplayMemory& memory) { memory.reset(); });
@@ -295,6 +322,10 @@ void register_memory(nb::module_& m) {
                      ARRAY("bool") ", truncated: " ARRAY("bool") ", finals: Sequence[" ARRAY("uint8")
                      "]) -> None"),
              "Complete a step of all lanes; the next row's frames have been written. `actions` are bytes.")
+        .def("try_add", &try_add, "actions"_a, "rewards"_a, "terminated"_a, "truncated"_a,
+             nb::sig("def try_add(self, actions: object, rewards: object, terminated: object, truncated: object) "
+                     "-> bool"),
+             "As `add`, if the arrays are int64, int32 and bool, of one axis; returns whether they were.")
         .def("observe", &observe, "stacks"_a, "to"_a,
              nb::sig("def observe(self, stacks: Sequence[int], to: Sequence[" ARRAY("uint8") "]) -> None"))
         .def("count", [](BoundMemory& bound, int64_t reach) {

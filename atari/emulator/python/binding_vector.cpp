@@ -41,7 +41,8 @@ SeedWords words_of(const Seeds& seeds, size_t i) {
 // Arrays for the results of a batch, with the pointers to their parts.
 struct BoundBatch {
     Batch batch;
-    std::vector<nb::object> arrays;  // and weak references to them, see `prevent_resize`
+    std::vector<nb::object> shown;   // arrays of observations, and weak references to them, see `prevent_resize`
+    std::vector<nb::object> arrays;  // the other arrays
     size_t rows = 0, pixels = 0;     // bytes of pixels in an observation
 };
 
@@ -355,6 +356,7 @@ void make_batch(BoundBatch* self, BoundEngine& engine, nb::object pixels, nb::ob
     const size_t size = rows * bound.pixels;
     batch.observation = {rows_of<uint8_t>(bound, pixels, size, "pixels"),
                          rows_of<uint8_t>(bound, ram, 128 * rows, "ram")};
+    bound.shown.swap(bound.arrays);
     batch.final_observation = {rows_of<uint8_t>(bound, final_pixels, size, "final_pixels"),
                                rows_of<uint8_t>(bound, final_ram, 128 * rows, "final_ram")};
     int32_t* const number = rows_of<int32_t>(bound, numbers, 10 * rows, "numbers");
@@ -374,6 +376,18 @@ void make_batch(BoundBatch* self, BoundEngine& engine, nb::object pixels, nb::ob
     batch.ended = flag + 3 * rows;
     batch.game_ended = flag + 4 * rows;
     new (self) BoundBatch(std::move(bound));
+}
+
+// A batch with other arrays of observations; it shares the other arrays.
+BoundBatch aimed_at(const BoundBatch& batch, nb::object pixels, nb::object ram) {
+    BoundBatch bound{{}, {}, {}, batch.rows, batch.pixels};
+    const Batch::Observation observation = {rows_of<uint8_t>(bound, pixels, batch.rows * batch.pixels, "pixels"),
+                                rows_of<uint8_t>(bound, ram, 128 * batch.rows, "ram")};
+    bound.shown.swap(bound.arrays);
+    bound.arrays = batch.arrays;
+    bound.batch = batch.batch;
+    bound.batch.observation = observation;
+    return bound;
 }
 
 struct LentArray {
@@ -446,9 +460,9 @@ void register_settings(nb::module_& m);  // binding_settings.cpp
 
 void register_vector(nb::module_& m) {
     register_settings(m);
-    nb::class_<BoundBatch>(m, "Batch",
-                           "Arrays for the results of a batch. Threads write to them between start and receive.")
-        .def("__init__", &make_batch, "engine"_a, nb::kw_only(), "pixels"_a.none(), "ram"_a.none(),
+    nb::class_<BoundBatch> batch(m, "Batch",
+                           "Arrays for the results of a batch. Threads write to them between start and receive.");
+    batch.def("__init__", &make_batch, "engine"_a, nb::kw_only(), "pixels"_a.none(), "ram"_a.none(),
              "final_pixels"_a.none(),
              "final_ram"_a.none(), "numbers"_a, "games"_a, "flags"_a,
              nb::sig("def __init__(self, engine: VectorEngine, *, pixels: " ARRAY("uint8")
@@ -460,6 +474,10 @@ void register_vector(nb::module_& m) {
              "before clipping, steps of the game; lives, frame and episode frame number of the final observation.\n"
              "`games` is float64 (3, rows): score, frames and seconds of the game that ended. `flags` is bool\n"
              "(5, rows): terminated, truncated, game over, has a final observation, a game ended.");
+    batch.def("aimed_at", &aimed_at, "pixels"_a.none(), "ram"_a.none(),
+              nb::sig("def aimed_at(self, pixels: " ARRAY("uint8") " | None, ram: " ARRAY("uint8")
+                      " | None) -> Batch"),
+              "A batch with other arrays of observations, which shares the other arrays.");
     nb::class_<BoundSnapshot>(m, "MemberSnapshot",
                               "The state of an environment of a vector, in memory. It can be pickled.")
         .def("__getstate__",

@@ -18,7 +18,7 @@ from atari.learning.memory.final_frames import final_observations
 from atari.learning.memory.options import MemoryOptions, Part, as_numpy, check_mode
 from atari.validation import check_integer
 
-_UINT8 = np.dtype(np.uint8)
+_UINT8, _ndarray = np.dtype(np.uint8), np.ndarray  # found once: they are used at every step
 _SEQUENCE_MOST = 2**20
 
 
@@ -129,6 +129,7 @@ class ReplayMemory:
         self._lanes = options.num_envs
         self._lane_shape = (self._lanes,)
         self._action_shape, self._action_dtype = tuple(options.action_shape), np.dtype(options.action_dtype)
+        self._usual_actions = not options.action_shape and options.action_dtype == np.dtype(np.int64).str
         self._started = False  # as far as `add` has seen
         self._mode = check_mode(options.autoreset_mode)
         self._frame_shapes = [(self._lanes, *part.shape) for part in self._parts]
@@ -187,11 +188,13 @@ class ReplayMemory:
         uint8 (num_envs, *observation_shape), or a dict of such arrays. It is memory of the ring: `add` completes it,
         and returns to it after `capacity` steps. Take it anew for every step.
         """
+        if not self._named:
+            return _ndarray(self._frame_shapes[0], _UINT8, self._block, self._core.next_frames(0))
         arrays = [
             np.ndarray(shape, _UINT8, self._block, self._core.next_frames(part))
             for part, shape in enumerate(self._frame_shapes)
         ]
-        return {part.name: array for part, array in zip(self._parts, arrays, strict=True)} if self._named else arrays[0]
+        return {part.name: array for part, array in zip(self._parts, arrays, strict=True)}
 
     def reset(self, observations: Any, mask: Any = None) -> None:
         """Begin new episodes with the observations that a reset returned. Steps that had not ended are truncated.
@@ -240,6 +243,8 @@ class ReplayMemory:
                 nothing has changed.
         """
         core = self._core
+        if observations is None and self._usual_actions and core.try_add(actions, rewards, terminations, truncations):
+            return
         terminations = self._checked_flags("terminations", terminations)
         truncations = self._checked_flags("truncations", truncations)
         rewards = self._checked_rewards(rewards)

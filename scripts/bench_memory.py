@@ -1,0 +1,315 @@
+"""The suite `memory` of `bench.py`: `ReplayMemory` beside the replay buffers of other packages, on the same stream.
+
+Peers that are not installed are left out. All have 20,000 steps of 8 environments; the peers get whole stacks of four,
+as their own examples give them, and `ReplayMemory` gets single frames.
+"""
+
+import functools
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from importlib.util import find_spec
+from time import perf_counter, process_time
+from typing import Any
+
+import gymnasium
+import numpy as np
+
+import atari
+from atari.learning import ReplayMemory
+
+Run = Callable[[int], float]
+LANES, BATCH = 8, 32
+STEPS = 20_000
+ALPHA, BETA = 0.6, 0.4
+
+
+@dataclass
+class Stream:
+    """What environments with stacks of four returned, row by row: (rows, lanes, ...)."""
+
+    stacks: np.ndarray
+    actions: np.ndarray
+    rewards: np.ndarray
+    ended: np.ndarray
+
+    def rows(self) -> Iterator[tuple[Any, ...]]:
+        """Observation, next observation, action, reward, end."""
+        for row in range(len(self.actions)):
+            yield self.stacks[row], self.stacks[row + 1], self.actions[row], self.rewards[row], self.ended[row]
+
+
+@functools.lru_cache(maxsize=1)
+def stream_of(game: str) -> Stream:
+    """The stream of a random policy."""
+    rows = STEPS // LANES
+    envs = atari.AtariVectorEnv(game, LANES)
+    random = np.random.default_rng(0)
+    stacks = np.empty((rows + 1, LANES, 4, 84, 84), np.uint8)
+    actions = random.integers(0, envs.single_action_space.n, (rows, LANES))
+    rewards, ended = np.empty((rows, LANES), np.float32), np.empty((rows, LANES), bool)
+    stacks[0], _ = envs.reset(seed=0)
+    for row in range(rows):
+        stacks[row + 1], rewards[row], terminated, truncated, _ = envs.step(actions[row])
+        ended[row] = terminated | truncated
+    return Stream(stacks, actions, rewards, ended)
+
+
+def filled_memory(game: str, **options: Any) -> ReplayMemory:
+    """A `ReplayMemory` with the stream."""
+    stream = stream_of(game)
+    memory = ReplayMemory(STEPS, LANES, (1, 84, 84), seed=0, **options)
+    memory.reset(stream.stacks[0][:, 3:])
+    for _, after, action, reward, ended in stream.rows():
+        memory.add(action, reward, ended, np.zeros_like(ended), observations=after[:, 3:])
+    return memory
+
+
+def timed(sample: Callable[[], Any]) -> Run:
+    """Seconds for a number of sampled transitions, in batches."""
+
+    def run(count: int) -> float:
+        start = perf_counter()
+        for _ in range(-(-count // BATCH)):
+            sample()
+        return (perf_counter() - start) / (-(-count // BATCH) * BATCH) * count
+
+    return run
+
+
+def ours(**options: Any) -> Callable[[str], Run]:
+    """Uniform sampling from `ReplayMemory`."""
+
+    def prepare(game: str) -> Run:
+        memory = filled_memory(game, **options)
+        batch = memory.make_batch(BATCH)
+        return timed(lambda: memory.sample(BATCH, out=batch))
+
+    return prepare
+
+
+def ours_by_priority(game: str) -> Run:
+    """Sampling by priority from `ReplayMemory`, with an update."""
+    memory = filled_memory(game, priority_exponent=ALPHA)
+    batch, errors = memory.make_batch(BATCH), np.random.default_rng(0).random(BATCH)
+
+    def sample() -> None:
+        memory.sample(BATCH, beta=BETA, out=batch)
+        memory.update_priorities(batch.indices, errors)
+
+    return timed(sample)
+
+
+def sb3(optimize: bool) -> Callable[[str], Run]:
+    """Stable-Baselines3's buffer; CleanRL has a copy of it, which it uses with one stack for both observations."""
+
+    def prepare(game: str) -> Run:
+        from stable_baselines3.common.buffers import ReplayBuffer
+
+        stream = stream_of(game)
+        space = gymnasium.spaces.Box(0, 255, (4, 84, 84), np.uint8)
+        buffer = ReplayBuffer(
+            STEPS,
+            space,
+            gymnasium.spaces.Discrete(18),
+            "cpu",
+            n_envs=LANES,
+            optimize_memory_usage=optimize,
+            handle_timeout_termination=not optimize,
+        )
+        infos: list[dict[str, Any]] = [{}] * LANES
+        for before, after, action, reward, ended in stream.rows():
+            buffer.add(before, after, action, reward, ended, infos)
+        return timed(lambda: buffer.sample(BATCH))
+
+    return prepare
+
+
+def cpprb_buffer(by_priority: bool) -> Callable[[str], Run]:
+    """The buffer of cpprb with whole stacks."""
+
+    def prepare(game: str) -> Run:
+        import cpprb
+
+        names = {"shape": (4, 84, 84), "dtype": np.uint8}
+        fields = {"obs": names, "next_obs": names, "act": {"dtype": np.int64}, "rew": {}, "done": {}}
+        if by_priority:
+            buffer = cpprb.PrioritizedReplayBuffer(STEPS, fields, alpha=ALPHA)
+        else:
+            buffer = cpprb.ReplayBuffer(STEPS, fields)
+        for before, after, action, reward, ended in stream_of(game).rows():
+            buffer.add(obs=before, next_obs=after, act=action, rew=reward, done=ended)
+        if not by_priority:
+            return timed(lambda: buffer.sample(BATCH))
+        errors = np.random.default_rng(0).random(BATCH)
+
+        def sample() -> None:
+            batch = buffer.sample(BATCH, beta=BETA)
+            buffer.update_priorities(batch["indexes"], errors)
+
+        return timed(sample)
+
+    return prepare
+
+
+def torchrl_buffer(by_priority: bool) -> Callable[[str], Run]:
+    """The buffer of TorchRL with whole stacks in tensors."""
+
+    def prepare(game: str) -> Run:
+        import torch
+        from tensordict import TensorDict
+        from torchrl.data import LazyTensorStorage, TensorDictPrioritizedReplayBuffer, TensorDictReplayBuffer
+
+        storage = LazyTensorStorage(STEPS)
+        if by_priority:
+            buffer = TensorDictPrioritizedReplayBuffer(alpha=ALPHA, beta=BETA, storage=storage, batch_size=BATCH)
+        else:
+            buffer = TensorDictReplayBuffer(storage=storage, batch_size=BATCH)
+        for before, after, action, reward, ended in stream_of(game).rows():
+            parts = {"pixels": before, "next_pixels": after, "action": action, "reward": reward, "done": ended}
+            tensors = {name: torch.from_numpy(np.ascontiguousarray(part)) for name, part in parts.items()}
+            buffer.extend(TensorDict(tensors, batch_size=[LANES]))
+        if not by_priority:
+            return timed(buffer.sample)
+        errors = torch.rand(BATCH)
+
+        def sample() -> None:
+            batch = buffer.sample()
+            batch.set("td_error", errors)
+            buffer.update_tensordict_priority(batch)
+
+        return timed(sample)
+
+    return prepare
+
+
+def torchrl_has_trees() -> bool:
+    """Whether TorchRL's extension module, which has its sum tree, fits the PyTorch that is installed."""
+    try:
+        from torchrl._torchrl import SumSegmentTreeFp32
+    except (ImportError, OSError, RuntimeError):
+        return False
+    return SumSegmentTreeFp32 is not None
+
+
+def dopamine_buffer(by_priority: bool) -> Callable[[str], Run]:
+    """Dopamine's buffer, with its compressed stacks."""
+
+    def prepare(game: str) -> Run:
+        from dopamine.jax.replay_memory import accumulator, elements, replay_buffer, samplers
+
+        if by_priority:
+            sampler: Any = samplers.PrioritizedSamplingDistribution(0, priority_exponent=ALPHA, max_capacity=STEPS)
+        else:
+            sampler = samplers.UniformSamplingDistribution(seed=0)
+        collect = accumulator.TransitionAccumulator(stack_size=4, update_horizon=1, gamma=0.99)
+        buffer = replay_buffer.ReplayBuffer(collect, sampler, batch_size=BATCH, max_capacity=STEPS)
+        keywords = {"priority": 1.0} if by_priority else {}
+        stream = stream_of(game)
+        for lane in range(LANES):  # one environment after the other: it serves one
+            for row in range(len(stream.actions)):
+                frame, ended = stream.stacks[row, lane, 3], bool(stream.ended[row, lane])
+                reward = float(stream.rewards[row, lane])
+                element = elements.TransitionElement(frame, int(stream.actions[row, lane]), reward, ended, ended)
+                buffer.add(element, **keywords)
+        if not by_priority:
+            return timed(buffer.sample)
+        errors = np.random.default_rng(0).random(BATCH)
+
+        def sample() -> None:
+            _, found = buffer.sample(BATCH, with_sample_metadata=True)
+            buffer.update(found.keys, priorities=errors)
+
+        return timed(sample)
+
+    return prepare
+
+
+def environment_steps(options: dict[str, Any] | None) -> Callable[[str], Run]:
+    """Processor time of steps of the environments, with `add` to a full memory of these options, or without one."""
+
+    def prepare(game: str) -> Run:
+        envs = atari.AtariVectorEnv(game, LANES, stack_num=1, num_threads=1)
+        actions = np.random.default_rng(0).integers(0, envs.single_action_space.n, (997, LANES))
+        observations, _ = envs.reset(seed=0)
+        memory = None if options is None else ReplayMemory.for_env(envs, STEPS, seed=0, **options)
+        if memory is not None:
+            memory.reset(observations)
+            no = np.zeros(LANES, bool)
+            for _ in range(STEPS // LANES + 100):
+                memory.add(actions[0], np.zeros(LANES), no, no, observations=observations)
+            memory.reset(observations)
+
+        def run(count: int) -> float:
+            envs.reset(seed=1)
+            rows = -(-count // LANES)
+            start = process_time()
+            for row in range(rows):
+                chosen = actions[row % len(actions)]
+                if memory is None:
+                    envs.step(chosen)
+                else:
+                    _, *results = envs.step(chosen, out=memory.frames())
+                    memory.add(chosen, *results)
+            return (process_time() - start) / rows / LANES * count
+
+        return run
+
+    return prepare
+
+
+def contestants() -> Iterator[tuple[str, float, list[tuple[str, Callable[[str], Run]]]]]:
+    """By comparison: its name, its share of the steps, and its contestants, the fastest peer last where it is known."""
+
+    def present(*peers: tuple[str, str, Callable[[str], Run]]) -> list[tuple[str, Callable[[str], Run]]]:
+        return [(name, prepare) for name, package, prepare in peers if find_spec(package)]
+
+    yield (
+        "a transition, drawn uniformly",
+        1.0,
+        [
+            ("ReplayMemory", ours()),
+            ("compressed", ours(compress=True)),
+            *present(
+                ("Dopamine", "etils", dopamine_buffer(False)),
+                ("TorchRL", "torchrl", torchrl_buffer(False)),
+                ("CleanRL (SB3 copy)", "stable_baselines3", sb3(True)),
+                ("cpprb", "cpprb", cpprb_buffer(False)),
+                ("SB3", "stable_baselines3", sb3(False)),
+            ),
+        ],
+    )
+    yield (
+        "a transition, drawn by priority, with an update",
+        1.0,
+        [
+            ("ReplayMemory", ours_by_priority),
+            *present(
+                ("Dopamine", "etils", dopamine_buffer(True)),
+                *([("TorchRL", "torchrl", torchrl_buffer(True))] if torchrl_has_trees() else []),
+                ("cpprb", "cpprb", cpprb_buffer(True)),
+            ),
+        ],
+    )
+    yield (
+        "processor time of a step of 8 environments",
+        0.5,
+        [
+            ("and add", environment_steps({})),
+            ("and add compressed", environment_steps({"compress": True})),
+            ("without", environment_steps(None)),
+        ],
+    )
+
+
+def bytes_table(games: list[str]) -> str:
+    """Gigabytes for a million steps by game, plain and compressed, with all tables."""
+    lines = ["GB for a million steps of 84x84: ReplayMemory, compressed"]
+    compressed = []
+    for game in games:
+        memory = filled_memory(game, compress=True)
+        compressed.append(memory.nbytes / STEPS / 1e3)
+        plain = ReplayMemory(10**6, LANES, (1, 84, 84)).nbytes / 1e9
+        lines.append(f"{game:20} {plain:6.2f} {compressed[-1]:6.2f}")
+        stream_of.cache_clear()
+    lines.append(f"{'mean':20} {plain:6.2f} {float(np.mean(compressed)):6.2f}")
+    return "\n".join(lines)
