@@ -21,6 +21,7 @@ Run = Callable[[int], float]
 LANES, BATCH = 8, 32
 STEPS = 20_000
 ALPHA, BETA = 0.6, 0.4
+MILLION, MANY = 1_000_000, 1000  # steps and environments of memories without frames
 
 
 @dataclass
@@ -87,10 +88,33 @@ def ours(**options: Any) -> Callable[[str], Run]:
     return prepare
 
 
-def ours_by_priority(game: str) -> Run:
+def ours_by_priority(options: dict[str, Any]) -> Callable[[str], Run]:
     """Sampling by priority from `ReplayMemory`, with an update."""
-    memory = filled_memory(game, priority_exponent=ALPHA)
-    batch, errors = memory.make_batch(BATCH), np.random.default_rng(0).random(BATCH)
+
+    def prepare(game: str) -> Run:
+        memory = filled_memory(game, priority_exponent=ALPHA, **options)
+        batch, errors = memory.make_batch(BATCH), np.random.default_rng(0).random(BATCH)
+
+        def sample() -> None:
+            memory.sample(BATCH, beta=BETA, out=batch)
+            memory.update_priorities(batch.indices, errors)
+
+        return timed(sample)
+
+    return prepare
+
+
+def ours_without_frames(game: str) -> Run:
+    """A draw by priority with an update, of a million steps with frames of one byte."""
+    del game
+    memory = ReplayMemory(MILLION, MANY, (1,), stack_num=1, priority_exponent=ALPHA, seed=0)
+    memory.reset(np.zeros((MANY, 1), np.uint8))
+    zeros, no = np.zeros(MANY, np.int64), np.zeros(MANY, bool)
+    for _ in range(MILLION // MANY):
+        memory.add(zeros, zeros, no, no, observations=np.zeros((MANY, 1), np.uint8))
+    random = np.random.default_rng(0)
+    memory.update_priorities(np.arange(MILLION), random.random(MILLION))
+    batch, errors = memory.make_batch(BATCH), random.random(BATCH)
 
     def sample() -> None:
         memory.sample(BATCH, beta=BETA, out=batch)
@@ -99,12 +123,36 @@ def ours_by_priority(game: str) -> Run:
     return timed(sample)
 
 
+def cpprb_without_frames(game: str) -> Run:
+    """The same with cpprb."""
+    del game
+    import cpprb
+
+    frame = {"shape": (1,), "dtype": np.uint8}
+    fields = {"obs": frame, "next_obs": frame, "act": {"dtype": np.int64}, "rew": {}, "done": {}}
+    buffer = cpprb.PrioritizedReplayBuffer(MILLION, fields, alpha=ALPHA)
+    zeros, frames = np.zeros(MANY, np.int64), np.zeros((MANY, 1), np.uint8)
+    for _ in range(MILLION // MANY):
+        buffer.add(obs=frames, next_obs=frames, act=zeros, rew=zeros, done=zeros)
+    random = np.random.default_rng(0)
+    buffer.update_priorities(np.arange(MILLION), random.random(MILLION))
+    errors = random.random(BATCH)
+
+    def sample() -> None:
+        batch = buffer.sample(BATCH, beta=BETA)
+        buffer.update_priorities(batch["indexes"], errors)
+
+    return timed(sample)
+
+
 def sb3(optimize: bool) -> Callable[[str], Run]:
     """Stable-Baselines3's buffer; CleanRL has a copy of it, which it uses with one stack for both observations."""
 
     def prepare(game: str) -> Run:
+        import torch
         from stable_baselines3.common.buffers import ReplayBuffer
 
+        torch.set_num_threads(1)  # all have one core
         stream = stream_of(game)
         space = gymnasium.spaces.Box(0, 255, (4, 84, 84), np.uint8)
         buffer = ReplayBuffer(
@@ -159,6 +207,7 @@ def torchrl_buffer(by_priority: bool) -> Callable[[str], Run]:
         from tensordict import TensorDict
         from torchrl.data import LazyTensorStorage, TensorDictPrioritizedReplayBuffer, TensorDictReplayBuffer
 
+        torch.set_num_threads(1)
         storage = LazyTensorStorage(STEPS)
         if by_priority:
             buffer = TensorDictPrioritizedReplayBuffer(alpha=ALPHA, beta=BETA, storage=storage, batch_size=BATCH)
@@ -282,13 +331,19 @@ def contestants() -> Iterator[tuple[str, float, list[tuple[str, Callable[[str], 
         "a transition, drawn by priority, with an update",
         1.0,
         [
-            ("ReplayMemory", ours_by_priority),
+            ("ReplayMemory", ours_by_priority({})),
+            ("compressed", ours_by_priority({"compress": True})),
             *present(
                 ("Dopamine", "etils", dopamine_buffer(True)),
                 *([("TorchRL", "torchrl", torchrl_buffer(True))] if torchrl_has_trees() else []),
                 ("cpprb", "cpprb", cpprb_buffer(True)),
             ),
         ],
+    )
+    yield (
+        "a draw by priority of a million steps, with an update, without frames",
+        10.0,
+        [("ReplayMemory", ours_without_frames), *present(("cpprb", "cpprb", cpprb_without_frames))],
     )
     yield (
         "processor time of a step of 8 environments",

@@ -516,7 +516,7 @@ class AtariVectorEnv(VectorEnv):
             if self._out_results is None or self._out_results.lent():
                 self._out_results = Results(engine, self._options, out)
             else:
-                self._out_results = self._out_results.aimed_at(out)
+                self._out_results.aim(out)
             return self._out_results
         if not (buffers := self._buffers):  # A signal handler may close the environment during a step.
             raise _closed()

@@ -68,21 +68,18 @@ class Results:
         self._final_lenders = _lenders(self._final)
         self._all_lenders = [*self._lenders.values(), *self._final_lenders.values()]
 
-    def aimed_at(self, out: Any) -> "Results":
-        """These results with observations in another array of the user's, in a tenth of the time of new ones.
+    def aim(self, out: Any) -> None:
+        """Write the next observations to another array of the user's, in a tenth of the time of new results.
 
-        They share all other memory, so it must have been read, and not be lent.
+        The last results must have been read, and nothing of them may be lent.
 
         Raises:
-            TypeError, ValueError: `out` does not fit.
+            TypeError, ValueError: `out` does not fit; nothing has changed.
         """
         observation = _checked(out, self._shapes)
-        results = object.__new__(Results)
-        results.__dict__.update(self.__dict__)
-        results._observation = observation
         pixels, ram = self._part_names
-        results.batch = self.batch.aimed_at(observation.get(pixels), observation.get(ram))
-        return results
+        self.batch = self.batch.aimed_at(observation.get(pixels), observation.get(ram))
+        self._observation = observation
 
     def lent(self) -> bool:
         """Whether the user still holds observations in this memory."""
@@ -178,7 +175,7 @@ def _empty(shapes: dict[str, tuple[int, ...]]) -> dict[str, npt.NDArray[np.uint8
 
 def _checked(out: Any, shapes: dict[str, tuple[int, ...]]) -> dict[str, npt.NDArray[np.uint8]]:
     parts = out if isinstance(out, dict) else {"": out}
-    if set(parts) != set(shapes):
+    if parts.keys() != shapes.keys():
         raise TypeError(f"out must be {'a dict of ' + ' and '.join(shapes) if '' not in shapes else 'an array'}")
     for name, shape in shapes.items():
         array = parts[name]

@@ -3,6 +3,7 @@
 import gc
 
 import numpy as np
+import pytest
 
 import atari
 
@@ -43,3 +44,37 @@ def test_parts_of_a_dict_are_lent_alike() -> None:
         envs.step(np.zeros(1, np.int64))
     assert np.array_equal(ram, kept)
     assert ram.flags.writeable
+
+
+def test_arrays_of_the_user_take_turns() -> None:
+    """`out` may be another array at each step, also while final observations are held."""
+    options = {"num_threads": 1, "autoreset_mode": "SameStep", "episodic_life": True, "obs_type": "dict"}
+    envs, others = (atari.AtariVectorEnv("breakout", 2, **options) for _ in range(2))
+    envs.reset(seed=3)
+    others.reset(seed=3)
+    random = np.random.default_rng(0)
+    held = []
+    for _ in range(120):
+        actions = random.integers(0, 4, 2)
+        out = {"image": np.empty((2, 4, 84, 84), np.uint8), "ram": np.empty((2, 128), np.uint8)}
+        found, wanted = envs.step(actions, out=out), others.step(actions)
+        assert found[0]["image"] is out["image"]
+        held.append((found, [np.array(part) for part in (wanted[0]["image"], wanted[0]["ram"], *wanted[1:4])]))
+        if "final_obs" in wanted[4]:
+            held[-1] = (found, [*held[-1][1], np.array(wanted[4]["final_obs"]["image"])])
+    assert sum(len(parts) == 6 for _, parts in held) >= 3
+    for (observation, *signals, info), parts in held:
+        shown = [observation["image"], observation["ram"], *signals]
+        shown += [info["final_obs"]["image"]] if "final_obs" in info else []
+        assert all(np.array_equal(a, b) for a, b in zip(shown, parts, strict=True))
+
+
+def test_an_array_that_does_not_fit_changes_nothing() -> None:
+    envs = atari.AtariVectorEnv("pong", 1, num_threads=1)
+    envs.reset(seed=0)
+    out = np.zeros((1, 4, 84, 84), np.uint8)
+    envs.step(np.zeros(1, np.int64), out=out)
+    for wrong in (out[:, :3], out.astype(np.int8), {"image": out}, out[..., ::-1], [0]):
+        with pytest.raises((TypeError, ValueError), match="out must be"):
+            envs.step(np.zeros(1, np.int64), out=wrong)
+    assert envs.step(np.zeros(1, np.int64), out=out)[0] is out

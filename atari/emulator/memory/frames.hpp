@@ -1,6 +1,7 @@
 // The frames of a replay memory: a ring of rows, plain or compressed, and the final observations that have no row.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -15,6 +16,14 @@ class Frames {
 
     // The frames of a row, lane by lane: if compressed, only of the last row that was stored and of the two after it.
     uint8_t* row(size_t part, int64_t row) const;
+    // Begins to load a frame that is not compressed.
+    void prefetch(size_t part, int64_t row, int64_t lane) const {
+#if defined(__GNUC__)
+        const uint8_t* const frame = this->row(part, row) + static_cast<size_t>(lane) * geometry_.parts[part].bytes;
+        const size_t bytes = std::min<size_t>(geometry_.parts[part].bytes, 1 << 15);
+        for (size_t i = 0; i < bytes; i += 64) __builtin_prefetch(frame + i, 0, 2);
+#endif
+    }
     // The same as an offset into the block.
     size_t row_offset(size_t part, int64_t row) const { return static_cast<size_t>(this->row(part, row) - block_); }
     // Stores a row for good: its frames are complete.

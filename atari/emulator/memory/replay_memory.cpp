@@ -171,19 +171,24 @@ int64_t ReplayMemory::find_final(int64_t row, int64_t lane) const {
 
 void ReplayMemory::update_priorities(const int64_t* indices, const double* priorities, int64_t count) {
     if (!tree_) throw std::invalid_argument("this memory has no priorities; make it with priority_exponent");
+    std::vector<double> powers;
     for (int64_t i = 0; i < count; ++i) {
-        if (!(priorities[i] >= 0) || !std::isfinite(std::pow(priorities[i], geometry_.exponent)))
+        powers.push_back(std::pow(priorities[i], geometry_.exponent));
+        if (!(priorities[i] >= 0) || !std::isfinite(powers.back()))
             throw std::invalid_argument("priority " + std::to_string(i) + " must be finite and not negative");
         if (indices[i] < 0 || indices[i] / geometry_.lanes >= state_.head)
             throw std::invalid_argument("index " + std::to_string(indices[i]) + " is of no step of this memory");
     }
+    std::vector<int64_t> cells;
+    std::vector<double> values;
     for (int64_t i = 0; i < count; ++i) {
         const int64_t row = indices[i] / geometry_.lanes, here = cell(row, indices[i] % geometry_.lanes);
         if (row < state_.tail || !valid_.get(here)) continue;
-        const double priority = std::pow(priorities[i], geometry_.exponent);
-        state_.greatest = std::max(state_.greatest, priority);
-        tree_->set(here, priority);
+        state_.greatest = std::max(state_.greatest, powers[static_cast<size_t>(i)]);
+        cells.push_back(here);
+        values.push_back(powers[static_cast<size_t>(i)]);
     }
+    tree_->set(cells, values);
 }
 
 size_t ReplayMemory::used_bytes() const {

@@ -116,6 +116,8 @@ class ReplayMemory {
     std::vector<int64_t> draw(const Choice& choice, float* weights);
     std::vector<int64_t> draw_by_priority(const Choice& choice, const Span& span, float* weights);
     int64_t index(int64_t cell) const;
+    void prefetch_step(int64_t index) const;
+    void prefetch(int64_t index, const Choice& choice) const;
     void check_choice(const Choice& choice) const;
 
     // saving.cpp

@@ -165,24 +165,42 @@ std::vector<int64_t> ReplayMemory::draw(const Choice& choice, float* weights) {
     return indices;
 }
 
+namespace {
+
+// Leaves of the tree that are 0 for its life.
+class Hidden {
+  public:
+    Hidden(SumTree& tree, const std::vector<int64_t>& cells) : tree_(tree), cells_(cells) {
+        for (const int64_t cell : cells) kept_.push_back(tree.get(cell));
+        for (const int64_t cell : cells) tree.set(cell, 0);
+    }
+    Hidden(const Hidden&) = delete;
+    Hidden& operator=(const Hidden&) = delete;
+    ~Hidden() {
+        for (size_t i = 0; i < kept_.size(); ++i) tree_.set(cells_[i], kept_[i]);
+    }
+
+  private:
+    SumTree& tree_;
+    const std::vector<int64_t>& cells_;
+    std::vector<double> kept_;
+};
+
+}  // namespace
+
 std::vector<int64_t> ReplayMemory::draw_by_priority(const Choice& choice, const Span& span, float* weights) {
-    std::vector<double> kept;
-    for (const int64_t cell : span.excluded) {
-        kept.push_back(tree_->get(cell));
-        tree_->set(cell, 0);
-    }
+    const Hidden hidden(*tree_, span.excluded);
     const double total = tree_->total();
-    std::vector<int64_t> indices(static_cast<size_t>(choice.count));
-    std::vector<double> exact(indices.size());
+    std::vector<double> exact(static_cast<size_t>(total > 0 ? choice.count : 0));
+    for (size_t i = 0; i < exact.size(); ++i)
+        exact[i] = (static_cast<double>(i) + state_.generator.fraction()) / static_cast<double>(choice.count) * total;
+    std::vector<int64_t> indices = tree_->find(exact);
     double greatest = 0;
-    for (size_t i = 0; i < indices.size() && total > 0; ++i) {
-        const double place = (static_cast<double>(i) + state_.generator.fraction()) / static_cast<double>(choice.count);
-        const int64_t cell = tree_->find(place * total);
-        indices[i] = index(cell);
-        exact[i] = std::pow(static_cast<double>(span.count()) * (tree_->get(cell) / total), -*choice.beta);
+    for (size_t i = 0; i < indices.size(); ++i) {
+        exact[i] = std::pow(static_cast<double>(span.count()) * (tree_->get(indices[i]) / total), -*choice.beta);
         greatest = std::max(greatest, exact[i]);
+        indices[i] = index(indices[i]);
     }
-    for (size_t i = kept.size(); i-- > 0;) tree_->set(span.excluded[i], kept[i]);
     if (!(total > 0)) throw std::invalid_argument("the priorities of all steps are 0: no step can be sampled");
     for (size_t i = 0; weights && i < exact.size(); ++i) weights[i] = static_cast<float>(exact[i] / greatest);
     return indices;
@@ -223,11 +241,33 @@ void ReplayMemory::observe(const std::vector<int>& stacks, const std::vector<uin
     }
 }
 
+// Begin to load what a sample will read: it lies apart, and each would be waited for.
+void ReplayMemory::prefetch_step([[maybe_unused]] int64_t index) const {
+#if defined(__GNUC__)
+    const int64_t row = index / geometry_.lanes, lane = index % geometry_.lanes, here = cell(row, lane);
+    __builtin_prefetch(&rewards_[here]);
+    __builtin_prefetch(actions_ + static_cast<size_t>(here) * geometry_.action_bytes);
+    for (int64_t i = std::max<int64_t>(0, row - geometry_.most_frames() + 2); i <= row + 1; ++i)
+        __builtin_prefetch(&flags_[cell(i, lane)]);
+#endif
+}
+
+void ReplayMemory::prefetch(int64_t index, const Choice& choice) const {
+    const int64_t row = index / geometry_.lanes, lane = index % geometry_.lanes;
+    if (frames_.packed()) return;
+    for (size_t part = 0; part < geometry_.parts.size(); ++part)
+        for (int64_t i = std::max<int64_t>(0, row - choice.stacks[part] + 1); i <= row + 1; ++i)
+            frames_.prefetch(part, i, lane);
+}
+
 void ReplayMemory::sample(const Choice& choice, const Target& target) {
     const std::vector<int64_t> indices = draw(choice, target.weights);
     share(choice.count, choice.threads, [&] { return Writer(*this); }, [&](Writer& writer, int64_t at) {
         const auto i = static_cast<size_t>(at);
         const int64_t row = indices[i] / geometry_.lanes, lane = indices[i] % geometry_.lanes;
+        constexpr size_t kAhead = 6;
+        if (i + kAhead < indices.size()) prefetch_step(indices[i + kAhead]);
+        if (i + 1 < indices.size()) prefetch(indices[i + 1], choice);
         const Transition transition = walk(row, lane, choice.reach, choice.discount);
         target.indices[i] = indices[i];
         std::memcpy(target.actions + i * geometry_.action_bytes,

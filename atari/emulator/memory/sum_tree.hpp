@@ -35,6 +35,22 @@ class SumTree {
         }
     }
 
+    // As `set` for each index, in order, but each node above is computed once.
+    void set(const std::vector<int64_t>& indices, const std::vector<double>& values) {
+        for (const int64_t index : indices) prefetch(0, static_cast<size_t>(index) / kFan);
+        std::vector<size_t> nodes;
+        for (size_t i = 0; i < indices.size(); ++i) {
+            levels_[0][static_cast<size_t>(indices[i])] = values[i];
+            nodes.push_back(static_cast<size_t>(indices[i]));
+        }
+        std::sort(nodes.begin(), nodes.end());
+        for (size_t level = 1; level < levels_.size(); ++level) {
+            for (size_t& node : nodes) node /= kFan;
+            nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+            for (const size_t node : nodes) levels_[level][node] = sum(&levels_[level - 1][node * kFan]);
+        }
+    }
+
     void load(const double* leaves, size_t count) {
         std::copy_n(leaves, count, levels_[0].begin());
         for (size_t level = 1; level < levels_.size(); ++level)
@@ -42,25 +58,42 @@ class SumTree {
                 levels_[level][i] = sum(&levels_[level - 1][i * kFan]);
     }
 
-    // Returns the leaf at `mass` of the total: never one of priority 0, unless the total is 0.
-    int64_t find(double mass) const {
-        size_t i = 0;
-        for (size_t level = levels_.size() - 1; level-- > 0;) {
-            const double* const children = &levels_[level][i * kFan];
-            size_t chosen = 0;  // rounding may leave a mass beyond the last child
-            for (size_t child = 0; child < kFan; ++child) {
-                if (children[child] <= 0) continue;
-                chosen = child;
-                if (mass < children[child]) break;
-                mass -= children[child];
+    // Returns the leaves at these masses of the total: never one of priority 0, unless the total is 0. All are followed
+    // level by level, so that one is loaded while others are compared.
+    std::vector<int64_t> find(std::vector<double> masses) const {
+        std::vector<int64_t> found(masses.size());
+        for (size_t level = levels_.size() - 1; level-- > 0;)
+            for (size_t i = 0; i < masses.size(); ++i) {
+                const auto node = static_cast<size_t>(found[i]);
+                const size_t child = node * kFan + step_down(&levels_[level][node * kFan], masses[i]);
+                found[i] = static_cast<int64_t>(child);
+                if (level > 0) prefetch(level - 1, child);
             }
-            i = i * kFan + chosen;
-        }
-        return static_cast<int64_t>(i);
+        return found;
     }
 
   private:
     static constexpr size_t kFan = 16;
+    // Returns the child at `mass`, and leaves the mass within it.
+    static size_t step_down(const double* children, double& mass) {
+        size_t chosen = 0;  // rounding may leave a mass beyond the last child
+        for (size_t child = 0; child < kFan; ++child) {
+            if (children[child] <= 0) continue;
+            chosen = child;
+            if (mass < children[child]) break;
+            mass -= children[child];
+        }
+        return chosen;
+    }
+
+    // Begins to load the children of a node, on the level below it.
+    void prefetch([[maybe_unused]] size_t level, [[maybe_unused]] size_t node) const {
+#if defined(__GNUC__)
+        __builtin_prefetch(&levels_[level][node * kFan]);
+        __builtin_prefetch(&levels_[level][node * kFan + kFan / 2]);
+#endif
+    }
+
     static double sum(const double* children) {
         double sums[4] = {children[0], children[1], children[2], children[3]};
         for (size_t i = 4; i < kFan; i += 4)
