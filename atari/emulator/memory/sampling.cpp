@@ -213,18 +213,27 @@ template <typename Make, typename Work>
 void share(int64_t count, int threads, Make&& make, Work&& work) {
     constexpr int64_t kTogether = 4;
     std::atomic<int64_t> next{0};
-    const auto run = [&] {
-        auto own = make();
+    const auto run = [&](auto& own) {
         for (int64_t start; (start = next.fetch_add(kTogether)) < count;)
             for (int64_t i = start; i < std::min(count, start + kTogether); ++i) work(own, i);
     };
+    auto own = make();
     std::vector<std::thread> others;
     try {
-        for (int i = 1; i < std::min<int64_t>(threads, count / kTogether); ++i) others.emplace_back(run);
-    } catch (const std::system_error&) {
+        others.reserve(static_cast<size_t>(threads));
+        for (int i = 1; i < std::min<int64_t>(threads, count / kTogether); ++i)
+            others.emplace_back([&] {
+                try {
+                    auto theirs = make();
+                    run(theirs);
+                } catch (const std::bad_alloc&) {
+                    // Of `make`, before any work: the other threads do it.
+                }
+            });
+    } catch (const std::exception&) {
         // The threads that there are do the work.
     }
-    run();
+    run(own);
     for (std::thread& other : others) other.join();
 }
 
