@@ -1,7 +1,7 @@
-"""Learning from the environments: a replay memory, evaluation by published protocols, comparison with published results.
+"""Learning from the environments: a replay memory, evaluation by protocols, comparison with published results.
 
-Nothing of it is imported by `import atari`. Memory and evaluation need NumPy alone; trained policies need what they were made
-with (extra `learn`: PyTorch).
+Nothing of it is imported by `import atari`. Memory and evaluation need NumPy alone; trained policies need what they
+were made with (extra `learn`: PyTorch).
 """
 
 from atari.learning.evaluation.compare import Comparison, compare

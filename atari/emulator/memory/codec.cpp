@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <vector>
 
 namespace atari::memory {
 namespace {
@@ -97,11 +96,12 @@ bool get_length(const uint8_t*& code, const uint8_t* end, size_t& length) {
 
 }  // namespace
 
-size_t encode(const uint8_t* frame, const uint8_t* before, size_t bytes, size_t pitch, uint8_t* out) {
+size_t encode(const uint8_t* frame, const uint8_t* before, size_t bytes, size_t pitch, uint8_t* out,
+              EncoderScratch& scratch) {
     size_t size = before ? encode_from(before, frame, bytes, kFromBefore, out, bytes) : 0;
     if (size > 0 && size < bytes / 16) return size;
     // The row above the first one is 0: the bytes of the frame are predicted by those of a row of 0 and the frame.
-    thread_local std::vector<uint8_t> above, code;
+    auto& [above, code] = scratch;
     above.assign(pitch, 0);
     above.insert(above.end(), frame, frame + bytes - pitch);
     code.resize(most_encoded(bytes));

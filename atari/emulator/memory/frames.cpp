@@ -24,7 +24,7 @@ uint8_t* Frames::row(size_t part, int64_t row) const {
 
 PackedFrame Frames::pack(size_t part, int64_t row, const uint8_t* frame, const uint8_t* before) {
     const Part& size = geometry_.parts[part];
-    return packed_->store(code_.data(), encode(frame, before, size.bytes, size.pitch, code_.data()), row);
+    return packed_->store(code_.data(), encode(frame, before, size.bytes, size.pitch, code_.data(), scratch_), row);
 }
 
 void Frames::store(int64_t row) {

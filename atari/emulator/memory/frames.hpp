@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "codec.hpp"
 #include "packed_frames.hpp"
 
 namespace atari::memory {
@@ -71,6 +72,7 @@ class Frames {
     const int64_t slots_;
     std::unique_ptr<PackedFrames> packed_;
     std::vector<uint8_t> code_;
+    EncoderScratch scratch_;
 };
 
 }  // namespace atari::memory
