@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from emulator import wild_programs
 from emulator.programs import cpu_program, tia_program
-from emulator.wild_programs import BLANKED_LOOKS, SIZES
+from emulator.wild_programs import BLANKED_LOOKS, SIZES, STORES_BEFORE_TIA_SPACE
 
 import atari
 from atari._emulator import Console, same_state
@@ -279,6 +279,14 @@ def test_latches_read_in_blanked_lines(batch: int) -> None:
     for seed in range(100 * batch, 100 * batch + 100):
         rng = random.Random(seed)
         play(wild_programs.glances_at_blanks(rng), "4K", f"glances_at_blanks {seed}", rng, rounds=6, looks=0.3)
+
+
+@pytest.mark.parametrize("end", STORES_BEFORE_TIA_SPACE, ids=bytes.hex)
+@pytest.mark.parametrize("kind", ["4K", "FE"])
+def test_latches_fetched_as_code_right_after_a_store(end: bytes, kind: str) -> None:
+    """The last write may show later than the fetch, which then sees the collisions up to there."""
+    pair = Pair(wild_programs.runs_into_tia_space(end, kind), kind, end.hex(), random.Random(0))
+    pair.play(40, pokes=0, resets=0, travels=0)
 
 
 @pytest.mark.parametrize("batch", range(4))

@@ -391,6 +391,39 @@ def blank_ends(look: bytes, wait: int = 0) -> bytes:
     return code.image(again)
 
 
+STORES_BEFORE_TIA_SPACE = [
+    *(bytes([0xEA, 0x85, register]) for register in (W.VBLANK, W.NUSIZ0, W.COLUBK, W.REFP1, W.PF0, W.PF2, W.RESM1)),
+    *(bytes([0x85, register, last]) for register in (W.NUSIZ0, W.NUSIZ1, W.PF1) for last in (0xEA, 0xC0)),  # NOP, CPY
+    bytes([0x95, W.NUSIZ0, 0xEA]),
+]
+
+
+def runs_into_tia_space(end: bytes, kind: str = "4K") -> bytes:
+    """Runs in every frame three bytes whose store writes a 0 to the TIA, where a 0 is; the address after them is in TIA
+    space. They are at the end of RAM, or of the window on a cartridge of type FE.
+
+    Missile 0 and both players, which overlap it, move by a pixel a frame. The store ends close to the missile's pixel,
+    and may show after it; latches are then read as an opcode or an operand. BRK leaves TIA space.
+    """
+    code = Code()
+    code.emit(0x78, 0xD8, 0xA2, 0xF0, 0x9A)
+    for address, value in ((0x80, 0), *enumerate(end, 0xFD), (W.GRP0, 0xFF), (W.GRP1, 0xFF), (W.ENAM0, 2)):
+        code.store(value, address)
+    code.emit(0x85, W.WSYNC, *[0xEA] * 17, 0x85, W.RESP0, 0x85, W.RESP1)
+    code.store(2, W.RESMP0)
+    code.store(0x70, W.HMP1)
+    code.emit(0x85, W.WSYNC, 0x85, W.HMOVE, 0xA9, 0x10, 0x85, W.HMP0, 0x85, W.HMP1, 0x85, W.HMM0)
+    code.store(0, W.RESMP0)
+    again = len(code.bytes)
+    code.begin_frame()
+    code.emit(0x85, W.WSYNC, 0x85, W.HMOVE, 0xA2, 60, 0x85, W.WSYNC, 0xCA, 0xD0, 0xFB)
+    code.emit(0x85, W.CXCLR, *[0xEA] * 9, 0xA9, 0, 0x38, 0x4C, *word(0xDFFD if kind == "FE" else 0xFD))
+    handler = START + len(code.bytes)
+    code.emit(0x85, 0x91, 0x68, 0x85, 0x92, 0x68, 0x85, 0x93, 0x68, 0xE6, COUNTER + 1)
+    image = code.image(again)[:-2] + word(handler)
+    return image + bytes(4093) + end if kind == "FE" else image
+
+
 def glances_at_blanks(rng: random.Random) -> bytes:
     """As `short_frames`; between HMOVE and the frame's end latches are read and cleared, also by accesses that only pass
     over their addresses."""

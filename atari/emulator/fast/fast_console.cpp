@@ -117,18 +117,18 @@ void FastConsole::begin_log() {
     shadow_.fill(t);
 }
 
-// Returns the clock up to which the frame that has run is rendered. The write that ends a frame that is too long may show
-// a little later than the frame's end.
-int32_t FastConsole::rendered_until() {
+// Returns the clock up to which an access of the TIA at `clock` renders, which may be the frame's end. The last write may
+// show a little later.
+int32_t FastConsole::rendered_by(int32_t clock) {
     const bool empty = log_end_ == history_.current().writes;
-    return empty ? end_clock_ : std::max(end_clock_, shown_at(log_end_[-1], first_cycle_));
+    return empty ? clock : std::max(clock, shown_at(log_end_[-1], first_cycle_));
 }
 
 // Returns whether the frame ends in a line that an HMOVE blanks, before the pixels that could stay black. How far the
 // black reaches there depends on the first access of the TIA after the HMOVE, which may be one that is not logged.
 bool FastConsole::ends_in_blanked_line() {
     const Tia& t = m_.tia;
-    const int32_t end = rendered_until();
+    const int32_t end = rendered_by(end_clock_);
     if (!config_.hmove_blanks || end <= t.draw_start || end >= t.draw_stop) return false;
     const int32_t in_line = (end - t.draw_start) % kClocksPerLine, line = end - in_line;
     if (in_line == 0 || in_line >= 2 * kHblankClocks + kHmoveBlank) return false;
@@ -148,7 +148,7 @@ void FastConsole::end_log() {
     Tia& t = m_.tia;
     FrameLog& log = history_.current();
     log.size = static_cast<int>(log_end_ - log.writes);
-    apply_log(rendered_until());
+    apply_log(rendered_by(end_clock_));
     collider_.finish();
     for (int i = 0; i < 4; ++i) t.colour[i] = colour_of(shadow_.reg[COLUP0 + i], config_.pal, t);
     t.ctrlpf = shadow_.reg[CTRLPF];
@@ -178,12 +178,12 @@ void FastConsole::end_frame() {
 
 void FastConsole::before_tia_read(int reg) {
     if (!deferred_) return Console::before_tia_read(reg);
-    if (reg < 8) update_latches(reg);
+    if (reg < 8) update_latches(reg, rendered_by(clock()));
 }
 
-// Brings the two latches of a read register up to date.
-void FastConsole::update_latches(int reg) {
-    apply_log(clock());
+// Brings the two latches of a read register up to date, up to a clock.
+void FastConsole::update_latches(int reg, int32_t clock) {
+    apply_log(clock);
     const unsigned latches = 3u << (14 - 2 * reg);
     history_.note_read(latches);
     if (!(latches & ~history_.watched())) return;

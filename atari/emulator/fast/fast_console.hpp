@@ -66,7 +66,7 @@ class FastConsole final : public Console {
     bool run_fast();     // interpreter.cpp
     void run_counted();  // interpreter.cpp
     void begin_log();
-    int32_t rendered_until();
+    int32_t rendered_by(int32_t clock);
     bool ends_in_blanked_line();
     void end_log();
     void log_write(uint8_t reg, uint8_t value);
@@ -74,10 +74,11 @@ class FastConsole final : public Console {
     [[gnu::noinline]] void log_hmove(uint32_t cycles);
     [[gnu::noinline]] void log_cxclr(uint32_t cycles);
     void apply_log(int32_t clock);
-    void update_latches(int reg);
-    // Returns bits 7 and 6 of one of CXM0P .. CXPPMM, read while a frame is deferred.
+    void update_latches(int reg, int32_t clock);
+    // Returns bits 7 and 6 of one of CXM0P .. CXPPMM, read by a handler while a frame is deferred: at least nine clocks
+    // after the last write, which has taken effect.
     uint32_t read_latches(uint32_t reg) {
-        update_latches(static_cast<int>(reg));
+        update_latches(static_cast<int>(reg), clock());
         return (m_.tia.collisions >> (14 - 2 * reg) & 3u) << 6;
     }
     void find_pending_latches();

@@ -157,6 +157,14 @@ Operand operand_of(Opcode opcode, uint16_t& operand, const Cartridge& cartridge,
     }
 }
 
+// Returns how many bytes before its end an instruction is not decoded in a slice or in RAM. The byte after that end may
+// belong to TIA space, where programs read what is on the bus, and collisions up to the clock at which the last write
+// shows. Handlers do not log a write that changes nothing. No write shows later than eight clocks after it, in which a
+// program that has stored runs one instruction of two cycles, of two bytes at most.
+int undecoded_after(Operation operation) {
+    return is_store(operation) || operation == PHA || operation == PHP ? 3 : 1;
+}
+
 bool is_expiry(uint16_t address) { return (address & 0x1285) == 0x285; }
 
 // Returns the loop that these three successive instructions begin.
@@ -197,7 +205,7 @@ DecodedInstruction decode(const uint8_t* bytes, int available, const Cartridge& 
     DecodedInstruction instruction{nullptr, kStep, 0, 0, 0, Loop::kNone};
     const Opcode opcode = kOpcodes[bytes[0]];
     const int length = length_of(opcode.form);
-    if (length > available) return instruction;
+    if (length + undecoded_after(opcode.operation) > available) return instruction;
     uint16_t operand = length > 1 ? bytes[1] : 0;
     if (length > 2) operand = static_cast<uint16_t>(operand | bytes[2] << 8);
     if (opcode.form == Rel) {
@@ -223,8 +231,6 @@ std::vector<DecodedInstruction> decode_image(const Cartridge& cartridge) {
     const uint8_t* image = cartridge.image();
     std::vector<DecodedInstruction> decoded(size + 1, DecodedInstruction{nullptr, kStep, 0, 0, 0, Loop::kNone});
     const auto decodable = [&](size_t first, size_t from, size_t to) {
-        // An instruction at the end of a slice is not decoded: the next byte belongs to another slice, or to the TIA,
-        // where programs can read what is on the bus.
         if (to >= first + slice || first + slice > size) return false;
         for (size_t i = from; i < to; ++i)
             if (!plain_in_image(cartridge, i)) return false;
@@ -235,7 +241,7 @@ std::vector<DecodedInstruction> decode_image(const Cartridge& cartridge) {
         const int length = length_of(kOpcodes[image[i]].form);
         if (!decodable(first, i, i + static_cast<size_t>(length))) continue;
         const uint8_t* const bank = one_bank(cartridge.type()) ? image + first : nullptr;
-        DecodedInstruction instruction = decode(image + i, 3, cartridge, bank);
+        DecodedInstruction instruction = decode(image + i, static_cast<int>(first + slice - i), cartridge, bank);
         const size_t next = i + static_cast<size_t>(length);
         if (is_branch(instruction.handler)) {
             const auto target = static_cast<std::ptrdiff_t>(i) + instruction.jump;

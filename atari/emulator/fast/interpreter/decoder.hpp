@@ -140,8 +140,9 @@ bool is_branch(uint16_t handler);
 // Returns whether both bytes of a zero-page pointer are in RAM. The second byte must not be the TIA's $0100.
 constexpr bool pointer_in_ram(uint32_t zero_page) { return zero_page - 0x80 < 0x7f; }
 
-// Decodes the instruction that begins at `bytes`, of which `available` can be read. `bank` is the image of the window
-// that the instruction runs in. It is null if that window is not one bank, so that the operand's bytes may change.
+// Decodes the instruction that begins at `bytes`, `available` bytes before the end of its slice or of RAM. `bank` is the
+// image of the window that the instruction runs in. It is null if that window is not one bank, so that the operand's
+// bytes may change.
 DecodedInstruction decode(const uint8_t* bytes, int available, const Cartridge& cartridge, const uint8_t* bank);
 
 // Returns a decoded instruction for each byte of the image, and one more, on which execution leaves the image.

@@ -213,12 +213,10 @@ uint16_t Interpreter::decode_ram(FastConsole& c, const DecodedInstruction* at) {
     if (known.bytes == bytes && known.handler != kHandlers) return known.handler;
     DecodedInstruction instruction = decode(bytes.data(), static_cast<int>(available), c.program_, nullptr);
     known = {bytes, instruction.handler};
-    // An instruction that reaches past RAM continues in TIA space, where a program can read the last byte on the bus.
-    if (static_cast<int>(place) + length_of(kOpcodes[bytes[0]].form) > 127) known.handler = kStep;
     if (instruction.handler == JSR_Far) known.handler = kStep;  // its push may overwrite its own operand
     if (is_branch(instruction.handler)) {
         const int target = static_cast<int>(place) + instruction.jump;
-        if (target < 0 || target > 127 || place + 2 > 127) known.handler = kStep;
+        if (target < 0 || target > 127) known.handler = kStep;
         instruction.taken = 3;
     }
     instruction.handler = kRamCode;
