@@ -19,7 +19,7 @@ from tqdm import tqdm
 
 import atari
 from atari.cli.arguments import add_command, find_game, number
-from atari.cli.interrupt import ctrl_c_as_event
+from atari._interrupt import ctrl_c_as_event
 from atari.cli.observers import ScoreCounter, VideoObserver
 from atari.cli.output import print_json
 from atari.games.game import Game

@@ -1,0 +1,300 @@
+"""Proximal policy optimisation (Schulman et al. 2017, arXiv:1707.06347).
+
+The environments are divided among workers, each a thread. A worker plays its environments for `horizon` steps, and
+computes the gradients of its share of each minibatch. Each step of the optimiser takes the mean of these gradients.
+
+    python -m atari.learning.agents.ppo pong --fast
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import torch
+import torch.nn.functional as F
+from torch import Tensor, nn
+
+from atari.learning.environments import TrainingEnvironments
+from atari.learning.networks import ActorCritic, Encoder
+from atari.learning.options import TrainingOptions
+from atari.learning.replicas import Replicas
+from atari.learning.command import main
+
+
+@dataclass(frozen=True, kw_only=True)
+class PPOOptions(TrainingOptions):
+    """The options of PPO; the defaults are those of the paper's Atari experiments.
+
+    Attributes:
+        horizon: steps of each environment between two updates.
+        minibatch: steps in a minibatch.
+        epochs: how often each step is learned from.
+        gae_lambda: of the generalised advantage estimation (Schulman et al. 2016).
+        clip: how far the probability of an action may move in an update, as a ratio.
+        entropy: weight of the policy's entropy in the loss.
+        value_weight: weight of the value function's loss.
+        max_gradient: norm to which gradients are clipped.
+        anneal: let learning rate and clip fall to 0 over the training.
+        kl_target: after each epoch, multiply or divide the learning rate by 1.5 to hold the KL divergence of an update
+            near this; none leaves the rate alone.
+        normalize_returns: let the value function predict returns with a mean of 0 and a variance of 1.
+    """
+
+    horizon: int = 128
+    minibatch: int = 256
+    epochs: int = 3
+    gae_lambda: float = 0.95
+    clip: float = 0.1
+    entropy: float = 0.01
+    value_weight: float = 1.0
+    max_gradient: float = 0.5
+    anneal: bool = True
+    kl_target: float | None = None
+    normalize_returns: bool = False
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.minibatch % self.workers or self.num_envs * self.horizon % self.minibatch:
+            raise ValueError(
+                f"num_envs * horizon must be a multiple of minibatch, and minibatch of workers; got "
+                f"{self.num_envs} * {self.horizon}, {self.minibatch} and {self.workers}"
+            )
+
+
+FAST: dict[str, Any] = {
+    "num_envs": 64,
+    "protocol": "envpool",
+    "image_size": 42,
+    "network": "small",
+    "normalize": True,
+    "bfloat16": True,
+    "workers": 2,
+    "minibatch": 1024,
+    "learning_rate": 3e-4,
+    "clip": 0.2,
+    "max_gradient": 1.0,
+    "anneal": False,
+    "kl_target": 0.01,
+    "normalize_returns": True,
+}
+"""Options for pixels, found by measurement on two cores; see docs/learning.md."""
+
+FAST_RAM: dict[str, Any] = {}
+"""Options for RAM, in addition."""
+
+
+@dataclass
+class Returns:
+    """Running mean and variance of returns, by which the value function's outputs are scaled."""
+
+    running: bool
+    mean: float = 0.0
+    variance: float = 1.0
+    count: float = 1e-4
+
+    @property
+    def deviation(self) -> float:
+        """The standard deviation."""
+        return float(self.variance**0.5) + 1e-5 if self.running else 1.0
+
+    def update(self, returns: Tensor) -> None:
+        """Add returns to the statistics (Chan et al. 1979)."""
+        if not self.running:
+            return
+        mean, variance, count = returns.mean().item(), returns.var(correction=0).item(), returns.numel()
+        difference, total = mean - self.mean, self.count + count
+        squares = self.variance * self.count + variance * count + difference**2 * self.count * count / total
+        self.mean += difference * count / total
+        self.variance, self.count = squares / total, total
+
+
+class Worker:
+    """A share of the environments, and the memory for what was played in them: (horizon, environments) each."""
+
+    def __init__(self, options: PPOOptions, index: int) -> None:
+        self.options = options
+        self.environments = TrainingEnvironments(options, options.num_envs // options.workers)
+        self.generator = torch.Generator().manual_seed(options.seed * options.workers + index)
+        self.observations = self.environments.reset(options.seed * options.num_envs + index * self.environments.num_envs)
+        size = (options.horizon, self.environments.num_envs)
+        self.seen = torch.zeros(*size, *self.environments.shape, dtype=torch.uint8)
+        self.actions = torch.zeros(*size, dtype=torch.int64)
+        self.log_probs, self.rewards, self.ends = torch.zeros(3, *size).unbind()
+        self.values = torch.zeros(options.horizon + 1, size[1])
+        self.advantages, self.returns = torch.zeros(2, *size).unbind()
+        self.network: ActorCritic
+
+    @torch.no_grad()
+    def play(self, returns: Returns) -> None:
+        """Play `horizon` steps, and estimate advantages and returns."""
+        for step in range(self.options.horizon):
+            seen = torch.from_numpy(self.observations)
+            logits, values = self._evaluate(seen)
+            log_probs = F.log_softmax(logits, 1)
+            actions = torch.multinomial(log_probs.exp(), 1, generator=self.generator)
+            self.seen[step], self.values[step] = seen, values
+            self.actions[step], self.log_probs[step] = actions[:, 0], log_probs.gather(1, actions)[:, 0]
+            self.observations, rewards, terminations, truncations, info = self.environments.step(actions[:, 0].numpy())
+            self.rewards[step] = torch.from_numpy(rewards)
+            self.ends[step] = torch.from_numpy(terminations | truncations)
+            if truncations.any():  # the game goes on unseen: add the value of what was not played
+                _, values = self._evaluate(torch.from_numpy(self.environments.final_observations(info)))
+                values = values * returns.deviation + returns.mean
+                self.rewards[step] += self.options.gamma * values * torch.from_numpy(truncations & ~terminations)
+        self.values[-1] = self._evaluate(torch.from_numpy(self.observations))[1]
+        self._estimate(self.values * returns.deviation + returns.mean)
+
+    def _evaluate(self, observations: Tensor) -> tuple[Tensor, Tensor]:
+        logits, values = self.network(observations.to(self.options.device))
+        return logits.cpu(), values.cpu()
+
+    def _estimate(self, values: Tensor) -> None:
+        following = torch.zeros(self.environments.num_envs)
+        for step in reversed(range(self.options.horizon)):
+            goes_on = 1 - self.ends[step]
+            error = self.rewards[step] + self.options.gamma * values[step + 1] * goes_on - values[step]
+            following = error + self.options.gamma * self.options.gae_lambda * goes_on * following
+            self.advantages[step] = following
+        torch.add(self.advantages, values[:-1], out=self.returns)
+
+    def gradient(self, chosen: Tensor, clip: float) -> tuple[float, float, float, float]:
+        """Compute the gradients of the loss on some steps; returns loss, KL divergence, entropy and value loss."""
+        device = self.options.device
+        seen, actions, old, advantages, targets = (
+            memory.flatten(0, 1)[chosen].to(device)
+            for memory in (self.seen, self.actions, self.log_probs, self.advantages, self.returns)
+        )
+        logits, values = self.network(seen)
+        log_probs = F.log_softmax(logits, 1)
+        difference = log_probs.gather(1, actions[:, None])[:, 0] - old
+        ratio = difference.exp()
+        policy_loss = -torch.min(advantages * ratio, advantages * ratio.clamp(1 - clip, 1 + clip)).mean()
+        value_loss = 0.5 * (values - targets).square().mean()
+        entropy = -(log_probs.exp() * log_probs).sum(1).mean()
+        loss = policy_loss + self.options.value_weight * value_loss - self.options.entropy * entropy
+        self.network.zero_grad()
+        loss.backward()
+        divergence = (ratio - 1 - difference).mean()  # an estimate that is never negative (Schulman 2020)
+        return loss.item(), divergence.item(), entropy.item(), value_loss.item()
+
+
+class PPO:
+    """The agent: workers, network and optimiser."""
+
+    options_class = PPOOptions
+    fast = FAST
+    fast_ram = FAST_RAM
+    sample = True
+
+    def __init__(self, options: PPOOptions) -> None:
+        torch.manual_seed(options.seed)
+        self.options = options
+        self.steps = 0
+        self.returns = Returns(options.normalize_returns)
+        self.generator = torch.Generator().manual_seed(options.seed)
+        self.workers = [Worker(options, index) for index in range(options.workers)]
+        self.environments = [worker.environments for worker in self.workers]
+        self.network = self.make_network(options, self.environments[0].shape, len(self.environments[0].actions))
+        self.network.to(options.device)
+        self.replicas = Replicas(self.network, options.workers)
+        for worker, network in zip(self.workers, self.replicas.networks, strict=True):
+            worker.network = network
+        self.learning_rate = options.learning_rate
+        self.optimizer = torch.optim.Adam(self.network.parameters(), self.learning_rate, eps=1e-5, fused=True)
+        self._normalize(torch.from_numpy(np.concatenate([worker.observations for worker in self.workers])))
+
+    @staticmethod
+    def make_network(options: PPOOptions, shape: tuple[int, ...], actions: int) -> ActorCritic:
+        """The network for observations of a shape."""
+        encoder = Encoder(shape, options.network, normalize=options.normalize, bfloat16=options.bfloat16)
+        return ActorCritic(encoder, actions)
+
+    def update(self) -> dict[str, float]:
+        """Play `horizon` steps in each environment and learn from them; returns what belongs into the log."""
+        options = self.options
+        left = 1 - self.steps / options.total_steps if options.anneal else 1.0
+        if options.kl_target is None:
+            self.learning_rate = options.learning_rate * left
+        self.replicas.map(lambda worker: worker.play(self.returns), self.workers)
+        self.steps += options.horizon * options.num_envs
+        self._scale()
+        metrics = [self._learn(options.clip * left) for _ in range(options.epochs)]
+        self._normalize(torch.cat([worker.seen[::8].flatten(0, 1) for worker in self.workers]))
+        loss, divergence, entropy, value_loss = np.mean(metrics, 0).tolist()
+        return {
+            "loss": loss,
+            "kl": divergence,
+            "entropy": entropy,
+            "value_loss": value_loss,
+            "learning_rate": self.learning_rate,
+        }
+
+    def _scale(self) -> None:
+        """Normalise advantages, and returns if the options say so."""
+        self.returns.update(torch.cat([worker.returns for worker in self.workers]))
+        advantages = torch.cat([worker.advantages for worker in self.workers])
+        mean, deviation = advantages.mean(), advantages.std() + 1e-8
+        for worker in self.workers:
+            worker.advantages.sub_(mean).div_(deviation)
+            worker.returns.sub_(self.returns.mean).div_(self.returns.deviation)
+
+    def _learn(self, clip: float) -> Any:
+        """Learn from all steps once; returns the means of the minibatches' metrics."""
+        options = self.options
+        steps, size = options.horizon * options.num_envs // options.workers, options.minibatch // options.workers
+        orders = [torch.randperm(steps, generator=self.generator) for _ in self.workers]
+        metrics = []
+        for start in range(0, steps, size):
+            shares = [order[start : start + size] for order in orders]
+            metrics += self.replicas.map(lambda worker, share: worker.gradient(share, clip), self.workers, shares)
+            self._step()
+        mean = np.mean(metrics, 0)
+        if options.kl_target is not None:
+            factor = 1 / 1.5 if mean[1] > 2 * options.kl_target else 1.5 if mean[1] < options.kl_target / 2 else 1
+            self.learning_rate = min(max(self.learning_rate * factor, 1e-6), 1e-2)
+        return mean
+
+    def _step(self) -> None:
+        """Average the workers' gradients, and take a step of the optimiser."""
+        self.replicas.average_gradients()
+        nn.utils.clip_grad_norm_(self.network.parameters(), self.options.max_gradient)
+        self.optimizer.param_groups[0]["lr"] = self.learning_rate
+        self.optimizer.step()
+
+    def _normalize(self, observations: Tensor) -> None:
+        self.network.encoder.observe(observations.to(self.options.device))
+
+    def state(self) -> dict[str, Any]:
+        """All that the next update depends on."""
+        return {
+            "steps": self.steps,
+            "network": self.network.state_dict(),
+            "optimizer": self.optimizer.state_dict(),
+            "learning_rate": self.learning_rate,
+            "returns": vars(self.returns),
+            "generators": [source.generator.get_state() for source in (self, *self.workers)],
+            "observations": [worker.observations for worker in self.workers],
+            "environments": [worker.environments.state() for worker in self.workers],
+        }
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Continue from a state, as if nothing had happened."""
+        self.steps, self.learning_rate = state["steps"], state["learning_rate"]
+        self.network.load_state_dict(state["network"])
+        self.optimizer.load_state_dict(state["optimizer"])
+        self.returns = Returns(**state["returns"])
+        for source, generator in zip((self, *self.workers), state["generators"], strict=True):
+            source.generator.set_state(generator)
+        for index, worker in enumerate(self.workers):
+            worker.observations = state["observations"][index]
+            worker.environments.restore(state["environments"][index])
+
+    def close(self) -> None:
+        """Close the environments and end the threads."""
+        self.replicas.close()
+        for environments in self.environments:
+            environments.close()
+
+
+if __name__ == "__main__":
+    main("ppo")

@@ -1,0 +1,226 @@
+"""Parallelised Q-network (Gallici et al. 2024, arXiv:2407.04811).
+
+Q-learning without a replay memory and without a target network: layer normalisation keeps it stable. As in PPO, many
+environments are played for some steps, and these steps are then learned from. Targets are lambda-returns.
+
+    python -m atari.learning.agents.pqn pong --fast
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from atari.learning.command import main
+from atari.learning.environments import TrainingEnvironments
+from atari.learning.networks import Encoder, QNetwork
+from atari.learning.options import TrainingOptions
+from atari.learning.replicas import Replicas
+
+
+@dataclass(frozen=True, kw_only=True)
+class PQNOptions(TrainingOptions):
+    """The options of PQN; the defaults are those of the paper's Atari experiments.
+
+    Attributes:
+        horizon: steps of each environment between two updates.
+        minibatch: steps in a minibatch.
+        epochs: how often each step is learned from.
+        q_lambda: weight of later steps in the lambda-returns.
+        epsilon: probability of a random action at the end of `exploration`; it begins at 1.
+        exploration: the part of the training over which epsilon falls.
+        max_gradient: norm to which gradients are clipped.
+        anneal: let the learning rate fall to 0 over the training.
+    """
+
+    total_steps: int = 50_000_000
+    num_envs: int = 128
+    horizon: int = 32
+    minibatch: int = 128
+    epochs: int = 2
+    q_lambda: float = 0.65
+    epsilon: float = 0.001
+    exploration: float = 0.1
+    max_gradient: float = 10.0
+    anneal: bool = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.minibatch % self.workers or self.num_envs * self.horizon % self.minibatch:
+            raise ValueError(
+                f"num_envs * horizon must be a multiple of minibatch, and minibatch of workers; got "
+                f"{self.num_envs} * {self.horizon}, {self.minibatch} and {self.workers}"
+            )
+
+
+FAST: dict[str, Any] = {
+    "total_steps": 2_000_000,
+    "num_envs": 64,
+    "protocol": "envpool",
+    "image_size": 42,
+    "network": "small",
+    "normalize": True,
+    "bfloat16": True,
+    "workers": 2,
+    "minibatch": 256,
+    "anneal": False,
+    "exploration": 0.2,
+    "learning_rate": 5e-4,
+}
+"""Options for pixels, found by measurement on two cores; see docs/learning.md."""
+
+FAST_RAM: dict[str, Any] = {}
+"""Options for RAM, in addition."""
+
+
+class Worker:
+    """A share of the environments, and the memory for what was played in them: (horizon, environments) each."""
+
+    def __init__(self, options: PQNOptions, index: int) -> None:
+        self.options = options
+        self.environments = TrainingEnvironments(options, options.num_envs // options.workers)
+        self.generator = torch.Generator().manual_seed(options.seed * options.workers + index)
+        self.observations = self.environments.reset(options.seed * options.num_envs + index * self.environments.num_envs)
+        size = (options.horizon, self.environments.num_envs)
+        self.seen = torch.zeros(*size, *self.environments.shape, dtype=torch.uint8)
+        self.actions = torch.zeros(*size, dtype=torch.int64)
+        self.rewards, self.ends, self.targets = torch.zeros(3, *size).unbind()
+        self.greatest = torch.zeros(options.horizon + 1, size[1])
+        self.network: QNetwork
+
+    @torch.no_grad()
+    def play(self, epsilon: float) -> None:
+        """Play `horizon` steps, and compute the targets."""
+        count, actions = self.environments.num_envs, len(self.environments.actions)
+        for step in range(self.options.horizon):
+            seen = torch.from_numpy(self.observations)
+            self.greatest[step], chosen = self._values(seen).max(1)
+            random = torch.randint(actions, (count,), generator=self.generator)
+            chosen = torch.where(torch.rand(count, generator=self.generator) < epsilon, random, chosen)
+            self.seen[step], self.actions[step] = seen, chosen
+            self.observations, rewards, terminations, truncations, info = self.environments.step(chosen.numpy())
+            self.rewards[step] = torch.from_numpy(rewards)
+            self.ends[step] = torch.from_numpy(terminations | truncations)
+            if truncations.any():  # the game goes on unseen: add the value of what was not played
+                values = self._values(torch.from_numpy(self.environments.final_observations(info))).amax(1)
+                self.rewards[step] += self.options.gamma * values * torch.from_numpy(truncations & ~terminations)
+        self.greatest[-1] = self._values(torch.from_numpy(self.observations)).amax(1)
+        self._estimate()
+
+    def _values(self, observations: Tensor) -> Tensor:
+        values: Tensor = self.network(observations.to(self.options.device))
+        return values.cpu()
+
+    def _estimate(self) -> None:
+        following = self.greatest[-1]
+        for step in reversed(range(self.options.horizon)):
+            value = self.options.q_lambda * following + (1 - self.options.q_lambda) * self.greatest[step + 1]
+            following = self.rewards[step] + self.options.gamma * (1 - self.ends[step]) * value
+            self.targets[step] = following
+
+    def gradient(self, chosen: Tensor) -> tuple[float, float]:
+        """Compute the gradients of the loss on some steps; returns the loss and the mean value."""
+        seen, actions, targets = (
+            memory.flatten(0, 1)[chosen].to(self.options.device) for memory in (self.seen, self.actions, self.targets)
+        )
+        values = self.network(seen).gather(1, actions[:, None])[:, 0]
+        loss = 0.5 * (values - targets).square().mean()
+        self.network.zero_grad()
+        loss.backward()
+        return loss.item(), values.mean().item()
+
+
+class PQN:
+    """The agent: workers, network and optimiser."""
+
+    options_class = PQNOptions
+    fast = FAST
+    fast_ram = FAST_RAM
+    sample = False
+
+    def __init__(self, options: PQNOptions) -> None:
+        torch.manual_seed(options.seed)
+        self.options = options
+        self.steps = 0
+        self.generator = torch.Generator().manual_seed(options.seed)
+        self.workers = [Worker(options, index) for index in range(options.workers)]
+        self.environments = [worker.environments for worker in self.workers]
+        self.network = self.make_network(options, self.environments[0].shape, len(self.environments[0].actions))
+        self.network.to(options.device)
+        self.replicas = Replicas(self.network, options.workers)
+        for worker, network in zip(self.workers, self.replicas.networks, strict=True):
+            worker.network = network
+        self.optimizer = torch.optim.RAdam(self.network.parameters(), options.learning_rate)
+        self._normalize(torch.from_numpy(np.concatenate([worker.observations for worker in self.workers])))
+
+    @staticmethod
+    def make_network(options: PQNOptions, shape: tuple[int, ...], actions: int) -> QNetwork:
+        """The network for observations of a shape."""
+        encoder = Encoder(
+            shape, options.network, normalize=options.normalize, layer_norm=True, bfloat16=options.bfloat16
+        )
+        return QNetwork(encoder, actions)
+
+    def update(self) -> dict[str, float]:
+        """Play `horizon` steps in each environment and learn from them; returns what belongs into the log."""
+        options = self.options
+        done = self.steps / options.total_steps
+        epsilon = max(options.epsilon, 1 - (1 - options.epsilon) * done / options.exploration)
+        self.optimizer.param_groups[0]["lr"] = options.learning_rate * (1 - done if options.anneal else 1)
+        self.replicas.map(lambda worker: worker.play(epsilon), self.workers)
+        self.steps += options.horizon * options.num_envs
+        metrics = [metric for _ in range(options.epochs) for metric in self._learn()]
+        self._normalize(torch.cat([worker.seen[::8].flatten(0, 1) for worker in self.workers]))
+        loss, value = np.mean(metrics, 0).tolist()
+        return {"loss": loss, "value": value, "epsilon": epsilon}
+
+    def _learn(self) -> list[tuple[float, float]]:
+        """Learn from all steps once; returns the metrics of the minibatches."""
+        options = self.options
+        steps, size = options.horizon * options.num_envs // options.workers, options.minibatch // options.workers
+        orders = [torch.randperm(steps, generator=self.generator) for _ in self.workers]
+        metrics = []
+        for start in range(0, steps, size):
+            shares = [order[start : start + size] for order in orders]
+            metrics += self.replicas.map(Worker.gradient, self.workers, shares)
+            self.replicas.average_gradients()
+            nn.utils.clip_grad_norm_(self.network.parameters(), options.max_gradient)
+            self.optimizer.step()
+        return metrics
+
+    def _normalize(self, observations: Tensor) -> None:
+        self.network.encoder.observe(observations.to(self.options.device))
+
+    def state(self) -> dict[str, Any]:
+        """All that the next update depends on."""
+        return {
+            "steps": self.steps,
+            "network": self.network.state_dict(),
+            "optimizer": self.optimizer.state_dict(),
+            "generators": [source.generator.get_state() for source in (self, *self.workers)],
+            "observations": [worker.observations for worker in self.workers],
+            "environments": [worker.environments.state() for worker in self.workers],
+        }
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Continue from a state, as if nothing had happened."""
+        self.steps = state["steps"]
+        self.network.load_state_dict(state["network"])
+        self.optimizer.load_state_dict(state["optimizer"])
+        for source, generator in zip((self, *self.workers), state["generators"], strict=True):
+            source.generator.set_state(generator)
+        for index, worker in enumerate(self.workers):
+            worker.observations = state["observations"][index]
+            worker.environments.restore(state["environments"][index])
+
+    def close(self) -> None:
+        """Close the environments and end the threads."""
+        self.replicas.close()
+        for environments in self.environments:
+            environments.close()
+
+
+if __name__ == "__main__":
+    main("pqn")

@@ -1,0 +1,233 @@
+"""`RunFolder`: the files of a training, in one folder."""
+
+import csv
+import dataclasses
+import io
+import json
+import os
+import platform
+import warnings
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import torch
+
+import atari
+
+FORMAT = 1
+"""Version of the run folder; another one is refused."""
+
+
+class RunFolder:
+    """The folder of a training.
+
+    - `config.json`: agent, options, what the policy sees, versions;
+    - `log.csv`: a row for each update, and TensorBoard's event files;
+    - `checkpoint.pt`: the newest state of the training, with environments and generators (contains pickles);
+    - `policy.pt`: the newest weights (contains none);
+    - `best.a26`, `best.mp4`, `evaluation.json`, `report.html`: see `atari.learning.report`.
+
+    A file is replaced only when its successor is complete. If a disk is full, rows of the log are kept in memory and
+    written when there is room again.
+
+    Attributes:
+        path: of the folder.
+        config: the contents of `config.json`.
+    """
+
+    def __init__(self, path: Path, config: dict[str, Any]) -> None:
+        self.path = path
+        self.config = config
+        self._rows: list[dict[str, Any]] = []
+        self._columns: list[str] = []
+        self._board: Any = None
+
+    @classmethod
+    def create(cls, path: Path, agent: str, options: Any, policy_options: Mapping[str, Any]) -> "RunFolder":
+        """Make a new folder.
+
+        Raises:
+            FileExistsError: there is something already.
+        """
+        if path.exists() and any(path.iterdir()):
+            raise FileExistsError(f"{path} is not empty; give another folder, or continue with --resume {path}")
+        path.mkdir(parents=True, exist_ok=True)
+        config = {
+            "format": FORMAT,
+            "agent": agent,
+            "options": dataclasses.asdict(options),
+            "policy": dict(policy_options),
+            "versions": _versions(),
+        }
+        with replacing(path / "config.json") as file:
+            file.write(json.dumps(config, indent=2).encode())
+        return cls(path, config)
+
+    @classmethod
+    def open(cls, path: Path) -> "RunFolder":
+        """Open the folder of a training.
+
+        Raises:
+            FileNotFoundError, ValueError: it is none, damaged, or of another version of this package.
+        """
+        file = path / "config.json"
+        if not file.is_file():
+            raise FileNotFoundError(f"{path} is no run folder: it has no config.json; `atari train` makes one")
+        try:
+            config = json.loads(file.read_text(encoding="utf-8"))
+            version = config["format"]
+            config["agent"], config["options"]["game"], config["policy"]["actions"], config["versions"]
+        except (ValueError, KeyError, TypeError) as error:
+            raise ValueError(f"{file} is damaged: {error!r}") from None
+        if version != FORMAT:
+            raise ValueError(f"{file} has format {version!r}, this version of atari-envs reads {FORMAT}")
+        return cls(path, config)
+
+    def log(self, row: Mapping[str, float]) -> None:
+        """Add a row to `log.csv` and TensorBoard. The first row names the columns."""
+        self._rows.append(dict(row))
+        file = self.path / "log.csv"
+        try:
+            if not self._columns:
+                self._columns = _header(file) or list(row)
+            text = io.StringIO()
+            writer = csv.DictWriter(text, self._columns, extrasaction="ignore", lineterminator="\n")
+            if not file.exists() or not file.stat().st_size:
+                writer.writeheader()
+            writer.writerows(self._rows)
+            append(file, text.getvalue().encode())
+            self._rows.clear()
+            self._log_to_board(row)
+        except OSError as error:
+            warnings.warn(f"the log is kept in memory until there is room: {error}", RuntimeWarning, stacklevel=2)
+
+    def _log_to_board(self, row: Mapping[str, float]) -> None:
+        if self._board is None:
+            try:
+                from torch.utils.tensorboard import SummaryWriter  # tensorboard takes a second to import
+            except ImportError:
+                self._board = False
+            else:
+                self._board = SummaryWriter(str(self.path), purge_step=int(row["step"]))
+        if self._board:
+            for name, value in row.items():
+                if name != "step" and np.isfinite(value):
+                    self._board.add_scalar(name, value, int(row["step"]))
+
+    def rows(self) -> list[dict[str, float]]:
+        """The rows of `log.csv`."""
+        file = self.path / "log.csv"
+        if not file.is_file():
+            return []
+        with file.open(newline="", encoding="utf-8") as text:
+            try:
+                return [{name: float(value) for name, value in row.items()} for row in csv.DictReader(text)]
+            except (TypeError, ValueError) as error:
+                raise ValueError(f"{file} is damaged: {error}") from None
+
+    def forget_rows_after(self, step: int) -> None:
+        """Remove the rows of steps after `step`, which a resumed training plays again."""
+        rows = [row for row in self.rows() if row["step"] <= step]
+        with replacing(self.path / "log.csv") as file:
+            if rows:
+                text = io.StringIO()
+                writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
+                writer.writeheader()
+                writer.writerows(rows)
+                file.write(text.getvalue().encode())
+
+    def save_checkpoint(self, state: dict[str, Any], network: torch.nn.Module) -> None:
+        """Replace `checkpoint.pt` and `policy.pt`.
+
+        Raises:
+            OSError: the disk is full, or the like; the files are as they were.
+        """
+        with replacing(self.path / "checkpoint.pt") as file:
+            torch.save(state, file)
+        with replacing(self.path / "policy.pt") as file:
+            torch.save(network.state_dict(), file)
+
+    def load_checkpoint(self) -> dict[str, Any]:
+        """The state in `checkpoint.pt`. Its pickles are executed: open only folders that you trust.
+
+        Raises:
+            FileNotFoundError, ValueError: there is none, or it is damaged.
+        """
+        return dict(_load(self.path / "checkpoint.pt", weights_only=False))
+
+    def load_weights(self) -> dict[str, torch.Tensor]:
+        """The weights in `policy.pt`; nothing in the file is executed.
+
+        Raises:
+            FileNotFoundError, ValueError: there is none, or it is damaged.
+        """
+        return dict(_load(self.path / "policy.pt", weights_only=True))
+
+    def close(self) -> None:
+        """Write what is left of TensorBoard's events."""
+        if self._board:
+            self._board.close()
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Any]:
+    """A binary file that takes the place of `path` when the block ends without an error."""
+    part = path.with_name(path.name + ".part")
+    try:
+        with part.open("wb") as file:
+            yield file
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(part, path)
+    except BaseException:
+        part.unlink(missing_ok=True)
+        raise
+
+
+def append(path: Path, data: bytes) -> None:
+    """Add all of `data` to a file, or nothing.
+
+    Raises:
+        OSError: the disk is full, or the like; the file is as it was.
+    """
+    with path.open("ab", buffering=0) as file:
+        size = file.seek(0, os.SEEK_END)
+        try:
+            if file.write(data) != len(data):
+                raise OSError(f"no room for {len(data)} bytes in {path}")
+        except OSError:
+            file.truncate(size)
+            raise
+
+
+def _load(path: Path, weights_only: bool) -> Any:
+    if not path.is_file():
+        raise FileNotFoundError(f"{path} does not exist: the training was stopped before its first checkpoint")
+    try:
+        return torch.load(path, map_location="cpu", weights_only=weights_only)
+    except OSError:
+        raise
+    except Exception as error:  # torch.load raises whatever a damaged file makes of its parsers
+        raise ValueError(f"{path} is damaged: {error}") from None
+
+
+def _header(file: Path) -> list[str]:
+    if not file.is_file():
+        return []
+    with file.open(encoding="utf-8") as text:
+        return [name for name in text.readline().strip().split(",") if name]
+
+
+def _versions() -> dict[str, str]:
+    return {
+        "atari-envs": atari.__version__,
+        "gymnasium": gymnasium.__version__,
+        "numpy": np.__version__,
+        "torch": str(torch.__version__),
+        "python": platform.python_version(),
+        "machine": f"{platform.system()} {platform.machine()}",
+    }
