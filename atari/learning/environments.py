@@ -25,17 +25,16 @@ class TrainingEnvironments:
         options: of the training.
         num_envs: how many environments.
         num_threads: threads that play them.
-        stack_num: images in an observation; None is `options.stack`. RAM vectors are always stacked here.
+        stacked: whether observations are stacks; otherwise each is a single image or RAM vector.
 
     Attributes:
         actions: names of the actions; action i of `step` is the i-th of them.
         shape: of an observation.
+        padding: what fills the stack at the start of an episode, "zero" or "reset", the first one.
         policy_options: what a policy needs to see the same; see `atari.learning.Policy`.
     """
 
-    def __init__(
-        self, options: TrainingOptions, num_envs: int, num_threads: int = 1, stack_num: int | None = None
-    ) -> None:
+    def __init__(self, options: TrainingOptions, num_envs: int, num_threads: int = 1, stacked: bool = True) -> None:
         game = games.find(options.game)
         protocol = preset_protocol(options.protocol)
         protocol = replace(protocol, clip_reward=True)
@@ -43,15 +42,20 @@ class TrainingEnvironments:
             protocol = replace(protocol, repeat_action_probability=options.sticky)
         sees: dict[str, Any] = {"obs_type": "ram"}
         if options.obs == "pixels":
-            size, stack = options.image_size, stack_num or options.stack
+            size, stack = options.image_size, options.stack
             sees = {"obs_type": "grayscale", "img_height": size, "img_width": size, "stack_num": stack}
+        given = sees if stacked or options.obs == "ram" else {**sees, "stack_num": 1}
         self._envs = AtariVectorEnv(
-            game, num_envs, preset=protocol, autoreset_mode="SameStep", num_threads=num_threads, **sees
+            game, num_envs, preset=protocol, autoreset_mode="SameStep", num_threads=num_threads, **given
         )
         self.actions, self._indices = _actions(game, protocol.full_action_space, options.actions)
-        self._ram = RamStack(num_envs, options.stack) if options.obs == "ram" else None
-        self.shape: tuple[int, ...] = self._envs.single_observation_space.shape if self._ram is None else self._ram.shape
-        self.policy_options: dict[str, Any] = {**sees, "actions": list(self.actions)}
+        self._ram = RamStack(num_envs, options.stack) if options.obs == "ram" and stacked else None
+        self.padding = protocol.padding
+        self.shape: tuple[int, ...] = (
+            self._envs.single_observation_space.shape if self._ram is None else self._ram.shape
+        )
+        stack = {"ram_stack": options.stack} if options.obs == "ram" else {}
+        self.policy_options: dict[str, Any] = {**sees, **stack, "actions": list(self.actions)}
         self.num_envs = num_envs
         self.games: list[tuple[float, int]] = []
 
@@ -61,7 +65,9 @@ class TrainingEnvironments:
         self._count_games(info)
         return observations if self._ram is None else self._ram.push(observations, np.ones(self.num_envs, np.bool_))
 
-    def step(self, actions: npt.NDArray[np.int64], out: Any = None) -> tuple[ByteArray, Any, Any, Any, Mapping[str, Any]]:
+    def step(
+        self, actions: npt.NDArray[np.int64], out: Any = None
+    ) -> tuple[ByteArray, Any, Any, Any, Mapping[str, Any]]:
         """Play one step; rewards are clipped. See `AtariVectorEnv.step`."""
         observations, rewards, terminations, truncations, info = self._envs.step(self._indices[actions], out=out)
         self._count_games(info.get("final_info", {}))
@@ -126,9 +132,7 @@ class RamStack:
         return np.concatenate([self._before[:, 1:], ram[:, None]], 1)
 
 
-def _actions(
-    game: Game, full: bool, names: Sequence[str] | None
-) -> tuple[tuple[str, ...], npt.NDArray[np.int64]]:
+def _actions(game: Game, full: bool, names: Sequence[str] | None) -> tuple[tuple[str, ...], npt.NDArray[np.int64]]:
     """Names of the actions, and their indices in the action space."""
     every = [Action(action).name for action in (game.legal_actions if full else game.minimal_actions)]
     chosen = every if names is None else list(names)

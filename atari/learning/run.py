@@ -7,8 +7,8 @@ import json
 import os
 import platform
 import warnings
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -47,7 +47,7 @@ class RunFolder:
         self._board: Any = None
 
     @classmethod
-    def create(cls, path: Path, agent: str, options: Any, policy_options: Mapping[str, Any]) -> "RunFolder":
+    def create(cls, path: Path) -> "RunFolder":
         """Make a new folder.
 
         Raises:
@@ -56,16 +56,19 @@ class RunFolder:
         if path.exists() and any(path.iterdir()):
             raise FileExistsError(f"{path} is not empty; give another folder, or continue with --resume {path}")
         path.mkdir(parents=True, exist_ok=True)
-        config = {
+        return cls(path, {})
+
+    def configure(self, agent: str, options: Any, policy_options: Mapping[str, Any]) -> None:
+        """Write `config.json`."""
+        self.config = {
             "format": FORMAT,
             "agent": agent,
             "options": dataclasses.asdict(options),
             "policy": dict(policy_options),
             "versions": _versions(),
         }
-        with replacing(path / "config.json") as file:
-            file.write(json.dumps(config, indent=2).encode())
-        return cls(path, config)
+        with replacing(self.path / "config.json") as file:
+            file.write(json.dumps(self.config, indent=2).encode())
 
     @classmethod
     def open(cls, path: Path) -> "RunFolder":
@@ -140,24 +143,31 @@ class RunFolder:
                 writer.writerows(rows)
                 file.write(text.getvalue().encode())
 
-    def save_checkpoint(self, state: dict[str, Any], network: torch.nn.Module) -> None:
+    def save_checkpoint(self, state: dict[str, Any], network: torch.nn.Module, commit: Callable[[], None]) -> None:
         """Replace `checkpoint.pt` and `policy.pt`.
+
+        `commit` is called when the new checkpoint is complete, and before it takes the place of the old one.
 
         Raises:
             OSError: the disk is full, or the like; the files are as they were.
         """
-        with replacing(self.path / "checkpoint.pt") as file:
+        with replacing(self.path / "checkpoint.pt", commit) as file:
             torch.save(state, file)
         with replacing(self.path / "policy.pt") as file:
             torch.save(network.state_dict(), file)
 
-    def load_checkpoint(self) -> dict[str, Any]:
-        """The state in `checkpoint.pt`. Its pickles are executed: open only folders that you trust.
+    def load_checkpoints(self) -> list[dict[str, Any]]:
+        """The state in `checkpoint.pt`, and the one that was about to replace it when the training was killed.
+
+        Their pickles are executed: open only folders that you trust.
 
         Raises:
             FileNotFoundError, ValueError: there is none, or it is damaged.
         """
-        return dict(_load(self.path / "checkpoint.pt", weights_only=False))
+        states = [dict(_load(self.path / "checkpoint.pt", weights_only=False))]
+        with suppress(ValueError, FileNotFoundError):
+            states.append(dict(_load(self.path / "checkpoint.pt.part", weights_only=False)))
+        return states
 
     def load_weights(self) -> dict[str, torch.Tensor]:
         """The weights in `policy.pt`; nothing in the file is executed.
@@ -174,14 +184,15 @@ class RunFolder:
 
 
 @contextmanager
-def replacing(path: Path) -> Iterator[Any]:
-    """A binary file that takes the place of `path` when the block ends without an error."""
+def replacing(path: Path, commit: Callable[[], None] = lambda: None) -> Iterator[Any]:
+    """A binary file that takes the place of `path` when the block ends without an error, after `commit`."""
     part = path.with_name(path.name + ".part")
     try:
         with part.open("wb") as file:
             yield file
             file.flush()
             os.fsync(file.fileno())
+        commit()
         os.replace(part, path)
     except BaseException:
         part.unlink(missing_ok=True)

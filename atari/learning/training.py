@@ -4,46 +4,20 @@ import math
 import time
 import warnings
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from threading import Event
-from typing import Any, Protocol
+from typing import Any
 
 import torch
 
+from atari.learning.agent import Agent
 from atari.learning.agents import find_agent
-from atari.learning.environments import TrainingEnvironments
 from atari.learning.options import TrainingOptions
 from atari.learning.run import RunFolder
 
 WINDOW = 100
 """Whole games whose mean is the score in the log."""
-
-
-class Agent(Protocol):
-    """What the loop needs of an agent.
-
-    Attributes:
-        steps: agent steps so far, of all environments together.
-        network: the weights; its method `scores` rates the actions.
-        environments: those that it plays.
-    """
-
-    steps: int
-    network: torch.nn.Module
-    environments: Sequence[TrainingEnvironments]
-
-    def update(self) -> Mapping[str, float]:
-        """Play some steps and learn from them; returns what belongs into the log, `loss` among it."""
-
-    def state(self) -> dict[str, Any]:
-        """All that the next update depends on."""
-
-    def restore(self, state: dict[str, Any]) -> None:
-        """Continue from a state."""
-
-    def close(self) -> None:
-        """Release environments and threads."""
 
 
 class Training:
@@ -72,8 +46,10 @@ class Training:
             ValueError: an option is wrong.
         """
         torch.set_num_threads(1)
-        agent = find_agent(name)(options)
-        return cls(RunFolder.create(path, name, options, agent.environments[0].policy_options), agent, options)
+        folder = RunFolder.create(path)
+        agent = find_agent(name)(options, path)
+        folder.configure(name, options, agent.environments[0].policy_options)
+        return cls(folder, agent, options)
 
     @classmethod
     def resume(cls, path: Path) -> "Training":
@@ -85,13 +61,14 @@ class Training:
         torch.set_num_threads(1)
         folder = RunFolder.open(path)
         options = read_options(folder)
-        state = folder.load_checkpoint()
-        agent = find_agent(folder.config["agent"])(options)
+        states = folder.load_checkpoints()
+        agent = find_agent(folder.config["agent"])(options, path)
         training = cls(folder, agent, options)
         try:
+            state = next(state for state in states if agent.fits(state["agent"]))
             agent.restore(state["agent"])
             training._restore(state)
-        except (KeyError, TypeError, ValueError, RuntimeError) as error:
+        except (KeyError, TypeError, ValueError, RuntimeError, StopIteration) as error:
             agent.close()
             raise ValueError(f"{path / 'checkpoint.pt'} is damaged or of another version: {error}") from None
         folder.forget_rows_after(agent.steps)
@@ -123,7 +100,7 @@ class Training:
             self.folder.log({**self._facts(score), **metrics})
             progress(agent.steps - before, score)
             reason = self._reason(stop)
-            if reason or time.monotonic() - self._saved >= 60 * options.checkpoint_minutes:
+            if reason or agent.must_save or time.monotonic() - self._saved >= 60 * options.checkpoint_minutes:
                 self.save()
         return reason
 
@@ -160,7 +137,7 @@ class Training:
             "seconds": self.seconds,
         }
         try:
-            self.folder.save_checkpoint(state, self.agent.network)
+            self.folder.save_checkpoint(state, self.agent.network, self.agent.commit)
         except (OSError, RuntimeError) as error:  # torch raises RuntimeError for a full disk
             text = f"no checkpoint at step {self.agent.steps:,}, the one before stays: {error}"
             warnings.warn(text, RuntimeWarning, stacklevel=2)

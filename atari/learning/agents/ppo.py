@@ -6,7 +6,9 @@ computes the gradients of its share of each minibatch. Each step of the optimise
     python -m atari.learning.agents.ppo pong --fast
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,11 +16,12 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor, nn
 
+from atari.learning.agent import Agent
+from atari.learning.command import main
 from atari.learning.environments import TrainingEnvironments
 from atari.learning.networks import ActorCritic, Encoder
 from atari.learning.options import TrainingOptions
 from atari.learning.replicas import Replicas
-from atari.learning.command import main
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,7 +118,9 @@ class Worker:
         self.options = options
         self.environments = TrainingEnvironments(options, options.num_envs // options.workers)
         self.generator = torch.Generator().manual_seed(options.seed * options.workers + index)
-        self.observations = self.environments.reset(options.seed * options.num_envs + index * self.environments.num_envs)
+        self.observations = self.environments.reset(
+            options.seed * options.num_envs + index * self.environments.num_envs
+        )
         size = (options.horizon, self.environments.num_envs)
         self.seen = torch.zeros(*size, *self.environments.shape, dtype=torch.uint8)
         self.actions = torch.zeros(*size, dtype=torch.int64)
@@ -178,15 +183,15 @@ class Worker:
         return loss.item(), divergence.item(), entropy.item(), value_loss.item()
 
 
-class PPO:
-    """The agent: workers, network and optimiser."""
+class PPO(Agent):
+    """Workers, network and optimiser."""
 
     options_class = PPOOptions
     fast = FAST
     fast_ram = FAST_RAM
     sample = True
 
-    def __init__(self, options: PPOOptions) -> None:
+    def __init__(self, options: PPOOptions, folder: Path | None = None) -> None:
         torch.manual_seed(options.seed)
         self.options = options
         self.steps = 0
@@ -277,7 +282,7 @@ class PPO:
             "environments": [worker.environments.state() for worker in self.workers],
         }
 
-    def restore(self, state: dict[str, Any]) -> None:
+    def restore(self, state: Mapping[str, Any]) -> None:
         """Continue from a state, as if nothing had happened."""
         self.steps, self.learning_rate = state["steps"], state["learning_rate"]
         self.network.load_state_dict(state["network"])

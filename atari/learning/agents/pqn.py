@@ -6,13 +6,16 @@ environments are played for some steps, and these steps are then learned from. T
     python -m atari.learning.agents.pqn pong --fast
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import torch
 from torch import Tensor, nn
 
+from atari.learning.agent import Agent
 from atari.learning.command import main
 from atari.learning.environments import TrainingEnvironments
 from atari.learning.networks import Encoder, QNetwork
@@ -82,7 +85,9 @@ class Worker:
         self.options = options
         self.environments = TrainingEnvironments(options, options.num_envs // options.workers)
         self.generator = torch.Generator().manual_seed(options.seed * options.workers + index)
-        self.observations = self.environments.reset(options.seed * options.num_envs + index * self.environments.num_envs)
+        self.observations = self.environments.reset(
+            options.seed * options.num_envs + index * self.environments.num_envs
+        )
         size = (options.horizon, self.environments.num_envs)
         self.seen = torch.zeros(*size, *self.environments.shape, dtype=torch.uint8)
         self.actions = torch.zeros(*size, dtype=torch.int64)
@@ -132,15 +137,15 @@ class Worker:
         return loss.item(), values.mean().item()
 
 
-class PQN:
-    """The agent: workers, network and optimiser."""
+class PQN(Agent):
+    """Workers, network and optimiser."""
 
     options_class = PQNOptions
     fast = FAST
     fast_ram = FAST_RAM
     sample = False
 
-    def __init__(self, options: PQNOptions) -> None:
+    def __init__(self, options: PQNOptions, folder: Path | None = None) -> None:
         torch.manual_seed(options.seed)
         self.options = options
         self.steps = 0
@@ -204,7 +209,7 @@ class PQN:
             "environments": [worker.environments.state() for worker in self.workers],
         }
 
-    def restore(self, state: dict[str, Any]) -> None:
+    def restore(self, state: Mapping[str, Any]) -> None:
         """Continue from a state, as if nothing had happened."""
         self.steps = state["steps"]
         self.network.load_state_dict(state["network"])

@@ -1,0 +1,301 @@
+"""Deep Q-learning (Mnih et al. 2015), with double Q-learning (van Hasselt et al. 2016), a dueling network (Wang et al.
+2016), n-step returns and prioritised replay (Schaul et al. 2016) as options.
+
+All options together are Rainbow (Hessel et al. 2018) without noisy layers and without distributions.
+
+    python -m atari.learning.agents.dqn pong --fast
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+import torch.nn.functional as F
+from torch import Tensor
+
+from atari.learning.agent import Agent
+from atari.learning.command import main
+from atari.learning.environments import TrainingEnvironments
+from atari.learning.memory import ReplayMemory
+from atari.learning.networks import Encoder, QNetwork
+from atari.learning.options import TrainingOptions
+from atari.learning.replicas import Replicas
+
+
+@dataclass(frozen=True, kw_only=True)
+class DQNOptions(TrainingOptions):
+    """The options of DQN; the defaults are those of Mnih et al. 2015.
+
+    Attributes:
+        memory: steps in the replay memory.
+        compress: compress the frames in the memory.
+        learning_starts: steps before the first update.
+        train_every: steps for each update of the network.
+        batch: steps in a batch.
+        target_update: updates after which the target network is copied.
+        epsilon: probability of a random action at the end of `exploration`; it begins at 1.
+        exploration: steps over which epsilon falls.
+        optimizer: rmsprop, with the constants of Mnih et al. 2015, or adam.
+        double: the network chooses the next action, the target network rates it.
+        dueling: a value of the state and advantages of the actions, instead of values of the actions.
+        n_step: rewards before the value of the last state.
+        priority: exponent of the priorities, 0.5 in Rainbow; none is uniform replay.
+        priority_beta: exponent of the importance weights at the beginning; it rises to 1 over the training.
+    """
+
+    total_steps: int = 50_000_000
+    num_envs: int = 1
+    protocol: str = "dqn2015"
+    memory: int = 1_000_000
+    compress: bool = False
+    learning_starts: int = 50_000
+    train_every: int = 4
+    batch: int = 32
+    target_update: int = 10_000
+    epsilon: float = 0.1
+    exploration: int = 1_000_000
+    optimizer: str = "rmsprop"
+    double: bool = False
+    dueling: bool = False
+    n_step: int = 1
+    priority: float | None = None
+    priority_beta: float = 0.4
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.optimizer not in ("rmsprop", "adam"):
+            raise ValueError(f"optimizer must be one of rmsprop, adam, got {self.optimizer!r}")
+        if self.batch % self.workers:
+            raise ValueError(f"batch must be a multiple of workers, got {self.batch} and {self.workers}")
+        if self.memory < self.learning_starts:
+            raise ValueError(f"memory must hold learning_starts steps, got {self.memory} and {self.learning_starts}")
+
+
+FAST: dict[str, Any] = {
+    "total_steps": 2_000_000,
+    "num_envs": 16,
+    "protocol": "envpool",
+    "image_size": 42,
+    "network": "small",
+    "normalize": True,
+    "bfloat16": True,
+    "workers": 2,
+    "memory": 200_000,
+    "learning_starts": 10_000,
+    "train_every": 16,
+    "batch": 256,
+    "target_update": 500,
+    "epsilon": 0.01,
+    "exploration": 100_000,
+    "optimizer": "adam",
+    "double": True,
+    "dueling": True,
+    "n_step": 3,
+}
+"""Options for pixels, found by measurement on two cores; see docs/learning.md."""
+
+FAST_RAM: dict[str, Any] = {}
+"""Options for RAM, in addition."""
+
+
+_UPDATE = 1000
+"""About so many steps are an update."""
+
+
+class DQN(Agent):
+    """Environments, replay memory, network, target network and optimiser."""
+
+    options_class = DQNOptions
+    fast = FAST
+    fast_ram = FAST_RAM
+    sample = False
+
+    def __init__(self, options: DQNOptions, folder: Path | None = None) -> None:
+        torch.manual_seed(options.seed)
+        self.options = options
+        self.steps = self.updates = self._saved_at = 0
+        self.generator = np.random.default_rng(options.seed)
+        envs = TrainingEnvironments(options, options.num_envs, options.workers, stacked=False)
+        self.envs, self.environments = envs, [envs]
+        self.memory = self._make_memory(folder)
+        first = envs.reset(options.seed)
+        if not self.memory.steps:
+            self.memory.reset(first)
+        stack = self.memory.observations().shape[1:]
+        self.network = self.make_network(options, stack, len(envs.actions)).to(options.device)
+        self.target = self.make_network(options, stack, len(envs.actions)).to(options.device)
+        self.target.load_state_dict(self.network.state_dict())
+        self.replicas = Replicas(self.network, options.workers)
+        self.optimizer = self._make_optimizer()
+        self.batch = self.memory.make_batch(options.batch, torch=True, pin_memory=options.device != "cpu")
+
+    def _make_memory(self, folder: Path | None) -> ReplayMemory:
+        options, file = self.options, None if folder is None else folder / "memory.replay"
+        if file is not None and file.exists():
+            return ReplayMemory.open(file, num_threads=options.workers)
+        return ReplayMemory(
+            options.memory,
+            options.num_envs,
+            self.envs.shape,
+            stack_num=options.stack,
+            padding=self.envs.padding,
+            autoreset_mode="same_step",
+            priority_exponent=options.priority,
+            compress=options.compress,
+            seed=options.seed,
+            num_threads=options.workers,
+            path=file,
+            margin=None if file is None else options.memory // 8,
+        )
+
+    def _make_optimizer(self) -> torch.optim.Optimizer:
+        if self.options.optimizer == "adam":
+            return torch.optim.Adam(self.network.parameters(), self.options.learning_rate, eps=1.5e-4, fused=True)
+        return torch.optim.RMSprop(
+            self.network.parameters(), self.options.learning_rate, alpha=0.95, eps=0.01, centered=True
+        )
+
+    @staticmethod
+    def make_network(options: DQNOptions, shape: tuple[int, ...], actions: int) -> QNetwork:
+        """The network for observations of a shape."""
+        encoder = Encoder(shape, options.network, normalize=options.normalize, bfloat16=options.bfloat16)
+        return QNetwork(encoder, actions, dueling=options.dueling)
+
+    def update(self) -> dict[str, float]:
+        """Play some steps, and learn meanwhile; returns what belongs into the log."""
+        losses, values = [], []
+        for _ in range(max(1, _UPDATE // self.options.num_envs)):
+            observations = self.memory.observations()
+            if self.options.normalize and self.steps < 100_000:  # fixed then, as the memory has older frames
+                self._normalize(observations)
+            self._play(observations)
+            while self._due():
+                loss, value = self._learn()
+                losses.append(loss)
+                values.append(value)
+        nothing = [0.0]
+        return {
+            "loss": float(np.mean(losses or nothing)),
+            "value": float(np.mean(values or nothing)),
+            "epsilon": self._epsilon(),
+            "updates": self.updates,
+        }
+
+    def _play(self, observations: Any) -> None:
+        """Play one step in each environment, into the memory."""
+        count, random = self.options.num_envs, self.generator.random(self.options.num_envs) < self._epsilon()
+        actions = self.generator.integers(len(self.envs.actions), size=count)
+        if not random.all():
+            with torch.no_grad():
+                values = self.network(torch.from_numpy(observations).to(self.options.device))
+            actions = np.where(random, actions, values.argmax(1).cpu().numpy())
+        _, *results = self.envs.step(actions, out=self.memory.frames())
+        self.memory.add(actions, *results)
+        self.steps += count
+
+    def _epsilon(self) -> float:
+        return max(self.options.epsilon, 1 - (1 - self.options.epsilon) * self.steps / self.options.exploration)
+
+    def _due(self) -> bool:
+        wanted = (self.steps - self.options.learning_starts) // self.options.train_every
+        return self.updates < wanted and self.memory.count(self.options.n_step) > 0
+
+    def _learn(self) -> tuple[float, float]:
+        """Learn from one batch; returns the loss and the mean value."""
+        options = self.options
+        beta = options.priority_beta + (1 - options.priority_beta) * min(1, self.steps / options.total_steps)
+        batch = self.memory.sample(options.batch, n=options.n_step, gamma=options.gamma, beta=beta, out=self.batch)
+        shares = torch.arange(options.batch).chunk(options.workers)
+        results = self.replicas.map(
+            lambda network, share: self._gradient(network, batch, share), self.replicas.networks, shares
+        )
+        if options.priority is not None:
+            self.memory.update_priorities(batch.indices, torch.cat([errors for errors, _, _ in results]).numpy())
+        self.replicas.average_gradients()
+        self.optimizer.step()
+        self.updates += 1
+        if self.updates % options.target_update == 0:
+            self.target.load_state_dict(self.network.state_dict())
+        return float(np.mean([loss for _, loss, _ in results])), float(np.mean([value for _, _, value in results]))
+
+    def _gradient(self, network: QNetwork, batch: Any, share: Tensor) -> tuple[Tensor, float, float]:
+        """Compute the gradients of the loss on a share of a batch; returns errors, loss and mean value."""
+        rows, device = slice(int(share[0]), int(share[-1]) + 1), self.options.device
+        observations, actions, rewards, following, discounts, weights = (
+            part[rows].to(device, non_blocking=True)
+            for part in (
+                batch.observations,
+                batch.actions,
+                batch.rewards,
+                batch.next_observations,
+                batch.discounts,
+                batch.weights,
+            )
+        )
+        with torch.no_grad():
+            rated = self.target(following)
+            chosen = (network(following) if self.options.double else rated).argmax(1, keepdim=True)
+            targets = rewards + discounts * rated.gather(1, chosen)[:, 0]
+        values = network(observations).gather(1, actions[:, None])[:, 0]
+        loss = (weights * F.smooth_l1_loss(values, targets, reduction="none")).mean()
+        network.zero_grad()
+        loss.backward()
+        return (targets - values).abs().detach().cpu(), loss.item(), values.mean().item()
+
+    def _normalize(self, observations: Any) -> None:
+        """Add observations to the statistics; the target network uses the same."""
+        self.network.encoder.observe(torch.from_numpy(observations).to(self.options.device))
+        self.target.encoder.normalize.load_state_dict(self.network.encoder.normalize.state_dict())
+
+    @property
+    def must_save(self) -> bool:
+        """Whether another update might not fit into the memory's file before it is saved."""
+        return self.memory.path is not None and self.steps - self._saved_at + 2 * _UPDATE > self.options.memory // 8
+
+    def state(self) -> dict[str, Any]:
+        """All that the next update depends on, but the memory's file, which `commit` saves."""
+        return {
+            "steps": self.steps,
+            "updates": self.updates,
+            "network": self.network.state_dict(),
+            "target": self.target.state_dict(),
+            "optimizer": self.optimizer.state_dict(),
+            "generator": self.generator.bit_generator.state,
+            "environments": self.envs.state(),
+            "memory": self.memory.flushes + 1 if self.memory.path else self.memory.state(),
+        }
+
+    def commit(self) -> None:
+        """Save the memory's file."""
+        if self.memory.path is not None:
+            self.memory.flush()
+            self._saved_at = self.steps
+
+    def fits(self, state: Mapping[str, Any]) -> bool:
+        """Whether the memory's file was saved with this state."""
+        return self.memory.path is None or bool(state["memory"] == self.memory.flushes)
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Continue from a state, as if nothing had happened."""
+        self.steps = self._saved_at = state["steps"]
+        self.updates = state["updates"]
+        self.network.load_state_dict(state["network"])
+        self.target.load_state_dict(state["target"])
+        self.optimizer.load_state_dict(state["optimizer"])
+        self.generator.bit_generator.state = state["generator"]
+        self.envs.restore(state["environments"])
+        if self.memory.path is None:
+            self.memory.restore(state["memory"])
+
+    def close(self) -> None:
+        """Close environments and memory, and end the threads."""
+        self.replicas.close()
+        self.envs.close()
+        self.memory.close()
+
+
+if __name__ == "__main__":
+    main("dqn")
