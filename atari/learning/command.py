@@ -55,14 +55,14 @@ def _run(training: Training) -> None:
         KeyboardInterrupt: after Ctrl-C, when all is saved.
     """
     agent, options, folder = training.agent, training.options, training.folder.path
-    with closing(training), ctrl_c_as_event() as stop:
-        with tqdm(total=options.total_steps, initial=agent.steps, unit="step", unit_scale=True, disable=None) as bar:
+    bar = tqdm(total=options.total_steps, initial=agent.steps, unit="step", unit_scale=True, disable=None)
 
-            def show(steps: int, score: float) -> None:
-                bar.set_postfix_str("no whole game yet" if math.isnan(score) else f"score {score:.1f}", refresh=False)
-                bar.update(steps)
+    def show(steps: int, score: float) -> None:
+        bar.set_postfix_str("no whole game yet" if math.isnan(score) else f"score {score:.1f}", refresh=False)
+        bar.update(steps)
 
-            reason = training.run(stop, show)
+    with closing(training), bar, ctrl_c_as_event() as stop:
+        reason = training.run(stop, show)
     if reason == "stop":
         raise KeyboardInterrupt(f"at step {agent.steps:,}; go on with `atari train --resume {folder}`")
 

@@ -51,9 +51,8 @@ class TrainingEnvironments:
         self.actions, self._indices = _actions(game, protocol.full_action_space, options.actions)
         self._ram = RamStack(num_envs, options.stack) if options.obs == "ram" and stacked else None
         self.padding = protocol.padding
-        self.shape: tuple[int, ...] = (
-            self._envs.single_observation_space.shape if self._ram is None else self._ram.shape
-        )
+        space: Any = self._envs.single_observation_space
+        self.shape: tuple[int, ...] = space.shape if self._ram is None else self._ram.shape
         stack = {"ram_stack": options.stack} if options.obs == "ram" else {}
         self.policy_options: dict[str, Any] = {**sees, **stack, "actions": list(self.actions)}
         self.num_envs = num_envs

@@ -11,6 +11,7 @@ from typing import Any
 
 import torch
 
+from atari.games.catalog import games
 from atari.learning.agent import Agent
 from atari.learning.agents import find_agent
 from atari.learning.options import TrainingOptions
@@ -46,6 +47,7 @@ class Training:
             ValueError: an option is wrong.
         """
         torch.set_num_threads(1)
+        games.find(options.game)
         folder = RunFolder.create(path)
         agent = find_agent(name)(options, path)
         folder.configure(name, options, agent.environments[0].policy_options)

@@ -209,9 +209,8 @@ class DQN(Agent):
         beta = options.priority_beta + (1 - options.priority_beta) * min(1, self.steps / options.total_steps)
         batch = self.memory.sample(options.batch, n=options.n_step, gamma=options.gamma, beta=beta, out=self.batch)
         shares = torch.arange(options.batch).chunk(options.workers)
-        results = self.replicas.map(
-            lambda network, share: self._gradient(network, batch, share), self.replicas.networks, shares
-        )
+        batches = [batch] * options.workers
+        results = self.replicas.map(self._gradient, self.replicas.networks, batches, shares)
         if options.priority is not None:
             self.memory.update_priorities(batch.indices, torch.cat([errors for errors, _, _ in results]).numpy())
         self.replicas.average_gradients()

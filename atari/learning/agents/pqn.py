@@ -85,10 +85,9 @@ class Worker:
         self.options = options
         self.environments = TrainingEnvironments(options, options.num_envs // options.workers)
         self.generator = torch.Generator().manual_seed(options.seed * options.workers + index)
-        self.observations = self.environments.reset(
-            options.seed * options.num_envs + index * self.environments.num_envs
-        )
-        size = (options.horizon, self.environments.num_envs)
+        count = self.environments.num_envs
+        self.observations = self.environments.reset(options.seed * options.num_envs + index * count)
+        size = (options.horizon, count)
         self.seen = torch.zeros(*size, *self.environments.shape, dtype=torch.uint8)
         self.actions = torch.zeros(*size, dtype=torch.int64)
         self.rewards, self.ends, self.targets = torch.zeros(3, *size).unbind()
