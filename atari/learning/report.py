@@ -1,0 +1,178 @@
+"""What a run folder shows when the training has ended: an evaluation, the best game, and a page about both."""
+
+import html
+import io
+import math
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from string import Template
+from typing import Any
+
+from atari.games.catalog import games
+from atari.learning.evaluation import EvaluationProtocol, Result, evaluate, human_scores, published, published_names
+from atari.learning.evaluation.evaluate import record_game
+from atari.learning.policies import load_policy
+from atari.learning.run import RunFolder, replacing
+from atari.learning.training import WINDOW, read_options
+from atari.recording import Replay
+from atari.wrappers.presets import preset_protocol
+
+CURVES = ("dopamine/dqn", "dopamine/rainbow", "dreamerv3/atari57/ppo")
+"""Published learning curves that are drawn beside one's own."""
+
+
+def finish(folder: RunFolder, episodes: int = 30, progress: Callable[[int, int], Any] | None = None) -> Result:
+    """Evaluate the policy of a run folder, record its best game, and write `report.html`.
+
+    Writes `evaluation.json`, `best.a26` and, if PyAV is installed, `best.mp4` with sound.
+
+    Raises:
+        FileNotFoundError, ValueError: the folder is damaged, or the training has written no policy yet.
+    """
+    policy = load_policy(folder.path)
+    game = folder.config["options"]["game"]
+    result = evaluate(policy, game, training_protocol(folder), episodes=episodes, progress=progress)
+    result.save(folder.path / "evaluation.json")
+    played = result.games[0]
+    best = played.seeds[max(range(episodes), key=lambda index: played.scores[index])]
+    record_game(policy, game, result.protocol, best, folder.path / "best.a26")
+    replay = Replay.load(folder.path / "best.a26")
+    try:
+        replay.render(folder.path / "best.mp4")
+    except ImportError:  # without the extra `video` there is the replay alone
+        (folder.path / "best.mp4").unlink(missing_ok=True)
+    write_report(folder, result)
+    return result
+
+
+def training_protocol(folder: RunFolder) -> EvaluationProtocol:
+    """A protocol whose games begin and end as in the training, without random actions."""
+    options = read_options(folder)
+    played = preset_protocol(options.protocol)
+    sticky = played.repeat_action_probability if options.sticky is None else options.sticky
+    return EvaluationProtocol(
+        name="training",
+        source=f"games as in the training: preset {options.protocol}",
+        repeat_action_probability=sticky,
+        full_action_space=played.full_action_space,
+        noop_min=played.noops[0],
+        noop_max=played.noops[1],
+        max_frames=108_000,
+        epsilon=0.0,
+        episodes=30,
+        preset=options.protocol,
+        lives="continue" if played.fire == "never" else "fire",
+    )
+
+
+def write_report(folder: RunFolder, result: Result) -> Path:
+    """Write `report.html`, which needs no server, and return its path."""
+    rows, config = folder.rows(), folder.config
+    game = games.find(config["options"]["game"])
+    played = result.games[0]
+    last = rows[-1]
+    video = '<video controls loop src="best.mp4"></video>' if (folder.path / "best.mp4").exists() else ""
+    page = Template(_PAGE).substitute(
+        title=html.escape(f"{config['agent'].upper()} on {game.title}, from {config['options']['obs']}"),
+        score=f"{played.mean:,.1f}",
+        episodes=len(played.scores),
+        steps=f"{last['step']:,.0f}",
+        frames=f"{last['frames']:,.0f}",
+        time=_duration(last["seconds"]),
+        curve=learning_curve(rows, game.id),
+        window=WINDOW,
+        video=video,
+        best=f"{max(played.scores):,.0f}",
+        protocol=html.escape(str(result.protocol)),
+        scores=html.escape(str(result)),
+        options=_table(config["options"]),
+        versions=_table(config["versions"]),
+    )
+    with replacing(folder.path / "report.html") as file:
+        file.write(page.encode())
+    return folder.path / "report.html"
+
+
+def learning_curve(rows: Sequence[Mapping[str, float]], game: str) -> str:
+    """A picture, SVG: the scores in a log over frames, with published curves, random play and a human.
+
+    Raises:
+        ImportError: Matplotlib is not installed.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8, 4.5), layout="constrained")
+    axes = figure.add_subplot()
+    shown = [row for row in rows if not math.isnan(row["score"])]
+    most = rows[-1]["frames"]
+    for name in CURVES:
+        if name in published_names() and game in published(name).games:
+            curve = published(name).curve(game)
+            known = curve.frames <= most
+            if known.sum() > 1:
+                axes.plot(curve.frames[known] / 1e6, curve.mean[known], label=name, linewidth=1)
+    for name, score in zip(("random", "human"), human_scores().get(game, ()), strict=False):
+        axes.axhline(score, color="gray", linewidth=0.8, linestyle=":" if name == "random" else "--", label=name)
+    axes.plot([row["frames"] / 1e6 for row in shown], [row["score"] for row in shown], color="#c2410c", label="this run")
+    axes.set_xlabel("million frames")
+    axes.set_ylabel("score of whole games")
+    axes.grid(alpha=0.3)
+    axes.legend(fontsize="small")
+    text = io.StringIO()
+    figure.savefig(text, format="svg")
+    return text.getvalue().partition("<svg")[1] + text.getvalue().partition("<svg")[2]
+
+
+def _table(facts: Mapping[str, Any]) -> str:
+    rows = (f"<tr><th>{html.escape(str(key))}<td>{html.escape(str(value))}" for key, value in facts.items())
+    return f"<table>{''.join(rows)}</table>"
+
+
+def _duration(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours} h {minutes} min" if hours else f"{minutes} min {rest} s" if minutes else f"{rest} s"
+
+
+_PAGE = """\
+<!doctype html>
+<html lang="en">
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>$title</title>
+<style>
+  :root { color-scheme: light dark; --line: #8884; }
+  body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 0 auto; padding: 1rem; }
+  h1 { font-size: 1.6rem; margin: 0.5rem 0; }
+  dl { display: flex; flex-wrap: wrap; gap: 0.5rem 2rem; margin: 1rem 0; }
+  dt { font-size: 0.8rem; opacity: 0.7; }
+  dd { margin: 0; font-size: 1.4rem; font-variant-numeric: tabular-nums; }
+  svg { width: 100%; height: auto; background: white; border-radius: 6px; }
+  video { width: 100%; max-width: 480px; display: block; image-rendering: pixelated; background: black; }
+  pre { overflow-x: auto; padding: 0.75rem; border: 1px solid var(--line); border-radius: 6px; font-size: 0.85rem; }
+  details { margin: 0.5rem 0; }
+  table { border-collapse: collapse; font-size: 0.85rem; }
+  th, td { text-align: left; padding: 0.15rem 1rem 0.15rem 0; border-bottom: 1px solid var(--line);
+    vertical-align: top; overflow-wrap: anywhere; }
+</style>
+<h1>$title</h1>
+<dl>
+  <div><dt>mean score of $episodes whole games after training<dd>$score</div>
+  <div><dt>agent steps<dd>$steps</div>
+  <div><dt>frames<dd>$frames</div>
+  <div><dt>time of training<dd>$time</div>
+</dl>
+<h2>Learning curve</h2>
+<p>Mean score of the last $window whole games, all lives, not clipped. Published curves are of other protocols, with the
+same number of frames.</p>
+$curve
+<h2>The best game</h2>
+<p>The best of the $episodes games had a score of $best. <code>best.a26</code> is its replay.</p>
+$video
+<h2>Evaluation</h2>
+<p>$protocol</p>
+<pre>$scores</pre>
+<details><summary>Options of the training</summary>$options</details>
+<details><summary>Versions</summary>$versions</details>
+</html>
+"""
