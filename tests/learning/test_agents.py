@@ -1,0 +1,169 @@
+"""The agents: what they learn from is right, and a training that was killed goes on to the same weights."""
+
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+torch = pytest.importorskip("torch")
+
+from atari.learning.agents import AGENTS, find_agent  # noqa: E402
+from atari.learning.options import descriptions  # noqa: E402
+from atari.learning.run import RunFolder  # noqa: E402
+from atari.learning.training import Training  # noqa: E402
+
+SMALL: dict[str, dict[str, Any]] = {
+    "ppo": {"num_envs": 4, "horizon": 16, "minibatch": 32},
+    "pqn": {"num_envs": 4, "horizon": 16, "minibatch": 32},
+    "dqn": {"num_envs": 4, "memory": 8000, "learning_starts": 500, "train_every": 50, "batch": 16},
+}
+"""Small trainings, of about a second."""
+
+
+def make_options(agent: str, **given: Any) -> Any:
+    found = find_agent(agent)
+    ram = {"network": "bits", **found.fast_ram} if given.get("obs") == "ram" else {}
+    return found.options_class(**{**found.fast, **ram, "stack": 2, **SMALL[agent], **given})
+
+
+def equal(one: Any, other: Any) -> bool:
+    assert one.keys() == other.keys()
+    return all(torch.equal(one[name], other[name]) for name in one)
+
+
+@pytest.mark.parametrize("agent", AGENTS)
+def test_every_option_is_described(agent: str) -> None:
+    options = find_agent(agent).options_class
+    assert set(descriptions(options)) == {field.name for field in fields(options)}
+
+
+@pytest.mark.parametrize("agent", AGENTS)
+@pytest.mark.parametrize("obs", ["pixels", "ram"])
+def test_equal_seeds_give_equal_weights_and_others_do_not(agent: str, obs: str) -> None:
+    def weights(seed: int) -> Any:
+        trained = find_agent(agent)(make_options(agent, obs=obs, seed=seed))
+        while trained.steps < 1000:
+            assert np.isfinite(trained.update()["loss"])
+        trained.close()
+        return {name: value.clone() for name, value in trained.network.state_dict().items()}
+
+    first = weights(1)
+    assert equal(first, weights(1))
+    assert not equal(first, weights(2))
+
+
+@pytest.mark.parametrize("agent", AGENTS)
+def test_the_weights_move(agent: str) -> None:
+    trained = find_agent(agent)(make_options(agent))
+    before = {name: value.clone() for name, value in trained.network.named_parameters()}
+    while trained.steps < 1200:
+        trained.update()
+    trained.close()
+    assert [name for name, value in trained.network.named_parameters() if torch.equal(before[name], value)] == []
+
+
+COMMAND = """
+import sys
+from pathlib import Path
+from test_agents import SMALL, make_options
+from atari.learning.training import Training
+agent, folder, steps = sys.argv[1], Path(sys.argv[2]), int(sys.argv[3])
+if folder.exists():
+    training = Training.resume(folder)
+else:
+    training = Training.begin(agent, make_options(agent, total_steps=steps, checkpoint_minutes=0.0005), folder)
+training.run()
+training.close()
+"""
+
+
+def train(agent: str, folder: Path, steps: int) -> "subprocess.Popen[bytes]":
+    command = [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r}){COMMAND}"]
+    return subprocess.Popen([*command, agent, str(folder), str(steps)])
+
+
+@pytest.mark.parametrize("agent", AGENTS)
+def test_a_killed_training_ends_with_the_same_weights(agent: str, tmp_path: Path) -> None:
+    steps = {"ppo": 1920, "pqn": 1920, "dqn": 8000}[agent]
+    assert train(agent, tmp_path / "whole", steps).wait() == 0
+    killed = train(agent, tmp_path / "killed", steps)
+    checkpoint = tmp_path / "killed" / "checkpoint.pt"
+    while not checkpoint.exists() and killed.poll() is None:
+        time.sleep(0.01)
+    time.sleep(0.05)
+    killed.send_signal(signal.SIGKILL)
+    assert killed.wait() == -signal.SIGKILL, "the training ended before it could be killed"
+    assert train(agent, tmp_path / "killed", steps).wait() == 0
+    whole, resumed = (RunFolder.open(tmp_path / name) for name in ("whole", "killed"))
+    assert equal(whole.load_weights(), resumed.load_weights())
+    without_time = [[{**row, "seconds": 0} for row in folder.rows()] for folder in (whole, resumed)]
+    assert str(without_time[0]) == str(without_time[1])
+
+
+def test_ppo_estimates_advantages() -> None:
+    from atari.learning.agents.ppo import PPO, Returns
+
+    options = make_options("ppo", workers=1, num_envs=2, minibatch=32)
+    agent = PPO(options)
+    worker = agent.workers[0]
+    worker.play(Returns(False))
+    rewards, ends, values = worker.rewards.numpy(), worker.ends.numpy().copy(), worker.values.numpy()
+    ends[5, 1] = 1
+    worker.ends[5, 1] = 1
+    worker._estimate(worker.values)
+    for lane in range(2):
+        for start in range(16):
+            expected, weight = 0.0, 1.0  # the sum of discounted errors, by its definition
+            for step in range(start, 16):
+                goes_on = 1 - ends[step, lane]
+                expected += weight * (
+                    rewards[step, lane] + 0.99 * values[step + 1, lane] * goes_on - values[step, lane]
+                )
+                weight *= 0.99 * 0.95 * goes_on
+            assert worker.advantages[start, lane] == pytest.approx(expected, abs=1e-4)
+    assert torch.allclose(worker.returns, worker.advantages + worker.values[:-1])
+    agent.close()
+
+
+def test_replicas_give_the_gradient_of_the_whole_batch() -> None:
+    from atari.learning.replicas import Replicas
+
+    network = torch.nn.Linear(3, 1)
+    data = torch.randn(8, 3)
+    network(data).square().mean().backward()
+    assert network.weight.grad is not None
+    expected = network.weight.grad.clone()
+    replicas = Replicas(network, 2)
+
+    def gradient(replica: Any, share: Any) -> None:
+        replica.zero_grad()
+        replica(share).square().mean().backward()
+
+    replicas.map(gradient, replicas.networks, data.chunk(2))
+    replicas.average_gradients()
+    assert torch.allclose(network.weight.grad, expected)
+    replicas.close()
+
+
+def test_a_loss_that_is_no_number_stops_the_training(tmp_path: Path) -> None:
+    training = Training.begin("ppo", make_options("ppo", checkpoint_minutes=0.0), tmp_path / "run")
+    agent: Any = training.agent
+
+    def spoil(steps: int, score: float) -> None:
+        agent.network.policy.bias.data.fill_(float("nan"))
+
+    with pytest.raises(FloatingPointError, match="the loss is nan at step 128; the last checkpoint in .* is good"):
+        training.run(progress=spoil)
+    training.close()
+    weights = RunFolder.open(tmp_path / "run").load_weights()
+    assert all(value.isfinite().all() for value in weights.values())
+    resumed = Training.resume(tmp_path / "run")
+    assert resumed.agent.steps == 64
+    assert np.isfinite(resumed.agent.update()["loss"])
+    resumed.close()

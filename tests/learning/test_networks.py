@@ -1,0 +1,75 @@
+import numpy as np
+import pytest
+
+torch = pytest.importorskip("torch")
+
+from atari.learning.networks import ActorCritic, Encoder, Normalize, QNetwork  # noqa: E402
+
+
+def images(count: int, seed: int = 0) -> "torch.Tensor":
+    generator = torch.Generator().manual_seed(seed)
+    return torch.randint(256, (count, 4, 42, 42), dtype=torch.uint8, generator=generator)
+
+
+def test_normalize_divides_by_255() -> None:
+    normalize = Normalize((4, 42, 42), running=False)
+    seen = images(3)
+    normalize.update(seen)
+    assert torch.allclose(normalize(seen), seen / 255)
+
+
+def test_normalize_gives_mean_0_and_variance_1() -> None:
+    normalize = Normalize((4, 42, 42), running=True)
+    seen = images(2000)
+    for part in seen.split(300):
+        normalize.update(part)
+    values = normalize(seen)
+    assert values.mean(0).abs().max() < 1e-4
+    assert torch.allclose(values.var(0, correction=0), torch.ones(4, 42, 42), atol=1e-3)
+
+
+def test_normalize_leaves_constant_pixels_finite() -> None:
+    normalize = Normalize((2,), running=True)
+    normalize.update(torch.full((10, 2), 7, dtype=torch.uint8))
+    assert normalize(torch.tensor([[7, 255]], dtype=torch.uint8)).tolist() == [[0.0, 5.0]]  # clipped
+
+
+@pytest.mark.parametrize(("kind", "size", "width"), [("nature", 84, 512), ("small", 42, 256)])
+def test_encoders_of_images(kind: str, size: int, width: int) -> None:
+    encoder = Encoder((4, size, size), kind)
+    assert encoder(torch.zeros(2, 4, size, size, dtype=torch.uint8)).shape == (2, width)
+
+
+def test_nature_has_the_parameters_of_the_paper() -> None:
+    count = sum(parameter.numel() for parameter in Encoder((4, 84, 84), "nature").parameters())
+    assert count == (8 * 8 * 4 + 1) * 32 + (4 * 4 * 32 + 1) * 64 + (3 * 3 * 64 + 1) * 64 + (3136 + 1) * 512
+
+
+def test_bits_are_those_of_the_bytes() -> None:
+    encoder = Encoder((2, 128), "bits")
+    ram = torch.arange(256, dtype=torch.uint8).reshape(1, 2, 128)
+    expected = np.unpackbits(ram.numpy()[..., None], axis=-1, bitorder="little")
+    assert np.array_equal(encoder.unpack(ram).numpy(), 255 * expected)
+    assert encoder(ram).shape == (1, 256)
+
+
+@pytest.mark.parametrize("layer_norm", [False, True])
+def test_bfloat16_is_near_float32(layer_norm: bool) -> None:
+    torch.manual_seed(0)
+    exact = Encoder((4, 42, 42), "small", layer_norm=layer_norm)
+    fast = Encoder((4, 42, 42), "small", layer_norm=layer_norm, bfloat16=True)
+    fast.load_state_dict(exact.state_dict())
+    seen = images(8)
+    assert fast(seen).dtype == torch.float32
+    assert (fast(seen) - exact(seen)).abs().max() < 0.05 * exact(seen).abs().max()
+
+
+def test_heads() -> None:
+    encoder = Encoder((4, 42, 42), "small")
+    logits, values = ActorCritic(encoder, 6)(images(3))
+    assert (logits.shape, values.shape) == ((3, 6), (3,))
+    network = QNetwork(encoder, 6, dueling=True)
+    features = encoder(images(3))
+    assert network.value is not None
+    assert torch.allclose(network(images(3)).mean(1), network.value(features)[:, 0], atol=1e-5)
+    assert QNetwork(encoder, 6).value is None
