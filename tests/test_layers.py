@@ -18,6 +18,7 @@ ALLOWED = {
     # The foundation imports no other part.
     "_emulator": "",
     "_gymnasium": "",
+    "_interrupt": "",
     "_sources": "",
     "actions": "",
     "protocols": "",
@@ -38,14 +39,14 @@ ALLOWED = {
     "wrappers",
     "integrations": "_gymnasium _script actions classic cores env games registration validation vector wrappers",
     "sb3": "integrations",
-    "learning": "_emulator _gymnasium actions cores env games protocols recording registration rendering restorable "
+    "learning": "_emulator _gymnasium _interrupt actions cores env games protocols recording registration rendering restorable "
     "validation vector wrappers",
     # The package itself exports the parts above, and `atari.__version__` to the parts below and to recordings.
     "atari": "actions algorithmic cores env games integrations registration roms vector wrappers",
     # Programs and old interfaces, which no part above imports; they may import `recording`.
     "play": "actions cores env games recording registration rendering validation",
     "classic": "_script atari cores env games recording registration rendering validation wrappers",
-    "cli": "atari actions cores env games learning play recording registration rendering roms validation vector wrappers",
+    "cli": "_interrupt atari actions cores env games learning play recording registration rendering roms validation vector wrappers",
     "__main__": "cli",
 }
 """By part, the parts that it may import."""

@@ -17,13 +17,15 @@ import gymnasium
 import atari
 from atari.cli.output import print_error
 
-_COMMANDS = ("list", "info", "explain", "roms", "verify", "demo", "record", "replay", "play", "evaluate")
+_COMMANDS = tuple("list info explain roms verify demo record replay play train watch evaluate".split())
 
 _EXAMPLES = """\
 examples:
   atari demo breakout                      play and write videos/breakout-0.mp4
   atari record pong -o pong.mp4            let a policy play, and record a video with sound
   atari replay verify game.a26             compare a replay with its recording
+  atari train ppo pong --fast              an agent learns, in minutes
+  atari watch runs/pong-ppo-pixels-seed0   and plays
   atari play ms_pacman                     play a game by hand, in a window
   atari evaluate random pong               play whole games by a protocol, and score a policy
   atari explain PongDeterministic-v4       what an environment ID means

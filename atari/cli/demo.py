@@ -18,8 +18,8 @@ import gymnasium
 from tqdm import tqdm
 
 import atari
-from atari.cli.arguments import add_command, find_game, number
 from atari._interrupt import ctrl_c_as_event
+from atari.cli.arguments import add_command, find_game, number
 from atari.cli.observers import ScoreCounter, VideoObserver
 from atari.cli.output import print_json
 from atari.games.game import Game

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 from tqdm import tqdm
 
 import atari
-from atari.cli.arguments import add_command, add_rom, find_game, find_rom, number
 from atari._interrupt import ctrl_c_as_event
+from atari.cli.arguments import add_command, add_rom, find_game, find_rom, number
 from atari.cli.observers import ScoreCounter, VideoObserver
 from atari.cli.output import print_json
 from atari.env import AtariEnv

@@ -42,6 +42,14 @@ def resume(folder: Path) -> None:
     _run(Training.resume(folder))
 
 
+def finish_run(folder: Path, episodes: int) -> Any:
+    """Evaluate a policy and write its report; see `atari.learning.report`."""
+    from atari.learning.report import finish
+
+    with tqdm(total=episodes, unit=" games", disable=None, desc="evaluation") as bar:
+        return finish(folder, episodes, lambda done, total: bar.update(done - bar.n))
+
+
 def main(agent: str) -> None:
     """The command line of an agent's script."""
     folder = train(agent, sys.argv[1:], f"python -m atari.learning.agents.{agent}")

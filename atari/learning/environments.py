@@ -119,16 +119,30 @@ class RamStack:
         self.shape = (size, 128)
         self.rows = self._before = np.zeros((num_envs, size, 128), np.uint8)
 
-    def push(self, ram: ByteArray, started: npt.NDArray[np.bool_]) -> ByteArray:
-        """Add a vector for each environment; in those that have `started` it is the first. Returns a new array."""
-        self._before = self.rows
-        self.rows = self.final(ram)
-        self.rows[started] = ram[started, None]
-        return self.rows
+    def push(
+        self, ram: ByteArray, started: npt.NDArray[np.bool_], lanes: npt.NDArray[np.int64] | None = None
+    ) -> ByteArray:
+        """Add a vector to all environments, or to some `lanes`, and return their stacks, a new array.
+
+        In those that have `started`, the vector is the first.
+        """
+        self._before = self.rows if lanes is None else self.rows[lanes]
+        rows = self.final(ram)
+        rows[started] = ram[started, None]
+        if lanes is None:
+            self.rows = rows
+        else:
+            self.rows[lanes] = rows
+        return rows
 
     def final(self, ram: ByteArray) -> ByteArray:
         """The stacks that the last `push` would have given with these vectors, had nothing started."""
         return np.concatenate([self._before[:, 1:], ram[:, None]], 1)
+
+    def resize(self, num_envs: int) -> None:
+        """Make room for more environments."""
+        missing = max(0, num_envs - len(self.rows))
+        self.rows = np.concatenate([self.rows, np.zeros((missing, *self.shape), np.uint8)])
 
 
 def _actions(game: Game, full: bool, names: Sequence[str] | None) -> tuple[tuple[str, ...], npt.NDArray[np.int64]]:

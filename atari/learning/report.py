@@ -9,8 +9,10 @@ from string import Template
 from typing import Any
 
 from atari.games.catalog import games
-from atari.learning.evaluation import EvaluationProtocol, Result, evaluate, human_scores, published, published_names
-from atari.learning.evaluation.evaluate import record_game
+from atari.learning.evaluation.evaluate import evaluate, record_game
+from atari.learning.evaluation.protocols import EvaluationProtocol
+from atari.learning.evaluation.published import human_scores, published, published_names
+from atari.learning.evaluation.results import Result
 from atari.learning.policies import load_policy
 from atari.learning.run import RunFolder, replacing
 from atari.learning.training import WINDOW, read_options
@@ -113,7 +115,9 @@ def learning_curve(rows: Sequence[Mapping[str, float]], game: str) -> str:
                 axes.plot(curve.frames[known] / 1e6, curve.mean[known], label=name, linewidth=1)
     for name, score in zip(("random", "human"), human_scores().get(game, ()), strict=False):
         axes.axhline(score, color="gray", linewidth=0.8, linestyle=":" if name == "random" else "--", label=name)
-    axes.plot([row["frames"] / 1e6 for row in shown], [row["score"] for row in shown], color="#c2410c", label="this run")
+    axes.plot(
+        [row["frames"] / 1e6 for row in shown], [row["score"] for row in shown], color="#c2410c", label="this run"
+    )
     axes.set_xlabel("million frames")
     axes.set_ylabel("score of whole games")
     axes.grid(alpha=0.3)

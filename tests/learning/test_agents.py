@@ -156,9 +156,9 @@ def test_a_loss_that_is_no_number_stops_the_training(tmp_path: Path) -> None:
     agent: Any = training.agent
 
     def spoil(steps: int, score: float) -> None:
-        agent.network.policy.bias.data.fill_(float("nan"))
+        agent.network.value.bias.data.fill_(float("nan"))
 
-    with pytest.raises(FloatingPointError, match="the loss is nan at step 128; the last checkpoint in .* is good"):
+    with pytest.raises(FloatingPointError, match=r"the loss is nan at step 128; the last checkpoint in .* is good"):
         training.run(progress=spoil)
     training.close()
     weights = RunFolder.open(tmp_path / "run").load_weights()

@@ -20,7 +20,7 @@ def test_parse(name: str, text: str, value: object) -> None:
 
 @pytest.mark.parametrize(("name", "text"), [("total_steps", "1.5"), ("normalize", "yes"), ("gamma", "x")])
 def test_parse_refuses(name: str, text: str) -> None:
-    with pytest.raises(ValueError, match="whole number|true, false|convert"):
+    with pytest.raises(ValueError, match=r"whole number|true, false|convert"):
         parse(TrainingOptions, name, text)
 
 

@@ -9,8 +9,8 @@ pytestmark = pytest.mark.peers
 
 def own_environments(seed: int) -> Any:
     """Stable-Baselines3's environments around ale-py's, stacked."""
-    from ale_py.env import AtariEnv
     import gymnasium
+    from ale_py.env import AtariEnv
     from stable_baselines3.common.env_util import make_atari_env
     from stable_baselines3.common.vec_env import VecFrameStack
 

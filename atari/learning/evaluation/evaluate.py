@@ -15,6 +15,7 @@ from atari.learning.evaluation.protocols import MAX_EPISODES, EvaluationProtocol
 from atari.learning.evaluation.results import GameResult, Result, versions
 from atari.learning.policies import load_policy
 from atari.learning.policy import Policy, as_policy
+from atari.recording import RecordVectorReplay
 from atari.validation import check_integer
 from atari.vector import AtariVectorEnv
 
@@ -93,6 +94,32 @@ def evaluate(
     )
 
 
+def record_game(
+    policy: Any, game: Any, protocol: str | EvaluationProtocol, seed: int, path: str | Path
+) -> tuple[float, int]:
+    """Record one whole game of an evaluation in a replay (.a26), and return its score and its length in frames.
+
+    Args:
+        policy, protocol: as of `evaluate`.
+        game: a game.
+        seed: of the game, such as one of `GameResult.seeds`.
+        path: of the replay.
+
+    Raises:
+        TypeError, ValueError, FileNotFoundError: as `evaluate`.
+        OSError: the replay cannot be written.
+    """
+    (found,) = find_games(game)
+    player = Player(_policy(policy, found), find_protocol(protocol), found)
+    envs = RecordVectorReplay(player.make(1), path)
+    with closing(envs):
+        played = _Games(envs, player, np.array([seed], np.int64), lambda done: None)
+        while played.active.any():
+            played.step()
+    ((score, frames, _),) = filter(None, played.ended)
+    return score, frames
+
+
 def episode_seed(seed: int, game: str, episode: int) -> int:
     """The seed of a game of an evaluation, 0..2**31-1."""
     words = np.random.SeedSequence([seed, zlib.crc32(game.encode()), episode]).generate_state(1)
@@ -145,7 +172,9 @@ class _Games:
     game. A lane is active until the last of its games has ended.
     """
 
-    def __init__(self, envs: AtariVectorEnv, player: Player, seeds: IntArray, report: Callable[[int], Any]) -> None:
+    def __init__(
+        self, envs: AtariVectorEnv | RecordVectorReplay, player: Player, seeds: IntArray, report: Callable[[int], Any]
+    ) -> None:
         self._envs, self._player, self._seeds, self._report = envs, player, seeds, report
         self._limit = player.max_frames
         self.active = np.ones(envs.num_envs, np.bool_)

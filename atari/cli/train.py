@@ -1,0 +1,58 @@
+"""`atari train`: an agent learns to play a game."""
+
+import argparse
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import gymnasium
+
+from atari.cli.arguments import add_command, number
+from atari.cli.output import print_json
+from atari.learning.agents import AGENTS
+
+if TYPE_CHECKING:
+    from atari.cli.arguments import Commands
+
+
+def register(commands: "Commands") -> None:
+    """Add `atari train`."""
+    parser = add_command(commands, "train", _train, "let an agent learn to play a game")
+    parser.usage = f"atari train [--games N] {{{','.join(AGENTS)}}} GAME [options]\n       atari train --resume RUN"
+    parser.epilog = "`atari train ppo --help` shows the options of an agent. Example: atari train ppo pong --fast"
+    parser.add_argument("--resume", type=Path, metavar="RUN", help="go on with the training in a run folder")
+    parser.add_argument(
+        "--games",
+        type=number(int, 0),
+        default=30,
+        metavar="N",
+        help="whole games of the evaluation after the training; 0 leaves it and the report out (default: 30)",
+    )
+    parser.add_argument(
+        "words", nargs=argparse.REMAINDER, metavar="AGENT GAME", help=f"{', '.join(AGENTS)}, its game and its options"
+    )
+
+
+def _train(args: argparse.Namespace) -> int:
+    if find_spec("torch") is None:
+        raise gymnasium.error.DependencyNotInstalled("atari train needs torch: pip install 'atari-envs[learn]'")
+    from atari.learning.command import finish_run, resume, train
+
+    if args.resume is not None:
+        if args.words:
+            raise ValueError(f"a training goes on with its own options; leave out {' '.join(args.words)}")
+        resume(args.resume)
+        folder = args.resume
+    else:
+        agent, *words = args.words or [""]
+        if agent not in AGENTS:
+            raise ValueError(f"name an agent ({', '.join(AGENTS)}) and a game, as in `atari train ppo pong --fast`")
+        folder = train(agent, words, f"atari train {agent}")
+    result = finish_run(folder, int(args.games)) if args.games else None
+    if args.json:
+        print_json({"run": folder, "evaluation": result and result.to_json()})
+        return 0
+    if result is not None:
+        print(result)
+    print(f"\n{(folder / 'report.html' if result else folder).absolute()}")
+    return 0
