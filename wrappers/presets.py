@@ -263,7 +263,18 @@ def preset(
     """
     clips = check_clip_reward(clip_reward, reward_clipping)
     _require_options(env, name)
-    for wrapper, arguments in _layers(preset_protocol(name, episodic_life=episodic_life, clip_reward=clips)):
+    return wrap(env, preset_protocol(name, episodic_life=episodic_life, clip_reward=clips))
+
+
+def wrap(env: Environment, protocol: Protocol) -> Environment:
+    """Put the wrappers of a protocol of 4 frames a step around an `AtariEnv`, which must have its other options.
+
+    Raises:
+        ValueError: the protocol plays another number of frames.
+    """
+    if protocol.frame_skip != (4, 5) or protocol.order == "ale":
+        raise ValueError("single environments play protocols of 4 frames a step, in another order than 'ale'")
+    for wrapper, arguments in _layers(protocol):
         env = wrapper(env, **arguments)
     return env
 

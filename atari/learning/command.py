@@ -14,6 +14,7 @@ from tqdm import tqdm
 from atari._interrupt import ctrl_c_as_event
 from atari.learning.agents import find_agent
 from atari.learning.options import TrainingOptions, descriptions, parse
+from atari.learning.run import RunFolder
 from atari.learning.training import Training
 
 
@@ -47,7 +48,7 @@ def finish_run(folder: Path, episodes: int) -> Any:
     from atari.learning.report import finish
 
     with tqdm(total=episodes, unit=" games", disable=None, desc="evaluation") as bar:
-        return finish(folder, episodes, lambda done, total: bar.update(done - bar.n))
+        return finish(RunFolder.open(folder), episodes, lambda done, total: bar.update(done - bar.n))
 
 
 def main(agent: str) -> None:

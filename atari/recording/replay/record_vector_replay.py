@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from atari import wrappers
 from atari._gymnasium import AutoresetMode, VectorEnv, VectorWrapper
 from atari.env import AtariEnv
 from atari.games.game import Game
@@ -19,6 +18,7 @@ from atari.validation import check_integer
 from atari.vector.env import AtariVectorEnv
 from atari.vector.members import Member
 from atari.vector.seeds import SEED_LIMIT, seed_words
+from atari.wrappers.presets import wrap
 
 FIRE, NOOP = 1, 0
 
@@ -200,7 +200,6 @@ def _make_shadow(vector: AtariVectorEnv, index: int, path: str | PathLike[str]) 
         return _AleShadow(vector, member, RecordReplay(env, path))
     if options._mixed:
         raise ValueError("with a preset, environments can be recorded only if all games have the same actions")
-    name = given["preset"]
-    single = AtariEnv(game, **{**wrappers.preset_options(name), **common})
-    wrapped = wrappers.preset(single, name, episodic_life=given["episodic_life"])
-    return _PresetShadow(vector, member, RecordReplay(wrapped, path))
+    frames = protocol.max_num_frames_per_episode or None
+    single = AtariEnv(game, frameskip=1, max_num_frames_per_episode=frames, **common)
+    return _PresetShadow(vector, member, RecordReplay(wrap(single, protocol), path))
