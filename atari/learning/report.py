@@ -73,7 +73,7 @@ def write_report(folder: RunFolder, result: Result) -> Path:
     game = games.find(config["options"]["game"])
     played = result.games[0]
     last = rows[-1]
-    video = '<video controls loop src="best.mp4"></video>' if (folder.path / "best.mp4").exists() else ""
+    video = '<video controls loop src="best.mp4#t=3"></video>' if (folder.path / "best.mp4").exists() else ""
     page = Template(_PAGE).substitute(
         title=html.escape(f"{config['agent'].upper()} on {game.title}, from {config['options']['obs']}"),
         score=f"{played.mean:,.1f}",
@@ -85,7 +85,6 @@ def write_report(folder: RunFolder, result: Result) -> Path:
         window=WINDOW,
         video=video,
         best=f"{max(played.scores):,.0f}",
-        protocol=html.escape(str(result.protocol)),
         scores=html.escape(str(result)),
         options=_table(config["options"]),
         versions=_table(config["versions"]),
@@ -153,7 +152,7 @@ _PAGE = """\
   dd { margin: 0; font-size: 1.4rem; font-variant-numeric: tabular-nums; }
   svg { width: 100%; height: auto; background: white; border-radius: 6px; }
   video { width: 100%; max-width: 480px; display: block; image-rendering: pixelated; background: black; }
-  pre { overflow-x: auto; padding: 0.75rem; border: 1px solid var(--line); border-radius: 6px; font-size: 0.85rem; }
+  pre { white-space: pre-wrap; overflow-x: auto; padding: 0.75rem; border: 1px solid var(--line); border-radius: 6px; font-size: 0.85rem; }
   details { margin: 0.5rem 0; }
   table { border-collapse: collapse; font-size: 0.85rem; }
   th, td { text-align: left; padding: 0.15rem 1rem 0.15rem 0; border-bottom: 1px solid var(--line);
@@ -174,7 +173,6 @@ $curve
 <p>The best of the $episodes games had a score of $best. <code>best.a26</code> is its replay.</p>
 $video
 <h2>Evaluation</h2>
-<p>$protocol</p>
 <pre>$scores</pre>
 <details><summary>Options of the training</summary>$options</details>
 <details><summary>Versions</summary>$versions</details>

@@ -100,10 +100,10 @@ class Training:
             self._count_games()
             score = sum(self.scores) / len(self.scores) if self.scores else math.nan
             self.folder.log({**self._facts(score), **metrics})
-            progress(agent.steps - before, score)
             reason = self._reason(stop)
             if reason or agent.must_save or time.monotonic() - self._saved >= 60 * options.checkpoint_minutes:
                 self.save()
+            progress(agent.steps - before, score)
         return reason
 
     def _reason(self, stop: Event | None) -> str:
