@@ -2,7 +2,9 @@
 
 import argparse
 import math
+import shutil
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -41,8 +43,8 @@ def register(commands: "Commands") -> None:
         "--policy",
         default="random",
         metavar="POLICY",
-        help="random, noop, MODULE:FUNCTION (called with each observation, returns an action), or a replay, such as "
-        "game.a26 (default: random)",
+        help="random, noop, MODULE:FUNCTION (called with each observation, returns an action), a replay, such as "
+        "game.a26, a run folder of `atari train`, an SB3 zip, a TorchScript or ONNX file (default: random)",
     )
     parser.add_argument("--preset", metavar="NAME", help="the preprocessing that the policy needs, such as dqn2015")
     length = parser.add_mutually_exclusive_group()
@@ -72,6 +74,8 @@ def register(commands: "Commands") -> None:
 def _record(args: argparse.Namespace) -> int:
     if args.policy.endswith(".a26"):
         return _film_replay(args)
+    if Path(args.policy).exists():
+        return _film_policy(args)
     env = _make(args)
     with ExitStack() as stack:
         stack.callback(lambda: env.close())  # late binding: closes the outermost wrapper
@@ -143,6 +147,34 @@ def _film_replay(args: argparse.Namespace) -> int:
     files = [path.resolve() for path in outputs]
     result = {"game": game.id, "policy": args.policy, "frames": frames, "files": files}
     print_json(result) if args.json else print(f"{frames:,} frames of {args.policy} in {_listed(files)}")
+    return 0
+
+
+def _film_policy(args: argparse.Namespace) -> int:
+    """Record whole games of a trained policy, with the observations that it was trained on."""
+    if args.seconds is not None or args.preset is not None:
+        raise ValueError(f"{args.policy} decides what it sees and plays whole games; leave --seconds and --preset out")
+    from atari.learning import load_policy, record_games
+
+    policy, game = load_policy(args.policy), find_game(args.game)
+    outputs = args.output or [Path("videos", f"{game.id}-{Path(args.policy).stem}.mp4")]
+    _check_endings(outputs)
+    seeds = range(args.seed, args.seed + args.episodes)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "games.a26")
+        played = record_games(policy, game, getattr(policy, "protocol", "baselines"), seeds, path)
+        replay = Replay.load(path)
+        for output in outputs:
+            if output.suffix.lower() == ".a26":
+                output.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy(path, output)
+                continue
+            with tqdm(unit=" frames", total=replay.frames_total, disable=None) as bar:
+                replay.render(output, scale=args.scale, sound=not args.no_sound, progress=bar.update)
+    files = [path.resolve() for path in outputs]
+    scores = [score for score, _ in played]
+    result = {"game": game.id, "policy": args.policy, "seed": args.seed, "scores": scores, "files": files}
+    print_json(result) if args.json else print(f"scores {scores}: {_listed(files)}")
     return 0
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from atari.cli.arguments import add_command, find_game, number
-from atari.learning import load_policy, record_game
+from atari.learning import load_policy, record_games
 from atari.learning.evaluation.protocols import PROTOCOLS
 from atari.play.viewer import show_replay
 from atari.play.window import start_pygame
@@ -26,7 +26,9 @@ def register(commands: "Commands") -> None:
     )
     parser.add_argument("game", nargs="?", metavar="GAME", help="a game (default: that of the run folder)")
     parser.add_argument(
-        "--protocol", default="baselines", metavar="NAME", help=f"{', '.join(PROTOCOLS)} (default: baselines)"
+        "--protocol",
+        metavar="NAME",
+        help=f"{', '.join(PROTOCOLS)} (default: baselines, or games as in the training of a run folder)",
     )
     parser.add_argument("--seed", type=number(int, 0), default=0, metavar="N", help="of the first game (default: 0)")
     parser.add_argument(
@@ -44,11 +46,12 @@ def _watch(args: argparse.Namespace) -> int:
     game = args.game or getattr(policy, "game", None)
     if game is None:
         raise ValueError(f"{args.source} does not say which game it plays; name one, as in `atari watch SOURCE pong`")
+    protocol = args.protocol or getattr(policy, "protocol", "baselines")
     seed, shown = int(args.seed), True
     with tempfile.TemporaryDirectory() as folder:
         while shown:
             path = Path(folder, f"{seed}.a26")
-            score, _ = record_game(policy, find_game(game), args.protocol, seed, path)
+            ((score, _),) = record_games(policy, find_game(game), protocol, [seed], path)
             print(f"seed {seed}: score {score:,.0f}", flush=True)
             shown = show_replay(Replay.load(path), scale=args.scale, sound=not args.no_sound)
             seed += 1

@@ -5,7 +5,7 @@ were made with (extra `learn`: PyTorch).
 """
 
 from atari.learning.evaluation.compare import Comparison, compare
-from atari.learning.evaluation.evaluate import evaluate, record_game
+from atari.learning.evaluation.evaluate import evaluate, record_games
 from atari.learning.evaluation.protocols import GAME_SETS, PROTOCOLS, EvaluationProtocol
 from atari.learning.evaluation.published import Curve, Published, human_scores, published, published_names
 from atari.learning.evaluation.results import GameResult, Result
@@ -32,5 +32,5 @@ __all__ = [
     "load_policy",
     "published",
     "published_names",
-    "record_game",
+    "record_games",
 ]

@@ -9,15 +9,14 @@ from string import Template
 from typing import Any
 
 from atari.games.catalog import games
-from atari.learning.evaluation.evaluate import evaluate, record_game
-from atari.learning.evaluation.protocols import EvaluationProtocol
+from atari.learning.evaluation.evaluate import evaluate, record_games
 from atari.learning.evaluation.published import human_scores, published, published_names
 from atari.learning.evaluation.results import Result
 from atari.learning.policies import load_policy
 from atari.learning.run import RunFolder, replacing
-from atari.learning.training import WINDOW, read_options
+from atari.learning.run_policy import training_protocol
+from atari.learning.training import WINDOW
 from atari.recording import Replay
-from atari.wrappers.presets import preset_protocol
 
 CURVES = ("dopamine/dqn", "dopamine/rainbow", "dreamerv3/atari57/ppo")
 """Published learning curves that are drawn beside one's own."""
@@ -37,7 +36,7 @@ def finish(folder: RunFolder, episodes: int = 30, progress: Callable[[int, int],
     result.save(folder.path / "evaluation.json")
     played = result.games[0]
     best = played.seeds[max(range(episodes), key=lambda index: played.scores[index])]
-    record_game(policy, game, result.protocol, best, folder.path / "best.a26")
+    record_games(policy, game, result.protocol, [best], folder.path / "best.a26")
     replay = Replay.load(folder.path / "best.a26")
     try:
         replay.render(folder.path / "best.mp4")
@@ -45,26 +44,6 @@ def finish(folder: RunFolder, episodes: int = 30, progress: Callable[[int, int],
         (folder.path / "best.mp4").unlink(missing_ok=True)
     write_report(folder, result)
     return result
-
-
-def training_protocol(folder: RunFolder) -> EvaluationProtocol:
-    """A protocol whose games begin and end as in the training, without random actions."""
-    options = read_options(folder)
-    played = preset_protocol(options.protocol)
-    sticky = played.repeat_action_probability if options.sticky is None else options.sticky
-    return EvaluationProtocol(
-        name="training",
-        source=f"games as in the training: preset {options.protocol}",
-        repeat_action_probability=sticky,
-        full_action_space=played.full_action_space,
-        noop_min=played.noops[0],
-        noop_max=played.noops[1],
-        max_frames=108_000,
-        epsilon=0.0,
-        episodes=30,
-        preset=options.protocol,
-        lives="continue" if played.fire == "never" else "fire",
-    )
 
 
 def write_report(folder: RunFolder, result: Result) -> Path:

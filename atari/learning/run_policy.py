@@ -10,9 +10,11 @@ import torch
 
 from atari.learning.agents import find_agent
 from atari.learning.environments import RamStack
+from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.learning.policy import ScoresPolicy
 from atari.learning.run import RunFolder
 from atari.learning.training import read_options
+from atari.wrappers.presets import preset_protocol
 
 
 def run_policy(path: Path, sample: bool) -> ScoresPolicy:
@@ -52,7 +54,28 @@ def run_policy(path: Path, sample: bool) -> ScoresPolicy:
     torch.set_num_threads(1)
     policy = RamPolicy(scores, sees["ram_stack"], **facts) if ram else ScoresPolicy(scores, **facts)
     policy.game = options.game  # type: ignore[attr-defined]
+    policy.protocol = training_protocol(folder)  # type: ignore[attr-defined]
     return policy
+
+
+def training_protocol(folder: RunFolder) -> EvaluationProtocol:
+    """A protocol whose games begin and end as in the training, without random actions."""
+    options = read_options(folder)
+    played = preset_protocol(options.protocol)
+    sticky = played.repeat_action_probability if options.sticky is None else options.sticky
+    return EvaluationProtocol(
+        name="training",
+        source=f"games as in the training: preset {options.protocol}",
+        repeat_action_probability=sticky,
+        full_action_space=played.full_action_space,
+        noop_min=played.noops[0],
+        noop_max=played.noops[1],
+        max_frames=108_000,
+        epsilon=0.0,
+        episodes=30,
+        preset=options.protocol,
+        lives="continue" if played.fire == "never" else "fire",
+    )
 
 
 class RamPolicy(ScoresPolicy):

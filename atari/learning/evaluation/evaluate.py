@@ -94,15 +94,15 @@ def evaluate(
     )
 
 
-def record_game(
-    policy: Any, game: Any, protocol: str | EvaluationProtocol, seed: int, path: str | Path
-) -> tuple[float, int]:
-    """Record one whole game of an evaluation in a replay (.a26), and return its score and its length in frames.
+def record_games(
+    policy: Any, game: Any, protocol: str | EvaluationProtocol, seeds: Sequence[int], path: str | Path
+) -> list[tuple[float, int]]:
+    """Record whole games of an evaluation in a replay (.a26), and return the score and the length in frames of each.
 
     Args:
         policy, protocol: as of `evaluate`.
         game: a game.
-        seed: of the game, such as one of `GameResult.seeds`.
+        seeds: one for each game, such as `GameResult.seeds`.
         path: of the replay.
 
     Raises:
@@ -111,13 +111,11 @@ def record_game(
     """
     (found,) = find_games(game)
     player = Player(_policy(policy, found), find_protocol(protocol), found)
-    envs = RecordVectorReplay(player.make(1), path)
-    with closing(envs):
-        played = _Games(envs, player, np.array([seed], np.int64), lambda done: None)
+    with closing(RecordVectorReplay(player.make(1), path)) as envs:
+        played = _Games(envs, player, np.array(seeds, np.int64), lambda done: None)
         while played.active.any():
             played.step()
-    ((score, frames, _),) = filter(None, played.ended)
-    return score, frames
+    return [(score, frames) for score, frames, _ in filter(None, played.ended)]
 
 
 def episode_seed(seed: int, game: str, episode: int) -> int:
