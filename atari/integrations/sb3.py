@@ -47,6 +47,10 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
     environments were made. So a `VecMonitor` is not needed, and would record clipped rewards of single lives. As
     `Monitor` does, `r` includes the rewards during the no-ops and the FIRE of a reset, which no step returns.
 
+    With `channels_last=True` images are contiguous, (num_envs, img_height, img_width, stack_num), and
+    Stable-Baselines3 transposes them as it does those of its own environments. A training then ends with the same
+    weights, to the bit. With channels first, convolutions add in another order, and weights differ by rounding.
+
     `vector` is the `AtariVectorEnv`; `get_attr`, `set_attr` and `env_method` are about its `members`. To record videos,
     replace it by a wrapper that leaves observations, rewards and actions as they are:
     `envs.vector = atari.recording.RecordVectorVideo(envs.vector, "videos", step_trigger=..., video_length=...)`.
@@ -208,7 +212,8 @@ def _shown(observation: Any) -> Any:
     if isinstance(observation, dict):
         return {name: _shown(part) for name, part in observation.items()}
     if observation.ndim != 5:
-        return observation
+        # With channels last, the networks then compute in the same order as with Stable-Baselines3's own environments.
+        return np.ascontiguousarray(observation)
     count, stack, height, width, colours = observation.shape
     return observation.transpose(0, 1, 4, 2, 3).reshape(count, stack * colours, height, width)
 

@@ -131,7 +131,7 @@ _PAGE = """\
   dd { margin: 0; font-size: 1.4rem; font-variant-numeric: tabular-nums; }
   svg { width: 100%; height: auto; background: white; border-radius: 6px; }
   video { width: 100%; max-width: 480px; display: block; image-rendering: pixelated; background: black; }
-  pre { white-space: pre-wrap; overflow-x: auto; padding: 0.75rem; border: 1px solid var(--line); border-radius: 6px; font-size: 0.85rem; }
+  pre { white-space: pre-wrap; padding: 0.75rem; border: 1px solid var(--line); font-size: 0.85rem; }
   details { margin: 0.5rem 0; }
   table { border-collapse: collapse; font-size: 0.85rem; }
   th, td { text-align: left; padding: 0.15rem 1rem 0.15rem 0; border-bottom: 1px solid var(--line);

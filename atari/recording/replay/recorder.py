@@ -121,7 +121,7 @@ class ReplayRecorder(DeferredErrorMixin):
 
     def begin_episode(self) -> None:
         """Record a reset. Call it before the core resets, because it stores the last episode's summary."""
-        self._end_episode()
+        self.end_episode()
         self.record(Kind.RESET)
         self.score = 0
         self._in_episode = True
@@ -171,7 +171,7 @@ class ReplayRecorder(DeferredErrorMixin):
         """
         if self._writer is not None:
             self.flush()
-            self._end_episode()
+            self.end_episode()
             self._write("end", {"episodes": self._episodes, "check": full_hash(self.core, self.score)})
             self._writer = None
         self.raise_deferred_error()
@@ -192,7 +192,8 @@ class ReplayRecorder(DeferredErrorMixin):
         self._held_for = 0
         return True
 
-    def _end_episode(self) -> None:
+    def end_episode(self) -> None:
+        """Keep the summary of the present episode. Call it before the core forgets the episode."""
         if self._in_episode:
             self._episodes.append(episode_summary(self.core, self.score))
         self._in_episode = False
@@ -219,6 +220,7 @@ class RecordedCore:
 
     def seed(self, seed: int) -> None:
         """Start over with a seed."""
+        self._recorder.end_episode()  # the core forgets the episode
         self.inner.seed(seed)
         self._recorder.record(Kind.SEED, (operator.index(seed),))
 

@@ -118,6 +118,7 @@ class ReplayRunner:
             self.episode += 1
             self.score = 0
         elif kind == Kind.SEED:
+            self.end_episode()  # the core forgets the episode
             core.seed(first)
         elif kind == Kind.POKE:
             core.set_ram(first, second)

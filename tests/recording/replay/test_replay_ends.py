@@ -110,3 +110,13 @@ def test_a_recording_is_completed_without_close(tmp_path: Path) -> None:
     assert replay.complete
     assert replay.frames_total == 40
     assert repr(replay) == f"Replay({str(tmp_path / 'a.a26')!r}, pong, 40 frames)"
+
+
+def test_a_reset_with_a_seed_keeps_the_summary_of_the_episode_before(tmp_path: Path) -> None:
+    env = RecordReplay(atari.AtariEnv("pong", frameskip=1), tmp_path / "a.a26")
+    for seed, steps in ((1, 300), (2, 200)):
+        env.reset(seed=seed)
+        for _ in range(steps):
+            env.step(0)
+    env.close()
+    assert [episode.frames for episode in Replay.load(tmp_path / "a.a26").episodes] == [300, 200]
