@@ -36,8 +36,7 @@ class TrainingEnvironments:
 
     def __init__(self, options: TrainingOptions, num_envs: int, num_threads: int = 1, stacked: bool = True) -> None:
         game = games.find(options.game)
-        protocol = preset_protocol(options.protocol)
-        protocol = replace(protocol, clip_reward=True)
+        protocol = replace(preset_protocol(options.protocol, episodic_life=options.episodic_life), clip_reward=True)
         if options.sticky is not None:
             protocol = replace(protocol, repeat_action_probability=options.sticky)
         sees: dict[str, Any] = {"obs_type": "ram"}

@@ -21,6 +21,7 @@ class TrainingOptions:
         num_envs: environments that are played together.
         protocol: how games begin and end, the name of a preset; its sticky actions, too, unless `sticky` is given.
         sticky: probability that an action is repeated instead of the next one; None is the protocol's.
+        episodic_life: whether a lost life is the end of an episode for the learner; None is the protocol's.
         actions: names of the actions that the agent has, such as NOOP,RIGHT,LEFT; None is all that the game uses.
         image_size: rows and columns of an image.
         stack: successive images, or RAM vectors, that the network sees together.
@@ -45,6 +46,7 @@ class TrainingOptions:
     num_envs: int = 8
     protocol: str = "baselines"
     sticky: float | None = None
+    episodic_life: bool | None = None
     actions: tuple[str, ...] | None = None
     image_size: int = 84
     stack: int = 4

@@ -28,7 +28,7 @@ SMALL: dict[str, dict[str, Any]] = {
 
 def make_options(agent: str, **given: Any) -> Any:
     found = find_agent(agent)
-    ram = {"network": "bits", **found.fast_ram} if given.get("obs") == "ram" else {}
+    ram = found.fast_ram if given.get("obs") == "ram" else {}
     return found.options_class(**{**found.fast, **ram, "stack": 2, **SMALL[agent], **given})
 
 

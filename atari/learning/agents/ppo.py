@@ -67,6 +67,7 @@ class PPOOptions(TrainingOptions):
 FAST: dict[str, Any] = {
     "num_envs": 64,
     "protocol": "envpool",
+    "episodic_life": True,
     "image_size": 42,
     "network": "small",
     "normalize": True,
@@ -82,7 +83,7 @@ FAST: dict[str, Any] = {
 }
 """Options for pixels, found by measurement on two cores; see docs/learning.md."""
 
-FAST_RAM: dict[str, Any] = {}
+FAST_RAM: dict[str, Any] = {"network": "bits", "stack": 2}
 """Options for RAM, in addition."""
 
 

@@ -167,7 +167,9 @@ def test_a_protocol_of_ones_own(tmp_path: Path) -> None:
 
     from atari.wrappers.presets import preset_protocol
 
-    protocol = replace(preset_protocol("baselines"), noops=(3, 9), end_frames="envpool", padding="reset")
+    protocol = replace(
+        preset_protocol("baselines"), noops=(3, 9), pool_rgb=False, end_frames="envpool", padding="reset"
+    )
     envs = RecordVectorReplay(atari.AtariVectorEnv("breakout", 2, preset=protocol), tmp_path / "a.a26", index=1)
     rams = play(envs, 300, 1)
     envs.close()
