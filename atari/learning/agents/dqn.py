@@ -121,7 +121,8 @@ class DQN(Agent):
         self.generator = np.random.default_rng(options.seed)
         envs = TrainingEnvironments(options, options.num_envs, options.workers, stacked=False)
         self.envs, self.environments = envs, [envs]
-        self.memory = self._make_memory(folder)
+        self.file = None if folder is None else folder / "memory.replay"
+        self.memory = self._make_memory()
         first = envs.reset(options.seed)
         if not self.memory.steps:
             self.memory.reset(first)
@@ -133,8 +134,8 @@ class DQN(Agent):
         self.optimizer = self._make_optimizer()
         self.batch = self.memory.make_batch(options.batch, torch=True, pin_memory=options.device != "cpu")
 
-    def _make_memory(self, folder: Path | None) -> ReplayMemory:
-        options, file = self.options, None if folder is None else folder / "memory.replay"
+    def _make_memory(self) -> ReplayMemory:
+        options, file = self.options, self.file
         if file is not None and file.exists():
             return ReplayMemory.open(file, num_threads=options.workers)
         return ReplayMemory(
@@ -207,7 +208,9 @@ class DQN(Agent):
     def _learn(self) -> tuple[float, float]:
         """Learn from one batch; returns the loss and the mean value."""
         options = self.options
-        beta = options.priority_beta + (1 - options.priority_beta) * min(1, self.steps / options.total_steps)
+        beta = None
+        if options.priority is not None:
+            beta = options.priority_beta + (1 - options.priority_beta) * min(1, self.steps / options.total_steps)
         batch = self.memory.sample(options.batch, n=options.n_step, gamma=options.gamma, beta=beta, out=self.batch)
         shares = torch.arange(options.batch).chunk(options.workers)
         batches = [batch] * options.workers
@@ -253,7 +256,7 @@ class DQN(Agent):
     @property
     def must_save(self) -> bool:
         """Whether another update might not fit into the memory's file before it is saved."""
-        return self.memory.path is not None and self.steps - self._saved_at + 2 * _UPDATE > self.options.memory // 8
+        return self.file is not None and self.steps - self._saved_at + 2 * _UPDATE > self.options.memory // 8
 
     def state(self) -> dict[str, Any]:
         """All that the next update depends on, but the memory's file, which `commit` saves."""
@@ -265,18 +268,18 @@ class DQN(Agent):
             "optimizer": self.optimizer.state_dict(),
             "generator": self.generator.bit_generator.state,
             "environments": self.envs.state(),
-            "memory": self.memory.flushes + 1 if self.memory.path else self.memory.state(),
+            "memory": self.memory.flushes + 1 if self.file is not None else self.memory.state(),
         }
 
     def commit(self) -> None:
         """Save the memory's file."""
-        if self.memory.path is not None:
+        if self.file is not None:
             self.memory.flush()
             self._saved_at = self.steps
 
     def fits(self, state: Mapping[str, Any]) -> bool:
         """Whether the memory's file was saved with this state."""
-        return self.memory.path is None or bool(state["memory"] == self.memory.flushes)
+        return self.file is None or bool(state["memory"] == self.memory.flushes)
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Continue from a state, as if nothing had happened."""
@@ -287,7 +290,7 @@ class DQN(Agent):
         self.optimizer.load_state_dict(state["optimizer"])
         self.generator.bit_generator.state = state["generator"]
         self.envs.restore(state["environments"])
-        if self.memory.path is None:
+        if self.file is None:
             self.memory.restore(state["memory"])
 
     def close(self) -> None:
