@@ -36,7 +36,7 @@ class Training:
         self.frames: int = 0
         self.games = 0
         self.seconds = 0.0
-        self._saved = time.monotonic()
+        self._saved_at, self._saved_step = time.monotonic(), 0
 
     @classmethod
     def begin(cls, name: str, options: TrainingOptions, path: Path) -> "Training":
@@ -100,10 +100,12 @@ class Training:
             self._count_games()
             score = sum(self.scores) / len(self.scores) if self.scores else math.nan
             self.folder.log({**self._facts(score), **metrics})
-            reason = self._reason(stop)
-            if reason or agent.must_save or time.monotonic() - self._saved >= 60 * options.checkpoint_minutes:
+            if agent.must_save or time.monotonic() - self._saved_at >= 60 * options.checkpoint_minutes:
                 self.save()
             progress(agent.steps - before, score)
+            reason = self._reason(stop)
+        if self._saved_step != agent.steps:
+            self.save()
         return reason
 
     def _reason(self, stop: Event | None) -> str:
@@ -131,7 +133,7 @@ class Training:
 
     def save(self) -> None:
         """Write a checkpoint. If that is impossible, the last one stays, and a warning says so."""
-        self._saved = time.monotonic()
+        self._saved_at, self._saved_step = time.monotonic(), self.agent.steps
         state = {
             "agent": self.agent.state(),
             "scores": list(self.scores),

@@ -13,23 +13,12 @@ import pytest
 
 torch = pytest.importorskip("torch")
 
+from small_trainings import SUPPORT, make_options  # noqa: E402
+
 from atari.learning.agents import AGENTS, find_agent  # noqa: E402
 from atari.learning.options import descriptions  # noqa: E402
 from atari.learning.run import RunFolder  # noqa: E402
 from atari.learning.training import Training  # noqa: E402
-
-SMALL: dict[str, dict[str, Any]] = {
-    "ppo": {"num_envs": 4, "horizon": 16, "minibatch": 32},
-    "pqn": {"num_envs": 4, "horizon": 16, "minibatch": 32},
-    "dqn": {"num_envs": 4, "memory": 8000, "learning_starts": 500, "train_every": 50, "batch": 16},
-}
-"""Small trainings, of about a second."""
-
-
-def make_options(agent: str, **given: Any) -> Any:
-    found = find_agent(agent)
-    ram = found.fast_ram if given.get("obs") == "ram" else {}
-    return found.options_class(**{**found.fast, **ram, "stack": 2, **SMALL[agent], **given})
 
 
 def equal(one: Any, other: Any) -> bool:
@@ -71,7 +60,7 @@ def test_the_weights_move(agent: str) -> None:
 COMMAND = """
 import sys
 from pathlib import Path
-from test_agents import SMALL, make_options
+from small_trainings import make_options
 from atari.learning.training import Training
 agent, folder, steps = sys.argv[1], Path(sys.argv[2]), int(sys.argv[3])
 if folder.exists():
@@ -84,7 +73,7 @@ training.close()
 
 
 def train(agent: str, folder: Path, steps: int) -> "subprocess.Popen[bytes]":
-    command = [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r}){COMMAND}"]
+    command = [sys.executable, "-c", f"import sys; sys.path.insert(0, {SUPPORT!r}){COMMAND}"]
     return subprocess.Popen([*command, agent, str(folder), str(steps)])
 
 

@@ -110,7 +110,7 @@ def record_games(
         OSError: the replay cannot be written.
     """
     (found,) = find_games(game)
-    player = Player(_policy(policy, found), find_protocol(protocol), found)
+    player = Player(_policy(policy, found, {}), find_protocol(protocol), found)
     with closing(RecordVectorReplay(player.make(1), path)) as envs:
         played = _Games(envs, player, np.array(seeds, np.int64), lambda done: None)
         while played.active.any():

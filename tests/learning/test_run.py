@@ -1,0 +1,203 @@
+"""Run folders: what is written, and what is refused."""
+
+import json
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from threading import Event
+from typing import Any
+
+import numpy as np
+import pytest
+
+torch = pytest.importorskip("torch")
+
+from small_trainings import SUPPORT, make_options  # noqa: E402
+
+from atari.learning import load_policy, record_games  # noqa: E402
+from atari.learning.report import finish  # noqa: E402
+from atari.learning.run import RunFolder  # noqa: E402
+from atari.learning.training import Training  # noqa: E402
+from atari.recording import Replay  # noqa: E402
+
+
+def make_run(path: Path, agent: str = "ppo", steps: int = 256, **options: Any) -> RunFolder:
+    training = Training.begin(agent, make_options(agent, total_steps=steps, **options), path)
+    assert training.run() == "steps"
+    training.close()
+    return RunFolder.open(path)
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
+    return make_run(tmp_path_factory.mktemp("runs") / "pong")
+
+
+def test_the_log_has_a_row_for_each_update(run: RunFolder) -> None:
+    rows = run.rows()
+    assert [row["step"] for row in rows] == [64, 128, 192, 256]
+    assert [row["frames"] for row in rows] == [256, 512, 768, 1024]
+    assert all(np.isfinite(row["loss"]) for row in rows)
+    assert run.config["options"]["game"] == "pong"
+    assert {"atari-envs", "torch", "gymnasium", "numpy"} <= run.config["versions"].keys()
+
+
+def test_a_training_stops_and_goes_on(tmp_path: Path) -> None:
+    training = Training.begin("ppo", make_options("ppo", total_steps=256), tmp_path / "run")
+    stop = Event()
+    assert training.run(stop, lambda steps, score: stop.set()) == "stop"
+    training.close()
+    assert training.agent.steps == 64
+    resumed = Training.resume(tmp_path / "run")
+    assert resumed.run() == "steps"
+    resumed.close()
+    assert [row["step"] for row in resumed.folder.rows()] == [64, 128, 192, 256]
+
+
+def test_the_policy_plays_the_same_games_whatever_the_lanes(run: RunFolder, tmp_path: Path) -> None:
+    from atari.learning import evaluate
+    from atari.learning.run_policy import training_protocol
+
+    protocol = training_protocol(run)
+    scores = [evaluate(str(run.path), "pong", protocol, episodes=2, num_envs=lanes)["pong"] for lanes in (1, 2)]
+    assert scores[0].scores == scores[1].scores
+    seeds = scores[0].seeds
+    played = record_games(load_policy(run.path), "pong", protocol, seeds, tmp_path / "a.a26")
+    assert [score for score, _ in played] == list(scores[0].scores)
+    assert [episode.score for episode in Replay.load(tmp_path / "a.a26").episodes] == list(scores[0].scores)
+
+
+def test_a_policy_of_ram_sees_the_stacks_of_its_training(tmp_path: Path) -> None:
+    from atari.learning.environments import TrainingEnvironments
+    from atari.learning.run_policy import run_policy
+    from atari.learning.training import read_options
+
+    folder = make_run(tmp_path / "run", obs="ram", steps=128)
+    policy = run_policy(folder.path, sample=False)
+    seen: list[Any] = []
+    policy._scores = lambda stacks: seen.append(stacks.copy()) or np.zeros((len(stacks), 6), np.float32)
+    envs = TrainingEnvironments(read_options(folder), 3)
+    stacks = envs.reset(seed=5)
+    lanes = np.arange(3)
+    policy.begin("pong", envs.actions, lanes, lanes)
+    for step in range(20):
+        if step == 10:  # a game begins in one lane
+            policy.begin("pong", envs.actions, lanes[1:2], lanes[1:2])
+            stacks = stacks.copy()
+            stacks[1] = stacks[1, -1]
+        policy(stacks[:, -1], lanes)
+        if step != 11:  # the stack of lane 1 has an older vector here
+            assert np.array_equal(seen[-1], stacks)
+        stacks, *_ = envs.step(np.full(3, step % 6))
+    envs.close()
+
+
+def test_report(run: RunFolder) -> None:
+    result = finish(run, episodes=2)
+    page = (run.path / "report.html").read_text()
+    assert "PPO on Pong, from pixels" in page
+    assert "<svg" in page
+    assert 'src="best.mp4' in page
+    assert "http://" not in page.replace("http://www.w3.org", "").replace("http://purl.org", "").replace(
+        "http://creativecommons.org", ""
+    )
+    assert Replay.load(run.path / "best.a26").episodes[0].score == max(result["pong"].scores)
+    assert (run.path / "best.mp4").stat().st_size > 10_000
+    assert json.loads((run.path / "evaluation.json").read_text())
+
+
+@pytest.mark.parametrize(
+    ("file", "content", "text"),
+    [
+        ("config.json", b"{", "config.json is damaged"),
+        ("config.json", b'{"format": 1}', "config.json is damaged"),
+        ("config.json", None, "is no run folder"),
+        ("policy.pt", b"PK rubbish", "policy.pt is damaged"),
+        ("policy.pt", None, "before its first checkpoint"),
+        ("checkpoint.pt", b"rubbish", "checkpoint.pt is damaged"),
+        ("checkpoint.pt", None, "before its first checkpoint"),
+    ],
+)
+def test_damaged_folders(run: RunFolder, tmp_path: Path, file: str, content: bytes | None, text: str) -> None:
+    import shutil
+
+    copy = tmp_path / "copy"
+    shutil.copytree(run.path, copy)
+    if content is None:
+        (copy / file).unlink()
+    else:
+        (copy / file).write_bytes(content)
+    work = load_policy if file == "policy.pt" else Training.resume
+    with pytest.raises((ValueError, FileNotFoundError), match=text):
+        work(copy)
+
+
+def test_other_versions_are_refused(run: RunFolder, tmp_path: Path) -> None:
+    (tmp_path / "config.json").write_text(json.dumps({**run.config, "format": 99}))
+    with pytest.raises(ValueError, match="has format 99, this version of atari-envs reads 1"):
+        RunFolder.open(tmp_path)
+
+
+def test_a_folder_that_is_not_empty_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "mine.txt").write_text("x")
+    with pytest.raises(FileExistsError, match="is not empty"):
+        Training.begin("ppo", make_options("ppo"), tmp_path)
+    assert [file.name for file in tmp_path.iterdir()] == ["mine.txt"]
+
+
+FULL = """
+import resource, sys
+from pathlib import Path
+from small_trainings import make_options
+from atari.learning.training import Training
+training = Training.begin("ppo", make_options("ppo", total_steps=256, checkpoint_minutes=0.0), Path(sys.argv[1]))
+training.save()
+resource.setrlimit(resource.RLIMIT_FSIZE, (200, 200))
+training.run()
+print(training.agent.steps)
+"""
+
+
+def test_a_full_disk_does_not_end_the_training(tmp_path: Path) -> None:
+    program = f"import sys; sys.path.insert(0, {SUPPORT!r}){FULL}"
+    command = [sys.executable, "-c", program, str(tmp_path / "run")]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert result.stdout == "256\n", result.stderr
+    assert "no checkpoint at step 64, the one before stays" in result.stderr
+    assert "the log is kept in memory until there is room" in result.stderr
+    resumed = Training.resume(tmp_path / "run")
+    assert resumed.agent.steps == 0
+    resumed.close()
+
+
+def test_rows_kept_in_memory_are_written_later(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from atari.learning import run as module
+
+    folder = RunFolder.create(tmp_path / "run")
+    append = module.append
+
+    def full(path: Path, data: bytes) -> None:
+        raise OSError("no room")
+
+    monkeypatch.setattr(module, "append", full)
+    with pytest.warns(RuntimeWarning, match="kept in memory until there is room: no room"):
+        folder.log({"step": 1, "score": 2})
+    monkeypatch.setattr(module, "append", append)
+    folder.log({"step": 2, "score": 3})
+    folder.close()
+    assert folder.rows() == [{"step": 1, "score": 2}, {"step": 2, "score": 3}]
+
+
+def test_ctrl_c_saves_and_says_how_to_go_on(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "atari", "train", "ppo", "pong", "--fast", "-o", str(tmp_path / "run")]
+    small = ["--num-envs", "4", "--horizon", "16", "--minibatch", "32", "--total-steps", "1e6"]
+    training = subprocess.Popen([*command, *small], stderr=subprocess.PIPE, text=True)
+    while not (tmp_path / "run" / "log.csv").exists() and training.poll() is None:
+        pass
+    training.send_signal(signal.SIGINT)
+    assert training.stderr is not None
+    printed = training.stderr.read()
+    assert training.wait() == 130, printed
+    assert f"go on with `atari train --resume {tmp_path / 'run'}`" in printed
+    assert Training.resume(tmp_path / "run").agent.steps >= 64

@@ -1,0 +1,22 @@
+"""Trainings of about a second."""
+
+from pathlib import Path
+from typing import Any
+
+from atari.learning.agents import find_agent
+
+SUPPORT = str(Path(__file__).parent)
+"""The folder of this module, for programs that import it."""
+
+SMALL: dict[str, dict[str, Any]] = {
+    "ppo": {"num_envs": 4, "horizon": 16, "minibatch": 32},
+    "pqn": {"num_envs": 4, "horizon": 16, "minibatch": 32},
+    "dqn": {"num_envs": 4, "memory": 8000, "learning_starts": 500, "train_every": 50, "batch": 16},
+}
+"""Small trainings, of about a second."""
+
+
+def make_options(agent: str, **given: Any) -> Any:
+    found = find_agent(agent)
+    ram = found.fast_ram if given.get("obs") == "ram" else {}
+    return found.options_class(**{**found.fast, **ram, "stack": 2, **SMALL[agent], **given})
