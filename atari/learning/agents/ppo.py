@@ -65,6 +65,7 @@ class PPOOptions(TrainingOptions):
 
 
 FAST: dict[str, Any] = {
+    "total_steps": 2_000_000,
     "num_envs": 64,
     "protocol": "envpool",
     "episodic_life": True,
