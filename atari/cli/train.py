@@ -47,7 +47,10 @@ def _train(args: argparse.Namespace) -> int:
         agent, *words = args.words or [""]
         if agent not in AGENTS:
             raise ValueError(f"name an agent ({', '.join(AGENTS)}) and a game, as in `atari train ppo pong --fast`")
-        folder = train(agent, words, f"atari train {agent}")
+        try:
+            folder = train(agent, words, f"atari train {agent}")
+        except SystemExit as exit_:  # argparse has printed help or the error
+            return int(exit_.code or 0)
     result = finish_run(folder, int(args.games)) if args.games else None
     if args.json:
         print_json({"run": folder, "evaluation": result and result.to_json()})

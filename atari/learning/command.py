@@ -77,7 +77,9 @@ def _run(training: Training) -> None:
 
 
 def _parser(agent: Any, prog: str) -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog=prog, description=f"Train {agent.__name__}.", allow_abbrev=False)
+    parser = argparse.ArgumentParser(
+        prog=prog, usage=f"{prog} GAME [options]", description=f"Train {agent.__name__}.", allow_abbrev=False
+    )
     parser.add_argument("game", metavar="GAME", help="a game, such as pong")
     parser.add_argument("-o", "--run", type=Path, metavar="RUN", help="the new run folder (default: in runs/)")
     parser.add_argument("--fast", action="store_true", help="use the options of the list below, found by measurement")

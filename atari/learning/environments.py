@@ -52,8 +52,8 @@ class TrainingEnvironments:
         self.padding = protocol.padding
         space: Any = self._envs.single_observation_space
         self.shape: tuple[int, ...] = space.shape if self._ram is None else self._ram.shape
-        stack = {"ram_stack": options.stack} if options.obs == "ram" else {}
-        self.policy_options: dict[str, Any] = {**sees, **stack, "actions": list(self.actions)}
+        stacked_ram = {"ram_stack": options.stack} if options.obs == "ram" else {}
+        self.policy_options: dict[str, Any] = {**sees, **stacked_ram, "actions": list(self.actions)}
         self.num_envs = num_envs
         self.games: list[tuple[float, int]] = []
 

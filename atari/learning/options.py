@@ -17,12 +17,12 @@ class TrainingOptions:
         obs: what the network sees, pixels or ram.
         seed: of environments, weights and actions; equal seeds give equal weights, to the bit, on one machine.
         total_steps: agent steps of all environments together; a step is 4 frames.
-        stop_score: stop when the mean score of the last 100 whole games reaches this; None is never.
+        stop_score: stop when the mean score of the last 100 whole games reaches this; none is never.
         num_envs: environments that are played together.
         protocol: how games begin and end, the name of a preset; its sticky actions, too, unless `sticky` is given.
-        sticky: probability that an action is repeated instead of the next one; None is the protocol's.
-        episodic_life: whether a lost life is the end of an episode for the learner; None is the protocol's.
-        actions: names of the actions that the agent has, such as NOOP,RIGHT,LEFT; None is all that the game uses.
+        sticky: probability that an action is repeated instead of the next one; none is the protocol's.
+        episodic_life: whether a lost life is the end of an episode for the learner; none is the protocol's.
+        actions: names of the actions that the agent has, such as NOOP,RIGHT,LEFT; none is all that the game uses.
         image_size: rows and columns of an image.
         stack: successive images, or RAM vectors, that the network sees together.
         network: nature (Mnih et al. 2015), small (two convolutions, 256 units), or, for RAM, mlp (two layers of 256
@@ -69,6 +69,8 @@ class TrainingOptions:
             raise ValueError(
                 f"network {self.network!r} is not for obs {self.obs!r}: pixels need nature or small, ram mlp or bits"
             )
+        if self.device.split(":")[0] not in ("cpu", "cuda"):
+            raise ValueError(f"device must be cpu, cuda or cuda:N, got {self.device!r}")
         if not 0 < self.gamma <= 1:
             raise ValueError(f"gamma must be above 0 and at most 1, got {self.gamma}")
         for field in dataclasses.fields(self):

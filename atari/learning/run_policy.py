@@ -53,7 +53,7 @@ def run_policy(path: Path, sample: bool) -> ScoresPolicy:
 
     torch.set_num_threads(1)
     policy = RamPolicy(scores, sees["ram_stack"], **facts) if ram else ScoresPolicy(scores, **facts)
-    policy.game = options.game  # type: ignore[attr-defined]
+    policy.game = options.game
     policy.protocol = training_protocol(folder)  # type: ignore[attr-defined]
     return policy
 

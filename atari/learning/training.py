@@ -11,9 +11,9 @@ from typing import Any
 
 import torch
 
-from atari.games.catalog import games
 from atari.learning.agent import Agent
 from atari.learning.agents import find_agent
+from atari.learning.environments import TrainingEnvironments
 from atari.learning.options import TrainingOptions
 from atari.learning.run import RunFolder
 
@@ -47,7 +47,7 @@ class Training:
             ValueError: an option is wrong.
         """
         torch.set_num_threads(1)
-        games.find(options.game)
+        TrainingEnvironments(options, 1).close()  # errors are raised before a folder is made
         folder = RunFolder.create(path)
         agent = find_agent(name)(options, path)
         folder.configure(name, options, agent.environments[0].policy_options)

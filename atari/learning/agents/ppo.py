@@ -270,6 +270,10 @@ class PPO(Agent):
     def _normalize(self, observations: Tensor) -> None:
         self.network.encoder.observe(observations.to(self.options.device))
 
+    def _sources(self) -> list[Any]:
+        """What has a generator."""
+        return [self, *self.workers]
+
     def state(self) -> dict[str, Any]:
         """All that the next update depends on."""
         return {
@@ -278,7 +282,7 @@ class PPO(Agent):
             "optimizer": self.optimizer.state_dict(),
             "learning_rate": self.learning_rate,
             "returns": vars(self.returns),
-            "generators": [source.generator.get_state() for source in (self, *self.workers)],
+            "generators": [source.generator.get_state() for source in self._sources()],
             "observations": [worker.observations for worker in self.workers],
             "environments": [worker.environments.state() for worker in self.workers],
         }
@@ -289,7 +293,7 @@ class PPO(Agent):
         self.network.load_state_dict(state["network"])
         self.optimizer.load_state_dict(state["optimizer"])
         self.returns = Returns(**state["returns"])
-        for source, generator in zip((self, *self.workers), state["generators"], strict=True):
+        for source, generator in zip(self._sources(), state["generators"], strict=True):
             source.generator.set_state(generator)
         for index, worker in enumerate(self.workers):
             worker.observations = state["observations"][index]

@@ -1,0 +1,84 @@
+"""`atari train`, and the commands that take a run folder."""
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+torch = pytest.importorskip("torch")
+
+from cli_tools import read_json  # noqa: E402
+
+from atari.cli import main  # noqa: E402
+from atari.recording import Replay  # noqa: E402
+
+SMALL = "--fast --num-envs 4 --horizon 16 --minibatch 32 --total-steps 128".split()
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> str:
+    folder = tmp_path_factory.mktemp("runs") / "pong"
+    assert (
+        main(["train", "--games", "1", "ppo", "pong", *SMALL, "--actions", "NOOP,RIGHT,LEFT", "-o", str(folder)]) == 0
+    )
+    return str(folder)
+
+
+def test_train_writes_a_report(run: str) -> None:
+    names = {path.name for path in Path(run).iterdir()}
+    assert {"config.json", "log.csv", "policy.pt", "checkpoint.pt", "best.a26", "best.mp4", "report.html"} <= names
+    assert json.loads(Path(run, "config.json").read_text())["options"]["actions"] == ["NOOP", "RIGHT", "LEFT"]
+
+
+def test_resume_of_a_training_that_is_complete(run: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["train", "--games", "0", "--resume", run]) == 0
+    assert capsys.readouterr().out.strip() == run
+
+
+def test_evaluate_and_record_a_run(run: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["evaluate", run, "--protocol", "dqn2015", "--episodes", "1", "--json"]) == 0
+    result = json.loads(capsys.readouterr().out)["result"]
+    assert result["training_frames"] == 512
+    shown = read_json(capsys, "record", "pong", "--policy", run, "--episodes", "2", "-o", str(tmp_path / "a.a26"))
+    assert [episode.score for episode in Replay.load(tmp_path / "a.a26").episodes] == shown["scores"]
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["train"], "name an agent (ppo, pqn, dqn) and a game"),
+        (["train", "a2c", "pong"], "name an agent (ppo, pqn, dqn) and a game"),
+        (["train", "ppo", "pon"], "there is no game 'pon'; did you mean 'pong'?"),
+        (["train", "ppo", "pong", "--clip", "x"], "argument --clip"),
+        (["train", "ppo", "pong", "--colour", "1"], "unrecognized arguments: --colour 1"),
+        (["train", "ppo", "pong", "--actions", "UP"], "actions of pong are NOOP, FIRE, RIGHT"),
+        (["train", "ppo", "pong", "--protocol", "dqn"], "did you mean 'dqn2015'?"),
+        (["train", "ppo", "pong", "--device", "tpu"], "device must be cpu"),
+        (["train", "--resume", "nowhere"], "nowhere is no run folder"),
+        (["train", "--resume", "nowhere", "ppo"], "a training goes on with its own options; leave out ppo"),
+        (["record", "pong", "--policy", ".", "-o", "x.mp4"], "no run folder"),
+        (["watch", "nowhere", "pong"], "nowhere"),
+    ],
+)
+def test_mistakes(
+    words: list[str], text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(words) in (1, 2)
+    assert text in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_torch(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr("atari.cli.train.find_spec", lambda name: None)
+    assert main(["train", "ppo", "pong"]) == 1
+    assert "atari train needs torch: pip install 'atari-envs[learn]'" in capsys.readouterr().err
+
+
+def test_a_script_shows_its_options() -> None:
+    from own_process import run_program
+
+    program = "from atari.learning.agents import ppo; print(ppo.PPOOptions().clip)"
+    assert run_program(program) == "0.1\n"
+    assert sys.modules["torch"] is torch
