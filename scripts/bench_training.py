@@ -34,9 +34,11 @@ class PlayedScores:
         self.seconds = 0.0
 
     def reset(self, seed: int) -> Any:
+        """See `AtariVectorEnv.reset`."""
         return self._envs.reset(seed=seed)
 
     def step(self, actions: Any, out: Any = None) -> Any:
+        """See `AtariVectorEnv.step`; `final_info` has the episode of each environment that has ended."""
         start = time.perf_counter()
         observations, rewards, terminations, truncations, info = self._envs.step(actions)
         self.seconds += time.perf_counter() - start
@@ -48,6 +50,7 @@ class PlayedScores:
         return observations, rewards, terminations, truncations, info
 
     def close(self) -> None:
+        """Close the environments."""
         self._envs.close()
 
 
@@ -103,17 +106,14 @@ def main() -> None:
     args = parser.parse_args()
     torch.set_num_threads(1)
     results = {side: train(side, args.obs, args.game, args.steps, args.workers) for side in ("atari-envs", "ale-py")}
-    for side, (seconds, played, scores, _) in results.items():
-        print(
-            f"{side:10} {seconds:6.1f} s, {args.steps / seconds:,.0f} steps/s, of it in the environments {played:5.1f} s; "
-            f"{len(scores)} games, mean score {np.mean(scores) if scores else np.nan:.2f}"
-        )
+    for side, (seconds, in_steps, scores, _) in results.items():
+        rate, mean = args.steps / seconds, np.mean(scores) if scores else np.nan
+        print(f"{side:10} {seconds:6.1f} s, {rate:,.0f} steps/s, of it {in_steps:5.1f} s in the environments")
+        print(f"{'':10} {len(scores)} games, mean score {mean:.2f}")
     ours, theirs = (results[side][3] for side in ("atari-envs", "ale-py"))
     equal = all(torch.equal(value, theirs[name]) for name, value in ours.items())
-    times = results["ale-py"][0] / results["atari-envs"][0], results["ale-py"][1] / results["atari-envs"][1]
-    print(
-        f"weights {'equal to the bit' if equal else 'differ'}; training {times[0]:.2f}x, environments {times[1]:.1f}x"
-    )
+    training, played = (results["ale-py"][index] / results["atari-envs"][index] for index in (0, 1))
+    print(f"weights {'equal to the bit' if equal else 'differ'}; training {training:.2f}x, environments {played:.1f}x")
 
 
 if __name__ == "__main__":
