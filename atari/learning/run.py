@@ -12,11 +12,10 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-import gymnasium
 import numpy as np
 import torch
 
-import atari
+from atari.learning.evaluation.results import versions
 
 FORMAT = 1
 """Version of the run folder; another one is refused."""
@@ -65,7 +64,11 @@ class RunFolder:
             "agent": agent,
             "options": dataclasses.asdict(options),
             "policy": dict(policy_options),
-            "versions": _versions(),
+            "versions": {
+                **versions(),
+                "python": platform.python_version(),
+                "machine": f"{platform.system()} {platform.machine()}",
+            },
         }
         with replacing(self.path / "config.json") as file:
             file.write(json.dumps(self.config, indent=2).encode())
@@ -231,14 +234,3 @@ def _header(file: Path) -> list[str]:
         return []
     with file.open(encoding="utf-8") as text:
         return [name for name in text.readline().strip().split(",") if name]
-
-
-def _versions() -> dict[str, str]:
-    return {
-        "atari-envs": atari.__version__,
-        "gymnasium": gymnasium.__version__,
-        "numpy": np.__version__,
-        "torch": str(torch.__version__),
-        "python": platform.python_version(),
-        "machine": f"{platform.system()} {platform.machine()}",
-    }
