@@ -37,6 +37,8 @@ class TrainingEnvironments:
     def __init__(self, options: TrainingOptions, num_envs: int, num_threads: int = 1, stacked: bool = True) -> None:
         game = games.find(options.game)
         protocol = replace(preset_protocol(options.protocol, episodic_life=options.episodic_life), clip_reward=True)
+        if protocol.episodic_life:  # the stack begins anew where the learner's episode does
+            protocol = replace(protocol, seamless_lives=False)
         if options.sticky is not None:
             protocol = replace(protocol, repeat_action_probability=options.sticky)
         sees: dict[str, Any] = {"obs_type": "ram"}
