@@ -64,7 +64,8 @@ def write_report(folder: RunFolder, result: Result) -> Path:
         window=WINDOW,
         video=video,
         best=f"{max(played.scores):,.0f}",
-        scores=html.escape(str(result)),
+        protocol=html.escape(str(result.protocol)),
+        scores=html.escape(str(result).partition("\n\n")[2]),
         options=_table(config["options"]),
         versions=_table(config["versions"]),
     )
@@ -131,7 +132,7 @@ _PAGE = """\
   dd { margin: 0; font-size: 1.4rem; font-variant-numeric: tabular-nums; }
   svg { width: 100%; height: auto; background: white; border-radius: 6px; }
   video { width: 100%; max-width: 480px; display: block; image-rendering: pixelated; background: black; }
-  pre { white-space: pre-wrap; padding: 0.75rem; border: 1px solid var(--line); font-size: 0.85rem; }
+  pre { overflow-x: auto; padding: 0.75rem; border: 1px solid var(--line); font-size: 0.85rem; }
   details { margin: 0.5rem 0; }
   table { border-collapse: collapse; font-size: 0.85rem; }
   th, td { text-align: left; padding: 0.15rem 1rem 0.15rem 0; border-bottom: 1px solid var(--line);
@@ -152,6 +153,7 @@ $curve
 <p>The best of the $episodes games had a score of $best. <code>best.a26</code> is its replay.</p>
 $video
 <h2>Evaluation</h2>
+<p>$protocol</p>
 <pre>$scores</pre>
 <details><summary>Options of the training</summary>$options</details>
 <details><summary>Versions</summary>$versions</details>
