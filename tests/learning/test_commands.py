@@ -44,6 +44,19 @@ def test_evaluate_and_record_a_run(run: str, tmp_path: Path, capsys: pytest.Capt
     assert [episode.score for episode in Replay.load(tmp_path / "a.a26").episodes] == shown["scores"]
 
 
+def test_watch(run: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    shown: list[Replay] = []
+
+    def show(replay: Replay, **options: object) -> bool:
+        shown.append(replay)
+        return len(shown) < 2
+
+    monkeypatch.setattr("atari.cli.watch.show_replay", show)
+    assert main(["watch", run]) == 0
+    printed = capsys.readouterr().out.splitlines()
+    assert printed == [f"seed {seed}: score {shown[seed].episodes[0].score}" for seed in (0, 1)]
+
+
 @pytest.mark.parametrize(
     ("words", "text"),
     [
