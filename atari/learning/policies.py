@@ -62,6 +62,8 @@ def load_policy(source: str | Path, *, sample: bool = False) -> Policy:
 
 def _run_folder(folder: Path, sample: bool) -> Policy:
     """The newest weights of a run folder of `atari train`."""
+    if not (folder / "config.json").is_file():  # said without torch, too
+        raise ValueError(f"{folder} is no run folder of `atari train`: it has no config.json")
     _need("torch", f"{folder}, a run folder,", "'atari-envs[learn]'")
     from atari.learning.run_policy import run_policy
 
