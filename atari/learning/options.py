@@ -1,4 +1,4 @@
-"""What all agents can be told: game, observations, length of the training."""
+"""The options that all agents have: game, observations, length of the training."""
 
 import dataclasses
 import re
