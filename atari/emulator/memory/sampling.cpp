@@ -222,14 +222,7 @@ void share(int64_t count, int threads, Make&& make, Work&& work) {
     try {
         others.reserve(static_cast<size_t>(threads));
         for (int i = 1; i < std::min<int64_t>(threads, count / kTogether); ++i)
-            others.emplace_back([&] {
-                try {
-                    auto theirs = make();
-                    run(theirs);
-                } catch (const std::bad_alloc&) {
-                    // Of `make`, before any work: the other threads do it.
-                }
-            });
+            others.emplace_back([&run, theirs = make()]() mutable { run(theirs); });  // what can throw, throws here
     } catch (const std::exception&) {
         // The threads that there are do the work.
     }

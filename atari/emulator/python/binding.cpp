@@ -217,7 +217,7 @@ NB_MODULE(_emulator, m) {
         return;
     }
     count_forks();
-    static_cast<void>(std::uncaught_exceptions());  // allocates this thread's memory for exceptions (thread_pool.cpp)
+    static_cast<void>(std::current_exception());  // allocates this thread's memory for exceptions (thread_pool.cpp)
     m.attr("END") = static_cast<int>(Op::kEnd);
     m.doc() = "The native emulator, bound. Use it through atari.cores.NativeCore, which checks options and finds ROMs.";
 

@@ -1,8 +1,11 @@
 #include "thread_pool.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <exception>
+#include <iterator>
 #include <memory>
+#include <new>
 #include <utility>
 
 #if defined(__linux__)
@@ -46,13 +49,17 @@ void bind_to_core([[maybe_unused]] std::thread& thread, [[maybe_unused]] int cor
 }
 
 // glibc allocates a thread's memory for exceptions when the thread first throws, and ends the process if it finds none.
-// So a thread allocates it when it begins, in the address space of a block that its creator could allocate. malloc
-// maps a block of this size by itself, and unmaps it when it is freed.
-constexpr size_t kSpare = size_t{33} << 20;
-
-void prepare_to_throw(std::unique_ptr<uint8_t[]>& spare) {
-    spare.reset();
-    static_cast<void>(std::uncaught_exceptions());
+// So a thread allocates it when it begins, in the place of blocks that it has just freed: of each size that it could
+// have, and so many that other threads do not take all of them. Returns false if there is no memory for the blocks. (A call of
+// std::uncaught_exceptions does not do it: it is declared pure, so that compilers drop it.)
+bool prepare_to_throw() {
+    constexpr size_t kSizes = 8, kBlocks = 32 * kSizes;
+    void* blocks[kBlocks];
+    bool found = true;
+    for (size_t i = 0; i < kBlocks; ++i) found &= (blocks[i] = std::malloc(16 * (i % kSizes + 1))) != nullptr;
+    for (void* block : blocks) std::free(block);
+    if (found) static_cast<void>(std::current_exception());
+    return found;
 }
 
 }  // namespace
@@ -69,13 +76,12 @@ ThreadPool::ThreadPool(int items, int threads, bool queued, int first_core, std:
     if (queued) finished_.reserve(static_cast<size_t>(items));
     try {
         for (int i = 1; i < threads; ++i) {
-            threads_.emplace_back([this, i, spare = std::make_unique_for_overwrite<uint8_t[]>(kSpare)]() mutable {
-                prepare_to_throw(spare);
-                run(i);
-            });
+            threads_.emplace_back([this, i] { start(i); });
+            started_.wait(static_cast<uint32_t>(i - 1));
+            if (lacks_memory_) throw std::bad_alloc();
             if (first_core >= 0) bind_to_core(threads_.back(), first_core + i);
         }
-    } catch (...) {  // The system has no more threads.
+    } catch (...) {  // The system has no more threads, or no more memory.
         stop();
         throw;
     }
@@ -92,6 +98,14 @@ void ThreadPool::stop() {
 void ThreadPool::wake() {
     submissions_.fetch_add(1);
     submissions_.notify_all();
+}
+
+void ThreadPool::start(int thread) {
+    const bool ready = prepare_to_throw();
+    if (!ready) lacks_memory_ = true;
+    started_.fetch_add(1);
+    started_.notify_all();
+    if (ready) run(thread);
 }
 
 void ThreadPool::run(int thread) {

@@ -49,6 +49,7 @@ class ThreadPool {
         std::vector<std::atomic<int>> items;
     };
 
+    void start(int thread);
     void run(int thread);
     void stop();
     bool work_on_one(size_t thread);
@@ -60,6 +61,8 @@ class ThreadPool {
     const bool queued_;
     std::vector<std::unique_ptr<Range>> ranges_;
     std::vector<std::thread> threads_;
+    std::atomic<uint32_t> started_{0};      // threads that have what they need, or lack memory
+    std::atomic<bool> lacks_memory_{false};
     std::atomic<uint32_t> submissions_{0};  // counts, and wakes the threads
     std::atomic<uint32_t> done_{0};         // counts, and wakes the thread that waits
     std::atomic<bool> stop_{false};
