@@ -5,6 +5,7 @@ Bit-exact with ale-py: RAM, framebuffer, sound, reward, lives, ends, counters, a
 """
 
 import zlib
+from collections.abc import Iterable
 from dataclasses import asdict
 from functools import lru_cache
 from os import PathLike
@@ -27,7 +28,7 @@ STATE_VERSION: int = _emulator.STATE_VERSION
 
 _F8_SWAPPED = {"bc24440b59092559a1ec26055fd1270e", "75ee371ccfc4f43e7d9b8f24e1266b55"}
 _NO_RULES = CompiledRules(
-    variables=4, initial=[], kept=[], outputs=[0, 1, 2, 3], step=[_emulator.END, 0], select_mode=[_emulator.END, 0]
+    variables=4, initial=[], kept=[], outputs=[1, 3, 0, 2], step=[_emulator.END, 0], select_mode=[_emulator.END, 0]
 )
 """The rules of a game without single-player rules: no reward, no lives, no end."""
 
@@ -179,7 +180,27 @@ def _usable(seed: int) -> int:
 @lru_cache(maxsize=128)
 def compiled(game: Game, image: bytes) -> _emulator.Game:
     """The game for the emulator, built once and shared by all cores of the game."""
-    rules = compile_rules(game.rules) if game.rules else _NO_RULES
+    return make_game(
+        game,
+        image,
+        compile_rules(game.rules) if game.rules else _NO_RULES,
+        legal_actions=game.legal_actions or range(18),
+        starting_actions=game.starting_actions,
+        default_mode=game.default_mode,
+    )
+
+
+def make_game(
+    game: Game,
+    image: bytes,
+    rules: CompiledRules,
+    *,
+    legal_actions: Iterable[int],
+    starting_actions: Iterable[int],
+    default_mode: int,
+    paddle_range: tuple[int, int] | None = None,
+) -> _emulator.Game:
+    """A game for the emulator, with rules of one or of several players."""
     controllers = game.controllers
     switches = 0x3F | (controllers.left_difficulty == "A") << 6 | (controllers.right_difficulty == "A") << 7
     swapped = rom_image.md5(image) in _F8_SWAPPED and not game.rom.cartridge
@@ -194,11 +215,11 @@ def compiled(game: Game, image: bytes) -> _emulator.Game:
         paddles=(controllers.left == "paddles", controllers.right == "paddles"),
         swap_ports=controllers.swap_ports,
         swap_paddles=controllers.swap_paddles,
-        paddle_range=controllers.paddle_range or (27450, 790196),
+        paddle_range=paddle_range or controllers.paddle_range or (27450, 790196),
         power_on_switches=switches,
-        legal_actions=[int(action) for action in game.legal_actions] or list(range(18)),
-        starting_actions=[int(action) for action in game.starting_actions],
-        default_mode=game.default_mode,
+        legal_actions=[int(action) for action in legal_actions],
+        starting_actions=[int(action) for action in starting_actions],
+        default_mode=default_mode,
         variables=rules.variables,
         initial=rules.initial,
         kept=rules.kept,

@@ -47,7 +47,7 @@ class CompiledRules:
 
 def compile_rules(rules: Rules) -> CompiledRules:
     """Compile the rules of a game. Variables are numbered: those of `state` first, in their order."""
-    names = dict.fromkeys([*rules.state, "reward", "terminal", "lives", "mode", *(name for name, _ in rules.step)])
+    names = dict.fromkeys([*rules.state, *rules.outputs, "terminal", "mode", *(name for name, _ in rules.step)])
     numbers = {name: number for number, name in enumerate(names)}
     step = _Assembler(numbers)
     for name, source in rules.step:
@@ -59,7 +59,7 @@ def compile_rules(rules: Rules) -> CompiledRules:
         variables=len(numbers),
         initial=list(rules.state.values()),
         kept=[name in rules.kept_over_reset for name in rules.state],
-        outputs=[numbers[name] for name in ("reward", "terminal", "lives", "mode")],
+        outputs=[numbers[name] for name in ("terminal", "mode", *rules.outputs)],
         step=step.finish(),
         select_mode=select_mode.finish(),
     )

@@ -5,15 +5,17 @@
 
 import re
 import sys
-from collections.abc import Iterable, Mapping
-from dataclasses import MISSING, dataclass, fields
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType, UnionType
-from typing import Any, Literal, TypeVar, get_args, get_origin
+from types import MappingProxyType
+from typing import Any, Literal
 
 from atari.actions import PLAYER_ACTIONS, Action
 from atari.games.frozen import FrozenDict
+from atari.games.multiplayer import Multiplayer, parse_multiplayer
 from atari.games.rules import LABEL_ADDRESSES, Rules, check_expression, parse_rules
+from atari.games.tables import actions, build, check_keys, check_numbers, check_value
 from atari.validation import check_file
 
 if sys.version_info >= (3, 11):
@@ -22,7 +24,6 @@ else:
     import tomli as tomllib
 
 _MOST_BYTES = 256 << 10
-_DEEPEST = 16
 
 TV_FRAME_RATES = MappingProxyType({"NTSC": 60.0, "PAL": 50.0, "SECAM": 50.0})
 """Nominal frames a second by TV format."""
@@ -113,8 +114,9 @@ class RamLabel:
 class Game:
     """One game: its ROM, screen, controllers, actions, modes, rules and the names of its RAM bytes.
 
-    `rules` is None for the four two-player cartridges, which have no single-player rules in ALE: the native core runs
-    them, but there are no environments of them. Their action and mode tuples are empty.
+    `rules` is None for the four two-player cartridges, which have no single-player rules in ALE: there are environments
+    of several players of them alone. Their action and mode tuples are empty. `multiplayer` is None for games that have
+    no rules for several players.
     """
 
     id: str
@@ -130,6 +132,7 @@ class Game:
     default_mode: int
     difficulties: tuple[int, ...]
     rules: Rules | None
+    multiplayer: Multiplayer | None
     ram_labels: Mapping[str, RamLabel]
     notes: tuple[str, ...]
 
@@ -174,13 +177,18 @@ def parse_game(game_id: str, table: Mapping[str, Any]) -> Game:
     Raises:
         ValueError: the content is not a game definition; the message says where, and what is expected.
     """
-    _check_numbers(table, "")
+    check_numbers(table, "")
     playing = ("actions", "settings", "rules")
     needed = playing if any(key in table for key in playing) else ()
-    _check_keys(table, "the file", ("title", "players", "notes", "screen", "controllers", *needed), ("rom", "ram"))
-    _check_value("title", table["title"], str)
-    _check_value("players", table["players"], int)
-    _check_value("notes", table["notes"], tuple[str, ...])
+    check_keys(
+        table,
+        "the file",
+        ("title", "players", "notes", "screen", "controllers", *needed),
+        ("rom", "ram", "multiplayer"),
+    )
+    check_value("title", table["title"], str)
+    check_value("players", table["players"], int)
+    check_value("notes", table["notes"], tuple[str, ...])
     return Game(
         id=game_id,
         title=table["title"],
@@ -189,6 +197,7 @@ def parse_game(game_id: str, table: Mapping[str, Any]) -> Game:
         screen=_screen(table["screen"]),
         controllers=_controllers(table["controllers"]),
         **_play(table) if "rules" in table else _NO_PLAY,
+        multiplayer=parse_multiplayer(table["multiplayer"]) if "multiplayer" in table else None,
         ram_labels=FrozenDict((name, _ram_label(name, label)) for name, label in table.get("ram", {}).items()),
         notes=tuple(table["notes"]),
     )
@@ -208,17 +217,17 @@ _NO_PLAY: Mapping[str, Any] = {
 
 def _play(table: Mapping[str, Any]) -> dict[str, Any]:
     """The fields of a `Game` that come from [actions], [settings] and [rules]."""
-    actions, settings = table["actions"], table["settings"]
-    _check_keys(actions, "[actions]", ("minimal", "legal", "starting"))
-    minimal, legal, starting = (_actions(actions[key]) for key in ("minimal", "legal", "starting"))
+    listed, settings = table["actions"], table["settings"]
+    check_keys(listed, "[actions]", ("minimal", "legal", "starting"))
+    minimal, legal, starting = (actions(listed[key]) for key in ("minimal", "legal", "starting"))
     if not set(minimal) <= set(legal):
         raise ValueError("[actions] a minimal action is not legal")
     if not minimal or not set(legal) <= set(PLAYER_ACTIONS):
         raise ValueError("[actions] minimal needs an action, and RESET can only be in starting")
-    _check_keys(settings, "[settings]", ("modes", "default_mode", "difficulties"))
+    check_keys(settings, "[settings]", ("modes", "default_mode", "difficulties"))
     for key in ("modes", "difficulties"):
-        _check_value(f"[settings] {key}", settings[key], tuple[int, ...])
-    _check_value("[settings] default_mode", settings["default_mode"], int)
+        check_value(f"[settings] {key}", settings[key], tuple[int, ...])
+    check_value("[settings] default_mode", settings["default_mode"], int)
     if settings["default_mode"] not in settings["modes"]:
         raise ValueError(f"[settings] default_mode {settings['default_mode']} is not one of the modes")
     if not settings["difficulties"] or not set(settings["difficulties"]) <= {0, 1, 2, 3}:
@@ -235,7 +244,7 @@ def _play(table: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _rom(table: Mapping[str, Any]) -> Rom:
-    rom = _build(Rom, table, "[rom]")
+    rom = build(Rom, table, "[rom]")
     for name, value, digits in (("md5", rom.md5, 32), ("sha256", rom.sha256, 64)):
         if value and not re.fullmatch(f"[0-9a-f]{{{digits}}}", value):
             raise ValueError(f"[rom] {name} must be {digits} hexadecimal digits in lower case, got {value!r}")
@@ -243,7 +252,7 @@ def _rom(table: Mapping[str, Any]) -> Rom:
 
 
 def _screen(table: Mapping[str, Any]) -> Screen:
-    screen = _build(Screen, table, "[screen]")
+    screen = build(Screen, table, "[screen]")
     if not 200 <= screen.height <= 256:
         raise ValueError(f"[screen] height {screen.height} is not within 200..256")
     if not 0 <= screen.first_line <= 300 - screen.height:
@@ -254,86 +263,21 @@ def _screen(table: Mapping[str, Any]) -> Screen:
 
 
 def _controllers(table: Mapping[str, Any]) -> Controllers:
-    controllers = _build(Controllers, table, "[controllers]")
+    controllers = build(Controllers, table, "[controllers]")
     low, high = controllers.paddle_range or (0, 0)
     if not 0 <= low <= high <= 2**24:
         raise ValueError(f"[controllers] paddle_range must be two integers within 0..{2**24}, got {low}, {high}")
     return controllers
 
 
-def _actions(names: "Literal['all'] | list[str]") -> tuple[Action, ...]:
-    if names == "all":
-        return PLAYER_ACTIONS
-    _check_value("[actions] a list of actions", names, tuple[str, ...])
-    unknown = [name for name in names if name not in Action.__members__]
-    if unknown:
-        raise ValueError(f"[actions] unknown action {unknown[0]!r}")
-    return tuple(Action[name] for name in names)
-
-
 def _ram_label(name: str, table: Mapping[str, Any]) -> RamLabel:
     where = f"[ram] {name}"
     if not isinstance(table, Mapping) or "name" in table:
         raise ValueError(f"{where} must be a table, without the key 'name'")
-    label = _build(RamLabel, {"name": name, **table}, where)
+    label = build(RamLabel, {"name": name, **table}, where)
     if label.index not in LABEL_ADDRESSES:
         raise ValueError(f"{where}: index {label.index} is not within 0..127")
     for expression in (label.transform, label.visible):
         if expression is not None:
             check_expression(expression, {"v"}, where, LABEL_ADDRESSES)
     return label
-
-
-T = TypeVar("T")
-
-
-def _build(kind: type[T], table: Mapping[str, Any], where: str) -> T:
-    """An instance of a dataclass from a table whose keys are its fields, after checking keys and types."""
-    required = [field.name for field in fields(kind) if field.default is MISSING]  # type: ignore[arg-type]
-    optional = [field.name for field in fields(kind) if field.default is not MISSING]  # type: ignore[arg-type]
-    _check_keys(table, where, required, optional)
-    for field in fields(kind):  # type: ignore[arg-type]
-        if field.name in table:
-            _check_value(f"{where} {field.name}", table[field.name], field.type)
-    return kind(**{key: tuple(value) if isinstance(value, list) else value for key, value in table.items()})
-
-
-def _check_numbers(value: Any, where: str, depth: int = 0) -> None:
-    """Check all numbers in a value, which the emulator stores in 32 bits."""
-    if depth > _DEEPEST:
-        raise ValueError(f"{where} is nested too deeply")
-    if isinstance(value, int) and not -(2**31) <= value < 2**31:
-        raise ValueError(f"{where} is not an integer of 32 bits")
-    for key, item in value.items() if isinstance(value, Mapping) else enumerate(value) if type(value) is list else ():
-        _check_numbers(item, f"{where}.{key}" if where else str(key), depth + 1)
-
-
-def _check_keys(table: Mapping[str, Any], where: str, required: Iterable[str], optional: Iterable[str] = ()) -> None:
-    if not isinstance(table, Mapping):
-        raise ValueError(f"{where} must be a table, got {table!r}")
-    allowed = (*required, *optional)
-    for key in table:
-        if key not in allowed:
-            raise ValueError(f"{where} has no key {key!r} (expected {', '.join(allowed)})")
-    for key in required:
-        if key not in table:
-            raise ValueError(f"{where} needs the key {key!r}")
-
-
-def _check_value(where: str, value: Any, kind: Any) -> None:
-    if not _fits(value, kind):
-        # In Python 3.10, `tuple[int, ...]` is an instance of `type`.
-        text = kind.__name__ if isinstance(kind, type) and not get_origin(kind) else str(kind).replace("typing.", "")
-        raise ValueError(f"{where} must be {text}, got {value!r}")
-
-
-def _fits(value: Any, kind: Any) -> bool:
-    """Whether a TOML value is of the type that a field is annotated with."""
-    if get_origin(kind) is Literal:
-        return value in get_args(kind)
-    if isinstance(kind, UnionType):
-        return any(_fits(value, option) for option in get_args(kind))
-    if get_origin(kind) is tuple:
-        kinds = get_args(kind) if get_args(kind)[-1] is not ... else get_args(kind)[:1] * len(value)
-        return isinstance(value, list) and len(value) == len(kinds) and all(map(_fits, value, kinds))
-    return type(value) is kind

@@ -32,7 +32,8 @@ HELPERS: Mapping[str, Helper] = {
     "rng": Helper(0, 0, 0),  # the next 32-bit word of the environment's generator
 }
 MEMORIES = ("ram", "xram")
-OUTPUTS = ("reward", "terminal", "lives")
+OUTPUTS = ("reward", "lives")
+"""What the rules of one player assign, in addition to `terminal`. Rules of several assign `reward_1`, `lives_1`, ..."""
 RULE_ADDRESSES = range(0x80, 0x100)
 _LONGEST, _DEEPEST = 2000, 100
 """The most characters of an expression, and levels of nesting in it."""
@@ -69,8 +70,8 @@ class Rules:
     """How reward, lives and the end of a game follow from RAM, and how a reset selects the mode.
 
     `step` holds `(name, expression)` pairs, evaluated from first to last after every emulated frame; the names in
-    `state` persist from frame to frame, all others live for one evaluation; `reward`, `terminal` and `lives` are
-    the outputs. Where `mode_select` plays until a condition holds, `selection_frames` is how many frames that may
+    `state` persist from frame to frame, all others live for one evaluation; `terminal` and `outputs` are what the
+    emulator reads. Where `mode_select` plays until a condition holds, `selection_frames` is how many frames that may
     take.
     """
 
@@ -80,6 +81,7 @@ class Rules:
     mode_select: tuple[Operation, ...] = ()
     kept_over_reset: tuple[str, ...] = ()
     selection_frames: int = 0
+    outputs: tuple[str, ...] = OUTPUTS
 
     def expression(self, name: str) -> str:
         """The last expression assigned to `name`, for example `expression("reward")`."""
@@ -99,28 +101,33 @@ _OPERATION_KEYS: Mapping[str, tuple[set[str], set[str]]] = {
 }
 
 
-def parse_rules(table: Mapping[str, Any]) -> Rules:
+def parse_rules(table: Mapping[str, Any], outputs: tuple[str, ...] = OUTPUTS) -> Rules:
     """Read and check a `[rules]` table.
+
+    Args:
+        table: its content.
+        outputs: what `step` must assign in addition to `terminal`.
 
     Raises:
         ValueError: a key is missing or unknown, or an expression is outside the grammar; the message says which.
     """
-    optional = {"mode_select", "kept_over_reset", "selection_frames"}
-    unknown = set(table) - {"lives_initial", "state", "step"} - optional
+    optional = {"lives_initial", "mode_select", "kept_over_reset", "selection_frames"}
+    needed = {"state", "step"} | ({"lives_initial"} if outputs == OUTPUTS else set())
+    unknown = set(table) - needed - optional
     if unknown:
         raise ValueError(f"[rules] has no key {sorted(unknown)[0]!r}")
-    missing = {"lives_initial", "state", "step"} - set(table)
+    missing = needed - set(table)
     if missing:
         raise ValueError(f"[rules] needs the key {sorted(missing)[0]!r}")
     if not isinstance(table["state"], Mapping):
         raise ValueError(f"[rules] state must be a table of integers, got {table['state']!r}")
     state = FrozenDict(table["state"])
-    numbers = {"lives_initial": table["lives_initial"], "selection_frames": table.get("selection_frames", 0)}
+    numbers = {"lives_initial": table.get("lives_initial", 0), "selection_frames": table.get("selection_frames", 0)}
     for name, value in {**state, **numbers}.items():
         if type(value) is not int:
             raise ValueError(f"[rules] {name} must be an integer, got {value!r}")
     step = _parse_step(table["step"], state)
-    for name in OUTPUTS:
+    for name in (*outputs, "terminal"):
         if name not in dict(step):
             raise ValueError(f"[rules] step never assigns {name!r}")
     kept = tuple(_check_list("kept_over_reset", table.get("kept_over_reset", []), str))
@@ -133,6 +140,7 @@ def parse_rules(table: Mapping[str, Any]) -> Rules:
         step=step,
         mode_select=_parse_operations(table.get("mode_select", []), {*state, "mode"}),
         kept_over_reset=kept,
+        outputs=outputs,
     )
 
 

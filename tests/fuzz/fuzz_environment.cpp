@@ -114,7 +114,7 @@ std::shared_ptr<Game> read_game(Reader& in) {
     }
     for (int i = in.byte() & 3; i > 0; --i) game->starting_actions.push_back(in.number());
     if (flags & 32) {
-        for (int* variable : {&game->reward, &game->terminal, &game->lives, &game->mode_variable})
+        for (int* variable : {&game->rewards[0], &game->terminal, &game->lives[0], &game->mode_variable})
             *variable = in.number();
     }
     bool presses = false;

@@ -33,7 +33,11 @@ Motion motion(int action) { return action >= 0 && action < 18 ? kMotions[action]
 }  // namespace
 
 void Game::check() const {
-    for (int variable : {reward, terminal, lives, mode_variable})
+    if (players < 1 || players > kMaxPlayers) throw std::invalid_argument("a game has 1 to 4 players");
+    for (const auto* outputs : {&rewards, &lives})
+        for (int variable : *outputs)
+            if (variable < 0 || variable >= variables) throw std::invalid_argument("a game's variable does not exist");
+    for (int variable : {terminal, mode_variable})
         if (variable < 0 || variable >= variables) throw std::invalid_argument("a game's variable does not exist");
     if (initial.size() > static_cast<size_t>(variables) || kept.size() != initial.size())
         throw std::invalid_argument("a game's start values do not fit its variables");
@@ -64,7 +68,7 @@ Environment::Environment(std::shared_ptr<const Game> game, const Settings& setti
 // the loaded state is kept, and a later load copies it. (tests/cores/test_native.py compares both)
 void Environment::seed(uint32_t value) {
     if (!loaded_) {
-        boot();
+        boot(value);
         state_ = EnvironmentState{};
         std::copy(game_->initial.begin(), game_->initial.end(), state_.variables);
         state_.mode = game_->default_mode;
@@ -84,9 +88,9 @@ void Environment::seed(uint32_t value) {
     state_.difficulty = difficulty_;
 }
 
-void Environment::boot() {
+void Environment::boot(uint32_t seed) {
     console_->set_config(game_->console);
-    console_->construct();
+    console_->construct(settings_.one_generator ? seed : MachineRandom::kSeed);
     console_->inputs().switches = game_->power_on_switches;
     if (game_->detect_format) {
         // Games keep what the detection frames leave in RAM. These frames therefore run by NTSC rules even if the
@@ -107,18 +111,33 @@ void Environment::reset() {
     state_.episode_frame = 0;
     restart();
     begin_game();
-    state_.variables[game_->reward] = state_.variables[game_->terminal] = 0;
+    state_.variables[game_->terminal] = 0;
+    for (int player = 0; player < game_->players; ++player) state_.variables[game_->rewards[static_cast<size_t>(player)]] = 0;
     for (size_t i = 0; i < game_->initial.size(); ++i)
         if (!game_->kept[i]) state_.variables[i] = game_->initial[i];
     state_.variables[game_->mode_variable] = state_.mode;
     run(game_->select_mode);
     soft_reset();
     for (int action : game_->starting_actions) emulate(action, 1.0f, 1);
+    if (settings_.second_player_starts) start_second_player();
 }
 
 void Environment::restart() {
-    state_.paddle[0] = state_.paddle[1] = (game_->paddle_min + game_->paddle_max) / 2;
+    const int paddles = settings_.second_player_starts ? kMaxPlayers : 2;
+    std::fill_n(state_.paddle, paddles, (game_->paddle_min + game_->paddle_max) / 2);
     console_->reset();
+    if (settings_.one_generator) console_->set_timer(state_.random.next());
+}
+
+void Environment::start_second_player() {
+    emulate(0, 1.0f, 1);
+    for (int action : game_->starting_actions) {
+        if (action == kReset) continue;
+        const int32_t actions[kMaxPlayers] = {0, action};
+        emulate_players(actions);
+        leave_ram_on_bus();
+    }
+    emulate(0, 1.0f, 1);
 }
 
 // If the machine is in the state of a checkpoint of the reset trace, its further frames equal those of the trace.
@@ -201,18 +220,44 @@ int Environment::act(int action, float strength) {
         const double draw = state_.random.next() / 4294967296.0;
         state_.random.next();
         if (draw >= settings_.repeat_action_probability) {
-            state_.held_action = action;
+            state_.held_action[0] = action;
             state_.held_strength = strength;
         }
         if (game_over() || truncated()) continue;
-        const int held = state_.held_action;
+        const int held = state_.held_action[0];
         const bool legal = held < 18 && (game_->legal_actions >> held & 1);
         emulate(legal ? held : 0, state_.held_strength, 1);
         count_frame();
-        total += state_.variables[game_->reward];
+        total += state_.variables[game_->rewards[0]];
     }
     if (settings_.sound) console_->make_samples(state_.audio);
     return static_cast<int>(std::clamp<int64_t>(total, INT32_MIN, INT32_MAX));
+}
+
+void Environment::act(const int* actions, int players, int* rewards) {
+    int64_t total[kMaxPlayers] = {};
+    for (int i = 0; i < settings_.frame_skip; ++i) {
+        // One word a player and frame, also after the end.
+        for (int player = 0; player < kMaxPlayers; ++player) {
+            int32_t& held = state_.held_action[player];
+            if (player >= players) held = 0;
+            else if (state_.random.next() / 4294967296.0 >= settings_.repeat_action_probability) held = actions[player];
+        }
+        if (game_over() || truncated()) continue;
+        int32_t pressed[kMaxPlayers];
+        for (int player = 0; player < kMaxPlayers; ++player) {
+            const int held = state_.held_action[player];
+            pressed[player] = held < 18 && (game_->legal_actions >> held & 1) ? held : 0;
+        }
+        emulate_players(pressed);
+        leave_ram_on_bus();
+        count_frame();
+        for (int player = 0; player < std::min(players, game_->players); ++player)
+            total[player] += state_.variables[game_->rewards[static_cast<size_t>(player)]];
+    }
+    if (settings_.sound) console_->make_samples(state_.audio);
+    for (int player = 0; player < players; ++player)
+        rewards[player] = static_cast<int>(std::clamp<int64_t>(total[player], INT32_MIN, INT32_MAX));
 }
 
 // Runs frames with an action held. ALE reads all of RAM after the last of them.
@@ -221,9 +266,22 @@ void Environment::emulate(int action, float strength, int frames) {
     leave_ram_on_bus();
 }
 
-// Runs a frame with an action held, and evaluates the rules.
+// Runs a frame with an action of player 1 held.
 void Environment::emulate_frame(int action, float strength) {
     press(action, strength);
+    play_frame();
+}
+
+// Runs a frame with an action of each player held.
+void Environment::emulate_players(const int32_t* actions) {
+    release_all();
+    for (int player = 0; player < kMaxPlayers; ++player) hold(player, actions[player], 1.0f);
+    connect_paddles();
+    play_frame();
+}
+
+// Runs a frame and evaluates the rules.
+void Environment::play_frame() {
     console_->run_frame();
     evaluate_step();
 }
@@ -232,7 +290,7 @@ void Environment::release_all() {
     Inputs& inputs = console_->inputs();
     inputs.stick[0] = inputs.stick[1] = 0;
     inputs.fire[0] = inputs.fire[1] = false;
-    inputs.paddle_fire[0] = inputs.paddle_fire[1] = false;
+    std::fill_n(inputs.paddle_fire, kMaxPlayers, false);
     // The colour switch is on, RESET and SELECT are up, and the difficulty switches are as set.
     inputs.switches = static_cast<uint8_t>(0x3f | (state_.difficulty & 3) << 6);
 }
@@ -241,14 +299,24 @@ void Environment::press(int action, float strength) {
     release_all();
     Inputs& inputs = console_->inputs();
     if (action == kReset) inputs.switches &= 0xfe;
-    if (game_->console.paddles[0] || game_->console.paddles[1]) {
-        move_paddle(0, action, strength);
-        for (int player : {0, 1}) inputs.resistance[player] = state_.paddle[player];
-        inputs.paddle_fire[0] = motion(action).fire;
-    } else {
-        inputs.stick[0] = motion(action).stick;
-        inputs.fire[0] = motion(action).fire;
+    hold(0, action, strength);
+    connect_paddles();
+}
+
+// Holds the action of a player at the console's inputs. There are two joysticks.
+void Environment::hold(int player, int action, float strength) {
+    Inputs& inputs = console_->inputs();
+    if (game_->paddles()) {
+        move_paddle(player, action, strength);
+        inputs.paddle_fire[player] = motion(action).fire;
+    } else if (player < 2) {
+        inputs.stick[player] = motion(action).stick;
+        inputs.fire[player] = motion(action).fire;
     }
+}
+
+void Environment::connect_paddles() {
+    if (game_->paddles()) std::copy_n(state_.paddle, kMaxPlayers, console_->inputs().resistance);
 }
 
 void Environment::move_paddle(int player, int action, float strength) {
@@ -260,7 +328,7 @@ void Environment::move_paddle(int player, int action, float strength) {
 
 void Environment::soft_reset() {
     emulate(kReset, 1.0f, kResetFrames);
-    state_.held_action = 0;
+    std::fill_n(state_.held_action, kMaxPlayers, 0);
 }
 
 // Holds SELECT for `frames` frames, in which the rules are not evaluated, then releases it for one frame.
@@ -398,7 +466,13 @@ void Environment::run(const Program& program) {
                 break;
             case Op::kAct:
                 spend(settings_.frame_skip);
-                act(argument, 1.0f);
+                if (game_->players == 1) {
+                    act(argument, 1.0f);
+                } else {
+                    const int actions[] = {argument, 0};
+                    int rewards[2];
+                    act(actions, 2, rewards);
+                }
                 break;
             case Op::kFail: spend(-1); break;
             case Op::kEnd: return;
@@ -437,7 +511,7 @@ bool Environment::load(const uint8_t* in) {
     EnvironmentState state;
     std::memcpy(&state, in, sizeof state);
     bool good = state.random.position <= 624 && std::abs(state.held_strength) <= 1000.0f;
-    good &= state.held_action >= 0 && state.held_action <= kReset;
+    for (int32_t action : state.held_action) good &= action >= 0 && action <= kReset;
     for (int32_t position : state.paddle) good &= position >= 0 && position <= 1 << 24;
     if (!good || !console_->load(in + sizeof state)) return false;
     state_ = state;

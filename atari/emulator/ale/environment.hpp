@@ -1,6 +1,7 @@
 // ALE's layer on the console: a game with its rules, actions, reward, lives, sticky actions and counters.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -13,6 +14,8 @@
 #include "machine/random.hpp"
 
 namespace atari {
+
+inline constexpr int kMaxPlayers = 4;
 
 // A compiled game definition. Immutable and shared by all environments of the game.
 struct Game {
@@ -31,9 +34,13 @@ struct Game {
     int variables = 3;
     std::vector<int32_t> initial;     // start values of variables 0 .. initial.size()-1
     std::vector<uint8_t> kept;        // 1 for each of those that a reset does not change
-    int reward = 0, terminal = 1, lives = 2;
+    int players = 1;                  // that have a reward and lives
+    std::array<int, kMaxPlayers> rewards{0}, lives{2};
+    int terminal = 1;
     int mode_variable = 0;            // variable that holds the selected mode
     Program step, select_mode;
+
+    bool paddles() const { return console.paddles[0] || console.paddles[1]; }
 
     void check() const;  // throws std::invalid_argument if a number is out of the range that `Environment` accepts
 };
@@ -47,15 +54,20 @@ struct Settings {
     bool sound = false;
     bool colour_averaging = false;
     bool plain = false;  // use the reference core, the oracle of the fast one
+
+    // Multi-Agent-ALE has one generator for the machine and for sticky actions. ale-py has two.
+    bool one_generator = false;
+    // Multi-Agent-ALE's reset centres four paddles, and player 2 makes the starting actions, too.
+    bool second_player_starts = false;
 };
 
 // The version of the layout of `EnvironmentState` and `Machine` in memory, which is the layout of saved states.
-inline constexpr int kStateVersion = 2;
+inline constexpr int kStateVersion = 3;
 
 struct EnvironmentState {
     MersenneTwister random;
-    int32_t paddle[2];
-    int32_t held_action;
+    int32_t paddle[kMaxPlayers];
+    int32_t held_action[kMaxPlayers];
     float held_strength;
     int32_t frame, episode_frame;
     int32_t mode, difficulty;
@@ -104,12 +116,14 @@ class Environment {
     void seed(uint32_t seed);  // acts as a fresh load with this seed; mode and difficulty stay
     void reset();              // throws std::runtime_error if the mode cannot be selected
     int act(int action, float strength);
+    // The same for the first `players` players, of whom each has an action. Writes a reward for each.
+    void act(const int* actions, int players, int* rewards);
     int mode() const { return mode_; }
     int difficulty() const { return difficulty_; }
     void set_mode(int mode) { mode_ = mode; state_.mode = mode; }
     void set_difficulty(int difficulty) { difficulty_ = difficulty; state_.difficulty = difficulty; }
 
-    int lives() const { return state_.variables[game_->lives]; }
+    int lives(int player = 0) const { return state_.variables[game_->lives[static_cast<size_t>(player)]]; }
     bool game_over() const { return state_.variables[game_->terminal] != 0; }
     bool truncated() const {
         return settings_.max_frames_per_episode > 0 && state_.episode_frame >= settings_.max_frames_per_episode;
@@ -141,16 +155,21 @@ class Environment {
     bool restore(const EnvironmentSnapshot& snapshot);
 
   private:
-    void boot();
+    void boot(uint32_t seed);
     void restart();
+    void start_second_player();
     void begin_game();
     void record_reset_trace();
     bool resume(const ResetTrace& trace, int frame);  // from the checkpoint after `frame`
     std::vector<uint8_t> both_framebuffers();
     void emulate(int action, float strength, int frames);
     void emulate_frame(int action, float strength);
+    void emulate_players(const int32_t* actions);
+    void play_frame();
     void leave_ram_on_bus() { console_->read_ram(0xff); }  // the last byte of a read of all of RAM
     void press(int action, float strength);
+    void hold(int player, int action, float strength);
+    void connect_paddles();
     void move_paddle(int player, int action, float strength);
     void release_all();
     void soft_reset();

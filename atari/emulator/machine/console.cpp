@@ -13,8 +13,9 @@ Console::Console(std::shared_ptr<const Cartridge> cartridge, const ConsoleConfig
     watches_tia_ = cartridge_->watches_tia();
 }
 
-void Console::construct() {
+void Console::construct(uint32_t seed) {
     m_ = Machine{};
+    random_ = MachineRandom(seed);
     std::fill(cart_ram_.begin(), cart_ram_.end(), uint8_t{0});
     for (uint8_t& byte : m_.riot.ram) byte = static_cast<uint8_t>(machine_word());
     m_.random_words += 1;  // the timer's first value, which the reset replaces

@@ -71,10 +71,12 @@ class Console {
     Console& operator=(const Console&) = delete;
 
     // Powers the console on for the first time, with random RAM. `reset` must follow.
-    void construct();
+    void construct(uint32_t seed = MachineRandom::kSeed);
 
     // Resets all chips; RAM keeps its contents.
     virtual void reset();
+    // Replaces what a reset has drawn for the timer, for a generator of the caller's.
+    void set_timer(uint32_t word) { m_.riot.timer = static_cast<uint8_t>(25 + word % 75); }
 
     // Emulates until the frame ends, for at most 25000 instructions.
     void run_frame();

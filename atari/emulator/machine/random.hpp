@@ -57,19 +57,19 @@ struct MersenneTwister {
     }
 };
 
-// The machine's generator (RAM at power-on, timer at reset) always starts from the same seed, so its state is the
-// number of words drawn. The twister itself is a cache, as it can be advanced to any position again.
+// The machine's generator (RAM at power-on, timer at reset) starts from a seed, in ale-py always the same, so its state
+// is the number of words drawn. The twister itself is a cache, as it can be advanced to any position again.
 class MachineRandom {
   public:
     static constexpr uint32_t kSeed = 4753849;
     static constexpr uint64_t kFurthest = uint64_t{1} << 32;  // a position that is reached within two seconds
 
-    MachineRandom() { twister_.seed(kSeed); }
+    explicit MachineRandom(uint32_t seed = kSeed) : seed_(seed) { twister_.seed(seed_); }
 
     // Returns the word at `position`, counted from 0.
     uint32_t at(uint64_t position) {
         if (position < drawn_) {
-            twister_.seed(kSeed);
+            twister_.seed(seed_);
             drawn_ = 0;
         }
         twister_.skip(position - drawn_);
@@ -78,6 +78,7 @@ class MachineRandom {
     }
 
   private:
+    uint32_t seed_;
     MersenneTwister twister_;
     uint64_t drawn_ = 0;
 };

@@ -58,14 +58,19 @@ Shared<Game> make_game(nb::bytes image, const std::string& cartridge, const std:
     for (int action : legal_actions) game->legal_actions |= action >= 0 && action < 18 ? 1u << action : 0u;
     game->starting_actions = starting_actions;
     game->default_mode = default_mode;
-    if (outputs.size() != 4) throw std::invalid_argument("a game's outputs are reward, terminal, lives and mode");
+    if (outputs.size() < 4 || outputs.size() > 10 || outputs.size() % 2)
+        throw std::invalid_argument("a game's outputs are terminal, mode, and reward and lives of each player");
     game->variables = variables;
     game->initial = initial;
     for (bool keep : kept) game->kept.push_back(keep);
-    game->reward = outputs[0];
-    game->terminal = outputs[1];
-    game->lives = outputs[2];
-    game->mode_variable = outputs[3];
+    game->terminal = outputs[0];
+    game->mode_variable = outputs[1];
+    game->players = static_cast<int>(outputs.size()) / 2 - 1;
+    for (size_t player = 0; player < kMaxPlayers; ++player) {  // those that do not play share the first one's
+        const size_t at = player < static_cast<size_t>(game->players) ? 2 * player + 2 : 2;
+        game->rewards[player] = outputs[at];
+        game->lives[player] = outputs[at + 1];
+    }
     game->step = Program(step, variables, false);
     game->select_mode = Program(select_mode, variables, true);
     game->check();
@@ -101,10 +106,11 @@ double strength_factor(nb::handle strength) {
 class Emulator : Exclusive {
   public:
     Emulator(const Shared<Game>& game, double probability, int frame_skip, int max_frames, bool sound,
-             bool colour_averaging, uint32_t seed, bool plain) {
+             bool colour_averaging, uint32_t seed, bool plain, bool one_generator, bool second_player_starts) {
         if (frame_skip < 1 || frame_skip > kMaxFrameSkip)
             throw std::invalid_argument("frame_skip must be within 1..10000");
-        const Settings settings{probability, frame_skip, max_frames, sound, colour_averaging, plain};
+        const Settings settings{probability,      frame_skip, max_frames,    sound,
+                                colour_averaging, plain,      one_generator, second_player_starts};
         environment_ = std::make_unique<Environment>(game.value, settings, seed);
     }
 
@@ -187,6 +193,28 @@ class Emulator : Exclusive {
         return locked([&](Environment& e) { return e.act(number, static_cast<float>(factor)); });
     }
 
+    std::vector<int> act_players(const nb::sequence& actions) {
+        std::vector<int> numbers;
+        for (nb::handle action : actions) numbers.push_back(action_number(action));
+        std::vector<int> rewards(numbers.size());
+        locked([&](Environment& e) {
+            if (numbers.empty() || static_cast<int>(numbers.size()) > e.game()->players)
+                throw std::invalid_argument("act_players takes 1 to " + std::to_string(e.game()->players) +
+                                            " actions of this game, got " + std::to_string(numbers.size()));
+            e.act(numbers.data(), static_cast<int>(numbers.size()), rewards.data());
+            return 0;
+        });
+        return rewards;
+    }
+
+    std::vector<int> player_lives() {
+        return briefly([](Environment& e) {
+            std::vector<int> lives;
+            for (int player = 0; player < e.game()->players; ++player) lives.push_back(e.lives(player));
+            return lives;
+        });
+    }
+
   private:
     Environment& open() {
         if (!environment_) throw std::runtime_error("this core is closed; make a new one");
@@ -249,15 +277,18 @@ NB_MODULE(_emulator, m) {
     };
 
     nb::class_<Emulator>(m, "Emulator", "A running game. The lock of the interpreter is released while it emulates.")
-        .def(nb::init<const Shared<Game>&, double, int, int, bool, bool, uint32_t, bool>(), nb::kw_only(), "game"_a,
+        .def(nb::init<const Shared<Game>&, double, int, int, bool, bool, uint32_t, bool, bool, bool>(), nb::kw_only(), "game"_a,
              "repeat_action_probability"_a, "frame_skip"_a, "max_num_frames_per_episode"_a, "sound"_a,
-             "color_averaging"_a, "seed"_a, "plain"_a = false,
+             "color_averaging"_a, "seed"_a, "plain"_a = false, "one_generator"_a = false, "second_player_starts"_a = false,
              "`plain`: by the plain interpreter and TIA, which are slower and give the same.")
         .def("seed", [](Emulator& x, uint32_t seed) { x.locked([&](Environment& e) { e.seed(seed); return 0; }); },
              "seed"_a)
         .def("reset", [](Emulator& x) { x.locked([](Environment& e) { e.reset(); return 0; }); })
         .def("act", &Emulator::act, "action"_a.none(), "strength"_a.none() = 1.0,
              nb::sig("def act(self, action: int, strength: float = 1.0) -> int"))
+        .def("act_players", &Emulator::act_players, "actions"_a,
+             "Hold an action of each of the first players; a reward for each.")
+        .def_prop_ro("player_lives", &Emulator::player_lives, "Of each player that the rules know.")
         .def("set_mode", [](Emulator& x, int mode) { x.locked([&](Environment& e) { e.set_mode(mode); return 0; }); },
              "mode"_a)
         .def("set_difficulty",
@@ -265,7 +296,7 @@ NB_MODULE(_emulator, m) {
                  x.locked([&](Environment& e) { e.set_difficulty(difficulty); return 0; });
              },
              "difficulty"_a)
-        .def_prop_ro("lives", number(&Environment::lives))
+        .def_prop_ro("lives", [](Emulator& x) { return x.briefly([](Environment& e) { return e.lives(); }); })
         .def_prop_ro("game_over", number(&Environment::game_over))
         .def_prop_ro("truncated", number(&Environment::truncated))
         .def_prop_ro("frame_number", number(&Environment::frame_number))

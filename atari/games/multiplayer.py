@@ -1,0 +1,118 @@
+"""`Multiplayer`: what a game definition says of two to four players, the table `[multiplayer]` of its file."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from atari.actions import Action
+from atari.games.frozen import FrozenDict
+from atari.games.rules import Rules, parse_rules
+from atari.games.tables import actions, check_keys, check_value
+
+
+@dataclass(frozen=True)
+class Multiplayer:
+    """The rules of a game for two to four players, with mode numbers of Multi-Agent-ALE.
+
+    Attributes:
+        modes: modes by number of players.
+        loading_mode: the mode of the reset that follows the loading of the ROM.
+        minimal_actions: the actions that have an effect, the same for each player. All 18 are legal.
+        starting_actions: held by player 1, then by player 2, at the end of a reset.
+        difficulties: bit 0 is the left difficulty switch at A, bit 1 the right one.
+        rules: with the outputs `reward_1`, `lives_1`, `reward_2`, `lives_2`, ... and `terminal`.
+        paddle_range: instead of the range in `[controllers]`.
+        parameters: numbers that the rules use and a user may set, by name.
+        mode_offset: what ale-py's numbers of these modes differ by.
+        notes: irregularities, in words.
+    """
+
+    modes: Mapping[int, tuple[int, ...]]
+    loading_mode: int
+    minimal_actions: tuple[Action, ...]
+    starting_actions: tuple[Action, ...]
+    difficulties: tuple[int, ...]
+    rules: Rules
+    paddle_range: tuple[int, int] | None
+    parameters: Mapping[str, int]
+    mode_offset: int
+    notes: tuple[str, ...]
+
+    @property
+    def most_players(self) -> int:
+        """The most players that a mode has; the rules have rewards and lives of as many."""
+        return max(self.modes)
+
+    def players(self, mode: int) -> int:
+        """The number of players in a mode."""
+        return next(players for players, modes in self.modes.items() if mode in modes)
+
+
+_NEEDED = ("modes", "loading_mode", "minimal", "starting", "difficulties", "rules")
+_OPTIONAL = ("paddle_range", "parameters", "mode_offset", "notes")
+
+
+def parse_multiplayer(table: Mapping[str, Any]) -> Multiplayer:
+    """Read and check a `[multiplayer]` table.
+
+    Raises:
+        ValueError: the content is not such a table; the message says where, and what is expected.
+    """
+    check_keys(table, "[multiplayer]", _NEEDED, _OPTIONAL)
+    modes = _modes(table["modes"])
+    most = max(modes)
+    for key in ("loading_mode", "mode_offset"):
+        check_value(f"[multiplayer] {key}", table.get(key, 0), int)
+    check_value("[multiplayer] difficulties", table["difficulties"], tuple[int, ...])
+    if not table["difficulties"] or not set(table["difficulties"]) <= {0, 1, 2, 3}:
+        raise ValueError(f"[multiplayer] difficulties {table['difficulties']} are not among 0, 1, 2, 3")
+    check_value("[multiplayer] notes", table.get("notes", []), tuple[str, ...])
+    return Multiplayer(
+        modes=modes,
+        loading_mode=table["loading_mode"],
+        minimal_actions=actions(table["minimal"]),
+        starting_actions=actions(table["starting"]),
+        difficulties=tuple(table["difficulties"]),
+        rules=_rules(table, most),
+        paddle_range=_paddle_range(table.get("paddle_range")),
+        parameters=FrozenDict(table.get("parameters", {})),
+        mode_offset=table.get("mode_offset", 0),
+        notes=tuple(table.get("notes", ())),
+    )
+
+
+def _modes(table: Any) -> Mapping[int, tuple[int, ...]]:
+    check_keys(table, "[multiplayer] modes", (), ("2", "3", "4"))
+    modes = {}
+    for players, numbers in table.items():
+        check_value(f"[multiplayer] modes {players}", numbers, tuple[int, ...])
+        if numbers:
+            modes[int(players)] = tuple(numbers)
+    if not modes:
+        raise ValueError("[multiplayer] modes needs the modes of 2, 3 or 4 players")
+    return FrozenDict(modes)
+
+
+def _rules(table: Mapping[str, Any], players: int) -> Rules:
+    """The rules, with the parameters as variables that keep their value."""
+    parameters = table.get("parameters", {})
+    check_keys(table["rules"], "[multiplayer.rules]", ("state", "step"), ("mode_select", "kept_over_reset"))
+    rules = dict(table["rules"])
+    if isinstance(parameters, Mapping) and isinstance(rules["state"], Mapping):
+        rules["state"] = {**parameters, **rules["state"]}
+        rules["kept_over_reset"] = [*parameters, *rules.get("kept_over_reset", [])]
+    outputs = [name for player in range(1, players + 1) for name in (f"reward_{player}", f"lives_{player}")]
+    try:
+        return parse_rules(rules, tuple(outputs))
+    except ValueError as error:
+        raise ValueError(f"[multiplayer]: {error}") from None
+
+
+def _paddle_range(value: Any) -> tuple[int, int] | None:
+    if value is None:
+        return None
+    check_value("[multiplayer] paddle_range", value, tuple[int, int])
+    low, high = value
+    if not 0 <= low <= high <= 2**24:
+        raise ValueError(f"[multiplayer] paddle_range must be two integers within 0..{2**24}, got {low}, {high}")
+    return low, high

@@ -1,0 +1,208 @@
+"""`MultiplayerCore`: a game of two to four players on the native emulator, without an environment around it."""
+
+import zlib
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import lru_cache
+from os import PathLike
+from typing import Any, Literal
+
+from atari import _emulator
+from atari.cores import snapshot
+from atari.cores.native import STATE_VERSION, as_ale_reads, make_game
+from atari.cores.options import SEED_LIMIT
+from atari.games.catalog import games
+from atari.games.compiler import compile_rules
+from atari.games.game import Game
+from atari.games.multiplayer import Multiplayer
+from atari.roms import find
+from atari.roms import image as rom_image
+from atari.validation import check_integer, check_name, check_poke, check_probability
+
+Reference = Literal["multi_agent_ale", "ale_py"]
+REFERENCES: tuple[Reference, ...] = ("multi_agent_ale", "ale_py")
+
+
+class MultiplayerCore(_emulator.Emulator):
+    """A game for two to four players. All players see one screen, and act in each frame.
+
+    Multi-Agent-ALE 0.1.12 is the reference. ale-py's announced version for several players differs in the numbers of
+    modes, the end of a reset and the source of random words; each has an option.
+
+    Args:
+        game: id of a game ("pong"), or a `Game`; it must have rules for several players.
+        mode: which game to play; None is the first mode for `players`. The mode decides the number of players.
+        players: 2, 3 or 4; None is that of `mode`, else the fewest that the game has.
+        seed: of RAM, the timer and sticky actions, 0 .. 2**32 - 1.
+        repeat_action_probability: of sticky actions, drawn for each player and frame; 0.0 as in PettingZoo.
+        difficulty: None is 0.
+        frame_skip: frames that an action is held.
+        max_num_frames_per_episode: 0 is no limit.
+        parameters: numbers that the rules use, for example {"max_turn_time": 0}.
+        mode_numbers: whose numbers of modes `mode` has.
+        end_of_reset: of Multi-Agent-ALE, in which player 2 makes the starting actions, too; or of ale-py.
+        random_words: one generator for the machine and sticky actions, as in Multi-Agent-ALE; or ale-py's two.
+        sound: fill `audio()`.
+        rom: path of the ROM file; None searches.
+
+    Raises:
+        ValueError, TypeError: an option is wrong, or the game has no rules for several players.
+
+    Example:
+        >>> from atari.multiplayer import MultiplayerCore
+        >>> core = MultiplayerCore("pong", seed=1)
+        >>> core.reset()
+        >>> core.act_players([0, 1])
+        [0, 0]
+        >>> core.ram().shape, core.player_lives
+        ((128,), [0, 0])
+    """
+
+    def __init__(
+        self,
+        game: str | Game,
+        *,
+        mode: int | None = None,
+        players: int | None = None,
+        seed: int = 1,
+        repeat_action_probability: float = 0.0,
+        difficulty: int | None = None,
+        frame_skip: int = 1,
+        max_num_frames_per_episode: int = 0,
+        parameters: dict[str, int] | None = None,
+        mode_numbers: Reference = "multi_agent_ale",
+        end_of_reset: Reference = "multi_agent_ale",
+        random_words: Reference = "multi_agent_ale",
+        sound: bool = False,
+        rom: str | PathLike[str] | None = None,
+    ) -> None:
+        self.game: Game = games.resolve(game)
+        self.rules = rules_of(self.game)
+        for name, value in (
+            ("mode_numbers", mode_numbers),
+            ("end_of_reset", end_of_reset),
+            ("random_words", random_words),
+        ):
+            check_name(name, value, REFERENCES)
+        self._offset = self.rules.mode_offset if mode_numbers == "ale_py" else 0
+        self.mode, self.players = choose_mode(self.rules, self.game, mode, players, self._offset)
+        self.sound = sound
+        probability = as_ale_reads(check_probability("repeat_action_probability", repeat_action_probability))
+        image = rom_image.read_image(find(self.game, rom))
+        self._rom_md5 = rom_image.md5(image)
+        super().__init__(
+            game=_compiled(self.game, image, _parameters(self.rules, parameters)),
+            repeat_action_probability=probability,
+            frame_skip=check_integer("frame_skip", frame_skip, 1, 10_000),
+            max_num_frames_per_episode=check_integer(
+                "max_num_frames_per_episode", max_num_frames_per_episode, 0, 2**31 - 1
+            ),
+            sound=sound,
+            color_averaging=False,
+            seed=check_integer("seed", seed, 0, SEED_LIMIT - 1),
+            one_generator=random_words == "multi_agent_ale",
+            second_player_starts=end_of_reset == "multi_agent_ale",
+        )
+        super().set_mode(self.mode)
+        if difficulty is not None:
+            if difficulty not in self.rules.difficulties:
+                raise ValueError(f"difficulty must be one of {self.rules.difficulties}, got {difficulty!r}")
+            super().set_difficulty(difficulty)
+
+    def act_players(self, actions: Sequence[int]) -> list[int]:
+        """Play `frame_skip` frames with an action (0 .. 17, an ALE number) of each player; a reward for each."""
+        if len(actions) != self.players:
+            raise ValueError(f"there are {self.players} players, got {len(actions)} actions")
+        return super().act_players(actions)
+
+    @property
+    def player_lives(self) -> list[int]:
+        """Lives of each player: 0 in games without lives, -1 if the player is out."""
+        return super().player_lives[: self.players]
+
+    def set_ram(self, index: int, value: int) -> None:
+        """Write one byte of RAM."""
+        super().set_ram(*check_poke(index, value))
+
+    def snapshot(self) -> bytes:
+        """The whole state as portable bytes."""
+        return snapshot.pack(self._facts(), {"state": zlib.compress(self.save(), 1)})
+
+    def restore(self, data: bytes) -> None:
+        """Continue from a snapshot.
+
+        Raises:
+            TypeError, ValueError: not a snapshot, damaged, or of another game, version or mode.
+        """
+        facts, blobs = snapshot.unpack(data)
+        snapshot.require(facts, self._facts())
+        snapshot.require_blobs(blobs, "state")
+        try:
+            state = zlib.decompressobj().decompress(blobs["state"], 1 << 20)
+        except zlib.error as error:
+            raise ValueError(f"the snapshot is damaged: {error}") from None
+        self.load(state)
+
+    def _facts(self) -> dict[str, Any]:
+        return {
+            "core": "multiplayer",
+            "game": self.game.id,
+            "rom": self._rom_md5,
+            "state version": STATE_VERSION,
+            "mode": self.mode,
+        }
+
+
+def rules_of(game: Game) -> Multiplayer:
+    """The game's rules for several players.
+
+    Raises:
+        ValueError: it has none; the message names games that have.
+    """
+    if game.multiplayer is None:
+        having = ", ".join(sorted(other.id for other in games.values() if other.multiplayer is not None))
+        raise ValueError(f"{game.id} has no rules for several players; these games have: {having}")
+    return game.multiplayer
+
+
+def choose_mode(rules: Multiplayer, game: Game, mode: int | None, players: int | None, offset: int) -> tuple[int, int]:
+    """The mode in Multi-Agent-ALE's numbering, and its number of players."""
+    if players is not None and players not in rules.modes:
+        raise ValueError(f"{game.id} is for {' or '.join(map(str, rules.modes))} players, got players={players!r}")
+    if mode is None:
+        players = players or min(rules.modes)
+        return rules.modes[players][0], players
+    number = check_integer("mode", mode, -(2**31), 2**31 - 1) - offset
+    allowed = {m: n for n, modes in rules.modes.items() if players in (None, n) for m in modes}
+    if number not in allowed:
+        listed = ", ".join(str(m + offset) for m in sorted(allowed))
+        of = f" for {players} players" if players else ""
+        raise ValueError(f"mode of {game.id}{of} must be one of {listed}, got {mode!r}")
+    return number, allowed[number]
+
+
+def _parameters(rules: Multiplayer, given: dict[str, int] | None) -> tuple[tuple[str, int], ...]:
+    for name, value in (given or {}).items():
+        if name not in rules.parameters:
+            having = ", ".join(rules.parameters) or "none"
+            raise ValueError(f"parameters has no {name!r}; this game has: {having}")
+        check_integer(f"parameters[{name!r}]", value, -(2**31), 2**31 - 1)
+    return tuple((given or {}).items())
+
+
+@lru_cache(maxsize=64)
+def _compiled(game: Game, image: bytes, parameters: tuple[tuple[str, int], ...]) -> _emulator.Game:
+    """The game with its rules for several players, built once and shared."""
+    rules = rules_of(game)
+    step_rules = rules.rules
+    if parameters:
+        step_rules = replace(step_rules, state={**step_rules.state, **dict(parameters)})
+    return make_game(
+        game,
+        image,
+        compile_rules(step_rules),
+        legal_actions=range(18),
+        starting_actions=rules.starting_actions,
+        default_mode=rules.loading_mode,
+        paddle_range=rules.paddle_range,
+    )
