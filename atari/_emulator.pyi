@@ -48,7 +48,7 @@ def make_game(
     Check and assemble a game; raises ValueError if the image or a rule program is not sound.
     """
 
-STATE_VERSION: int = 2
+STATE_VERSION: int = 3
 
 class State:
     """
@@ -89,6 +89,8 @@ class Emulator:
         color_averaging: bool,
         seed: int,
         plain: bool = False,
+        one_generator: bool = False,
+        second_player_starts: bool = False,
     ) -> None:
         """
         `plain`: by the plain interpreter and TIA, which are slower and give the same.
@@ -97,6 +99,13 @@ class Emulator:
     def seed(self, seed: int) -> None: ...
     def reset(self) -> None: ...
     def act(self, action: int, strength: float = 1.0) -> int: ...
+    def act_players(self, actions: Sequence) -> list[int]:
+        """Hold an action of each of the first players; a reward for each."""
+
+    @property
+    def player_lives(self) -> list[int]:
+        """Of each player that the rules know."""
+
     def set_mode(self, mode: int) -> None: ...
     def set_difficulty(self, difficulty: int) -> None: ...
     @property

@@ -37,6 +37,7 @@ ALLOWED = {
     "algorithmic": "validation",
     "recording": "_gymnasium atari actions cores env games registration rendering restorable roms validation vector "
     "wrappers",
+    "multiplayer": "_emulator actions cores env games recording rendering roms validation vector",
     "integrations": "_gymnasium _script actions classic cores env games registration validation vector wrappers",
     "sb3": "integrations",
     "learning": "_emulator _gymnasium _interrupt actions cores env games protocols recording registration rendering restorable "

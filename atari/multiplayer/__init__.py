@@ -1,5 +1,84 @@
-"""Games of two to four players: PettingZoo's Atari environments on the native emulator."""
+"""Games of two to four players: PettingZoo's Atari environments on the native emulator (extra `multiplayer`).
+
+import atari.multiplayer
+
+env = atari.multiplayer.parallel_env("pong")    # or .env("pong"): agents take turns
+observations, infos = env.reset(seed=42)
+"""
+
+from typing import TYPE_CHECKING, Any
+
+import gymnasium
 
 from atari.multiplayer.core import MultiplayerCore
+from atari.multiplayer.environments import ENVIRONMENTS, Environment
 
-__all__ = ["MultiplayerCore"]
+if TYPE_CHECKING:
+    from pettingzoo import AECEnv, ParallelEnv
+
+    from atari.multiplayer.parallel import MultiplayerEnv
+
+__all__ = ["ENVIRONMENTS", "Environment", "MultiplayerCore", "MultiplayerEnv", "env", "parallel_env", "raw_env"]
+
+
+def raw_env(game: str, **options: Any) -> "AECEnv[str, Any, int]":
+    """The game as PettingZoo's AEC environment, in which agents take turns, without checks.
+
+    The emulator plays a frame when the last agent has acted. Arguments and errors are those of `MultiplayerEnv`.
+    """
+    _require()
+    from pettingzoo.utils.conversions import parallel_to_aec_wrapper
+
+    from atari.multiplayer.parallel import MultiplayerEnv
+
+    return parallel_to_aec_wrapper(MultiplayerEnv(game, **options))
+
+
+def env(game: str, **options: Any) -> "AECEnv[str, Any, int]":
+    """The game as PettingZoo's AEC environment, with PettingZoo's checks of actions and of the order of calls.
+
+    Arguments and errors are those of `MultiplayerEnv`.
+
+    Example:
+        >>> from atari.multiplayer import env
+        >>> game = env("boxing", obs_type="ram")
+        >>> game.reset(seed=1)
+        >>> observation, reward, termination, truncation, info = game.last()
+        >>> game.step(game.action_space(game.agent_selection).sample())
+        >>> observation.shape, game.agent_selection
+        ((128,), 'second_0')
+    """
+    _require()
+    from pettingzoo.utils import wrappers
+
+    return wrappers.OrderEnforcingWrapper(wrappers.AssertOutOfBoundsWrapper(raw_env(game, **options)))
+
+
+def parallel_env(game: str, **options: Any) -> "ParallelEnv[str, Any, int]":
+    """The game as PettingZoo's parallel environment, in which all agents act at once, with PettingZoo's checks.
+
+    Arguments and errors are those of `MultiplayerEnv`.
+    """
+    _require()
+    from pettingzoo.utils.conversions import aec_to_parallel_wrapper
+
+    return aec_to_parallel_wrapper(env(game, **options))
+
+
+def _require() -> None:
+    try:
+        import pettingzoo  # noqa: F401
+    except ImportError:
+        raise gymnasium.error.DependencyNotInstalled(
+            "environments of several players need PettingZoo: pip install 'atari-envs[multiplayer]'; "
+            "MultiplayerCore works without"
+        ) from None
+
+
+def __getattr__(name: str) -> Any:
+    if name == "MultiplayerEnv":
+        _require()
+        from atari.multiplayer.parallel import MultiplayerEnv
+
+        return MultiplayerEnv
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

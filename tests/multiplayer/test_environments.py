@@ -1,0 +1,113 @@
+"""PettingZoo's own tests, and the mistakes that users make."""
+
+from collections.abc import Callable
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+pytest.importorskip("pettingzoo")
+from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test, render_test, seed_test
+
+from atari.multiplayer import ENVIRONMENTS, env, parallel_env
+from atari.multiplayer.parallel import MultiplayerEnv
+
+NAMES = [environment.id for environment in ENVIRONMENTS.values()]
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.filterwarnings("ignore")
+def test_pettingzoos_tests_pass(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    api_test(env(name, obs_type="ram"), num_cycles=50, verbose_progress=False)
+    parallel_api_test(parallel_env(name, obs_type="ram"), num_cycles=50)
+    seed_test(lambda: env(name, obs_type="ram"), num_cycles=20)
+    parallel_seed_test(lambda: parallel_env(name, obs_type="ram"), num_cycles=20)
+    render_test(lambda render_mode: env(name, render_mode=render_mode), {"human": lambda *_: True})
+
+
+@pytest.mark.parametrize("name", ["pong", "pong_v3", "pong-v3", "atari/pong-v3"])
+def test_names_are_accepted_in_all_spellings(name: str) -> None:
+    assert parallel_env(name).metadata["name"] == "pong_v3"
+
+
+def test_equal_seeds_give_equal_games_also_seed_zero() -> None:
+    first, second = MultiplayerEnv("combat_tank", obs_type="ram"), MultiplayerEnv("combat_tank", obs_type="ram")
+    for seed in (0, 1, 2**40):
+        one, two = first.reset(seed=seed)[0], second.reset(seed=seed)[0]
+        assert np.array_equal(one["first_0"], two["first_0"])
+
+
+def test_a_snapshot_continues_the_game() -> None:
+    game = MultiplayerEnv("joust", obs_type="ram")
+    game.reset(seed=1)
+    for _ in range(100):
+        game.step({"first_0": 1, "second_0": 2})
+    state = game.snapshot()
+    after = [game.step({"first_0": 2, "second_0": 1}) for _ in range(20)]
+    game.restore(state)
+    again = [game.step({"first_0": 2, "second_0": 1}) for _ in range(20)]
+    assert game.frame == 120
+    for one, two in zip(after, again, strict=True):
+        assert np.array_equal(one[0]["first_0"], two[0]["first_0"])
+        assert one[1:] == two[1:]
+
+
+def test_games_without_an_environment_of_pettingzoos_have_one_here() -> None:
+    game = MultiplayerEnv("fishing_derby", obs_type="grayscale_image", frame_skip=4)
+    observations, _ = game.reset(seed=1)
+    assert observations["second_0"].shape == (210, 160, 1)
+    assert game.metadata["name"] == "custom_fishing_derby"
+
+
+@pytest.mark.parametrize(
+    ("make", "error", "words"),
+    [
+        (lambda: parallel_env("pong_v2"), ValueError, "the version of pong is 3"),
+        (lambda: parallel_env("pnog"), ValueError, "did you mean 'pong'"),
+        (lambda: parallel_env("breakout"), ValueError, "no game of several players named 'breakout'"),
+        (lambda: parallel_env(3), TypeError, "named by text"),
+        (lambda: parallel_env("pong", num_players=3), ValueError, "2 or 4, got 3"),
+        (lambda: parallel_env("pong", num_players=True), TypeError, "must be int"),
+        (lambda: parallel_env("pong", game_version="tennis"), ValueError, "one of 'classic'"),
+        (lambda: parallel_env("pong", frameskip=4), TypeError, "did you mean 'frame_skip'"),
+        (lambda: parallel_env("boxing", mode=1), ValueError, "mode of boxing must be one of 2, got 1"),
+        (lambda: parallel_env("pong", mode=4, num_players=2), ValueError, "not both"),
+        (lambda: parallel_env("pong", obs_type="rgb"), ValueError, "one of 'rgb_image'"),
+        (lambda: parallel_env("pong", max_cycles=0), ValueError, "max_cycles"),
+        (lambda: parallel_env("pong", render_mode="ansi"), ValueError, "render_mode"),
+        (lambda: parallel_env("tennis", parameters={"turn": 1}), ValueError, "this game has: max_turn_time"),
+    ],
+)
+def test_a_mistake_is_one_sentence(make: Callable[[], Any], error: type[Exception], words: str) -> None:
+    with pytest.raises(error, match=words):
+        make()
+
+
+def test_actions_follow_pettingzoos_conventions() -> None:
+    game = parallel_env("joust")
+    game.reset(seed=1)
+    with pytest.raises(KeyError):
+        game.step({"first_0": 0})
+    game = parallel_env("joust")
+    game.reset(seed=1)
+    with pytest.raises(AssertionError):
+        game.step({"first_0": 0, "second_0": 99})
+    game = parallel_env("joust", max_cycles=1)
+    game.reset(seed=1)
+    game.step({"first_0": 0, "second_0": 0})
+    assert game.step({}) == ({}, {}, {}, {}, {})
+
+
+def test_rendering_without_a_mode_warns() -> None:
+    game = MultiplayerEnv("pong")
+    with pytest.warns(UserWarning, match="render_mode"):
+        assert game.render() is None
+
+
+def test_without_pettingzoo_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    import sys
+
+    monkeypatch.setitem(sys.modules, "pettingzoo", None)
+    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"atari-envs\[multiplayer\]"):
+        parallel_env("pong")
