@@ -47,7 +47,7 @@ ALLOWED = {
     # Programs and old interfaces, which no part above imports; they may import `recording`.
     "play": "actions cores env games recording registration rendering validation",
     "classic": "_script atari cores env games recording registration rendering validation wrappers",
-    "cli": "_interrupt atari actions cores env games learning play recording registration rendering roms validation vector wrappers",
+    "cli": "_interrupt atari actions cores env games learning multiplayer play recording registration rendering roms validation vector wrappers",
     "__main__": "cli",
 }
 """By part, the parts that it may import."""

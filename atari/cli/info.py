@@ -7,6 +7,7 @@ from atari import registration
 from atari.cli.arguments import add_command, find_game
 from atari.cli.output import print_json, to_json_types
 from atari.games.game import Controllers, Game
+from atari.games.multiplayer import Multiplayer
 from atari.games.rules import Rules
 
 if TYPE_CHECKING:
@@ -33,7 +34,11 @@ def _description(game: Game, ids: list[str]) -> str:
         ("screen", [f"{screen.width} columns, {screen.height} rows, {screen.format}"]),
         ("controllers", [_controllers(game.controllers)]),
         *(_settings(game) if game.rules else []),
-        ("rules", _rules(game.rules) if game.rules else ["none for a single player, so there is no environment"]),
+        (
+            "rules",
+            _rules(game.rules) if game.rules else ["none for a single player, so there is no environment of one"],
+        ),
+        *(_multiplayer(game.multiplayer) if game.multiplayer else []),
         ("RAM", [f"{len(game.ram_labels)} names for bytes of it"]),
         ("ROM", [f"{rom.size} bytes, {rom.cartridge}, MD5 {rom.md5}"]),
         ("notes", list(game.notes)),
@@ -54,6 +59,13 @@ def _settings(game: Game) -> list[tuple[str, list[Any]]]:
         ("modes", [f"{', '.join(map(str, game.modes))} (default {game.default_mode})"]),
         ("difficulties", [", ".join(map(str, game.difficulties))]),
     ]
+
+
+def _multiplayer(rules: Multiplayer) -> list[tuple[str, list[Any]]]:
+    """Return the modes of several players, by number of players."""
+    names = " ".join(action.name for action in rules.minimal_actions)
+    modes = [f"{players} players: modes {', '.join(map(str, modes))}" for players, modes in rules.modes.items()]
+    return [("multiplayer", [*modes, f"actions of each: {names}"])]
 
 
 def _rules(rules: Rules) -> list[str]:

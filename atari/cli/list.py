@@ -1,6 +1,7 @@
 """`atari list`: the games, or every environment ID."""
 
 import argparse
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from atari import registration
@@ -8,6 +9,7 @@ from atari.cli.arguments import add_command
 from atari.cli.output import print_json, print_table
 from atari.games.catalog import games
 from atari.games.game import Game
+from atari.multiplayer.environments import ENVIRONMENTS
 
 if TYPE_CHECKING:
     from atari.cli.arguments import Commands
@@ -17,10 +19,17 @@ def register(commands: "Commands") -> None:
     """Add `atari list`."""
     parser = add_command(commands, "list", _list, "list the games, or with --ids every environment ID")
     parser.add_argument("--ids", action="store_true", help="the IDs that gymnasium.make accepts, one a line")
+    parser.add_argument(
+        "--players", type=int, choices=(2, 4), help="the environments of atari.multiplayer for so many players"
+    )
 
 
 def _list(args: argparse.Namespace) -> int:
-    if args.ids:
+    if args.players:
+        rows = [*_multiplayer_rows(args.players)]
+        names = ("environment", "game", "players", "actions")
+        print_json([dict(zip(names, row, strict=True)) for row in rows]) if args.json else print_table([names, *rows])
+    elif args.ids:
         ids = [*registration.ids()]
         print_json(ids) if args.json else print("\n".join(ids))
     elif args.json:
@@ -28,6 +37,18 @@ def _list(args: argparse.Namespace) -> int:
     else:
         print_table([("game", "title", "actions", "modes", "difficulties"), *map(_row, games.values())])
     return 0
+
+
+def _multiplayer_rows(players: int) -> Iterator[tuple[str, str, int, int]]:
+    """The environments of PettingZoo's that a number of players can play, then the other games."""
+    named = {environment.game for environment in ENVIRONMENTS.values()}
+    for environment in ENVIRONMENTS.values():
+        rules = games[environment.game].multiplayer
+        if rules and players in environment.players:
+            yield environment.id, environment.game, players, len(rules.minimal_actions)
+    for game in games.values():
+        if game.multiplayer and game.id not in named and players in game.multiplayer.modes:
+            yield game.id, game.id, players, len(game.multiplayer.minimal_actions)
 
 
 def _summary(game: Game) -> dict[str, Any]:
@@ -43,5 +64,5 @@ def _summary(game: Game) -> dict[str, Any]:
 
 def _row(game: Game) -> tuple[object, ...]:
     if not game.single_player:
-        return game.id, f"{game.title} ({game.players} players, no environment)", "-", "-", "-"
+        return game.id, f"{game.title} ({game.players} players: see --players)", "-", "-", "-"
     return game.id, game.title, len(game.minimal_actions), len(game.modes), len(game.difficulties)

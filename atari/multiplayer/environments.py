@@ -7,6 +7,7 @@ from difflib import get_close_matches
 from typing import Any
 
 from atari.games.catalog import games
+from atari.multiplayer.core import rules_of
 
 _PONG = {
     2: {"classic": 4, "two_paddles": 10, "soccer": 14, "foozpong": 19, "hockey": 27, "handball": 35, "volleyball": 39,
@@ -40,6 +41,14 @@ class Environment:
     def id(self) -> str:
         """PettingZoo's name with the version, for example "pong_v3"."""
         return f"{self.name}_v{self.version}"
+
+    @property
+    def players(self) -> tuple[int, ...]:
+        """The numbers of players that it can have."""
+        rules = rules_of(games[self.game])
+        if "num_players" in self.defaults:
+            return tuple(rules.modes)
+        return (rules.players(self.choose({})),)
 
     def choose(self, parameters: Mapping[str, Any]) -> int:
         """The mode for some of its parameters.

@@ -18,7 +18,7 @@ def test_list_has_a_line_for_each_game(capsys: pytest.CaptureFixture[str]) -> No
         "12",
         "2",
     ]
-    assert "Combat (2 players, no environment)" in next(line for line in lines if line.startswith("combat"))
+    assert "Combat (2 players: see --players)" in next(line for line in lines if line.startswith("combat"))
 
 
 def test_list_json(capsys: pytest.CaptureFixture[str]) -> None:
@@ -40,3 +40,11 @@ def test_list_ids_has_every_id_once(capsys: pytest.CaptureFixture[str]) -> None:
     assert lines == list(registration.ids())
     assert len(set(lines)) == len(lines) == 952
     assert read_json(capsys, "list", "--ids") == lines
+
+
+def test_environments_of_several_players(capsys: pytest.CaptureFixture[str]) -> None:
+    lines = read(capsys, "list", "--players", "4").splitlines()
+    assert [line.split()[0] for line in lines[1:]][-2:] == ["volleyball_pong_v3", "warlords_v3"]
+    names = [row["environment"] for row in read_json(capsys, "list", "--players", "2")]
+    assert len(names) == 24
+    assert names[-1] == "fishing_derby"
