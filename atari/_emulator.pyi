@@ -749,8 +749,13 @@ class ReplayMemory:
         `block` has `geometry.block_bytes` bytes: zeros, or those of a memory of this geometry, then call `load`.
         """
 
-    def next_frames(self, part: int) -> int:
-        """The offset in the block where a part of the next row's frames goes."""
+    def next_place(self) -> int:
+        """The place of the next row's frames, in 0 .. places-1."""
+
+    def places(self, part: int) -> tuple[int, int]:
+        """
+        Where the frames of a part begin in the block, and for how many rows there is a place.
+        """
 
     def seed(self, seed: int) -> None: ...
     def reset(

@@ -18,8 +18,8 @@ Frames::Frames(const Geometry& geometry, const Layout& layout, uint8_t* block)
 }
 
 uint8_t* Frames::row(size_t part, int64_t row) const {
-    const int64_t slot = packed_ ? row % 3 : row % slots_;
-    return block_ + layout_.frames[part] + static_cast<size_t>(slot * geometry_.lanes) * geometry_.parts[part].bytes;
+    const auto frame = static_cast<size_t>(place(row) * geometry_.lanes);
+    return block_ + layout_.frames[part] + frame * geometry_.parts[part].bytes;
 }
 
 PackedFrame Frames::pack(size_t part, int64_t row, const uint8_t* frame, const uint8_t* before) {

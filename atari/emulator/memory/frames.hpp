@@ -27,6 +27,9 @@ class Frames {
     }
     // The same as an offset into the block.
     size_t row_offset(size_t part, int64_t row) const { return static_cast<size_t>(this->row(part, row) - block_); }
+    // Rows that have a place, and the place of one, which is the same in all parts.
+    int64_t places() const { return packed_ ? 3 : slots_; }
+    int64_t place(int64_t row) const { return row % places(); }
     // Stores a row for good: its frames are complete.
     void store(int64_t row);
     // Stores the frame that follows the one of (row, lane), where `row` is the next one to store or the last stored.

@@ -63,8 +63,11 @@ class ReplayMemory {
     const State& state() const { return state_; }
     void seed(uint64_t seed) { state_.generator.seed(seed); }
 
-    // The offset in the block where the next row's frames go, lane by lane. Nothing reads them before `add`.
-    size_t next_frames(size_t part) const { return frames_.row_offset(part, state_.started ? state_.head + 1 : 0); }
+    // Where the frames of a part begin in the block, and for how many rows there is a place, lane by lane.
+    size_t frames_offset(size_t part) const { return layout_.frames[part]; }
+    int64_t places() const { return frames_.places(); }
+    // The place where the next row's frames go. Nothing reads them before `add`.
+    int64_t next_place() const { return frames_.place(state_.started ? state_.head + 1 : 0); }
     // Begins new episodes in all lanes, with the next row's frames. Steps that have not ended are cut.
     void reset();
     // Begins new episodes in some lanes, whose frames replace those of the pending row.

@@ -3,6 +3,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -304,12 +305,15 @@ void register_memory(nb::module_& m) {
              }, "geometry"_a, "block"_a,
              nb::sig("def __init__(self, geometry: ReplayGeometry, block: " ARRAY("uint8") ") -> None"),
              "`block` has `geometry.block_bytes` bytes: zeros, or those of a memory of this geometry, then call `load`.")
-        .def("next_frames", [](BoundMemory& bound, size_t part) {
+        .def("next_place", [](BoundMemory& bound) {
+                 return bound.use_briefly([](memory::ReplayMemory& memory) { return memory.next_place(); });
+             }, "The place of the next row's frames, in 0 .. places-1.")
+        .def("places", [](BoundMemory& bound, size_t part) {
                  return bound.use_briefly([&](memory::ReplayMemory& memory) {
                      if (part >= memory.geometry().parts.size()) throw nb::index_error("there is no such part");
-                     return memory.next_frames(part);
+                     return std::pair(memory.frames_offset(part), memory.places());
                  });
-             }, "part"_a, "The offset in the block where a part of the next row's frames goes.")
+             }, "part"_a, "Where the frames of a part begin in the block, and for how many rows there is a place.")
         .def("seed", [](BoundMemory& bound, uint64_t seed) {
                  bound.use_briefly([&](memory::ReplayMemory& memory) { memory.seed(seed); });
              }, "seed"_a)

@@ -14,6 +14,14 @@
 namespace atari {
 namespace {
 
+// Begins to load what an observation will be written to, which may be far from the cache if it is the user's.
+void prefetch([[maybe_unused]] const uint8_t* to, [[maybe_unused]] size_t size) {
+#if defined(__GNUC__)
+    constexpr size_t kMost = size_t{1} << 15, kLine = 64;
+    for (size_t i = 0; i < std::min(size, kMost); i += kLine) __builtin_prefetch(to + i, 1, 2);
+#endif
+}
+
 long process_number() {
 #if defined(_WIN32)
     return _getpid();
@@ -106,6 +114,10 @@ void VectorEngine::apply_restore(Slot& slot) {
 
 void VectorEngine::run_task(int environment) {
     apply_restore(slot(environment));
+    if (!queued() && batch_->observation.pixels) {
+        const size_t size = episode(environment).observation().size();
+        prefetch(batch_->observation.pixels + size * static_cast<size_t>(environment), size);
+    }
     play(slot(environment), environment);
     if (!queued()) write_results(slot(environment), environment, environment, *batch_);
 }

@@ -18,7 +18,6 @@ from atari.learning.memory.final_frames import final_observations
 from atari.learning.memory.options import MemoryOptions, Part, as_numpy, check_mode
 from atari.validation import check_integer
 
-_UINT8, _ndarray = np.dtype(np.uint8), np.ndarray  # found once: they are used at every step
 _SEQUENCE_MOST = 2**20
 
 
@@ -123,7 +122,7 @@ class ReplayMemory:
     def _begin(
         self, options: MemoryOptions, threads: int, file: storage.BlockFile | None, block: storage.Block
     ) -> None:
-        self._options, self._threads, self._file, self._block = options, threads, file, block
+        self._options, self._threads, self._file = options, threads, file
         self._parts: tuple[Part, ...] = options.parts
         self._named = [part.name for part in self._parts] != [""]
         self._lanes = options.num_envs
@@ -133,7 +132,14 @@ class ReplayMemory:
         self._started = False  # as far as `add` has seen
         self._mode = check_mode(options.autoreset_mode)
         self._frame_shapes = [(self._lanes, *part.shape) for part in self._parts]
-        self._closed_core: _emulator.ReplayMemory | None = _emulator.ReplayMemory(options.geometry(), block)
+        self._use(_emulator.ReplayMemory(options.geometry(), block), block)
+
+    def _use(self, core: _emulator.ReplayMemory, block: storage.Block) -> None:
+        self._closed_core: _emulator.ReplayMemory | None = core
+        self._block, self._rings = block, {}
+        for index, (part, shape) in enumerate(zip(self._parts, self._frame_shapes, strict=True)):
+            offset, places = core.places(index)
+            self._rings[part.name] = np.ndarray((places, *shape), np.uint8, block, offset)
 
     @classmethod
     def for_env(cls, envs: Any, capacity: int, **options: Any) -> "ReplayMemory":
@@ -188,13 +194,10 @@ class ReplayMemory:
         uint8 (num_envs, *observation_shape), or a dict of such arrays. It is memory of the ring: `add` completes it,
         and returns to it after `capacity` steps. Take it anew for every step.
         """
+        place = self._core.next_place()
         if not self._named:
-            return _ndarray(self._frame_shapes[0], _UINT8, self._block, self._core.next_frames(0))
-        arrays = [
-            np.ndarray(shape, _UINT8, self._block, self._core.next_frames(part))
-            for part, shape in enumerate(self._frame_shapes)
-        ]
-        return {part.name: array for part, array in zip(self._parts, arrays, strict=True)}
+            return self._rings[""][place]
+        return {name: ring[place] for name, ring in self._rings.items()}
 
     def reset(self, observations: Any, mask: Any = None) -> None:
         """Begin new episodes with the observations that a reset returned. Steps that had not ended are truncated.
@@ -526,7 +529,7 @@ class ReplayMemory:
             core = _emulator.ReplayMemory(options.geometry(), block)
             core.load(True)
         if self._file is None:
-            self._block, self._closed_core = block, core
+            self._use(core, block)
         else:
             self._block[:] = block
             self._core.load(True)
