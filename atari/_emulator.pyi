@@ -823,5 +823,6 @@ class ReplayTarget:
         mask: numpy.typing.NDArray[numpy.bool] | None,
     ) -> None:
         """
-        For sequences `length` is theirs, and they have a mask; for transitions it is 0.
+        For sequences `length` is theirs, and they have a mask; for transitions it is 0. Transitions of one step may
+        have no `next_observations`; then each observation has one more frame, the newest of the next one.
         """

@@ -77,23 +77,29 @@ def timed(sample: Callable[[], Any]) -> Run:
     return run
 
 
-def ours(**options: Any) -> Callable[[str], Run]:
+def ours(share: bool = False, **options: Any) -> Callable[[str], Run]:
     """Uniform sampling from `ReplayMemory`."""
 
     def prepare(game: str) -> Run:
         memory = filled_memory(game, **options)
-        batch = memory.make_batch(BATCH)
+        batch = memory.make_batch(BATCH, share=share)
         return timed(lambda: memory.sample(BATCH, out=batch))
 
     return prepare
 
 
-def ours_by_priority(options: dict[str, Any]) -> Callable[[str], Run]:
+def ours_new(game: str) -> Run:
+    """Uniform sampling from `ReplayMemory` without `out`."""
+    memory = filled_memory(game)
+    return timed(lambda: memory.sample(BATCH))
+
+
+def ours_by_priority(share: bool = False, **options: Any) -> Callable[[str], Run]:
     """Sampling by priority from `ReplayMemory`, with an update."""
 
     def prepare(game: str) -> Run:
         memory = filled_memory(game, priority_exponent=ALPHA, **options)
-        batch, errors = memory.make_batch(BATCH), np.random.default_rng(0).random(BATCH)
+        batch, errors = memory.make_batch(BATCH, share=share), np.random.default_rng(0).random(BATCH)
 
         def sample() -> None:
             memory.sample(BATCH, beta=BETA, out=batch)
@@ -317,7 +323,10 @@ def contestants() -> Iterator[tuple[str, float, list[tuple[str, Callable[[str], 
         1.0,
         [
             ("ReplayMemory", ours()),
+            ("shared frames", ours(share=True)),
+            ("without out", ours_new),
             ("compressed", ours(compress=True)),
+            ("compressed, shared", ours(share=True, compress=True)),
             *present(
                 ("Dopamine", "etils", dopamine_buffer(False)),
                 ("TorchRL", "torchrl", torchrl_buffer(False)),
@@ -331,8 +340,10 @@ def contestants() -> Iterator[tuple[str, float, list[tuple[str, Callable[[str], 
         "a transition, drawn by priority, with an update",
         1.0,
         [
-            ("ReplayMemory", ours_by_priority({})),
-            ("compressed", ours_by_priority({"compress": True})),
+            ("ReplayMemory", ours_by_priority()),
+            ("shared frames", ours_by_priority(share=True)),
+            ("compressed", ours_by_priority(compress=True)),
+            ("compressed, shared", ours_by_priority(share=True, compress=True)),
             *present(
                 ("Dopamine", "etils", dopamine_buffer(True)),
                 *([("TorchRL", "torchrl", torchrl_buffer(True))] if torchrl_has_trees() else []),

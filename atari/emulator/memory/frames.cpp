@@ -7,6 +7,21 @@
 #include "codec.hpp"
 
 namespace atari::memory {
+namespace {
+
+// Copies a frame, and loads another one line by line meanwhile, unless it is null.
+void copy(uint8_t* to, const uint8_t* from, size_t bytes, [[maybe_unused]] const uint8_t* ahead) {
+#if defined(__GNUC__)
+    constexpr size_t kLine = 64;
+    for (; ahead && bytes >= kLine; to += kLine, from += kLine, ahead += kLine, bytes -= kLine) {
+        __builtin_prefetch(ahead, 0, 2);
+        std::memcpy(to, from, kLine);
+    }
+#endif
+    std::memcpy(to, from, bytes);
+}
+
+}  // namespace
 
 Frames::Frames(const Geometry& geometry, const Layout& layout, uint8_t* block)
     : geometry_(geometry), layout_(layout), block_(block), slots_(geometry.slots()) {
@@ -128,10 +143,11 @@ const std::vector<uint8_t>& Frames::Reader::decode(size_t part, int64_t row, int
     return decoded.frame;
 }
 
-void Frames::Reader::read(size_t part, int64_t row, int64_t lane, int64_t head, uint8_t* to) {
+void Frames::Reader::read(size_t part, int64_t row, int64_t lane, int64_t head, uint8_t* to,
+                          const uint8_t* ahead) {
     const size_t bytes = frames_.geometry_.parts[part].bytes;
     if (frames_.packed_ && row < head) std::memcpy(to, decode(part, row, lane).data(), bytes);
-    else std::memcpy(to, frames_.row(part, row) + static_cast<size_t>(lane) * bytes, bytes);
+    else copy(to, frames_.row(part, row) + static_cast<size_t>(lane) * bytes, bytes, ahead);
 }
 
 void Frames::Reader::read_final(size_t part, int64_t entry, int64_t row, int64_t lane, int64_t head, uint8_t* to) {

@@ -17,14 +17,6 @@ class Frames {
 
     // The frames of a row, lane by lane: if compressed, only of the last row that was stored and of the two after it.
     uint8_t* row(size_t part, int64_t row) const;
-    // Begins to load a frame that is not compressed.
-    void prefetch(size_t part, int64_t row, int64_t lane) const {
-#if defined(__GNUC__)
-        const uint8_t* const frame = this->row(part, row) + static_cast<size_t>(lane) * geometry_.parts[part].bytes;
-        const size_t bytes = std::min<size_t>(geometry_.parts[part].bytes, 1 << 15);
-        for (size_t i = 0; i < bytes; i += 64) __builtin_prefetch(frame + i, 0, 2);
-#endif
-    }
     // The same as an offset into the block.
     size_t row_offset(size_t part, int64_t row) const { return static_cast<size_t>(this->row(part, row) - block_); }
     // Rows that have a place, and the place of one, which is the same in all parts.
@@ -47,8 +39,8 @@ class Frames {
     class Reader {
       public:
         explicit Reader(const Frames& frames);
-        // `head` is the pending row, which is plain.
-        void read(size_t part, int64_t row, int64_t lane, int64_t head, uint8_t* to);
+        // `head` is the pending row, which is plain. `ahead` is null, or a plain frame that will be read soon.
+        void read(size_t part, int64_t row, int64_t lane, int64_t head, uint8_t* to, const uint8_t* ahead = nullptr);
         void read_final(size_t part, int64_t entry, int64_t row, int64_t lane, int64_t head, uint8_t* to);
 
       private:

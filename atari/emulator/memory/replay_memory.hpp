@@ -40,6 +40,7 @@ struct Choice {
 };
 
 // Where a batch goes. Sequences have no `next`, `discounts` and `weights`; the arrays of transitions no `mask`.
+// Transitions of one step may have no `next` either: then each observation has one more frame, the next one's newest.
 struct Target {
     std::vector<uint8_t*> observations, next;  // by part
     uint8_t* actions;
@@ -120,7 +121,6 @@ class ReplayMemory {
     std::vector<int64_t> draw_by_priority(const Choice& choice, const Span& span, float* weights);
     int64_t index(int64_t cell) const;
     void prefetch_step(int64_t index) const;
-    void prefetch(int64_t index, const Choice& choice) const;
     void check_choice(const Choice& choice) const;
 
     // saving.cpp

@@ -52,7 +52,7 @@ class ReplayMemory::Writer {
             for (int64_t row = first; row <= source.row; ++row, next += bytes) {
                 if (older && row <= older_row && row > older_row - frames)
                     std::memcpy(next, older + static_cast<size_t>(frames - 1 - (older_row - row)) * bytes, bytes);
-                else reader_.read(part, row, lane, head, next);
+                else reader_.read(part, row, lane, head, next, ahead(part, row));
             }
         }
         if (source.final >= 0) reader_.read_final(part, source.final, source.row, lane, head, next);
@@ -64,7 +64,21 @@ class ReplayMemory::Writer {
         }
     }
 
+    // The frames of the step `next` are loaded while those of the step `now` are read.
+    void look_ahead(int64_t now, int64_t next) {
+        const int64_t lanes = memory_.geometry_.lanes;
+        ahead_rows_ = next / lanes - now / lanes;
+        ahead_lane_ = next % lanes;
+    }
+    void look_ahead_no_more() { ahead_lane_ = -1; }
+
   private:
+    const uint8_t* ahead(size_t part, int64_t row) const {
+        if (ahead_lane_ < 0 || memory_.frames_.packed()) return nullptr;
+        return memory_.lane_frames(part, std::max<int64_t>(0, row + ahead_rows_), ahead_lane_);
+    }
+
+    int64_t ahead_rows_ = 0, ahead_lane_ = -1;
     const ReplayMemory& memory_;
     Frames::Reader reader_;
 };
@@ -254,22 +268,17 @@ void ReplayMemory::prefetch_step([[maybe_unused]] int64_t index) const {
 #endif
 }
 
-void ReplayMemory::prefetch(int64_t index, const Choice& choice) const {
-    const int64_t row = index / geometry_.lanes, lane = index % geometry_.lanes;
-    if (frames_.packed()) return;
-    for (size_t part = 0; part < geometry_.parts.size(); ++part)
-        for (int64_t i = std::max<int64_t>(0, row - choice.stacks[part] + 1); i <= row + 1; ++i)
-            frames_.prefetch(part, i, lane);
-}
-
 void ReplayMemory::sample(const Choice& choice, const Target& target) {
+    if (target.next.empty() && choice.reach != 1)
+        throw std::invalid_argument("a batch of shared frames is for n=1, not " + std::to_string(choice.reach));
     const std::vector<int64_t> indices = draw(choice, target.weights);
     share(choice.count, choice.threads, [&] { return Writer(*this); }, [&](Writer& writer, int64_t at) {
         const auto i = static_cast<size_t>(at);
         const int64_t row = indices[i] / geometry_.lanes, lane = indices[i] % geometry_.lanes;
         constexpr size_t kAhead = 6;
         if (i + kAhead < indices.size()) prefetch_step(indices[i + kAhead]);
-        if (i + 1 < indices.size()) prefetch(indices[i + 1], choice);
+        if (i + 1 < indices.size()) writer.look_ahead(indices[i], indices[i + 1]);
+        else writer.look_ahead_no_more();
         const Transition transition = walk(row, lane, choice.reach, choice.discount);
         target.indices[i] = indices[i];
         std::memcpy(target.actions + i * geometry_.action_bytes,
@@ -281,10 +290,11 @@ void ReplayMemory::sample(const Choice& choice, const Target& target) {
         const Source next = source(row, lane, transition.steps);
         for (size_t part = 0; part < geometry_.parts.size(); ++part) {
             const int frames = choice.stacks[part];
-            const size_t size = geometry_.parts[part].bytes * static_cast<size_t>(frames);
-            uint8_t* const observation = target.observations[part] + i * size;
+            const size_t bytes = geometry_.parts[part].bytes, size = bytes * static_cast<size_t>(frames);
+            uint8_t* const observation = target.observations[part] + i * (size + (target.next.empty() ? bytes : 0));
             writer.write(part, lane, {row, -1}, frames, observation);
-            writer.write(part, lane, next, frames, target.next[part] + i * size, observation, row);
+            if (target.next.empty()) writer.write(part, lane, next, 1, observation + size);
+            else writer.write(part, lane, next, frames, target.next[part] + i * size, observation, row);
         }
     });
 }

@@ -124,7 +124,9 @@ struct BoundTarget {
         for (const memory::Part& part : geometry.parts) frame_bytes.push_back(part.bytes);
         if (count < 1 || count > (1 << 24) || length < 0 || length > (1 << 24))
             throw nb::value_error("batch_size and length must be within 1..16777216");
-        if (observations.size() != parts || next.size() != (length ? 0 : parts) || this->stacks.size() != parts)
+        const bool has_next = !next.empty();
+        if (observations.size() != parts || (has_next && (length || next.size() != parts)) ||
+            this->stacks.size() != parts)
             throw nb::value_error("there must be an array and a number of frames for each part");
         const auto rows = static_cast<size_t>(count), steps = rows * static_cast<size_t>(length ? length : 1);
         const size_t shown = length ? rows * static_cast<size_t>(length + 1) : rows;
@@ -133,10 +135,10 @@ struct BoundTarget {
             if (stack < 1 || stack > geometry.parts[part].stack)
                 throw nb::value_error(("stack_num must be within 1.." + std::to_string(geometry.parts[part].stack) +
                                        ", that of the memory").c_str());
-            const size_t size = geometry.parts[part].bytes * static_cast<size_t>(stack);
-            target.observations.push_back(
-                arrays.writable<uint8_t>(observations[part], shown * size, "observations"));
-            if (!length) target.next.push_back(arrays.writable<uint8_t>(next[part], shown * size, "next_observations"));
+            const auto frames = static_cast<size_t>(stack + (length || has_next ? 0 : 1));
+            const size_t size = shown * frames * geometry.parts[part].bytes;
+            target.observations.push_back(arrays.writable<uint8_t>(observations[part], size, "observations"));
+            if (has_next) target.next.push_back(arrays.writable<uint8_t>(next[part], size, "next_observations"));
         }
         target.actions = arrays.writable<uint8_t>(actions, steps * geometry.action_bytes, "actions");
         target.rewards = arrays.writable<float>(rewards, steps, "rewards");
@@ -362,7 +364,8 @@ void register_memory(nb::module_& m) {
                      "], actions: " ARRAY("uint8") ", rewards: " ARRAY("float32") ", terminations: " ARRAY("bool")
                      ", truncations: " ARRAY("bool") ", indices: " ARRAY("int64") ", discounts: " ARRAY("float32")
                      " | None, weights: " ARRAY("float32") " | None, mask: " ARRAY("bool") " | None) -> None"),
-             "For sequences `length` is theirs, and they have a mask; for transitions it is 0.");
+             "For sequences `length` is theirs, and they have a mask; for transitions it is 0. Transitions of one step may\n"
+             "have no `next_observations`; then each observation has one more frame, the newest of the next one.");
 }
 
 }  // namespace atari

@@ -1,7 +1,7 @@
 """What a `ReplayMemory` samples: `Batch` of transitions, `Sequences` of steps. Their arrays can be used again."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, cast
 
@@ -11,6 +11,8 @@ import numpy as np
 from atari import _emulator
 from atari.learning.memory.options import MemoryOptions, as_numpy, check_stack
 from atari.validation import check_integer
+
+Array = Callable[[tuple[int, ...], Any], Any]
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +29,8 @@ class Batch:
         terminations, truncations: bool (batch,), how the last step ended. A reset before the end is a truncation.
         indices: int64 (batch,), the numbers of the steps, for `update_priorities`. A number is never used again.
         weights: float32 (batch,), importance weights, divided by their maximum; 1 if sampling was uniform.
+        frames: uint8 (batch, stack_num + 1, ...), or a dict of these, if `make_batch` was called with `share=True`:
+            the one array of which `observations` and `next_observations` are views. None if they are two.
     """
 
     observations: Any
@@ -38,6 +42,7 @@ class Batch:
     truncations: Any
     indices: Any
     weights: Any
+    frames: Any = None
     _target: list[Any] = field(default_factory=list, repr=False)
 
 
@@ -65,25 +70,30 @@ class Sequences:
 
 
 def make_batch(
-    options: MemoryOptions, size: int, length: int, stacks: dict[str, int], torch: bool, pin_memory: bool
+    options: MemoryOptions,
+    size: int,
+    length: int,
+    stacks: dict[str, int],
+    array: Array = np.empty,
+    share: bool = False,
 ) -> Batch | Sequences:
-    """Arrays for so many transitions; with a length other than 0, for sequences.
-
-    Raises:
-        gymnasium.error.DependencyNotInstalled: `torch` is true, and PyTorch is not installed.
-    """
+    """Arrays for so many transitions; with a length other than 0, for sequences. `array` makes each."""
     steps = (size, length) if length else (size,)
     shown = (size, length + 1) if length else (size,)
 
-    def array(shape: tuple[int, ...], dtype: Any) -> Any:
-        return _empty(shape, np.dtype(dtype), torch, pin_memory)
-
-    def observations() -> Any:
-        parts = {part.name: array((*shown, *part.stacked(stacks[part.name])), np.uint8) for part in options.parts}
+    def unnamed(parts: dict[str, Any]) -> Any:
         return parts[""] if list(parts) == [""] else parts
 
+    def observations() -> Any:
+        return unnamed(
+            {part.name: array((*shown, *part.stacked(stacks[part.name])), np.uint8) for part in options.parts}
+        )
+
+    both = {part.name: array((size, *part.shared(stacks[part.name])), np.uint8) for part in options.parts if share}
+    first = {name: frames[:, 0] if stacks[name] == 1 else frames[:, :-1] for name, frames in both.items()}
+    second = {name: frames[:, 1] if stacks[name] == 1 else frames[:, 1:] for name, frames in both.items()}
     common = {
-        "observations": observations(),
+        "observations": unnamed(first) if share else observations(),
         "actions": array((*steps, *options.action_shape), options.action_dtype),
         "rewards": array(steps, np.float32),
         "terminations": array(steps, np.bool_),
@@ -93,18 +103,29 @@ def make_batch(
     if length:
         return Sequences(**common, mask=array(steps, np.bool_))
     floats = {name: array((size,), np.float32) for name in ("discounts", "weights")}
-    return Batch(**common, next_observations=observations(), **floats)
+    if not share:
+        return Batch(**common, next_observations=observations(), **floats)
+    return Batch(**common, next_observations=unnamed(second), frames=unnamed(both), **floats)
 
 
-def _empty(shape: tuple[int, ...], dtype: np.dtype[Any], torch: bool, pin_memory: bool) -> Any:
+def array_maker(torch: bool, pin_memory: bool) -> Array:
+    """A function that makes arrays, or tensors, of a shape and a dtype.
+
+    Raises:
+        gymnasium.error.DependencyNotInstalled: `torch` is true, and PyTorch is not installed.
+    """
     if not torch:
-        return np.empty(shape, dtype)
+        return np.empty
     try:
         import torch as library
     except ImportError:
         raise gymnasium.error.DependencyNotInstalled("batches of tensors need PyTorch: pip install torch") from None
-    kind = library.from_numpy(np.empty(0, dtype)).dtype
-    return library.empty(shape, dtype=kind, pin_memory=pin_memory and library.cuda.is_available())
+
+    def array(shape: tuple[int, ...], dtype: Any) -> Any:
+        kind = library.from_numpy(np.empty(0, dtype)).dtype
+        return library.empty(shape, dtype=kind, pin_memory=pin_memory and library.cuda.is_available())
+
+    return array
 
 
 def target_of(
@@ -122,9 +143,12 @@ def target_of(
         return cast(_emulator.ReplayTarget, batch._target[1])
     steps = (size, length) if length else (size,)
     shown = (size, length + 1) if length else (size,)
-    observations, stacks = _parts("observations", batch.observations, options, shown)
     following: list[Any] = []
-    if isinstance(batch, Batch):
+    if isinstance(batch, Batch) and batch.frames is not None:
+        observations, stacks = _parts("frames", batch.frames, options, shown, shared=True)
+    else:
+        observations, stacks = _parts("observations", batch.observations, options, shown)
+    if isinstance(batch, Batch) and batch.frames is None:
         following, of_next = _parts("next_observations", batch.next_observations, options, shown)
         if of_next != stacks:
             raise ValueError("observations and next_observations must have equally many frames")
@@ -149,7 +173,9 @@ def target_of(
     return target
 
 
-def _parts(name: str, arrays: Any, options: MemoryOptions, shown: tuple[int, ...]) -> tuple[list[Any], list[int]]:
+def _parts(
+    name: str, arrays: Any, options: MemoryOptions, shown: tuple[int, ...], shared: bool = False
+) -> tuple[list[Any], list[int]]:
     """The arrays of observations by part, and the number of frames in each."""
     named = list(options.observation_shape) != [""]
     parts = arrays if named else {"": arrays}
@@ -158,8 +184,9 @@ def _parts(name: str, arrays: Any, options: MemoryOptions, shown: tuple[int, ...
     result, stacks = [], []
     for part in options.parts:
         array = as_numpy(name, parts[part.name])
-        stack = max(1, math.prod(array.shape[len(shown) :]) // part.size)
-        result.append(_checked(name, array, (*shown, *part.stacked(check_stack(part, stack))), np.uint8))
+        stack = check_stack(part, max(1, math.prod(array.shape[len(shown) :]) // part.size - shared))
+        shape = part.shared(stack) if shared else part.stacked(stack)
+        result.append(_checked(name, array, (*shown, *shape), np.uint8))
         stacks.append(stack)
     return result, stacks
 

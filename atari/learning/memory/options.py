@@ -52,6 +52,10 @@ class Part:
         """The shape of an observation of so many frames, the oldest first."""
         return self.shape if stack == 1 else (stack, *self.frame)
 
+    def shared(self, stack: int) -> Shape:
+        """The shape of two observations of so many frames, the second a step later, that share their frames."""
+        return (2, *self.shape) if stack == 1 else (stack + 1, *self.frame)
+
 
 @dataclass(frozen=True)
 class MemoryOptions:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from memory_streams import Stream, everything, same
+from memory_streams import Stream, everything, row_of, same
 from naive_memory import NaiveMemory
 
 from atari.learning import ReplayMemory
@@ -85,6 +85,17 @@ def compare(memory: ReplayMemory, naive: NaiveMemory, n: int, stack: int) -> Non
     assert sorted(found) == [row["indices"] for row in wanted]
     for row in wanted:
         same(found[row["indices"]], row)
+    if n == 1:
+        compare_shared(memory, {row["indices"]: row for row in wanted}, stack)
+
+
+def compare_shared(memory: ReplayMemory, wanted: dict[int, dict], stack: int) -> None:
+    batch = memory.make_batch(64, stack_num=stack, share=True)
+    assert memory.sample(64, n=1, gamma=0.9, out=batch) is batch
+    assert np.shares_memory(batch.frames, batch.observations)
+    assert np.shares_memory(batch.frames, batch.next_observations)
+    for i, index in enumerate(batch.indices):
+        same(row_of(batch, i), wanted[int(index)])
 
 
 @settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
