@@ -9,7 +9,7 @@ from typing import Any
 import numpy
 import numpy.typing
 
-END: int = 39
+END: int = 40
 
 class Game:
     """
@@ -73,6 +73,35 @@ class State:
     def getCurrentMode(self) -> int: ...
     def getDifficulty(self) -> int: ...
 
+class Write:
+    """A write to RAM, compiled. Immutable; emulators share it."""
+
+    @property
+    def label_values(self) -> list[int]:
+        """
+        The value of the label for each byte; empty if it depends on other bytes, or there is no label.
+        """
+
+MOST_WRITES: int = 64
+
+def make_write(
+    *,
+    index: int,
+    mask: int,
+    every_frame: bool,
+    at_reset: bool,
+    frames: Sequence[int],
+    once: bool,
+    paid: bool,
+    remembers: bool,
+    condition: Sequence[int],
+    value: Sequence[int],
+    label: Sequence[int],
+) -> Write:
+    """
+    Check and assemble a write; raises ValueError if a program is not sound.
+    """
+
 class Emulator:
     """
     A running game. The lock of the interpreter is released while it emulates.
@@ -91,6 +120,7 @@ class Emulator:
         plain: bool = False,
         one_generator: bool = False,
         second_player_starts: bool = False,
+        player_probabilities: Sequence[float] = [],
     ) -> None:
         """
         `plain`: by the plain interpreter and TIA, which are slower and give the same.
@@ -99,7 +129,7 @@ class Emulator:
     def seed(self, seed: int) -> None: ...
     def reset(self) -> None: ...
     def act(self, action: int, strength: float = 1.0) -> int: ...
-    def act_players(self, actions: Sequence) -> list[int]:
+    def act_players(self, actions: Sequence[int]) -> list[int]:
         """Hold an action of each of the first players; a reward for each."""
 
     @property
@@ -126,6 +156,18 @@ class Emulator:
         self, out: numpy.typing.NDArray[numpy.uint8] | None = None
     ) -> numpy.typing.NDArray[numpy.uint8]: ...
     def set_ram(self, index: int, value: int) -> None: ...
+    def redraw(self, out: numpy.typing.NDArray[numpy.uint8] | None = None) -> numpy.typing.NDArray[numpy.uint8]: ...
+    def add_write(self, write: Write, now: bool = False) -> None:
+        """
+        Apply a write at each frame from here on, and with `now` at once; ValueError if there are MOST_WRITES.
+        """
+
+    def remove_write(self, write: Write) -> None:
+        """End a write; does nothing if there is no such."""
+
+    def copy_writes(self, other: Emulator) -> None:
+        """Have the writes of another core of this game."""
+
     def save(self) -> bytes:
         """The whole state as bytes, of the layout of this build."""
 
@@ -363,7 +405,8 @@ def resize_area(
 class EpisodeKind(enum.Enum):
     """
     In which order no-ops, FIRE, lost lives and the frame skip are applied: as in ale-py's AtariVectorEnv,
-    as by wrappers of single frames inside of the frame skip, or as in OpenAI's Baselines.
+    as by wrappers of single frames inside of the frame skip, or as in OpenAI's Baselines; or a game
+    of several players.
     """
 
     ALE = 0
@@ -371,6 +414,8 @@ class EpisodeKind(enum.Enum):
     FRAMES = 1
 
     BASELINES = 2
+
+    MULTIPLAYER = 3
 
 class FirePress(enum.Enum):
     """When FIRE is pressed at the start of an episode."""
@@ -429,6 +474,10 @@ class EpisodeSettings:
     def kind(self) -> EpisodeKind: ...
     @kind.setter
     def kind(self, arg: EpisodeKind, /) -> None: ...
+    @property
+    def players(self) -> int: ...
+    @players.setter
+    def players(self, arg: int, /) -> None: ...
     @property
     def repeat_action_probability(self) -> float: ...
     @repeat_action_probability.setter
@@ -579,6 +628,17 @@ class MemberSpec:
     @gray_of_pairs.setter
     def gray_of_pairs(self, table: GrayOfPairs | None) -> None: ...
 
+class RamOf(enum.Enum):
+    """
+    The RAM now, that of the last result, or of that the one before a reset in the last step.
+    """
+
+    NOW = 0
+
+    RESULT = 1
+
+    FINAL = 2
+
 class Batch:
     """
     Arrays for the results of a batch. Threads write to them between start and receive.
@@ -597,10 +657,11 @@ class Batch:
         flags: numpy.typing.NDArray[numpy.bool],
     ) -> None:
         """
-        `numbers` is int32 (10, rows): reward, environment, lives, frame and episode frame number, reward
-        before clipping, steps of the game; lives, frame and episode frame number of the final observation.
-        `games` is float64 (3, rows): score, frames and seconds of the game that ended. `flags` is bool
-        (5, rows): terminated, truncated, game over, has a final observation, a game ended.
+        `numbers` is int32: reward, reward before clipping, lives, lives of the final observation, each (rows,
+        players); environment, frame and episode frame number, steps of the game, frame and episode frame number
+        of the final observation, each (rows,). `games` is float64: score (rows, players), frames and seconds
+        (rows,) of the game that ended. `flags` is bool: terminated and truncated (rows, players); game over, has
+        a final observation, a game ended, each (rows,).
         """
 
     def aimed_at(
@@ -691,10 +752,30 @@ class VectorEngine:
 
     def load(self, environment: int, state: bytes) -> None: ...
     def screen_rgb(self, environment: int) -> numpy.typing.NDArray[numpy.uint8]: ...
+    def redraw(self, environment: int) -> numpy.typing.NDArray[numpy.uint8]: ...
     def ram(self, environment: int) -> bytes: ...
+    def copy_rams(
+        self, environments: numpy.typing.NDArray[numpy.int64], out: numpy.typing.NDArray[numpy.uint8], of: RamOf
+    ) -> None:
+        """Copy the RAM of environments to the rows of `out`."""
+
+    def evaluate_labels(
+        self,
+        labels: Labels,
+        environments: numpy.typing.NDArray[numpy.int32],
+        values: numpy.typing.NDArray[numpy.int32],
+        visible: numpy.typing.NDArray[numpy.bool],
+        of: RamOf,
+    ) -> None:
+        """As `copy_rams`, then `labels.evaluate` with the copies."""
+
     def set_ram(self, environment: int, index: int, value: int) -> None: ...
+    def add_write(self, environment: int, write: Write, now: bool = False) -> None:
+        """As Emulator.add_write."""
+
+    def remove_write(self, environment: int, write: Write) -> None: ...
     def numbers(self, environment: int) -> list[int]:
-        """Lives, frame number, episode frame number."""
+        """Frame number, episode frame number, and the lives of each player."""
 
     def mode(self, environment: int) -> int: ...
     def difficulty(self, environment: int) -> int: ...
@@ -825,4 +906,55 @@ class ReplayTarget:
         """
         For sequences `length` is theirs, and they have a mask; for transitions it is 0. Transitions of one step may
         have no `next_observations`; then each observation has one more frame, the newest of the next one.
+        """
+
+class Causes:
+    """What each byte of RAM causes; see emulator/lab/causes.hpp."""
+
+    def __init__(self, *, game: Game, values: int, frames: int, threads: int, seed: int) -> None: ...
+    def explore(self, states: list[State], actions: numpy.typing.NDArray[numpy.uint8], first: int) -> None:
+        """
+        Count what changes of each byte cause from these states, with the actions of each state's frames.
+        """
+
+    def counts(self) -> numpy.typing.NDArray[numpy.uint32]:
+        """The fields of `ByteCauses`, a row for each byte."""
+
+    def effects(self) -> numpy.typing.NDArray[numpy.int32]:
+        """The fields of `ForkEffect`, a row for each fork with an effect."""
+
+    def pixels(self) -> numpy.typing.NDArray[numpy.uint16]:
+        """
+        (128, height, 160): the number of forks of a byte that changed a pixel.
+        """
+
+    @property
+    def frames_played(self) -> int: ...
+
+class Labels:
+    """Labels of RAM bytes, compiled. Use it through atari.lab."""
+
+    def __init__(self, labels: Sequence[tuple[int, int, bool, Sequence[int], Sequence[int]]]) -> None:
+        """
+        `labels` are tuples: index 0..127, mask 0..255, whether the byte is binary-coded decimal, and the programs
+        of the value and of whether it is visible, which may be empty; variable 0 is the byte, variable 1 the result.
+        """
+
+    def __len__(self) -> int: ...
+    def evaluate(
+        self,
+        ram: numpy.typing.NDArray[numpy.uint8],
+        values: numpy.typing.NDArray[numpy.int32],
+        visible: numpy.typing.NDArray[numpy.bool],
+    ) -> None:
+        """
+        Fill `values` and `visible`, (labels, rows), from `ram`, (rows, 128). Values that are not visible are 0.
+        """
+
+    def byte_of(self, label: int, ram: numpy.typing.NDArray[numpy.uint8], value: int) -> int:
+        """The byte that gives a label this value in this RAM, or -1."""
+
+    def possible_values(self, label: int, ram: numpy.typing.NDArray[numpy.uint8]) -> list[int]:
+        """
+        The values that a write can give a label in this RAM, in ascending order.
         """

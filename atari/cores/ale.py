@@ -7,6 +7,7 @@ calls, which `restore` replays. That is exact for every game.
 
 import hashlib
 import re
+from collections.abc import Sequence
 from dataclasses import asdict
 from os import PathLike
 from typing import Any
@@ -22,6 +23,7 @@ from atari.cores.journal import Journal
 from atari.cores.options import SEED_LIMIT, CoreOptions, check_difficulty, check_mode
 from atari.games.catalog import games
 from atari.games.game import Game
+from atari.games.interventions import Intervention
 from atari.roms import find
 from atari.validation import check_action, check_integer, check_poke, check_strength
 
@@ -101,6 +103,7 @@ class AleCore:
         sound: produce samples for `audio()`.
         color_averaging: average each frame with the one before it (ALE's colour averaging, against flicker).
         rom: path of the ROM file; None searches (see `atari.roms`).
+        interventions: none; this core refuses them.
 
     Raises:
         TypeError, ValueError: an argument is wrong, or the ROM file is not of this game.
@@ -123,7 +126,10 @@ class AleCore:
         sound: bool = False,
         color_averaging: bool = False,
         rom: str | PathLike[str] | None = None,
+        interventions: Sequence[Intervention] = (),
     ) -> None:
+        if interventions:
+            raise ValueError("ale-py's core cannot write RAM within a frame; use interventions with core='native'")
         if _numbers(ale_py.__version__) < _numbers(OLDEST_ALE_PY):
             raise gymnasium.error.DependencyNotInstalled(
                 f"core='ale' needs ale-py {OLDEST_ALE_PY} or newer, and {ale_py.__version__} is installed; "
@@ -243,6 +249,14 @@ class AleCore:
     def screen_grayscale(self, out: ByteArray | None = None) -> ByteArray:
         """(height, 160) luminance."""
         return _filled(self._ale.getScreenGrayscale, self.game.screen.shape, out)
+
+    def redraw(self, out: ByteArray | None = None) -> ByteArray:
+        """Not possible: ale-py's states leave out the framebuffer, so a frame could not be taken back.
+
+        Raises:
+            NotImplementedError: always.
+        """
+        raise NotImplementedError("ale-py's core cannot take a frame back; use redraw() of core='native'")
 
     def audio(self, out: ByteArray | None = None) -> ByteArray:
         """(512,) samples of the last act."""

@@ -99,6 +99,13 @@ class Core(Protocol):
     def screen_grayscale(self, out: ByteArray | None = None) -> ByteArray:
         """(height, 160) luminance, by ALE's table."""
 
+    def redraw(self, out: ByteArray | None = None) -> ByteArray:
+        """(height, 160, 3): the present RAM, drawn by emulating a frame in a copy. The state stays what it is.
+
+        Raises:
+            NotImplementedError: the core is ale-py's, whose states are incomplete.
+        """
+
     def audio(self, out: ByteArray | None = None) -> ByteArray:
         """(512,) samples of the last `act`, unsigned around 128; all zero unless made with `sound=True`."""
 

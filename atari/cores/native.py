@@ -5,7 +5,7 @@ Bit-exact with ale-py: RAM, framebuffer, sound, reward, lives, ends, counters, a
 """
 
 import zlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from functools import lru_cache
 from os import PathLike
@@ -14,11 +14,12 @@ from typing import Any
 import numpy as np
 
 from atari import _emulator
-from atari.cores import snapshot
+from atari.cores import snapshot, writes
 from atari.cores.options import SEED_LIMIT, CoreOptions, check_difficulty, check_mode
 from atari.games.catalog import games
 from atari.games.compiler import CompiledRules, compile_rules
 from atari.games.game import Game
+from atari.games.interventions import Intervention
 from atari.roms import find
 from atari.roms import image as rom_image
 from atari.validation import check_integer, check_poke
@@ -39,6 +40,7 @@ class NativeCore(_emulator.Emulator):
     Args:
         game: id of a game ("pong"), or a `Game`. The two-player cartridges run too, without reward, lives and end.
         rom: path of the ROM file; None searches (see `atari.roms`). With a `Game` that names no hash, any image.
+        interventions: changes of the game, which its frames and resets apply (see `atari.games.interventions`).
 
     The other arguments, and the errors, are those of `AleCore`. Python's global interpreter lock is released while
     frames are played. Several threads may use a core; their calls run one at a time. A core that another thread played
@@ -61,8 +63,12 @@ class NativeCore(_emulator.Emulator):
         sound: bool = False,
         color_averaging: bool = False,
         rom: str | PathLike[str] | None = None,
+        interventions: Sequence[Intervention] = (),
     ) -> None:
         self.game: Game = games.resolve(game)
+        self.interventions = tuple(interventions)
+        """The interventions that the core was made with."""
+        made = writes.make_writes(self.game, self.interventions)
         self._options = CoreOptions.check(
             self.game,
             repeat_action_probability=repeat_action_probability,
@@ -91,6 +97,8 @@ class NativeCore(_emulator.Emulator):
             self.set_mode(self._options.mode)
         if self._options.difficulty is not None:
             self.set_difficulty(self._options.difficulty)
+        for write in made:
+            self.add_write(write)
 
     def seed(self, seed: int) -> None:
         """Start over with this seed, without loading the game again."""
@@ -122,7 +130,10 @@ class NativeCore(_emulator.Emulator):
         """This core if it makes sound, else a new one that does, in the same state."""
         if self.sound:
             return self
-        core = type(self)(self.game, rom=self._rom, **{**asdict(self._options), "sound": True})
+        core = type(self)(
+            self.game, rom=self._rom, interventions=self.interventions, **{**asdict(self._options), "sound": True}
+        )
+        core.copy_writes(self)
         core.load(self.save())
         return core
 
@@ -153,6 +164,7 @@ class NativeCore(_emulator.Emulator):
             "game": self.game.id,
             "rom": self._rom_md5,
             "state version": STATE_VERSION,
+            "interventions": writes.fact(self.interventions),
             **asdict(self._options),
         }
 

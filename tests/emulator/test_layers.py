@@ -19,7 +19,8 @@ ALLOWED = {
     "observations": FAST | {"ale"},
     "memory": set[str](),
     "vector": FAST | {"ale", "observations"},
-    "python": FAST | {"ale", "observations", "vector", "memory"},
+    "lab": FAST | {"ale", "vector"},
+    "python": FAST | {"ale", "observations", "vector", "memory", "lab"},
 }
 
 

@@ -9,6 +9,7 @@
 
 #include "averaging.hpp"
 #include "colour_conversion.hpp"
+#include "evaluate.hpp"
 
 namespace atari {
 namespace {
@@ -67,6 +68,7 @@ Environment::Environment(std::shared_ptr<const Game> game, const Settings& setti
 // Loads the ROM. The result depends on the seed only if the selection of a mode draws random words or acts. Otherwise
 // the loaded state is kept, and a later load copies it. (tests/cores/test_native.py compares both)
 void Environment::seed(uint32_t value) {
+    const WriteState before_load = state_.writes;
     if (!loaded_) {
         boot(value);
         state_ = EnvironmentState{};
@@ -74,7 +76,7 @@ void Environment::seed(uint32_t value) {
         state_.mode = game_->default_mode;
         state_.random.seed(value);
         const MersenneTwister before = state_.random;
-        reset();
+        begin_episode();
         if (std::memcmp(&before, &state_.random, sizeof before) == 0) {
             loaded_ = std::make_shared<EnvironmentSnapshot>(snapshot());
             record_reset_trace();
@@ -86,6 +88,9 @@ void Environment::seed(uint32_t value) {
     }
     state_.mode = mode_;
     state_.difficulty = difficulty_;
+    state_.writes = before_load;
+    state_.writes.seed(value);
+    begin_writes();
 }
 
 void Environment::boot(uint32_t seed) {
@@ -107,12 +112,18 @@ void Environment::boot(uint32_t seed) {
 }
 
 void Environment::reset() {
+    begin_episode();
+    begin_writes();
+}
+
+void Environment::begin_episode() {
+    active_writes_ = nullptr;
     select_budget_ = kSelectFrames;
     state_.episode_frame = 0;
     restart();
     begin_game();
     state_.variables[game_->terminal] = 0;
-    for (int player = 0; player < game_->players; ++player) state_.variables[game_->rewards[static_cast<size_t>(player)]] = 0;
+    clear_rewards();
     for (size_t i = 0; i < game_->initial.size(); ++i)
         if (!game_->kept[i]) state_.variables[i] = game_->initial[i];
     state_.variables[game_->mode_variable] = state_.mode;
@@ -120,6 +131,65 @@ void Environment::reset() {
     soft_reset();
     for (int action : game_->starting_actions) emulate(action, 1.0f, 1);
     if (settings_.second_player_starts) start_second_player();
+}
+
+// Applies the writes of a reset; rewards of a reset are discarded, also theirs.
+void Environment::begin_writes() {
+    state_.first_frame = state_.episode_frame;
+    active_writes_ = writes_.empty() ? nullptr : &writes_;
+    if (active_writes_ && writes_.apply_at_reset(*console_, state_.writes)) discard_reward();
+}
+
+// Evaluates the rules on what was written, so that the next frame does not reward it.
+void Environment::discard_reward() {
+    evaluate_step();
+    clear_rewards();
+    leave_ram_on_bus();
+}
+
+void Environment::clear_rewards() {
+    for (int variable : game_->rewards) state_.variables[variable] = 0;
+}
+
+// The number of the next frame of the episode; the first has 1. Unsigned, so that it wraps.
+int32_t Environment::next_frame() const {
+    return static_cast<int32_t>(static_cast<uint32_t>(state_.episode_frame) + 1 - static_cast<uint32_t>(state_.first_frame));
+}
+
+bool Environment::add_write(std::shared_ptr<const Write> write, bool now) {
+    const bool paid = write->paid;
+    const int slot = writes_.add(std::move(write), state_.writes);
+    active_writes_ = writes_.empty() ? nullptr : &writes_;
+    if (slot < 0) return false;
+    const bool changed = now && writes_.apply_now(slot, *console_, state_.writes, next_frame() - 1);
+    if (changed && !paid) discard_reward();
+    return true;
+}
+
+void Environment::remove_write(const Write* write) {
+    writes_.remove(write);
+    if (writes_.empty()) active_writes_ = nullptr;
+}
+
+void Environment::copy_writes(const Writes& others) {
+    writes_.copy(others);
+    active_writes_ = writes_.empty() ? nullptr : &writes_;
+}
+
+void Environment::redraw(uint8_t* out) {
+    const EnvironmentSnapshot before = snapshot();
+    console_->run_frame();
+    screen_rgb(out);
+    restore(before);
+}
+
+Environment::Generators Environment::generators() const {
+    return {state_.random, {state_.writes.random[0], state_.writes.random[1]}};
+}
+
+void Environment::set_generators(const Generators& generators) {
+    state_.random = generators.random;
+    std::copy_n(generators.writes, 2, state_.writes.random);
 }
 
 void Environment::restart() {
@@ -241,7 +311,7 @@ void Environment::act(const int* actions, int players, int* rewards) {
         for (int player = 0; player < kMaxPlayers; ++player) {
             int32_t& held = state_.held_action[player];
             if (player >= players) held = 0;
-            else if (state_.random.next() / 4294967296.0 >= settings_.repeat_action_probability) held = actions[player];
+            else if (state_.random.next() / 4294967296.0 >= settings_.probability(player)) held = actions[player];
         }
         if (game_over() || truncated()) continue;
         int32_t pressed[kMaxPlayers];
@@ -282,8 +352,27 @@ void Environment::emulate_players(const int32_t* actions) {
 
 // Runs a frame and evaluates the rules.
 void Environment::play_frame() {
+    if (active_writes_) return play_frame_with_writes();
     console_->run_frame();
     evaluate_step();
+}
+
+// The rules read RAM after the writes. If some writes are not to be rewarded, the rules also read it before these, which
+// gives the reward; all else is as the rules find it after all writes.
+void Environment::play_frame_with_writes() {
+    const int32_t frame = next_frame();
+    writes_.begin_frame(*console_, state_.writes);
+    console_->run_frame();
+    writes_.apply(*console_, state_.writes, frame, true);
+    int32_t before[kMaxVariables];
+    std::copy_n(state_.variables, kMaxVariables, before);
+    evaluate_step();
+    if (!writes_.apply(*console_, state_.writes, frame, false)) return;
+    int32_t rewards[kMaxPlayers];
+    for (size_t player = 0; player < kMaxPlayers; ++player) rewards[player] = state_.variables[game_->rewards[player]];
+    std::copy_n(before, kMaxVariables, state_.variables);
+    evaluate_step();
+    for (size_t player = 0; player < kMaxPlayers; ++player) state_.variables[game_->rewards[player]] = rewards[player];
 }
 
 void Environment::release_all() {
@@ -354,131 +443,40 @@ void Environment::spend(int frames) {
     select_budget_ -= frames;
 }
 
-void Environment::run(const Program& program) {
-    int64_t stack[kMaxStack];
-    int64_t* top = stack;  // one past the last value
-    const Instruction* const first = program.begin();
-    const auto byte = [&](int64_t address) { return int64_t{console_->read_ram(static_cast<uint8_t>(address))}; };
-    const auto xbyte = [&](int64_t address) -> int64_t {
-        return console_->cartridge_ram_size() >= 128 ? console_->cartridge_ram()[address & 0x7f] : 0;
-    };
-    const auto signed8 = [](int64_t value) { return int64_t{static_cast<int8_t>(value)}; };
-    const auto wrap = [](uint64_t value) { return static_cast<int64_t>(value); };
-    // Returns the sum of `term` over the bytes lo..hi of RAM.
-    const auto sum = [&](int64_t low, int64_t high, auto&& term) {
-        int64_t total = 0;
-        for (int64_t address = low & 0xff; address <= (high & 0xff); ++address) total += term(byte(address));
-        return total;
-    };
-    for (const Instruction* next = first;;) {
-        const auto [op, argument] = *next++;
-        const auto binary = [&](auto&& operation) {
-            --top;
-            top[-1] = operation(top[-1], top[0]);
-        };
-        switch (op) {
-            case Op::kPush: *top++ = argument; break;
-            case Op::kLoad: *top++ = state_.variables[argument]; break;
-            case Op::kStore: state_.variables[argument] = static_cast<int32_t>(*--top); break;
-            case Op::kRam: top[-1] = byte(top[-1]); break;
-            case Op::kXram: top[-1] = xbyte(top[-1]); break;
-            case Op::kAdd: binary([&](int64_t a, int64_t b) { return wrap(uint64_t(a) + uint64_t(b)); }); break;
-            case Op::kSubtract: binary([&](int64_t a, int64_t b) { return wrap(uint64_t(a) - uint64_t(b)); }); break;
-            case Op::kMultiply: binary([&](int64_t a, int64_t b) { return wrap(uint64_t(a) * uint64_t(b)); }); break;
-            case Op::kDivide: binary([](int64_t a, int64_t b) { return b > 0 ? a / b - (a % b < 0) : 0; }); break;
-            case Op::kModulo:
-                binary([](int64_t a, int64_t b) { return b > 0 ? a % b + (a % b < 0 ? b : 0) : 0; });
-                break;
-            case Op::kAnd: binary([](int64_t a, int64_t b) { return a & b; }); break;
-            case Op::kOr: binary([](int64_t a, int64_t b) { return a | b; }); break;
-            case Op::kXor: binary([](int64_t a, int64_t b) { return a ^ b; }); break;
-            case Op::kShiftLeft: binary([&](int64_t a, int64_t b) { return wrap(uint64_t(a) << (b & 31)); }); break;
-            case Op::kShiftRight: binary([](int64_t a, int64_t b) { return a >> (b & 31); }); break;
-            case Op::kEqual: binary([](int64_t a, int64_t b) -> int64_t { return a == b; }); break;
-            case Op::kNotEqual: binary([](int64_t a, int64_t b) -> int64_t { return a != b; }); break;
-            case Op::kLess: binary([](int64_t a, int64_t b) -> int64_t { return a < b; }); break;
-            case Op::kLessEqual: binary([](int64_t a, int64_t b) -> int64_t { return a <= b; }); break;
-            case Op::kGreater: binary([](int64_t a, int64_t b) -> int64_t { return a > b; }); break;
-            case Op::kGreaterEqual: binary([](int64_t a, int64_t b) -> int64_t { return a >= b; }); break;
-            case Op::kNegate: top[-1] = wrap(0 - uint64_t(top[-1])); break;
-            case Op::kInvert: top[-1] = ~top[-1]; break;
-            case Op::kNot: top[-1] = top[-1] == 0; break;
-            case Op::kJump:
-                // A jump backwards is a loop. It costs a frame and one more for every 64 instructions of its body, so
-                // that the budget ends it.
-                if (first + argument < next) spend(1 + static_cast<int>(next - first - argument) / 64);
-                next = first + argument;
-                break;
-            case Op::kJumpIfZero:
-                if (*--top == 0) next = first + argument;
-                break;
-            case Op::kJumpIfZeroElsePop:
-                if (top[-1] == 0) next = first + argument;
-                else --top;
-                break;
-            case Op::kJumpIfNotZeroElsePop:
-                if (top[-1] != 0) next = first + argument;
-                else --top;
-                break;
-            case Op::kBcd: {
-                int64_t value = 0;
-                for (int i = 0; i < argument; ++i) {  // the most significant byte is on top
-                    const int64_t digits = byte(*--top);
-                    value = 100 * value + 10 * (digits >> 4) + (digits & 15);
-                }
-                *top++ = value;
-                break;
-            }
-            case Op::kSigned8: top[-1] = signed8(top[-1]); break;
-            case Op::kCount: {
-                top -= argument;
-                const int64_t *values = top + 2, *end = top + argument;
-                const int64_t found =
-                    sum(top[0], top[1], [&](int64_t b) { return int64_t{std::find(values, end, b) != end}; });
-                *top++ = found;
-                break;
-            }
-            case Op::kSame:
-                binary([&](int64_t low, int64_t high) {
-                    return int64_t{sum(low, high, [&](int64_t b) { return int64_t{b != byte(low)}; }) == 0};
-                });
-                break;
-            case Op::kPositiveSum:
-                binary([&](int64_t low, int64_t high) {
-                    return sum(low, high, [&](int64_t b) { return std::max<int64_t>(signed8(b), 0); });
-                });
-                break;
-            case Op::kNegativeSum:
-                binary([&](int64_t low, int64_t high) {
-                    return sum(low, high, [&](int64_t b) { return std::max<int64_t>(-signed8(b), 0); });
-                });
-                break;
-            case Op::kRandom: *top++ = state_.random.next(); break;
-            case Op::kPressSelect: {
-                const int frames = static_cast<int>(std::clamp<int64_t>(*--top, 0, kSelectFrames));
-                spend(frames + 1);
-                press_select(frames);
-                break;
-            }
-            case Op::kSoftReset:
-                spend(4);
-                soft_reset();
-                break;
-            case Op::kAct:
-                spend(settings_.frame_skip);
-                if (game_->players == 1) {
-                    act(argument, 1.0f);
-                } else {
-                    const int actions[] = {argument, 0};
-                    int rewards[2];
-                    act(actions, 2, rewards);
-                }
-                break;
-            case Op::kFail: spend(-1); break;
-            case Op::kEnd: return;
+// What a rule program reads and does.
+struct Environment::RuleHost {
+    Environment& environment;
+    int32_t* variables = environment.state_.variables;
+
+    int64_t byte(int64_t address) { return environment.console_->read_ram(static_cast<uint8_t>(address)); }
+    int64_t xbyte(int64_t address) {
+        const Console& console = *environment.console_;
+        return console.cartridge_ram_size() >= 128 ? console.cartridge_ram()[address & 0x7f] : 0;
+    }
+    uint32_t random() { return environment.state_.random.next(); }
+    void spend(int frames) { environment.spend(frames); }
+    void press_select(int64_t frames) {
+        const int count = static_cast<int>(std::clamp<int64_t>(frames, 0, kSelectFrames));
+        spend(count + 1);
+        environment.press_select(count);
+    }
+    void soft_reset() {
+        spend(kResetFrames);
+        environment.soft_reset();
+    }
+    void act(int action) {
+        spend(environment.settings_.frame_skip);
+        if (environment.game_->players == 1) {
+            environment.act(action, 1.0f);
+        } else {
+            const int actions[] = {action, 0};
+            int rewards[2];
+            environment.act(actions, 2, rewards);
         }
     }
-}
+};
+
+void Environment::run(const Program& program) { evaluate(program, RuleHost{*this}); }
 
 const std::vector<uint8_t>& Environment::blended() {
     averaged_.resize(static_cast<size_t>(height()) * kScreenWidth);

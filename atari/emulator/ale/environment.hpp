@@ -12,6 +12,7 @@
 #include "palettes.hpp"
 #include "program.hpp"
 #include "machine/random.hpp"
+#include "writes.hpp"
 
 namespace atari {
 
@@ -59,6 +60,14 @@ struct Settings {
     bool one_generator = false;
     // Multi-Agent-ALE's reset centres four paddles, and player 2 makes the starting actions, too.
     bool second_player_starts = false;
+
+    // Of sticky actions of each player, where they differ.
+    std::vector<double> player_probabilities{};
+
+    double probability(int player) const {
+        const auto index = static_cast<size_t>(player);
+        return index < player_probabilities.size() ? player_probabilities[index] : repeat_action_probability;
+    }
 };
 
 // The version of the layout of `EnvironmentState` and `Machine` in memory, which is the layout of saved states.
@@ -72,6 +81,8 @@ struct EnvironmentState {
     int32_t frame, episode_frame;
     int32_t mode, difficulty;
     int32_t variables[kMaxVariables];
+    WriteState writes;
+    int32_t first_frame;  // the episode frame number after the reset
     uint8_t audio[kAudioSamples];
 };
 
@@ -140,8 +151,23 @@ class Environment {
     void set_ram(int index, int value) {
         console_->poke_ram(static_cast<uint8_t>(0x80 + index), static_cast<uint8_t>(value));
     }
-    const MersenneTwister& generator() const { return state_.random; }
-    void set_generator(const MersenneTwister& generator) { state_.random = generator; }
+
+    // Writes that every further frame applies, and with `now` also this call. They are options of an environment: a snapshot
+    // has their state, but not which there are. False if there are kMaxWrites already.
+    bool add_write(std::shared_ptr<const Write> write, bool now);
+    void remove_write(const Write* write);
+    const Writes& writes() const { return writes_; }
+    void copy_writes(const Writes& others);
+    // Draws the present RAM, as screen_rgb does, by emulating a frame. The state stays what it is.
+    void redraw(uint8_t* out);
+
+    struct Generators {
+        MersenneTwister random;
+        uint32_t writes[2];
+    };
+    Generators generators() const;
+    void set_generators(const Generators& generators);
+    const int32_t* variables() const { return state_.variables; }  // of the rules: kMaxVariables
     Console& console() { return *console_; }
     const std::shared_ptr<const Game>& game() const { return game_; }
 
@@ -166,6 +192,12 @@ class Environment {
     void emulate_frame(int action, float strength);
     void emulate_players(const int32_t* actions);
     void play_frame();
+    void play_frame_with_writes();
+    void begin_writes();
+    void discard_reward();
+    void clear_rewards();
+    int32_t next_frame() const;
+    void begin_episode();  // a reset without the writes
     void leave_ram_on_bus() { console_->read_ram(0xff); }  // the last byte of a read of all of RAM
     void press(int action, float strength);
     void hold(int player, int action, float strength);
@@ -176,6 +208,7 @@ class Environment {
     void press_select(int frames);
     void count_frame();
     void evaluate_step() { run(game_->step); }
+    struct RuleHost;
     void run(const Program& program);
     void spend(int frames);
     const std::vector<uint8_t>& blended();
@@ -187,6 +220,8 @@ class Environment {
     int mode_, difficulty_ = 0;
     std::shared_ptr<const EnvironmentSnapshot> loaded_;  // the state after a load; null if it depends on the seed
     std::shared_ptr<const ResetTrace> reset_trace_;  // may be null
+    Writes writes_;
+    Writes* active_writes_ = nullptr;  // `writes_` while there are any and an episode is played
     int select_budget_ = 0;           // frames left for the selection of a mode
     std::vector<uint8_t> averaged_;
 };

@@ -1,5 +1,6 @@
 #include "program.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -83,6 +84,13 @@ Program::Program(const std::vector<int32_t>& words, int variables, bool may_act)
         const bool goes_on = instruction.op != Op::kJump && instruction.op != Op::kEnd && instruction.op != Op::kFail;
         if (goes_on) reach(at + 1, after);
     }
+}
+
+bool Program::reads_ram() const {
+    return std::any_of(instructions_.begin(), instructions_.end(), [](const Instruction& instruction) {
+        const Op op = instruction.op;
+        return op == Op::kRam || op == Op::kXram || op == Op::kBcd || (op >= Op::kCount && op <= Op::kNegativeSum);
+    });
 }
 
 }  // namespace atari

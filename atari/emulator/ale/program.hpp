@@ -23,7 +23,8 @@ enum class Op : int32_t {
     kSigned8,
     kCount,       // how many bytes lo..hi equal one of the values; argument: the number of popped lo, hi and values
     kSame, kPositiveSum, kNegativeSum,  // over bytes lo..hi
-    kRandom,      // the environment's next word
+    kRandom,      // the next word of the generator
+    kRandomBetween,  // a number within the popped low..high
     // Only in programs that select a mode:
     kPressSelect, // for the popped number of frames
     kSoftReset,
@@ -50,6 +51,7 @@ class Program {
     Program() : Program({static_cast<int32_t>(Op::kEnd), 0}, 0, false) {}
 
     const Instruction* begin() const { return instructions_.data(); }
+    bool reads_ram() const;
 
   private:
     std::vector<Instruction> instructions_;

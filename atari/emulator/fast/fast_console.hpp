@@ -48,6 +48,9 @@ class FastConsole final : public Console {
 
     const FastCartridge& cartridge() const { return program_; }
 
+    // Returns the log of the frame that ran last, or null if that frame is rendered.
+    const FrameLog* deferred_frame() const { return history_.owed(m_.tia.current); }
+
   private:
     friend struct Interpreter;  // interpreter.cpp
     friend struct Offsets;  // offsets.hpp

@@ -106,11 +106,13 @@ double strength_factor(nb::handle strength) {
 class Emulator : Exclusive {
   public:
     Emulator(const Shared<Game>& game, double probability, int frame_skip, int max_frames, bool sound,
-             bool colour_averaging, uint32_t seed, bool plain, bool one_generator, bool second_player_starts) {
+             bool colour_averaging, uint32_t seed, bool plain, bool one_generator, bool second_player_starts,
+             const std::vector<double>& player_probabilities) {
         if (frame_skip < 1 || frame_skip > kMaxFrameSkip)
             throw std::invalid_argument("frame_skip must be within 1..10000");
         const Settings settings{probability,      frame_skip, max_frames,    sound,
-                                colour_averaging, plain,      one_generator, second_player_starts};
+                                colour_averaging, plain,      one_generator, second_player_starts,
+                                player_probabilities};
         environment_ = std::make_unique<Environment>(game.value, settings, seed);
     }
 
@@ -154,6 +156,19 @@ class Emulator : Exclusive {
     void restore_state(const State& state) {
         const bool good = locked([&](Environment& e) { return state.restore(e); });
         if (!good) throw nb::value_error("the state is of another game than this core, or of another kind of core");
+    }
+
+    void add_write(const Shared<Write>& write, bool now) {
+        if (!locked([&](Environment& e) { return e.add_write(write.value, now); })) throw nb::value_error(kTooManyWrites);
+    }
+
+    void remove_write(const Shared<Write>& write) {
+        locked([&](Environment& e) { return e.remove_write(write.value.get()), 0; });
+    }
+
+    void copy_writes(Emulator& other) {
+        const Writes writes = other.locked([](Environment& e) { return e.writes(); });
+        locked([&](Environment& e) { return e.copy_writes(writes), 0; });
     }
 
     // Returns a new array, or `out`, filled by `fill(environment, pointer)`.
@@ -230,6 +245,9 @@ void register_inspection(nb::module_& m);  // inspect.cpp
 void register_state(nb::module_& m);       // state.cpp
 void register_vector(nb::module_& m);      // binding_vector.cpp
 void register_memory(nb::module_& m);      // binding_memory.cpp
+void register_causes(nb::module_& m);      // binding_causes.cpp
+void register_labels(nb::module_& m);      // binding_labels.cpp
+void register_writes(nb::module_& m);      // binding_writes.cpp
 
 }  // namespace atari
 
@@ -261,6 +279,7 @@ NB_MODULE(_emulator, m) {
           "Check and assemble a game; raises ValueError if the image or a rule program is not sound.");
 
     register_state(m);
+    register_writes(m);
 
     const auto array = [](auto method, bool colour) {
         return [method, colour](Emulator& emulator, nb::object out) {
@@ -277,9 +296,12 @@ NB_MODULE(_emulator, m) {
     };
 
     nb::class_<Emulator>(m, "Emulator", "A running game. The lock of the interpreter is released while it emulates.")
-        .def(nb::init<const Shared<Game>&, double, int, int, bool, bool, uint32_t, bool, bool, bool>(), nb::kw_only(), "game"_a,
+        .def(nb::init<const Shared<Game>&, double, int, int, bool, bool, uint32_t, bool, bool, bool,
+                      const std::vector<double>&>(),
+             nb::kw_only(), "game"_a,
              "repeat_action_probability"_a, "frame_skip"_a, "max_num_frames_per_episode"_a, "sound"_a,
              "color_averaging"_a, "seed"_a, "plain"_a = false, "one_generator"_a = false, "second_player_starts"_a = false,
+             "player_probabilities"_a = std::vector<double>{},
              "`plain`: by the plain interpreter and TIA, which are slower and give the same.")
         .def("seed", [](Emulator& x, uint32_t seed) { x.locked([&](Environment& e) { e.seed(seed); return 0; }); },
              "seed"_a)
@@ -287,6 +309,7 @@ NB_MODULE(_emulator, m) {
         .def("act", &Emulator::act, "action"_a.none(), "strength"_a.none() = 1.0,
              nb::sig("def act(self, action: int, strength: float = 1.0) -> int"))
         .def("act_players", &Emulator::act_players, "actions"_a,
+             nb::sig("def act_players(self, actions: collections.abc.Sequence[int]) -> list[int]"),
              "Hold an action of each of the first players; a reward for each.")
         .def_prop_ro("player_lives", &Emulator::player_lives, "Of each player that the rules know.")
         .def("set_mode", [](Emulator& x, int mode) { x.locked([&](Environment& e) { e.set_mode(mode); return 0; }); },
@@ -321,6 +344,11 @@ NB_MODULE(_emulator, m) {
                  if (value < 0 || value > 255) throw nb::value_error("value must be within 0..255");
                  x.locked([&](Environment& e) { e.set_ram(index, value); return 0; });
              }, "index"_a, "value"_a)
+        .def("redraw", array(&Environment::redraw, true), "out"_a = nb::none(), nb::sig(RETURNS_ARRAY("redraw")))
+        .def("add_write", &Emulator::add_write, "write"_a, "now"_a = false,
+             "Apply a write at each frame from here on, and with `now` at once; ValueError if there are MOST_WRITES.")
+        .def("remove_write", &Emulator::remove_write, "write"_a, "End a write; does nothing if there is no such.")
+        .def("copy_writes", &Emulator::copy_writes, "other"_a, "Have the writes of another core of this game.")
         .def("save", &Emulator::save, "The whole state as bytes, of the layout of this build.")
         .def("load", &Emulator::load, "state"_a, "Continue from `save`; ValueError if the bytes cannot be a state.")
         .def("clone_state", &Emulator::clone_state, "include_rng"_a = false,
@@ -357,4 +385,6 @@ NB_MODULE(_emulator, m) {
     register_inspection(m);
     register_vector(m);
     register_memory(m);
+    register_causes(m);
+    register_labels(m);
 }

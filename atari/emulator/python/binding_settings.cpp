@@ -31,10 +31,12 @@ void register_settings(nb::module_& m) {
     nb::enum_<EpisodeKind>(m, "EpisodeKind", 
                            "In which order no-ops, FIRE, lost lives and the frame skip are applied: as in ale-py's "
                            "AtariVectorEnv,\n"
-                           "as by wrappers of single frames inside of the frame skip, or as in OpenAI's Baselines.")
+                           "as by wrappers of single frames inside of the frame skip, or as in OpenAI's Baselines; or a game\n"
+                           "of several players.")
         .value("ALE", EpisodeKind::kAle)
         .value("FRAMES", EpisodeKind::kFrames)
-        .value("BASELINES", EpisodeKind::kBaselines);
+        .value("BASELINES", EpisodeKind::kBaselines)
+        .value("MULTIPLAYER", EpisodeKind::kMultiplayer);
     nb::enum_<FirePress>(m, "FirePress", "When FIRE is pressed at the start of an episode.")
         .value("NEVER", FirePress::kNever)
         .value("BEFORE_NOOPS", FirePress::kBeforeNoops)
@@ -61,6 +63,7 @@ void register_settings(nb::module_& m) {
     nb::class_<EpisodeSettings>(m, "EpisodeSettings", "How episodes begin, are played, and end.")
         .def(nb::init<>())
         .def_rw("kind", &EpisodeSettings::kind)
+        .def_rw("players", &EpisodeSettings::players)
         .def_rw("repeat_action_probability", &EpisodeSettings::repeat_action_probability)
         .def_rw("max_num_frames_per_episode", &EpisodeSettings::max_num_frames_per_episode)
         .def_rw("frame_skip", &EpisodeSettings::frame_skip)

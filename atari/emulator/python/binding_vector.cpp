@@ -16,8 +16,10 @@
 #include <stdexcept>
 #include <string>
 
+#include "ale/labels.hpp"
 #include "state.hpp"
 #include "threads.hpp"
+#include "vector_lock.hpp"
 #include "vector/members.hpp"
 
 namespace nb = nanobind;
@@ -30,6 +32,9 @@ template <typename T>
 using Rows = nb::ndarray<T, nb::c_contig, nb::device::cpu>;
 template <typename T>
 using List = nb::ndarray<const T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+template <typename T>
+using Table = nb::ndarray<T, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using Rams = Table<uint8_t>;
 using Seeds = nb::ndarray<const uint32_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
 SeedWords words_of(const Seeds& seeds, size_t i) {
@@ -44,6 +49,7 @@ struct BoundBatch {
     std::vector<nb::object> shown;   // arrays of observations, and weak references to them, see `prevent_resize`
     std::vector<nb::object> arrays;  // the other arrays
     size_t rows = 0, pixels = 0;     // bytes of pixels in an observation
+    size_t players = 1;
 };
 
 // A member's state in memory. After unpickling it consists of bytes, and `snapshot` is null.
@@ -59,46 +65,6 @@ struct BoundSnapshot {
             bytes.size() == engine.state_size(environment) && image == image_digest(engine.game(environment));
         return same ? engine.parse(environment, bytes.data()) : nullptr;
     }
-};
-
-void check_process(uint32_t made_in) {
-    if (made_in != process_generation)
-        throw std::runtime_error("this vector environment was made before the process was forked, and has no threads "
-                                 "here; make it in the new process, or start that with the method 'spawn'");
-}
-
-// The lock of a vector environment in Python, which is held from the choice of a buffer to its loan. The thread that
-// holds it may enter again: a signal handler may close the environment during a step.
-class VectorLock {
-  public:
-    void enter() {
-        check_process(process_);
-        if (holder_ == std::this_thread::get_id()) {
-            ++entered_again_;
-            return;
-        }
-        if (!lock_.try_lock()) {
-            const GilRelease release;
-            lock_.lock();
-        }
-        holder_ = std::this_thread::get_id();
-    }
-
-    void exit() {
-        if (holder_ != std::this_thread::get_id()) throw std::runtime_error("this thread has not entered the lock");
-        if (entered_again_ > 0) {
-            --entered_again_;
-            return;
-        }
-        holder_ = std::thread::id();
-        lock_.unlock();
-    }
-
-  private:
-    const uint32_t process_ = process_generation;
-    Lock lock_;
-    std::atomic<std::thread::id> holder_{};
-    int entered_again_ = 0;
 };
 
 // The engine as Python threads share it. The GIL is released while environments are played or waited for.
@@ -253,7 +219,26 @@ class BoundEngine : Exclusive {
         });
     }
 
+    // Copies the RAM of environments, 128 bytes each. Environments of the last batch are not being played.
+    std::vector<uint8_t> rams(const std::vector<int>& environments, VectorEngine::RamOf of) {
+        std::vector<uint8_t> rams(kRamSize * environments.size());
+        const auto copy = [&] {
+            uint8_t* out = rams.data();
+            for (int environment : environments) out = std::copy_n(engine_->ram(environment, of), kRamSize, out);
+        };
+        const std::vector<int>& recent = engine_->recent();
+        const bool received = briefly([&] {
+            return engine_->pending() == 0 || std::all_of(environments.begin(), environments.end(), [&](int environment) {
+                return std::find(recent.begin(), recent.end(), environment) != recent.end();
+            });
+        });
+        if (received) briefly([&] { check_received(environments); copy(); });
+        else locked([&] { check_idle(environments); copy(); });
+        return rams;
+    }
+
     size_t rows() const { return static_cast<size_t>(engine_->batch_size()); }
+    size_t players() const { return static_cast<size_t>(engine_->players()); }
     size_t pixels() const { return engine_->pixels(); }
 
   private:
@@ -269,8 +254,8 @@ class BoundEngine : Exclusive {
     }
 
     void check_size(const BoundBatch& batch) const {
-        if (batch.rows != rows() || batch.pixels != pixels())
-            throw nb::value_error("the batch is of an engine with batches or observations of another size");
+        if (batch.rows != rows() || batch.pixels != pixels() || batch.players != players())
+            throw nb::value_error("the batch is of an engine with batches, observations or players of another number");
     }
 
     // The checks below are made with the lock.
@@ -300,12 +285,15 @@ class BoundEngine : Exclusive {
 
     void check_actions(const std::vector<int>& environments, const std::vector<int64_t>& actions,
                        const std::vector<float>& strengths) const {
-        if (actions.size() != environments.size())
-            throw nb::value_error("there must be an action for each environment of the batch");
+        const auto players = static_cast<size_t>(engine_->players());
+        if (actions.size() != environments.size() * players)
+            throw nb::value_error(players == 1 ? "there must be an action for each environment of the batch"
+                                               : "there must be an action for each player of each environment");
         for (size_t i = 0; i < actions.size(); ++i) {
-            const int most = engine_->actions_of(environments[i]) - 1;
+            const int most = engine_->actions_of(environments[i / players]) - 1;
             if (actions[i] < 0 || actions[i] > most)
-                throw nb::value_error(("action " + std::to_string(actions[i]) + " in row " + std::to_string(i) +
+                throw nb::value_error(("action " + std::to_string(actions[i]) + " in row " +
+                                       std::to_string(i / players) +
                                        " is not within 0.." + std::to_string(most)).c_str());
             if (!(std::abs(strengths[i]) <= 1000.0f))  // negated, so that NaN fails too
                 throw nb::value_error(("the strength in row " + std::to_string(i) +
@@ -352,6 +340,7 @@ void make_batch(BoundBatch* self, BoundEngine& engine, nb::object pixels, nb::ob
     auto bound = BoundBatch{};
     const size_t rows = bound.rows = engine.rows();
     bound.pixels = engine.pixels();
+    const size_t columns = (bound.players = engine.players()) * rows;  // of what players have
     Batch& batch = bound.batch;
     const size_t size = rows * bound.pixels;
     batch.observation = {rows_of<uint8_t>(bound, pixels, size, "pixels"),
@@ -359,28 +348,34 @@ void make_batch(BoundBatch* self, BoundEngine& engine, nb::object pixels, nb::ob
     bound.shown.swap(bound.arrays);
     batch.final_observation = {rows_of<uint8_t>(bound, final_pixels, size, "final_pixels"),
                                rows_of<uint8_t>(bound, final_ram, 128 * rows, "final_ram")};
-    int32_t* const number = rows_of<int32_t>(bound, numbers, 10 * rows, "numbers");
-    double* const game = rows_of<double>(bound, games, 3 * rows, "games");
-    uint8_t* const flag = reinterpret_cast<uint8_t*>(rows_of<bool>(bound, flags, 5 * rows, "flags"));
+    int32_t* const number = rows_of<int32_t>(bound, numbers, 6 * rows + 4 * columns, "numbers");
+    double* const game = rows_of<double>(bound, games, 2 * rows + columns, "games");
+    uint8_t* const flag = reinterpret_cast<uint8_t*>(rows_of<bool>(bound, flags, 3 * rows + 2 * columns, "flags"));
     if (!number || !game || !flag) throw nb::value_error("numbers, games and flags are needed");
     batch.reward = number;
-    batch.environment = number + rows;
-    batch.numbers = {number + 2 * rows, number + 3 * rows, number + 4 * rows};
-    batch.game_reward = number + 5 * rows;
-    batch.game_steps = number + 6 * rows;
-    batch.final_numbers = {number + 7 * rows, number + 8 * rows, number + 9 * rows};
-    batch.ended_games = {game, game + rows, game + 2 * rows};
+    batch.game_reward = number + columns;
+    batch.numbers.lives = number + 2 * columns;
+    batch.final_numbers.lives = number + 3 * columns;
+    int32_t* const one = number + 4 * columns;
+    batch.environment = one;
+    batch.numbers.frame = one + rows;
+    batch.numbers.episode_frame = one + 2 * rows;
+    batch.game_steps = one + 3 * rows;
+    batch.final_numbers.frame = one + 4 * rows;
+    batch.final_numbers.episode_frame = one + 5 * rows;
+    batch.ended_games = {game, game + columns, game + columns + rows};
     batch.terminated = flag;
-    batch.truncated = flag + rows;
-    batch.game_over = flag + 2 * rows;
-    batch.ended = flag + 3 * rows;
-    batch.game_ended = flag + 4 * rows;
+    batch.truncated = flag + columns;
+    uint8_t* const game_flag = flag + 2 * columns;
+    batch.game_over = game_flag;
+    batch.ended = game_flag + rows;
+    batch.game_ended = game_flag + 2 * rows;
     new (self) BoundBatch(std::move(bound));
 }
 
 // A batch with other arrays of observations; it shares the other arrays.
 BoundBatch aimed_at(const BoundBatch& batch, nb::object pixels, nb::object ram) {
-    BoundBatch bound{{}, {}, {}, batch.rows, batch.pixels};
+    BoundBatch bound{{}, {}, {}, batch.rows, batch.pixels, batch.players};
     const Batch::Observation observation = {rows_of<uint8_t>(bound, pixels, batch.rows * batch.pixels, "pixels"),
                                 rows_of<uint8_t>(bound, ram, 128 * batch.rows, "ram")};
     bound.shown.swap(bound.arrays);
@@ -443,11 +438,12 @@ void make_engine(BoundEngine* self, const std::vector<const MemberSpec*>& member
     new (self) BoundEngine(std::move(engine));
 }
 
+template <auto draw>
 nb::object screen_of(BoundEngine& engine, int environment) {
     const auto height = engine.get(environment, [](Environment& e) { return static_cast<size_t>(e.height()); });
     auto* bytes = new uint8_t[height * kScreenWidth * 3];
     nb::capsule owner(bytes, [](void* memory) noexcept { delete[] static_cast<uint8_t*>(memory); });
-    engine.get_slowly(environment, [&](Environment& e) { e.screen_rgb(bytes); });
+    engine.get_slowly(environment, [&](Environment& e) { (e.*draw)(bytes); });
     const size_t shape[3] = {height, kScreenWidth, 3};
     return nb::cast(nb::ndarray<nb::numpy, uint8_t, nb::c_contig, nb::device::cpu>(bytes, 3, shape, owner));
 }
@@ -460,6 +456,11 @@ void register_settings(nb::module_& m);  // binding_settings.cpp
 
 void register_vector(nb::module_& m) {
     register_settings(m);
+    nb::enum_<VectorEngine::RamOf>(m, "RamOf",
+                                   "The RAM now, that of the last result, or of that the one before a reset in the last step.")
+        .value("NOW", VectorEngine::RamOf::kNow)
+        .value("RESULT", VectorEngine::RamOf::kResult)
+        .value("FINAL", VectorEngine::RamOf::kFinal);
     nb::class_<BoundBatch> batch(m, "Batch",
                            "Arrays for the results of a batch. Threads write to them between start and receive.");
     batch.def("__init__", &make_batch, "engine"_a, nb::kw_only(), "pixels"_a.none(), "ram"_a.none(),
@@ -470,10 +471,11 @@ void register_vector(nb::module_& m) {
                      " | None, final_pixels: " ARRAY("uint8") " | None, final_ram: " ARRAY("uint8")
                      " | None, numbers: " ARRAY("int32") ", games: " ARRAY("float64")
                      ", flags: " ARRAY("bool") ") -> None"),
-             "`numbers` is int32 (10, rows): reward, environment, lives, frame and episode frame number, reward\n"
-             "before clipping, steps of the game; lives, frame and episode frame number of the final observation.\n"
-             "`games` is float64 (3, rows): score, frames and seconds of the game that ended. `flags` is bool\n"
-             "(5, rows): terminated, truncated, game over, has a final observation, a game ended.");
+             "`numbers` is int32: reward, reward before clipping, lives, lives of the final observation, each (rows,\n"
+             "players); environment, frame and episode frame number, steps of the game, frame and episode frame number\n"
+             "of the final observation, each (rows,). `games` is float64: score (rows, players), frames and seconds\n"
+             "(rows,) of the game that ended. `flags` is bool: terminated and truncated (rows, players); game over, has\n"
+             "a final observation, a game ended, each (rows,).");
     batch.def("aimed_at", &aimed_at, "pixels"_a.none(), "ram"_a.none(),
               nb::sig("def aimed_at(self, pixels: " ARRAY("uint8") " | None, ram: " ARRAY("uint8")
                       " | None) -> Batch"),
@@ -531,33 +533,71 @@ void register_vector(nb::module_& m) {
         .def("save_emulator", &BoundEngine::save_emulator, "environment"_a,
              "The state of one environment's emulator as bytes, for Emulator.load.")
         .def("load", &BoundEngine::load, "environment"_a, "state"_a)
-        .def("screen_rgb", &screen_of, "environment"_a,
+        .def("screen_rgb", &screen_of<&Environment::screen_rgb>, "environment"_a,
              nb::sig("def screen_rgb(self, environment: int) -> " ARRAY("uint8")))
+        .def("redraw", &screen_of<&Environment::redraw>, "environment"_a,
+             nb::sig("def redraw(self, environment: int) -> " ARRAY("uint8")))
         .def("ram", [](BoundEngine& x, int i) {
                  const auto ram = x.get(i, [](Environment& e) {
                      return std::vector<uint8_t>(e.ram(), e.ram() + 128);
                  });
                  return nb::bytes(ram.data(), ram.size());
              }, "environment"_a)
+        .def("copy_rams", [](BoundEngine& x, List<int64_t> environments, Rams out, VectorEngine::RamOf of) {
+                 if (out.shape(0) != environments.shape(0) || out.shape(1) != 128)
+                     throw nb::value_error("out must be of shape (environments, 128)");
+                 std::vector<int> numbers;
+                 for (size_t i = 0; i < environments.size(); ++i)
+                     numbers.push_back(static_cast<int>(std::clamp<int64_t>(environments(i), -1, INT32_MAX)));
+                 const std::vector<uint8_t> rams = x.rams(numbers, of);
+                 std::copy(rams.begin(), rams.end(), out.data());
+             }, "environments"_a, nb::arg("out").noconvert(), "of"_a,
+             nb::sig("def copy_rams(self, environments: " ARRAY("int64") ", out: " ARRAY("uint8")
+                     ", of: RamOf) -> None"),
+             "Copy the RAM of environments to the rows of `out`.")
+        .def("evaluate_labels",
+             [](BoundEngine& x, const Shared<Labels>& labels, List<int32_t> environments, Table<int32_t> values,
+                Table<bool> visible, VectorEngine::RamOf of) {
+                 const size_t count = labels.value->size(), rows = environments.size();
+                 if (values.shape(0) != count || values.shape(1) != rows || visible.shape(0) != count ||
+                     visible.shape(1) != rows)
+                     throw nb::value_error("values and visible must be of shape (labels, environments)");
+                 const std::vector<uint8_t> rams = x.rams({environments.data(), environments.data() + rows}, of);
+                 labels.value->evaluate(rams.data(), rows, values.data(), reinterpret_cast<uint8_t*>(visible.data()));
+             }, "labels"_a, "environments"_a, nb::arg("values").noconvert(), nb::arg("visible").noconvert(), "of"_a,
+             nb::sig("def evaluate_labels(self, labels: Labels, environments: " ARRAY("int32") ", values: " ARRAY("int32")
+                     ", visible: " ARRAY("bool") ", of: RamOf) -> None"),
+             "As `copy_rams`, then `labels.evaluate` with the copies.")
         .def("set_ram", [](BoundEngine& x, int i, int index, int value) {
                  x.get(i, [&](Environment& e) { e.set_ram(index & 127, value & 255); });
              }, "environment"_a, "index"_a, "value"_a)
+        .def("add_write",
+             [](BoundEngine& x, int i, const Shared<Write>& write, bool now) {
+                 if (!x.get(i, [&](Environment& e) { return e.add_write(write.value, now); }))
+                     throw nb::value_error(kTooManyWrites);
+             }, "environment"_a, "write"_a, "now"_a = false, "As Emulator.add_write.")
+        .def("remove_write",
+             [](BoundEngine& x, int i, const Shared<Write>& write) {
+                 x.get(i, [&](Environment& e) { e.remove_write(write.value.get()); });
+             }, "environment"_a, "write"_a)
         .def("numbers", [](BoundEngine& x, int i) {
-                 return x.get(i, [](Environment& e) {
-                     return std::vector<int>{e.lives(), e.frame_number(), e.episode_frame_number()};
+                 return x.get(i, [players = static_cast<int>(x.players())](Environment& e) {
+                     std::vector<int> numbers{e.frame_number(), e.episode_frame_number()};
+                     for (int player = 0; player < players; ++player) numbers.push_back(e.lives(player));
+                     return numbers;
                  });
-             }, "environment"_a, "Lives, frame number, episode frame number.")
+             }, "environment"_a, "Frame number, episode frame number, and the lives of each player.")
         .def("mode", [](BoundEngine& x, int i) { return x.get(i, [](Environment& e) { return e.mode(); }); },
              "environment"_a)
         .def("difficulty",
              [](BoundEngine& x, int i) { return x.get(i, [](Environment& e) { return e.difficulty(); }); },
              "environment"_a)
-        .def("set_mode", [](BoundEngine& x, int i, int mode) {
-                 x.get(i, [&](Environment& e) { e.set_mode(mode); });
-             }, "environment"_a, "mode"_a)
-        .def("set_difficulty", [](BoundEngine& x, int i, int difficulty) {
-                 x.get(i, [&](Environment& e) { e.set_difficulty(difficulty); });
-             }, "environment"_a, "difficulty"_a);
+        .def("set_mode",
+             [](BoundEngine& x, int i, int mode) { x.get(i, [&](Environment& e) { e.set_mode(mode); }); },
+             "environment"_a, "mode"_a)
+        .def("set_difficulty",
+             [](BoundEngine& x, int i, int value) { x.get(i, [&](Environment& e) { e.set_difficulty(value); }); },
+             "environment"_a, "difficulty"_a);
 }
 
 }  // namespace atari

@@ -70,14 +70,14 @@ uint64_t image_digest(const Game& game) {
 }
 
 bool State::restore(Environment& environment) const {
-    const MersenneTwister generator = environment.generator();
+    const Environment::Generators generators = environment.generators();
     if (game) {
         if (!same_cartridge(*game, *environment.game()) || !environment.restore(snapshot)) return false;
     } else if (image != image_digest(*environment.game()) || bytes.size() != environment.state_size() ||
                !environment.load(bytes.data())) {
         return false;
     }
-    if (!include_rng) environment.set_generator(generator);
+    if (!include_rng) environment.set_generators(generators);
     return true;
 }
 
@@ -95,7 +95,11 @@ std::vector<uint8_t> State::serialize() const {
     std::vector<uint8_t> out(sizeof header + body.size());
     std::memcpy(out.data(), &header, sizeof header);
     std::copy(body.begin(), body.end(), out.begin() + sizeof header);
-    if (!include_rng) std::memset(out.data() + sizeof header + offsetof(EnvironmentState, random), 0, sizeof(MersenneTwister));
+    if (!include_rng) {
+        uint8_t* const state = out.data() + sizeof header;
+        std::memset(state + offsetof(EnvironmentState, random), 0, sizeof(MersenneTwister));
+        std::memset(state + offsetof(EnvironmentState, writes), 0, sizeof(WriteState::random));
+    }
     return out;
 }
 

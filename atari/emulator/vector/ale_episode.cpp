@@ -25,7 +25,7 @@ void AleEpisode::reset(const Seed* seed) {
     state_.lives = e.lives();
 }
 
-Outcome AleEpisode::play_step(int action, float strength) {
+Outcome AleEpisode::play_step(const int* actions, float strength) {
     Environment& e = *environment_;
     const auto [low, high] = settings_.frame_skip;
     int left = low;
@@ -35,7 +35,7 @@ Outcome AleEpisode::play_step(int action, float strength) {
     int64_t total = 0;
     while (left > 0 && !outcome.ended) {
         --left;
-        total += act(action, strength);
+        total += act(*actions, strength);
         ++state_.elapsed;
         over = e.game_over();
         lost = e.lives() > 0 && e.lives() < state_.lives;
@@ -47,7 +47,7 @@ Outcome AleEpisode::play_step(int action, float strength) {
     outcome.terminated = over || (lost && (settings_.episodic_life || settings_.life_loss_info));
     outcome.truncated = state_.elapsed >= settings_.max_frames && !outcome.terminated;
     const int64_t most = settings_.clip_reward ? 1 : INT32_MAX;
-    outcome.reward = static_cast<int>(std::clamp(total, -most, most));
+    outcome.reward[0] = static_cast<int>(std::clamp(total, -most, most));
     return outcome;
 }
 

@@ -33,9 +33,10 @@ long process_number() {
 }  // namespace
 
 VectorEngine::VectorEngine(std::vector<Member> members, const VectorSettings& settings)
-    : settings_(settings), process_(process_number()) {
+    : settings_(settings), players_(members[0].episode->players()), process_(process_number()) {
     slots_.resize(members.size());
     recent_.resize(static_cast<size_t>(settings.batch_size));
+    result_rams_.resize(128 * members.size());
     std::iota(recent_.begin(), recent_.end(), 0);
     for (size_t i = 0; i < members.size(); ++i) slots_[i].member = std::move(members[i]);
     pool_ = std::make_unique<ThreadPool>(size(), settings.threads, queued(), settings.first_core,
@@ -70,7 +71,8 @@ void VectorEngine::step(const std::vector<int>& environments, const int64_t* act
     for (size_t i = 0; i < environments.size(); ++i) {
         Slot& slot = this->slot(environments[i]);
         slot.task = Task::kStep;
-        slot.action = slot.member.actions[static_cast<size_t>(actions[i])];
+        for (int player = 0; player < players_; ++player)
+            slot.actions[player] = slot.member.actions[static_cast<size_t>(*actions++)];
         slot.strength = strengths ? strengths[i] : 1.0f;
     }
     batch_ = batch;
@@ -89,8 +91,8 @@ bool VectorEngine::receive(const Batch& batch) {
         }
     }
     bool any = false;
-    for (int row = 0; row < settings_.batch_size; ++row)
-        any |= batch.terminated[row] || batch.truncated[row] || batch.game_ended[row];
+    for (int at = 0; at < settings_.batch_size * players_; ++at) any |= batch.terminated[at] || batch.truncated[at];
+    for (int row = 0; row < settings_.batch_size; ++row) any |= batch.game_ended[row];
     return any;
 }
 
@@ -107,7 +109,7 @@ void VectorEngine::apply_restore(Slot& slot) {
     if (!slot.pending_restore) return;
     slot.member.episode->restore(slot.pending_restore->episode);
     slot.outcome = slot.pending_restore->outcome;
-    slot.outcome.reward = 0;  // of the step before the snapshot
+    slot.outcome.reward = {};  // of the step before the snapshot
     slot.has_final = false;
     slot.pending_restore = nullptr;
 }
@@ -128,14 +130,14 @@ void VectorEngine::play(Slot& slot, int environment) {
     const bool over = slot.outcome.ended;
     const bool idle = over && settings_.autoreset == Autoreset::kDisabled;  // until it is reset
     if (slot.task == Task::kObserve || (slot.task == Task::kStep && idle)) {
-        slot.outcome.reward = slot.outcome.game_reward = 0;
+        slot.outcome.reward = slot.outcome.game_reward = {};
     } else if (slot.task == Task::kReset || over) {
         if (slot.task == Task::kReset && slot.new_game) episode.abandon_game();
         episode.reset(slot.task == Task::kReset ? slot.seed : nullptr);
         slot.outcome = Outcome{};
         slot.outcome.game_steps = episode.game_steps();
     } else {
-        slot.outcome = episode.step(slot.action, slot.strength);
+        slot.outcome = episode.step(slot.actions, slot.strength);
         if (slot.outcome.ended && settings_.autoreset == Autoreset::kSameStep) {
             keep_final(slot, environment);
             episode.reset(nullptr);
@@ -157,8 +159,9 @@ void VectorEngine::keep_final(Slot& slot, int environment) {
         episode.observation().write(batch_->final_observation.pixels + at);
     }
     std::copy_n(e.ram(), 128, slot.final_ram);
-    const int32_t numbers[3] = {e.lives(), e.frame_number(), e.episode_frame_number()};
-    std::copy_n(numbers, 3, slot.final_numbers);
+    for (int player = 0; player < players_; ++player) slot.final_lives[player] = e.lives(player);
+    slot.final_numbers[0] = e.frame_number();
+    slot.final_numbers[1] = e.episode_frame_number();
 }
 
 void VectorEngine::write_results(Slot& slot, int environment, int row, const Batch& batch) {
@@ -168,26 +171,37 @@ void VectorEngine::write_results(Slot& slot, int environment, int row, const Bat
     const Outcome& outcome = slot.outcome;
     if (batch.observation.pixels)
         episode.observation().write(batch.observation.pixels + episode.observation().size() * at);
+    std::copy_n(e.ram(), 128, result_rams_.data() + 128 * static_cast<size_t>(environment));
     if (batch.observation.ram) std::copy_n(e.ram(), 128, batch.observation.ram + 128 * at);
     batch.environment[at] = environment;
-    batch.reward[at] = outcome.reward;
-    batch.game_reward[at] = outcome.game_reward;
     batch.game_steps[at] = outcome.game_steps;
     batch.game_over[at] = outcome.game_over;
-    batch.terminated[at] = outcome.terminated;
-    batch.truncated[at] = outcome.truncated;
-    batch.numbers.lives[at] = e.lives();
+    write_players(slot, row, batch);
     batch.numbers.frame[at] = e.frame_number();
     batch.numbers.episode_frame[at] = e.episode_frame_number();
     write_ended_game(slot, row, batch);
     if (settings_.autoreset == Autoreset::kSameStep) write_final(slot, row, batch);
 }
 
+void VectorEngine::write_players(Slot& slot, int row, const Batch& batch) {
+    const Outcome& outcome = slot.outcome;
+    for (int player = 0; player < players_; ++player) {
+        const auto from = static_cast<size_t>(player), at = static_cast<size_t>(row * players_ + player);
+        const bool out = outcome.out >> player & 1;
+        batch.reward[at] = outcome.reward[from];
+        batch.game_reward[at] = outcome.game_reward[from];
+        batch.terminated[at] = outcome.terminated || out;
+        batch.truncated[at] = outcome.truncated && !out;
+        batch.numbers.lives[at] = slot.member.episode->environment().lives(player);
+    }
+}
+
 void VectorEngine::write_ended_game(const Slot& slot, int row, const Batch& batch) {
     const auto at = static_cast<size_t>(row);
-    const EndedGame game = slot.ended_game.value_or(EndedGame{0, 0, 0.0});
+    const EndedGame game = slot.ended_game.value_or(EndedGame{{}, 0, 0.0});
     batch.game_ended[at] = slot.ended_game.has_value();
-    batch.ended_games.score[at] = static_cast<double>(game.score);
+    for (int player = 0; player < players_; ++player)
+        batch.ended_games.score[row * players_ + player] = static_cast<double>(game.score[static_cast<size_t>(player)]);
     batch.ended_games.frames[at] = game.frames;
     batch.ended_games.seconds[at] = game.seconds;
 }
@@ -207,16 +221,17 @@ void VectorEngine::write_final(Slot& slot, int row, const Batch& batch) {
     }
     batch.ended[at] = slot.has_final;
     const auto number = [&](int i) { return slot.has_final ? slot.final_numbers[i] : 0; };
-    batch.final_numbers.lives[at] = number(0);
-    batch.final_numbers.frame[at] = number(1);
-    batch.final_numbers.episode_frame[at] = number(2);
+    for (int player = 0; player < players_; ++player)
+        batch.final_numbers.lives[row * players_ + player] = slot.has_final ? slot.final_lives[player] : 0;
+    batch.final_numbers.frame[at] = number(0);
+    batch.final_numbers.episode_frame[at] = number(1);
 }
 
 namespace {
 
 uint8_t* write_outcome(const Outcome& outcome, uint8_t* out) {
     *out = static_cast<uint8_t>(outcome.terminated | outcome.truncated << 1 | outcome.ended << 2 |
-                                outcome.game_over << 3);
+                                outcome.game_over << 3 | outcome.out << 4);
     return out + 1;
 }
 
@@ -230,7 +245,9 @@ void VectorEngine::save(int environment, uint8_t* out) {
 bool VectorEngine::load(int environment, const uint8_t* in) {
     if (!episode(environment).load(in + 1)) return false;
     Outcome& outcome = slot(environment).outcome;
-    outcome = {0, (*in & 1) != 0, (*in & 2) != 0, (*in & 4) != 0, (*in & 8) != 0, 0, episode(environment).game_steps()};
+    const auto out = static_cast<uint8_t>(*in >> 4 & ((1 << players_) - 1));
+    outcome = {{}, (*in & 1) != 0, (*in & 2) != 0, out, (*in & 4) != 0, (*in & 8) != 0, {},
+               episode(environment).game_steps()};
     return true;
 }
 

@@ -16,14 +16,14 @@ namespace atari {
 enum class Autoreset { kNextStep, kSameStep, kDisabled };
 
 // The arrays that the results of a batch are written to, with a row for each environment of the batch. Null parts are
-// not written.
+// not written. Rewards, lives, ends and scores have a column for each player.
 struct Batch {
     struct Observation {
         uint8_t* pixels = nullptr;
         uint8_t* ram = nullptr;  // 128 a row
     };
     struct Numbers {
-        int32_t *lives = nullptr, *frame = nullptr, *episode_frame = nullptr;
+        int32_t *lives = nullptr, *frame = nullptr, *episode_frame = nullptr;  // lives of each player
     };
     // Of the game that ended in this step or reset; zero where none did.
     struct Games {
@@ -75,7 +75,8 @@ class VectorEngine {
     // With `new_games`, a reset after a lost life begins a new game too.
     void reset(const std::vector<bool>& chosen, const std::vector<const Seed*>& seeds, const Batch* batch,
                bool new_games = false);
-    // Action i is for environment `environments[i]`; it is an index, a strength is a factor for paddles. If a batch has
+    // Action i * players() + p is for player p of environment `environments[i]`; it is an index. Strength i is a factor
+    // for paddles. If a batch has
     // all environments, those without an action repeat their last observation. Otherwise the environments are those of
     // `recent()`, in any order.
     void step(const std::vector<int>& environments, const int64_t* actions, const float* strengths, const Batch* batch);
@@ -89,7 +90,16 @@ class VectorEngine {
         apply_restore(slot(environment));
         return *slot(environment).member.episode;
     }
+    // The RAM, 128 bytes: the present one; or that of the last result, a copy beside those of the other environments, which
+    // is faster to read. With kFinal, that at the end of the episode if one ended in the last step and was reset in it.
+    enum class RamOf { kNow, kResult, kFinal };
+    const uint8_t* ram(int environment, RamOf of) {
+        if (of == RamOf::kNow) return episode(environment).environment().ram();
+        if (of == RamOf::kFinal && slot(environment).has_final) return slot(environment).final_ram;
+        return result_rams_.data() + 128 * static_cast<size_t>(environment);
+    }
     const Game& game(int environment) const { return *slot(environment).member.episode->environment().game(); }
+    int players() const { return players_; }  // of each environment
     size_t pixels() const { return slot(0).member.episode->observation().size(); }  // bytes of an observation
     // The state of a member as bytes. `load` returns false and changes nothing if no such member can have saved the
     // bytes.
@@ -131,14 +141,15 @@ class VectorEngine {
         bool new_game = false;  // of a reset
         const Seed* seed = nullptr;
         Seed seed_value{};
-        int action = 0;
+        int actions[kMaxPlayers]{};
         float strength = 1.0f;
         Outcome outcome;  // of the last step
         std::optional<EndedGame> ended_game;  // in the last task
         bool has_final = false;
         std::vector<uint8_t> final_pixels;  // used while the row of the batch is not known
         uint8_t final_ram[128];
-        int32_t final_numbers[3];
+        int32_t final_numbers[2];  // frame and episode frame
+        int32_t final_lives[kMaxPlayers];
     };
 
     Slot& slot(int environment) { return slots_[static_cast<size_t>(environment)]; }
@@ -148,14 +159,17 @@ class VectorEngine {
     void play(Slot& slot, int environment);
     void keep_final(Slot& slot, int environment);
     void write_results(Slot& slot, int environment, int row, const Batch& batch);
+    void write_players(Slot& slot, int row, const Batch& batch);
     void write_ended_game(const Slot& slot, int row, const Batch& batch);
     void write_final(Slot& slot, int row, const Batch& batch);
     // Returns whether results go to rows in the order in which environments finish.
     bool queued() const { return settings_.batch_size < size(); }
 
     const VectorSettings settings_;
+    const int players_;
     std::vector<Slot> slots_;
     std::vector<int> recent_;
+    std::vector<uint8_t> result_rams_;  // 128 bytes for each environment
     const Batch* batch_ = nullptr;  // of all environments: the threads write to it
     std::unique_ptr<ThreadPool> pool_;
     long process_;  // the process that made the threads

@@ -4,21 +4,32 @@
 
 namespace atari {
 
-Outcome Episode::step(int action, float strength) {
-    const int64_t before = game_.score;
+Outcome Episode::step(const int* actions, float strength) {
+    const OfPlayers<int64_t> before = game_.score;
     ++game_.steps;
-    Outcome outcome = play_step(action, strength);
+    Outcome outcome = play_step(actions, strength);
     if (outcome.truncated && !ended_game_) end_game();  // by a limit that the emulator does not have
     outcome.game_over = environment_->game_over();
-    outcome.game_reward = static_cast<int>(game_.score - before);
+    for (size_t player = 0; player < kMaxPlayers; ++player)
+        outcome.game_reward[player] = static_cast<int>(game_.score[player] - before[player]);
     outcome.game_steps = game_.steps;
     return outcome;
 }
 
 void Episode::begin_game() {
     environment_->reset();
-    game_ = {0, 0, environment_->episode_frame_number()};
+    game_ = {{}, 0, environment_->episode_frame_number()};
     game_began_ = std::chrono::steady_clock::now();
+}
+
+void Episode::act(const int* actions, OfPlayers<int64_t>& rewards) {
+    int frame_rewards[kMaxPlayers];
+    environment_->act(actions, settings_.players, frame_rewards);
+    for (int player = 0; player < settings_.players; ++player) {
+        game_.score[static_cast<size_t>(player)] += frame_rewards[player];
+        rewards[static_cast<size_t>(player)] += frame_rewards[player];
+    }
+    if (environment_->game_over() || environment_->truncated()) end_game();
 }
 
 void Episode::end_game() {

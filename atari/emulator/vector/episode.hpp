@@ -2,6 +2,7 @@
 // how an episode begins, how long an action is held, and what ends an episode. Each order is a derived class.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -21,29 +22,35 @@ struct Seed {
     uint32_t own[8];    // of the episode's generator: the state of NumPy's PCG64; for ALE one word, a seed
 };
 
+template <typename T>
+using OfPlayers = std::array<T, kMaxPlayers>;  // zero for players that do not play
+
 struct Outcome {
-    int reward = 0;
+    OfPlayers<int> reward{};
     bool terminated = false, truncated = false;
+    uint8_t out = 0;     // bit p: player p is out of the game, which goes on or has ended
     bool ended = false;  // The next step resets. With `life_loss_info`, a lost life sets `terminated` without this.
     bool game_over = false;
-    int game_reward = 0;  // not clipped
-    int game_steps = 0;   // steps of the game, this one included
+    OfPlayers<int> game_reward{};  // not clipped
+    int game_steps = 0;            // steps of the game, this one included
 };
 
 // A whole game that ended: over in the emulator, or truncated.
 struct EndedGame {
-    int64_t score;   // the sum of all rewards since the emulator's reset, no-ops and FIRE included, not clipped
-    int frames;      // emulated since that reset
-    double seconds;  // since that reset
+    OfPlayers<int64_t> score;  // the sum of all rewards since the emulator's reset, no-ops and FIRE included, not clipped
+    int frames;                // emulated since that reset
+    double seconds;            // since that reset
 };
 
-enum class EpisodeKind { kAle, kFrames, kBaselines };  // AleEpisode, FrameEpisode, BaselinesEpisode
+// AleEpisode, FrameEpisode, BaselinesEpisode, MultiplayerEpisode
+enum class EpisodeKind { kAle, kFrames, kBaselines, kMultiplayer };
 enum class FirePress { kNever, kBeforeNoops, kAfterNoops };
 enum class OnReset { kNoop, kContinue, kNewGame };  // what a reset does after a lost life
 
 // How episodes begin, are played, and end. The names are those of the wrappers' arguments.
 struct EpisodeSettings {
     EpisodeKind kind = EpisodeKind::kAle;
+    int players = 1;  // more for kMultiplayer only
     double repeat_action_probability = 0.0;
     int max_num_frames_per_episode = 0;  // the emulator's limit: no-ops count, 0 is no limit
     std::pair<int, int> frame_skip{4, 5};  // each step draws from first .. second-1
@@ -57,13 +64,18 @@ struct EpisodeSettings {
     bool clip_reward = true;
     int max_frames = 108000;      // the episode's limit, without the no-ops and FIRE that begin it
 
-    Settings emulator() const { return {repeat_action_probability, 1, max_num_frames_per_episode, false, false}; }
+    Settings emulator() const {
+        Settings settings{repeat_action_probability, 1, max_num_frames_per_episode};
+        settings.one_generator = settings.second_player_starts = kind == EpisodeKind::kMultiplayer;
+        return settings;
+    }
 };
 
 // The actions of a game that can begin an episode.
 struct StartActions {
     bool has_noop, has_fire;
     int third;  // ALE's number of the action with index 2
+    int idle;   // of the action with index 0 that a user gives: what players who are out do
 };
 
 // The state of an episode in memory, for episodes of the same game and settings.
@@ -85,10 +97,11 @@ class Episode {
     virtual void reset(const Seed* seed) = 0;
     // Makes the next reset begin a new game, also after a lost life.
     virtual void abandon_game() {}
-    // Plays one action, an ALE number, until the skip or the episode ends.
-    Outcome step(int action, float strength);
+    // Plays an action of each player, an ALE number, until the skip or the episode ends.
+    Outcome step(const int* actions, float strength);
     // The last game that ended since the last call, in a step or in a reset.
     std::optional<EndedGame> take_ended_game() { return std::exchange(ended_game_, std::nullopt); }
+    int players() const { return settings_.players; }
     // The steps of the present game, lost lives do not matter.
     int game_steps() const { return game_.steps; }
 
@@ -102,15 +115,17 @@ class Episode {
     void restore(const EpisodeSnapshot& snapshot);
 
   protected:
-    virtual Outcome play_step(int action, float strength) = 0;
+    virtual Outcome play_step(const int* actions, float strength) = 0;
     // The emulator's reset and frames, counted. Derived classes play through these alone.
     void begin_game();
     int act(int action, float strength) {
         const int reward = environment_->act(action, strength);
-        game_.score += reward;
+        game_.score[0] += reward;
         if (environment_->game_over() || environment_->truncated()) end_game();
         return reward;
     }
+    // The same for all players; adds the reward of each.
+    void act(const int* actions, OfPlayers<int64_t>& rewards);
 
     // The state of the derived class, as bytes.
     virtual size_t own_state_size() const = 0;
@@ -131,7 +146,7 @@ class Episode {
 
     // Of the present game, since the emulator's reset.
     struct {
-        int64_t score;
+        OfPlayers<int64_t> score;
         int32_t steps;
         int32_t first_frame;  // the emulator's episode frame number after the reset
     } game_{};
@@ -151,7 +166,7 @@ class AleEpisode final : public Episode {
     void reset(const Seed* seed) override;
 
   private:
-    Outcome play_step(int action, float strength) override;
+    Outcome play_step(const int* actions, float strength) override;
     size_t own_state_size() const override { return sizeof state_; }
     void save_own(uint8_t* out) const override;
     void load_own(const uint8_t* in) override;
@@ -160,6 +175,33 @@ class AleEpisode final : public Episode {
         MersenneTwister random;
         int elapsed;
         int lives;  // after the last step
+    } state_{};
+};
+
+// A game of several players, without lives that end an episode and without FIRE. Players whose lives are negative are
+// out, as in PettingZoo; the episode ends when all are.
+class MultiplayerEpisode final : public Episode {
+  public:
+    MultiplayerEpisode(std::unique_ptr<Environment> environment, std::unique_ptr<ObservationStack> observation,
+                       const EpisodeSettings& settings, const StartActions& start, const Seed& seed)
+        : Episode(std::move(environment), std::move(observation), settings, start) {
+        state_.random.seed(seed.own[0]);
+    }
+
+    void reset(const Seed* seed) override;
+
+  private:
+    Outcome play_step(const int* actions, float strength) override;
+    uint8_t players_out() const;
+    // A byte more for each player: states of another number of players have another size, and do not fit.
+    size_t own_state_size() const override { return sizeof state_ + static_cast<size_t>(settings_.players); }
+    void save_own(uint8_t* out) const override;
+    void load_own(const uint8_t* in) override;
+
+    struct {
+        MersenneTwister random;
+        int elapsed;
+        uint8_t out;  // bit p: player p
     } state_{};
 };
 
@@ -207,7 +249,7 @@ class FrameEpisode final : public WrappedEpisode {
     void reset(const Seed* seed) override;
 
   private:
-    Outcome play_step(int action, float strength) override;
+    Outcome play_step(const int* actions, float strength) override;
     struct Request {
         const Seed* seed;
         bool new_game;
@@ -226,7 +268,7 @@ class BaselinesEpisode final : public WrappedEpisode {
     void reset(const Seed* seed) override;
 
   private:
-    Outcome play_step(int action, float strength) override;
+    Outcome play_step(const int* actions, float strength) override;
     void reset_life(const Seed* seed);
     void reset_game(const Seed* seed);
     Ends skip(int action, float strength, int64_t& reward);

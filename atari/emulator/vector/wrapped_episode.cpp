@@ -41,7 +41,7 @@ int WrappedEpisode::draw_noops() {
 Outcome WrappedEpisode::outcome(int64_t reward, const Ends& ends) const {
     const int64_t low = settings_.clip_reward ? -1 : INT32_MIN, high = settings_.clip_reward ? 1 : INT32_MAX;
     Outcome outcome;
-    outcome.reward = static_cast<int>(std::clamp(reward, low, high));
+    outcome.reward[0] = static_cast<int>(std::clamp(reward, low, high));
     outcome.terminated = ends.terminated;
     outcome.truncated = ends.truncated;
     outcome.ended = ends.any();
@@ -106,14 +106,14 @@ void FrameEpisode::reset(const Seed* seed) {
 }
 
 // DqnPreprocessing.step
-Outcome FrameEpisode::play_step(int action, float strength) {
+Outcome FrameEpisode::play_step(const int* actions, float strength) {
     const bool seamless = settings_.episodic_life && settings_.seamless_lives;
     Ends ends{};
     int64_t reward = 0;
     int left = settings_.frame_skip.first;
     while (left > 0 && !ends.any()) {
         --left;
-        ends = frame(action, strength, reward);
+        ends = frame(*actions, strength, reward);
         if (seamless && state_.life_lost) ends.terminated = false;  // reported after the skip
         ++state_.frames_played;
         ends.truncated |= state_.frames_played >= settings_.max_frames && !ends.terminated;
@@ -175,9 +175,9 @@ void BaselinesEpisode::reset(const Seed* seed) {
     observation_->repeat(true);
 }
 
-Outcome BaselinesEpisode::play_step(int action, float strength) {
+Outcome BaselinesEpisode::play_step(const int* actions, float strength) {
     int64_t reward = 0;
-    const Ends ends = skip_with_lives(action, strength, reward);
+    const Ends ends = skip_with_lives(*actions, strength, reward);
     return outcome(reward, ends);
 }
 

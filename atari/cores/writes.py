@@ -1,0 +1,57 @@
+"""Writes to RAM for the native core, made of the rules of `atari.games.interventions`."""
+
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import asdict
+
+from atari import _emulator
+from atari.games.game import Game
+from atari.games.interventions import Intervention, WriteRule, compile_write
+
+
+def make_write(game: Game, rule: WriteRule, where: str) -> _emulator.Write:
+    """The compiled write of a rule; `where` names it in errors.
+
+    Raises:
+        TypeError, ValueError: a part of the rule is wrong, or the label cannot have the value; the message says where.
+    """
+    compiled = compile_write(game, rule, where)
+    try:
+        write = _emulator.make_write(**asdict(compiled))
+    except ValueError as error:
+        raise ValueError(f"{where}: an expression is too large to compile ({error})") from None
+    values = set(write.label_values)
+    if isinstance(rule.value, int) and values and rule.value not in values:
+        raise ValueError(f"{where}, value: {rule.to} cannot be {rule.value}; {_possible(values)}")
+    return write
+
+
+def make_writes(game: Game, interventions: Sequence[Intervention]) -> list[_emulator.Write]:
+    """The compiled writes of interventions, in their order.
+
+    Raises:
+        TypeError, ValueError: as `make_write`.
+    """
+    return [
+        make_write(game, rule, f"intervention {intervention.name!r}, writes[{number}]")
+        for intervention in interventions
+        for number, rule in enumerate(intervention.writes)
+    ]
+
+
+def fact(interventions: Sequence[Intervention]) -> str | None:
+    """A text that is equal for equal interventions, with their names; None if there are none."""
+    if not interventions:
+        return None
+    text = json.dumps([intervention.definition() for intervention in interventions], sort_keys=True)
+    digest = hashlib.blake2b(text.encode(), digest_size=4).hexdigest()
+    return f"{', '.join(intervention.name for intervention in interventions)} ({digest})"
+
+
+def _possible(values: set[int]) -> str:
+    low, high = min(values), max(values)
+    if high - low + 1 == len(values):
+        return f"its values are {low}..{high}"
+    some = sorted(values)
+    return f"its values are {', '.join(map(str, some[:20]))}{', ...' if len(some) > 20 else ''} within {low}..{high}"
