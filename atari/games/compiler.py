@@ -6,7 +6,7 @@ becomes a program of the same kind with loops. The native core checks every prog
 """
 
 import ast
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from atari.actions import Action
@@ -15,8 +15,8 @@ from atari.games.rules import Operation, Rules
 OPERATIONS = (
     "push load store ram xram add subtract multiply divide modulo and or xor shift_left shift_right "
     "equal not_equal less less_equal greater greater_equal negate invert not jump jump_if_zero "
-    "jump_if_zero_else_pop jump_if_not_zero_else_pop bcd signed8 count same positive_sum negative_sum random "
-    "press_select soft_reset act fail end"
+    "jump_if_zero_else_pop jump_if_not_zero_else_pop bcd signed8 count same positive_sum negative_sum "
+    "random random_between press_select soft_reset act fail end"
 ).split()
 """Names of the operations; an operation's index is its number."""
 
@@ -30,7 +30,8 @@ _COMPARE: dict[type[ast.cmpop], str] = {
     ast.GtE: "greater_equal",
 }  # fmt: skip
 _UNARY: dict[type[ast.unaryop], str] = {ast.USub: "negate", ast.Invert: "invert", ast.Not: "not"}
-_CALLS = {"s8": "signed8", "same": "same", "pos_sum": "positive_sum", "neg_sum": "negative_sum", "rng": "random"}
+_CALLS = {"s8": "signed8", "same": "same", "pos_sum": "positive_sum", "neg_sum": "negative_sum", "rng": "random",
+          "random": "random_between"}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -65,6 +66,14 @@ def compile_rules(rules: Rules) -> CompiledRules:
     )
 
 
+def compile_expression(tree: ast.Expression, numbers: Mapping[str, int], result: int) -> list[int]:
+    """Compile a checked expression to a program that stores its value in the variable `result`."""
+    assembler = _Assembler(dict(numbers))
+    assembler.node(tree.body)
+    assembler.emit("store", result)
+    return assembler.finish()
+
+
 class _Assembler:
     """Collects instructions; `numbers` are the variables, to which hidden ones may be added."""
 
@@ -82,7 +91,7 @@ class _Assembler:
         return [word for instruction in self._code for word in instruction]
 
     def expression(self, source: str) -> None:
-        self._node(ast.parse(source.strip(), mode="eval").body)
+        self.node(ast.parse(source.strip(), mode="eval").body)
 
     def operations(self, operations: Sequence[Operation]) -> None:
         for operation in operations:
@@ -91,39 +100,43 @@ class _Assembler:
     def _here(self) -> int:
         return len(self._code)
 
-    def _node(self, node: ast.expr) -> None:
+    def node(self, node: ast.expr) -> None:
+        """Append the instructions that push the value of an expression."""
         match node:
             case ast.Constant(value=int(value)):
                 self.emit("push", value)
             case ast.Name(id=name):
                 self.emit("load", self._numbers[name])
             case ast.Subscript(value=ast.Name(id=memory), slice=index):
-                self._node(index)
+                self.node(index)
                 self.emit(memory)
             case ast.BinOp(left=left, op=op, right=right):
-                self._node(left)
-                self._node(right)
+                self.node(left)
+                self.node(right)
                 self.emit(_BINARY[type(op)])
             case ast.UnaryOp(op=op, operand=operand):
-                self._node(operand)
+                self.node(operand)
                 self.emit(_UNARY[type(op)])
             case ast.Compare(left=left, ops=[op], comparators=[right]):
-                self._node(left)
-                self._node(right)
+                self.node(left)
+                self.node(right)
                 self.emit(_COMPARE[type(op)])
+            case ast.Compare(left=left, ops=ops, comparators=rights):
+                pairs = zip([left, *rights], ops, rights, strict=False)
+                self._bool(True, [ast.Compare(a, [op], [b]) for a, op, b in pairs])
             case ast.BoolOp(op=op, values=values):
                 self._bool(isinstance(op, ast.And), values)
             case ast.IfExp(test=test, body=body, orelse=orelse):
-                self._node(test)
+                self.node(test)
                 otherwise = self.emit("jump_if_zero")
-                self._node(body)
+                self.node(body)
                 end = self.emit("jump")
                 otherwise[1] = self._here()
-                self._node(orelse)
+                self.node(orelse)
                 end[1] = self._here()
             case ast.Call(func=ast.Name(id=helper), args=arguments):
                 for argument in arguments:
-                    self._node(argument)
+                    self.node(argument)
                 if helper in ("bcd", "count"):
                     self.emit(helper, len(arguments))
                 else:
@@ -133,11 +146,11 @@ class _Assembler:
 
     def _bool(self, is_and: bool, values: list[ast.expr]) -> None:
         leave = "jump_if_zero_else_pop" if is_and else "jump_if_not_zero_else_pop"
-        self._node(values[0])
+        self.node(values[0])
         jumps = []
         for value in values[1:]:
             jumps.append(self.emit(leave))
-            self._node(value)
+            self.node(value)
         for jump in jumps:
             jump[1] = self._here()
 

@@ -14,7 +14,7 @@ from typing import Any, Literal
 from atari.actions import PLAYER_ACTIONS, Action
 from atari.games.frozen import FrozenDict
 from atari.games.multiplayer import Multiplayer, parse_multiplayer
-from atari.games.rules import LABEL_ADDRESSES, Rules, check_expression, parse_rules
+from atari.games.rules import LABEL_ADDRESSES, Rules, check_label_expression, parse_rules
 from atari.games.tables import actions, build, check_keys, check_numbers, check_value
 from atari.validation import check_file
 
@@ -92,8 +92,8 @@ class RamLabel:
     """The meaning of one byte of RAM.
 
     `index` is 0..127 into the RAM observation. `transform` and `visible` are expressions over `v` (this byte) and
-    `ram` (all of them). `sources` are documents that have the label, `evidence` is the result of a check against the
-    running game.
+    `ram` (all of them). `width` and `height` are those of the object on the screen, in
+    pixels. `sources` are documents that have the label, `evidence` is the result of a check against the running game.
     """
 
     name: str
@@ -104,6 +104,8 @@ class RamLabel:
     mask: int | None = None
     encoding: str | None = None
     weight: int | None = None
+    width: int | None = None
+    height: int | None = None
     start: int | None = None
     transform: str | None = None
     visible: str | None = None
@@ -277,7 +279,13 @@ def _ram_label(name: str, table: Mapping[str, Any]) -> RamLabel:
     label = build(RamLabel, {"name": name, **table}, where)
     if label.index not in LABEL_ADDRESSES:
         raise ValueError(f"{where}: index {label.index} is not within 0..127")
+    for key, low, high in (("mask", 1, 255), ("width", 1, 160), ("height", 1, 256)):
+        number = getattr(label, key)
+        if number is not None and not low <= number <= high:
+            raise ValueError(f"{where}: {key} {number} is not within {low}..{high}")
+    if label.encoding not in (None, "plain", "bcd"):
+        raise ValueError(f"{where}: encoding must be 'bcd' or 'plain', got {label.encoding!r}")
     for expression in (label.transform, label.visible):
         if expression is not None:
-            check_expression(expression, {"v"}, where, LABEL_ADDRESSES)
+            check_label_expression(expression, where)
     return label

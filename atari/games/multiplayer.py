@@ -21,6 +21,7 @@ class Multiplayer:
         starting_actions: held by player 1, then by player 2, at the end of a reset.
         difficulties: bit 0 is the left difficulty switch at A, bit 1 the right one.
         rules: with the outputs `reward_1`, `lives_1`, `reward_2`, `lives_2`, ... and `terminal`.
+        corrected: the same with a true score, where the rule of the reference reads a wrong byte; else None.
         paddle_range: instead of the range in `[controllers]`.
         parameters: numbers that the rules use and a user may set, by name.
         mode_offset: what ale-py's numbers of these modes differ by.
@@ -33,6 +34,7 @@ class Multiplayer:
     starting_actions: tuple[Action, ...]
     difficulties: tuple[int, ...]
     rules: Rules
+    corrected: Rules | None
     paddle_range: tuple[int, int] | None
     parameters: Mapping[str, int]
     mode_offset: int
@@ -73,7 +75,8 @@ def parse_multiplayer(table: Mapping[str, Any]) -> Multiplayer:
         minimal_actions=actions(table["minimal"]),
         starting_actions=actions(table["starting"]),
         difficulties=tuple(table["difficulties"]),
-        rules=_rules(table, most),
+        rules=_rules(table, most, "step"),
+        corrected=_rules(table, most, "corrected_step") if "corrected_step" in table["rules"] else None,
         paddle_range=_paddle_range(table.get("paddle_range")),
         parameters=FrozenDict(table.get("parameters", {})),
         mode_offset=table.get("mode_offset", 0),
@@ -93,11 +96,13 @@ def _modes(table: Any) -> Mapping[int, tuple[int, ...]]:
     return FrozenDict(modes)
 
 
-def _rules(table: Mapping[str, Any], players: int) -> Rules:
-    """The rules, with the parameters as variables that keep their value."""
+def _rules(table: Mapping[str, Any], players: int, step: str) -> Rules:
+    """The rules with one of their steps, and with the parameters as variables that keep their value."""
     parameters = table.get("parameters", {})
-    check_keys(table["rules"], "[multiplayer.rules]", ("state", "step"), ("mode_select", "kept_over_reset"))
-    rules = dict(table["rules"])
+    optional = ("corrected_step", "mode_select", "kept_over_reset")
+    check_keys(table["rules"], "[multiplayer.rules]", ("state", "step"), optional)
+    rules = {key: value for key, value in table["rules"].items() if key != "corrected_step"}
+    rules["step"] = table["rules"][step]
     if isinstance(parameters, Mapping) and isinstance(rules["state"], Mapping):
         rules["state"] = {**parameters, **rules["state"]}
         rules["kept_over_reset"] = [*parameters, *rules.get("kept_over_reset", [])]

@@ -7,6 +7,7 @@ game definition and checks every expression against the grammar; a core evaluate
 
 import ast
 from collections.abc import Iterable, Mapping
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
@@ -145,7 +146,11 @@ def parse_rules(table: Mapping[str, Any], outputs: tuple[str, ...] = OUTPUTS) ->
 
 
 def check_expression(
-    source: str, names: Iterable[str], where: str, addresses: range = RULE_ADDRESSES
+    source: str,
+    names: Iterable[str],
+    where: str,
+    addresses: range = RULE_ADDRESSES,
+    helpers: Mapping[str, Helper] = HELPERS,
 ) -> ast.Expression:
     """Parse one expression and check it against the grammar.
 
@@ -154,6 +159,7 @@ def check_expression(
         names: the variables in scope.
         where: the expression's place in the file, for error messages.
         addresses: those that `ram[...]` and the helpers accept.
+        helpers: the functions of the language.
 
     Raises:
         ValueError: `source` is not an expression of this language; the message says where and what is wrong.
@@ -168,14 +174,26 @@ def check_expression(
         raise ValueError(f"{where}: {source!r} is not an expression: {error or 'it is nested too deeply'}") from None
     if _depth(tree) > _DEEPEST:
         raise ValueError(f"{where}: {source!r} is nested too deeply")
-    scope = set(names)
+    scope = names if isinstance(names, AbstractSet) else set(names)
     indexed = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Subscript)}
     called = {id(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
     for node in ast.walk(tree):
-        problem = None if id(node) in indexed | called else _problem(node, scope, addresses)
+        problem = None if id(node) in indexed | called else _problem(node, scope, addresses, helpers)
         if problem:
             raise ValueError(f"{where}: in {source!r}, {problem}")
     return tree
+
+
+def check_label_expression(source: str, where: str) -> None:
+    """Check an expression of a RAM label: over `v`, the byte, and `ram[0..127]`.
+
+    Raises:
+        ValueError: as `check_expression`. A label has neither `xram` nor `rng()`.
+    """
+    tree = check_expression(source, {"v"}, where, LABEL_ADDRESSES)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Name) and node.id in ("xram", "rng"):
+            raise ValueError(f"{where}: in {source!r}, {node.id} cannot be used in a label; use v and ram[0..127]")
 
 
 def _depth(tree: ast.AST) -> int:
@@ -186,7 +204,7 @@ def _depth(tree: ast.AST) -> int:
     return depth
 
 
-def _problem(node: ast.AST, scope: set[str], addresses: range) -> str | None:
+def _problem(node: ast.AST, scope: AbstractSet[str], addresses: range, helpers: Mapping[str, Helper]) -> str | None:
     """What is wrong with one node of an expression, or None."""
     if isinstance(node, ast.Constant):
         good = type(node.value) is int and node.value < 2**31
@@ -198,9 +216,9 @@ def _problem(node: ast.AST, scope: set[str], addresses: range) -> str | None:
             return "only ram[...] and xram[...] can be indexed"
         return _address_problem([node.slice], addresses)
     if isinstance(node, ast.Call):
-        if not isinstance(node.func, ast.Name) or node.func.id not in HELPERS or node.keywords:
-            return f"{ast.unparse(node.func)}() is not one of the helpers {', '.join(HELPERS)}"
-        helper = HELPERS[node.func.id]
+        if not isinstance(node.func, ast.Name) or node.func.id not in helpers or node.keywords:
+            return f"{ast.unparse(node.func)}() is not one of the helpers {', '.join(helpers)}"
+        helper = helpers[node.func.id]
         if not helper.fewest <= len(node.args) <= helper.most:
             return f"{node.func.id}() has {len(node.args)} arguments"
         return _address_problem(node.args[: helper.addresses], addresses)

@@ -177,9 +177,9 @@ def test_the_rules_read_as_expressions() -> None:
 LABELS = [(game.id, label) for game in atari.games.values() for label in game.ram_labels]
 
 
-def test_76_games_have_1410_labels() -> None:
-    assert len(LABELS) == 1410
-    assert len({game for game, _ in LABELS}) == 76
+def test_108_games_have_1812_labels() -> None:
+    assert len(LABELS) == 1812
+    assert len({game for game, _ in LABELS}) == 108
 
 
 @pytest.mark.parametrize("game", sorted({game for game, _ in LABELS}))
