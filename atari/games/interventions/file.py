@@ -1,0 +1,303 @@
+"""Reads the files of interventions, `data/<game>.toml` and users' own; docs/ram.md documents the format."""
+
+import re
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from os import PathLike
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, Literal
+
+from atari.actions import Action
+from atari.games.catalog import games
+from atari.games.frozen import FrozenDict
+from atari.games.game import Game
+from atari.games.interventions.writes import (
+    LATEST_FRAME,
+    WriteRule,
+    compile_write,
+    find_label,
+    parse_expression,
+    unknown,
+)
+from atari.validation import check_file, check_integer
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+_FOLDER = Path(__file__).parent / "data"
+_MOST_BYTES = 256 << 10
+_MOST_WRITES = 64
+_MOST_FRAMES = 100_000
+CHECK_NAMES = ("reward", "lives", "frame", "pixels")
+"""The names of a check's expressions besides labels; a label of the same name comes first."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """How the effect of an intervention is proved: what is played, and what must then be true.
+
+    Attributes:
+        frames: emulated frames that are played.
+        actions: "random", "noop", or names of actions, which are repeated.
+        kind: "holds", "more" or "less".
+        expression: over labels, `ram[...]`, `CHECK_NAMES`, and the calls `first(label)` and `changes(label)`.
+        after: frames at the start that do not count.
+        by: the factor of "more" and "less".
+    """
+
+    frames: int
+    actions: Literal["random", "noop"] | tuple[str, ...]
+    kind: Literal["holds", "more", "less"]
+    expression: str
+    after: int = 0
+    by: float = 1.2
+
+
+@dataclass(frozen=True)
+class Intervention:
+    """A described change of a game. `table` is its definition as in a file, without the name."""
+
+    name: str
+    description: str
+    source: str
+    writes: tuple[WriteRule, ...]
+    check: Check | None
+    table: Mapping[str, Any]
+
+    def definition(self) -> dict[str, Any]:
+        """The definition with the name under "name": plain data, which the option `interventions` accepts."""
+        return {"name": self.name, **_thawed(self.table)}
+
+
+def load(game: "str | Game") -> Mapping[str, Intervention]:
+    """The interventions of a game by name, in alphabetical order; empty if there are none.
+
+    Raises:
+        ValueError: there is no such game.
+    """
+    found = games.resolve(game)
+    path = _FOLDER / f"{found.id}.toml"
+    return load_file(path, found) if path.exists() else MappingProxyType({})
+
+
+def load_file(path: str | PathLike[str], game: "str | Game") -> Mapping[str, Intervention]:
+    """The interventions in a file, for a game.
+
+    Raises:
+        ValueError: the file is not valid; the message names the file, the intervention and the key.
+        OSError: it cannot be read.
+    """
+    return _load_file(Path(path), games.resolve(game), Path(path).stat().st_mtime_ns)
+
+
+def resolve(game: Game, items: Any) -> tuple[Intervention, ...]:
+    """The interventions that the option `interventions` names.
+
+    Args:
+        game: the game.
+        items: a list; each item is a name, a path "file.toml#name", an `Intervention` or its `definition()`.
+
+    Raises:
+        TypeError: it is no list of these.
+        ValueError: there is no such intervention (the message suggests the nearest), or a definition is wrong.
+        OSError: a file cannot be read.
+    """
+    if items is None:
+        return ()
+    if isinstance(items, (str, Mapping, Intervention)) or not isinstance(items, Sequence):
+        raise TypeError(f"interventions must be a list of names such as ['lazy_enemy'], got {items!r}")
+    found = tuple(_resolve(game, item) for item in items)
+    writes = sum(len(one.writes) for one in found)
+    if writes > _MOST_WRITES:
+        raise ValueError(f"interventions may have {_MOST_WRITES} writes together, these have {writes}")
+    return found
+
+
+def from_definition(game: Game, definition: Mapping[str, Any]) -> Intervention:
+    """An intervention from its `definition()`.
+
+    Raises:
+        ValueError: the definition is wrong.
+    """
+    table = dict(definition)
+    name = table.pop("name", None)
+    if not isinstance(name, str):
+        raise ValueError(f"an intervention's definition needs its name under 'name', got {name!r}")
+    return _parse(name, table, game, f"intervention {name!r}")
+
+
+def _resolve(game: Game, item: Any) -> Intervention:
+    if isinstance(item, Intervention):
+        return from_definition(game, item.definition())
+    if isinstance(item, Mapping):
+        return from_definition(game, item)
+    if not isinstance(item, str):
+        raise TypeError(f"an intervention is a name such as 'lazy_enemy', or 'file.toml#name', got {item!r}")
+    path, separator, name = item.rpartition("#")
+    known = load_file(path, game) if separator else load(game)
+    if name not in known:
+        raise ValueError(unknown(name, "intervention", known, path or game.id))
+    return known[name]
+
+
+@lru_cache(maxsize=256)
+def _load_file(path: Path, game: Game, changed: int) -> Mapping[str, Intervention]:
+    check_file(path)
+    with path.open("rb") as stream:
+        data = stream.read(_MOST_BYTES + 1)
+    try:
+        if len(data) > _MOST_BYTES:
+            raise ValueError(f"a file of interventions has at most {_MOST_BYTES:,} bytes")
+        tables = tomllib.loads(data.decode("utf-8"))
+    except RecursionError:
+        raise ValueError(f"{path}: its tables or lists are nested too deeply") from None
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
+    found = {name: _parse(name, table, game, f"{path}, [{name}]") for name, table in sorted(tables.items())}
+    return MappingProxyType(found)
+
+
+def _parse(name: str, table: Any, game: Game, where: str) -> Intervention:
+    _check_keys(table, where, ("description", "source", "writes"), ("check", "paid"))
+    for key in ("description", "source"):
+        if not isinstance(table[key], str) or not table[key]:
+            raise ValueError(f"{where}, {key}: must be a text, got {table[key]!r}")
+    paid = _check_flag(table.get("paid", True), f"{where}, paid")
+    writes = table["writes"]
+    if not isinstance(writes, (list, tuple)) or not 1 <= len(writes) <= _MOST_WRITES:
+        raise ValueError(f"{where}, writes: must be a list of 1..{_MOST_WRITES} tables, got {writes!r}")
+    rules = []
+    for number, write in enumerate(writes):
+        place = f"{where}, writes[{number}]"
+        rules.append(_write(write, paid, place))
+        try:
+            compile_write(game, rules[-1], place)
+        except TypeError as error:
+            raise ValueError(str(error)) from None
+    check = _check(table["check"], game, f"{where}, check") if "check" in table else None
+    return Intervention(name, table["description"], table["source"], tuple(rules), check, _frozen(table))
+
+
+def _write(table: Any, paid: bool, where: str) -> WriteRule:
+    _check_keys(table, where, ("to", "value"), ("when", "if", "mask"))
+    to, value, condition = table["to"], table["value"], table.get("if")
+    if type(to) not in (str, int):
+        raise ValueError(f"{where}, to: must be a label or a place in RAM, got {to!r}")
+    if type(value) not in (str, int):
+        raise ValueError(f"{where}, value: must be an integer or an expression, got {value!r}")
+    if condition is not None and type(condition) is not str:
+        raise ValueError(f"{where}, if: must be an expression, got {condition!r}")
+    mask = table.get("mask", 0xFF)
+    return WriteRule(to, value, _when(table.get("when", "frame"), f"{where}, when"), condition, mask, paid=paid)
+
+
+def _when(value: Any, where: str) -> "Literal['frame', 'reset'] | tuple[int, ...]":
+    if value in ("frame", "reset"):
+        return value  # type: ignore[no-any-return]
+    frames = list(value) if isinstance(value, (list, tuple)) else [value]
+    if not frames or not all(type(frame) is int and 0 <= frame <= LATEST_FRAME for frame in frames):
+        raise ValueError(f"{where}: must be 'frame', 'reset', a frame of the episode or a list of these, got {value!r}")
+    return tuple(frames)
+
+
+def _check(table: Any, game: Game, where: str) -> Check:
+    _check_keys(table, where, ("frames",), ("actions", "holds", "more", "less", "after", "by"))
+    kinds = [kind for kind in ("holds", "more", "less") if kind in table]
+    if len(kinds) != 1:
+        raise ValueError(f"{where}: needs one of 'holds', 'more' and 'less', got {', '.join(kinds) or 'none'}")
+    kind: Any = kinds[0]
+    expression = table[kind]
+    frames = _check_number(table["frames"], f"{where}, frames", 1, _MOST_FRAMES)
+    by = table.get("by", 1.2)
+    if type(by) not in (int, float) or not 1.0 <= by <= 1e6:
+        raise ValueError(f"{where}, by: must be a factor of 1 or more, got {by!r}")
+    if "by" in table and kind == "holds":
+        raise ValueError(f"{where}, by: is the factor of 'more' and 'less', and not of 'holds'")
+    if type(expression) not in (str, int):
+        raise ValueError(f"{where}, {kind}: must be an expression, got {expression!r}")
+    from_calls = split_calls(str(expression), game, f"{where}, {kind}")
+    parse_expression(game, from_calls.source, (*CHECK_NAMES, *from_calls.calls), f"{where}, {kind}")
+    return Check(
+        frames=frames,
+        actions=_actions(table.get("actions", "random"), game, f"{where}, actions"),
+        kind=kind,
+        expression=str(expression),
+        after=_check_number(table.get("after", 0), f"{where}, after", 0, frames - 1),
+        by=float(by),
+    )
+
+
+@dataclass(frozen=True)
+class Calls:
+    """A check's expression with its calls `first(label)` and `changes(label)` replaced by names of `calls`."""
+
+    source: str
+    calls: Mapping[str, tuple[str, str]]
+
+
+def split_calls(source: str, game: Game, where: str) -> Calls:
+    """Replace `first(label)` and `changes(label)` in an expression by names.
+
+    Raises:
+        ValueError: there is no such label.
+    """
+    calls: dict[str, tuple[str, str]] = {}
+
+    def name(match: "re.Match[str]") -> str:
+        function, label = match.groups()
+        find_label(game, label, where)
+        calls[f"{function}__{label}"] = (function, label)
+        return f"{function}__{label}"
+
+    return Calls(re.sub(r"\b(first|changes)\(\s*(\w+)\s*\)", name, source), calls)
+
+
+def _actions(value: Any, game: Game, where: str) -> Any:
+    if value in ("random", "noop"):
+        return value
+    legal = [action.name for action in game.legal_actions]
+    names = list(value) if isinstance(value, (list, tuple)) else []
+    if not names or not all(isinstance(one, str) and one in legal and one in Action.__members__ for one in names):
+        raise ValueError(f"{where}: must be 'random', 'noop' or a list of legal actions such as 'FIRE', got {value!r}")
+    return tuple(names)
+
+
+def _check_number(value: Any, where: str, low: int, high: int) -> int:
+    try:
+        return check_integer(where, value, low, high)
+    except TypeError as error:
+        raise ValueError(str(error)) from None
+
+
+def _check_flag(value: Any, where: str) -> bool:
+    if type(value) is not bool:
+        raise ValueError(f"{where}: must be true or false, got {value!r}")
+    return value
+
+
+def _check_keys(table: Any, where: str, required: Sequence[str], optional: Sequence[str]) -> None:
+    if not isinstance(table, Mapping):
+        raise ValueError(f"{where}: must be a table, got {table!r}")
+    for key in table:
+        if key not in (*required, *optional):
+            raise ValueError(f"{where}: {unknown(key, 'key', (*required, *optional), 'it')}")
+    for key in required:
+        if key not in table:
+            raise ValueError(f"{where}: needs the key {key!r}")
+
+
+def _frozen(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return FrozenDict((key, _frozen(item)) for key, item in value.items())
+    return tuple(map(_frozen, value)) if isinstance(value, (list, tuple)) else value
+
+
+def _thawed(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {key: _thawed(item) for key, item in value.items()}
+    return list(map(_thawed, value)) if isinstance(value, tuple) else value

@@ -1,0 +1,186 @@
+"""`WriteRule`: which byte of RAM gets which value, and when; compiled to programs of the native core.
+
+A rule's expressions are those of `atari.games.rules`, over the values of labels, `ram[...]`, `old` and `frame`, with
+the helper `random`. A label in an expression is replaced by the expression of its value.
+"""
+
+import ast
+import difflib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Literal, cast
+
+from atari.games.compiler import compile_expression
+from atari.games.game import Game, RamLabel
+from atari.games.labels import value_source
+from atari.games.rules import HELPERS, LABEL_ADDRESSES, Helper, check_expression
+from atari.validation import check_integer
+
+_HELPERS = {**HELPERS, "random": Helper(2, 2, 0)}
+_VARIABLES = {"old": 1, "frame": 2, "v": 3}
+"""The numbers of the variables of a write's programs, as in `WriteVariable` in `atari/emulator/ale/writes.hpp`."""
+
+_RESULT = 0
+_ANY_PLACE = range(256)
+LATEST_FRAME = 2**31 - 1
+
+
+@dataclass(frozen=True)
+class WriteRule:
+    """One write.
+
+    Attributes:
+        to: a label, whose value is written, or a place in RAM: an index 0..127, or an address 0x80..0xFF.
+        value: a number or an expression.
+        when: "frame" is after every emulated frame, "reset" after the reset, integers are frames of the episode.
+            "held" is both "frame" and "reset".
+        condition: an expression, or None.
+        mask: the bits that are written to a place.
+        once: whether it is applied only once, instead of in each episode.
+        paid: whether the rules may reward what it changes.
+    """
+
+    to: str | int
+    value: int | str
+    when: Literal["frame", "reset", "held"] | tuple[int, ...] = "frame"
+    condition: str | None = None
+    mask: int = 0xFF
+    once: bool = False
+    paid: bool = True
+
+
+@dataclass(frozen=True)
+class CompiledWrite:
+    """The arguments of `_emulator.make_write`."""
+
+    index: int
+    mask: int
+    every_frame: bool
+    at_reset: bool
+    frames: list[int]
+    once: bool
+    paid: bool
+    remembers: bool
+    condition: list[int]
+    value: list[int]
+    label: list[int]
+
+
+def compile_write(game: Game, rule: WriteRule, where: str) -> CompiledWrite:
+    """Check a rule and compile it; `where` names it in errors.
+
+    Raises:
+        TypeError, ValueError: a label, a place, a mask, a frame or an expression is wrong; the message says where.
+    """
+    label = find_label(game, rule.to, f"{where}, to") if isinstance(rule.to, str) else None
+    if label is None:
+        index = check_integer(f"{where}, to", rule.to, 0, 255) % 128
+        mask = check_integer(f"{where}, mask", rule.mask, 1, 255)
+        if isinstance(rule.value, int):
+            check_integer(f"{where}, value", rule.value, 0, 255)
+    else:
+        index, mask = label.index, 0xFF if label.mask is None else label.mask
+        if rule.mask != 0xFF:
+            raise ValueError(
+                f"{where}, mask: the label {label.name!r} has its own; write to place {label.index} instead"
+            )
+    sources = [(str(rule.value), "value"), *([] if rule.condition is None else [(rule.condition, "if")])]
+    trees = [parse_expression(game, source, ("old", "frame"), f"{where}, {key}") for source, key in sources]
+    programs = [compile_expression(tree, _VARIABLES, _RESULT) for tree in trees]
+    frames = rule.when if isinstance(rule.when, tuple) else ()
+    return CompiledWrite(
+        index=index,
+        mask=mask,
+        every_frame=rule.when in ("frame", "held"),
+        at_reset=rule.when in ("reset", "held") or 0 in frames,
+        frames=[check_integer(f"{where}, when", frame, 0, LATEST_FRAME) for frame in frames if frame != 0],
+        once=rule.once,
+        paid=rule.paid,
+        remembers=any(isinstance(node, ast.Name) and node.id == "old" for tree in trees for node in ast.walk(tree)),
+        condition=programs[1] if rule.condition is not None else [],
+        value=programs[0],
+        label=[] if label is None else _compile_label(label),
+    )
+
+
+def find_label(game: Game, name: str, where: str) -> RamLabel:
+    """The label of a name.
+
+    Raises:
+        ValueError: the game has none; the message suggests the nearest.
+    """
+    if name not in game.ram_labels:
+        raise ValueError(f"{where}: {unknown(name, 'label', game.ram_labels, game.id)}")
+    return game.ram_labels[name]
+
+
+def unknown(name: Any, kind: str, names: Iterable[str], game: str) -> str:
+    """The error message for a name that does not exist, with the nearest that does."""
+    names = tuple(names)
+    near = difflib.get_close_matches(str(name), names, n=1, cutoff=0.4)
+    hint = f"did you mean {near[0]!r}?" if near else f"it has {', '.join(names) or 'none'}"
+    return f"{game} has no {kind} {name!r}; {hint}"
+
+
+def parse_expression(game: Game, source: str, names: Iterable[str], where: str) -> ast.Expression:
+    """Parse an expression over `names` and the labels of a game, and replace the labels by their values.
+
+    Raises:
+        ValueError: it is not such an expression; the message says where and what is wrong.
+    """
+    names = set(names)
+    tree = check_expression(source, _AnyName(), where, _ANY_PLACE, _HELPERS)
+    called = {id(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
+    called |= {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Subscript)}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Name) and id(node) not in called and node.id not in names | set(game.ram_labels):
+            raise ValueError(
+                f"{where}: in {source!r}, {unknown(node.id, 'label', [*game.ram_labels, *names], game.id)}"
+            )
+    return cast(ast.Expression, _LabelValues(game, names).visit(tree))
+
+
+class _AnyName(set[str]):
+    """A scope with all names, which are checked afterwards."""
+
+    def __contains__(self, name: object) -> bool:
+        return True
+
+
+class _LabelValues(ast.NodeTransformer):
+    """Replaces the names of labels by the expressions of their values, except `names`."""
+
+    def __init__(self, game: Game, names: set[str]) -> None:
+        self._game, self._names = game, names
+
+    def visit_Call(self, node: ast.Call) -> ast.AST:
+        node.args = [self.visit(argument) for argument in node.args]
+        return node
+
+    def visit_Subscript(self, node: ast.Subscript) -> ast.AST:
+        return node
+
+    def visit_Name(self, node: ast.Name) -> ast.AST:
+        if node.id in self._names:
+            return node
+        label = self._game.ram_labels[node.id]
+        tree = ast.parse(value_source(label), mode="eval")
+        return cast(ast.AST, _Byte(label.index).visit(tree).body)
+
+
+class _Byte(ast.NodeTransformer):
+    """Replaces `v` by a byte of RAM."""
+
+    def __init__(self, index: int) -> None:
+        self._byte = ast.Subscript(ast.Name("ram", ast.Load()), ast.Constant(index), ast.Load())
+
+    def visit_Name(self, node: ast.Name) -> ast.AST:
+        return self._byte if node.id == "v" else node
+
+
+def _compile_label(label: RamLabel) -> list[int]:
+    source = value_source(label)
+    if label.transform is None and label.encoding == "bcd":
+        source = f"{source} if (v & 15) < 10 and (v & 240) < 160 else -1"  # no such digit is ever written
+    tree = check_expression(source, {"v"}, label.name, LABEL_ADDRESSES)
+    return compile_expression(tree, _VARIABLES, _RESULT)

@@ -1,0 +1,9 @@
+"""Interventions: described changes of a game through its RAM, and the checks that prove their effects.
+
+The option `interventions` of `AtariEnv` and `AtariVectorEnv` applies them; `atari.games.interventions` has the files.
+"""
+
+from atari.games.interventions import Intervention, load, load_file
+from atari.lab.interventions.check import CheckResult, check
+
+__all__ = ["CheckResult", "Intervention", "check", "load", "load_file"]
