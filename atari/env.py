@@ -6,7 +6,7 @@ Options, defaults, observations, rewards and random streams are those of ale-py'
 
 import copy
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from os import PathLike
@@ -21,6 +21,7 @@ from atari.cores import CORES, ByteArray, Core, snapshot
 from atari.cores.ale_interface import AleInterface, AleSettings
 from atari.games.catalog import games
 from atari.games.game import Game
+from atari.games.interventions import Intervention, resolve
 from atari.rendering import Window
 from atari.validation import check_action_index, check_frameskip, check_known, check_name, check_probability
 
@@ -70,6 +71,8 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         core: the emulator: "native" (ours), "plain" (our reference core, slower) or "ale" (ale-py); all give the same
             bytes.
         rom: path of the ROM file; None searches (see `atari.roms`).
+        interventions: changes of the game through its RAM: names such as "lazy_enemy" (`atari.lab.interventions` has
+            them all), or paths of your own as "file.toml#name". Not with core="ale".
 
     Raises:
         TypeError: there is no such option; the message suggests the nearest.
@@ -92,6 +95,9 @@ class AtariEnv(gymnasium.Env[Any, Any]):
     observers: list[FrameObserver]
     """The receivers of every frame, such as recorders. An observer may read the core, but not change it. Copies of the
     environment have no observers."""
+
+    interventions: tuple[Intervention, ...]
+    """The interventions of the game, of the option of this name."""
 
     ale_settings: AleSettings
     """The settings of `ale`, as `ale.setFloat` and the other setters change them."""
@@ -116,6 +122,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         *,
         core: str = "native",
         rom: str | PathLike[str] | None = None,
+        interventions: "Sequence[str | Mapping[str, Any] | Intervention] | None" = None,
         **wrong: Any,
     ) -> None:
         self._options = {key: value for key, value in locals().items() if key not in ("self", "__class__", "wrong")}
@@ -123,6 +130,8 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         self._obs_type = check_name("obs_type", obs_type, get_args(ObsType))
         self._frameskip = check_frameskip(frameskip)
         self.game: Game = games.find(game)
+        self.interventions = resolve(self.game, interventions)
+        self._options["interventions"] = [one.definition() for one in self.interventions] or None
         check_name("core", core, CORES)
         if render_mode is not None:
             check_name("render_mode", render_mode, get_args(RenderMode))
@@ -401,6 +410,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             mode=self._options["mode"],
             difficulty=self._options["difficulty"],
             rom=self._options["rom"],
+            interventions=self.interventions,
             **self._core_options,
         )
 

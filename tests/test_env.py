@@ -24,7 +24,7 @@ def test_options_and_defaults_are_those_of_ale_py() -> None:
     theirs = inspect.signature(ale_py.env.AtariEnv).parameters.values()
     same = [(option.name, option.default) for option in ours if option.kind is option.POSITIONAL_OR_KEYWORD]
     assert same == [(option.name, option.default) for option in theirs]
-    assert [option.name for option in ours if option.kind is option.KEYWORD_ONLY] == ["core", "rom"]
+    assert [option.name for option in ours if option.kind is option.KEYWORD_ONLY] == ["core", "rom", "interventions"]
 
 
 @pytest.mark.parametrize(

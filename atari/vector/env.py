@@ -10,7 +10,7 @@ import math
 import operator
 import os
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import cached_property
 from os import PathLike
@@ -26,18 +26,21 @@ from atari import _emulator
 from atari._gymnasium import AutoresetMode, VectorEnv
 from atari.cores import ByteArray
 from atari.games.game import Game
+from atari.games.interventions import Intervention
 from atari.protocols import Protocol
 from atari.rendering import tile
-from atari.validation import FirstResetNeeded, check_known
+from atari.validation import FirstResetNeeded, check_known, check_name
 from atari.vector.ale_interface import AleVectorInterface
 from atari.vector.members import Member
 from atari.vector.options import VectorOptions
+from atari.vector.players import choices
 from atari.vector.results import Results, pick_rows
 from atari.vector.seeds import seed_words
 
 ObsType = Literal["grayscale", "rgb", "ram", "dict"]
 GameLike = str | PathLike[str] | Game
 IntArray = npt.NDArray[np.int64]
+_RAM_OF = {"now": _emulator.RamOf.NOW, "result": _emulator.RamOf.RESULT, "final": _emulator.RamOf.FINAL}
 
 
 class AtariVectorEnv(VectorEnv):
@@ -57,6 +60,11 @@ class AtariVectorEnv(VectorEnv):
     (float64, seconds), and its mask `_episode` (added). With a preset, `info` also has, of the step that was played:
     `reward` (int32, not clipped), `elapsed_step` (int32, the steps of the game) and `terminated` (bool, whether the
     game is over); and in the other modes than SAME_STEP `episode` and `_episode`.
+
+    With `players`, actions are integers (batch, players); rewards (float64), terminations, truncations, and `lives` and
+    the scores `r` of `info` are (batch, players). All players see one observation. A player whose lives are negative is
+    out: terminated in this and all later steps, with reward 0 and action 0, while the others play on. The episode ends
+    when the game is over or all players are out, for all players at once (added).
 
     Threads may share an environment: one call runs at a time, and a thread that waits lets others run. In a forked
     process all methods but `close` raise RuntimeError.
@@ -84,13 +92,14 @@ class AtariVectorEnv(VectorEnv):
         stack_num: frames in an observation.
         frameskip: frames for each action; (low, high) draws from low..high-1 each step (added).
         maxpool: show the maximum of a skip's last two frames; False shows the last one.
-        noop_max: an episode begins with 0 to noop_max-1 frames of NOOP, among which the FIRE below counts as one.
+        noop_max: an episode begins with 0 to noop_max-1 frames of NOOP, among which the FIRE below counts as one; None
+            is 30, with `players` none.
         episodic_life: a lost life ends the episode. The next one is a new game (in most other implementations it is
             the same one, going on). None is False, or what the preset has.
         life_loss_info: a lost life is reported as a termination, but the episode goes on without a reset.
-        reward_clipping: rewards are clipped to -1..1; None is True, or what the preset has.
+        reward_clipping: rewards are clipped to -1..1; None is True, with `players` False, or what the preset has.
         clip_reward: another name of `reward_clipping`, that of the presets (added).
-        use_fire_reset: an episode begins with FIRE in games that have it.
+        use_fire_reset: an episode begins with FIRE in games that have it; None is True, with `players` False.
         preset: name of a preprocessing, one of `atari.wrappers.PRESETS` (added). Environment i then is
             `atari.wrappers.preset(env, name)` with seed + i, to the byte: no-ops, FIRE, lost lives, pooling, padding
             and limits are the preset's, and ale-py's options that shape them must be left out, but `stack_num`. An
@@ -102,7 +111,12 @@ class AtariVectorEnv(VectorEnv):
         dtype: "uint8", or "float32" with the same values 0..255, which is a copy of four times the size (added).
         mode, difficulty: of the game, None the default; a sequence has one for each environment (added).
         render_mode: "rgb_array" for `render` (added).
+        players: how many play each game, 2 to 4, see above; None is the game of one player (added). `mode` and
+            `difficulty` then are those of `atari.multiplayer.MultiplayerCore`.
+        agent_indicator: with `players`, observations are (batch, players, ...), for each player with so many more
+            channels as there are players: 255 in its own, 0 in the others, as SuperSuit adds them. A copy (added).
         rom: path of the ROM file; None searches (see `atari.roms`) (added).
+        interventions: changes of the games through RAM, as `AtariEnv` takes them (added).
 
     Raises:
         TypeError: there is no such option; the message suggests the nearest.
@@ -132,12 +146,12 @@ class AtariVectorEnv(VectorEnv):
         stack_num: int = 4,
         frameskip: int | tuple[int, int] = 4,
         maxpool: bool = True,
-        noop_max: int = 30,
+        noop_max: int | None = None,
         episodic_life: bool | None = None,
         life_loss_info: bool = False,
         reward_clipping: bool | None = None,
         clip_reward: bool | None = None,
-        use_fire_reset: bool = True,
+        use_fire_reset: bool | None = None,
         preset: str | Protocol | None = None,
         obs_type: ObsType | None = None,
         channels_last: bool = False,
@@ -145,7 +159,10 @@ class AtariVectorEnv(VectorEnv):
         mode: int | Sequence[int | None] | None = None,
         difficulty: int | Sequence[int | None] | None = None,
         render_mode: Literal["rgb_array"] | None = None,
+        players: int | None = None,
+        agent_indicator: bool = False,
         rom: str | PathLike[str] | None = None,
+        interventions: Sequence[str | Mapping[str, Any] | Intervention] | None = None,
         **wrong: Any,
     ) -> None:
         given = {key: value for key, value in locals().items() if key not in ("self", "__class__", "wrong")}
@@ -170,7 +187,7 @@ class AtariVectorEnv(VectorEnv):
         self._lock = _emulator.VectorLock()
         self.single_action_space = options.action_space()
         self.single_observation_space = options.layout.space(options.observation_space())
-        self.action_space = batch_space(self.single_action_space, self.batch_size)
+        self.action_space = options.batched_action_space()
         self._buffers = [Results(self._engine, options) for _ in range(2)]
         self._out_results: Results | None = None  # of the last step with `out`
         self._flying: Results | None = None  # what the environments are writing to
@@ -356,6 +373,22 @@ class AtariVectorEnv(VectorEnv):
         with self._lock:
             self._started().fork(source, chosen)
 
+    def ram(self, env_id: IntArray | None = None, *, of: Literal["now", "result", "final"] = "now") -> ByteArray:
+        """The RAM of all environments, (num_envs, 128) uint8, or of those of `env_id`, (rows, 128); a copy (added).
+
+        With of="result" it is that of the last results, whatever was written or restored since, and is read faster;
+        "final" is that of the final observation where in SAME_STEP an episode has ended.
+
+        Raises:
+            RuntimeError: environments are being played (between `send` and `recv`).
+            TypeError, ValueError, IndexError: `env_id` is not integers (rows,), or there is no such environment.
+        """
+        chosen = np.arange(self.num_envs, dtype=np.int64) if env_id is None else _check_env_id(env_id, None)
+        rams = np.empty((len(chosen), 128), np.uint8)
+        with self._lock:
+            self._open().copy_rams(chosen, rams, _RAM_OF[check_name("of", of, _RAM_OF)])
+        return rams
+
     def render(self) -> tuple[ByteArray, ...] | None:
         """The screens of all environments, (height, 160, 3) uint8 each; None without a render mode."""
         if self.render_mode is None:
@@ -402,7 +435,7 @@ class AtariVectorEnv(VectorEnv):
         """The environments one by one: their counters, RAM, mode and difficulty."""
         self._open()
         return tuple(
-            Member(self._open, self._lock, index, game, actions)
+            Member(self._open, self._lock, index, game, actions, choices(game, self._options.players))
             for index, (game, actions) in enumerate(zip(self.games, self._options.action_sets, strict=True))
         )
 
@@ -512,7 +545,8 @@ class AtariVectorEnv(VectorEnv):
     def _take_buffer(self, engine: _emulator.VectorEngine, out: Any) -> Results:
         if out is not None:
             if not self._options.layout.is_engines:
-                raise ValueError("out is filled as the engine writes: leave it, or channels_last and dtype, out")
+                given = self._options.layout.given()
+                raise ValueError(f"out is filled as the engine writes: leave out= or {given} out")
             if self._out_results is None or self._out_results.lent():
                 self._out_results = Results(engine, self._options, out)
             else:

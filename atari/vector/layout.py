@@ -17,13 +17,16 @@ class Layout:
     Attributes:
         channels_last: images are (height, width, stack), in RGB (height, width, 3 * stack).
         dtype: "uint8" or "float32"; the values stay 0..255.
+        indicators: of how many players each sees an observation of its own, with an indicator of the player; 0 is one
+            observation for all.
     """
 
     channels_last: bool = False
     dtype: str = "uint8"
+    indicators: int = 0
 
     @classmethod
-    def check(cls, channels_last: Any, dtype: Any, obs_type: str) -> "Layout":
+    def check(cls, channels_last: Any, dtype: Any, obs_type: str, indicators: int = 0) -> "Layout":
         """The layout of these options.
 
         Raises:
@@ -37,12 +40,21 @@ class Layout:
             raise TypeError(f"dtype must be 'uint8' or 'float32', got {dtype!r}") from None
         if dtype is None or name not in _DTYPES:
             raise ValueError(f"dtype must be 'uint8' or 'float32', got {dtype!r}")
-        return cls(bool(channels_last), name)
+        return cls(bool(channels_last), name, indicators)
 
     @property
     def is_engines(self) -> bool:
         """Whether observations are returned as the engine writes them."""
         return self == Layout()
+
+    def given(self) -> str:
+        """The options by which this differs from what the engine writes."""
+        options = {
+            "channels_last": self.channels_last,
+            "dtype": self.dtype != "uint8",
+            "agent_indicator": self.indicators,
+        }
+        return " and ".join(name for name, differs in options.items() if differs)
 
     def space(self, space: spaces.Space[Any]) -> spaces.Space[Any]:
         """The space of one observation in this layout, from the engine's space."""
@@ -64,4 +76,22 @@ class Layout:
             count, stack, height, width, *colours = array.shape
             array = np.moveaxis(array, 1, 3)
             array = array.reshape(count, height, width, stack * colours[0]) if colours else array
+        if self.indicators:
+            array = self._with_indicators(array)
         return array if self.dtype == "uint8" else array.astype(np.float32)  # of the same strides
+
+    def _with_indicators(self, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """An observation for each player, (batch, players, ...), with a channel a player added: 255 in its own, else 0.
+
+        This is the indicator of SuperSuit's `agent_indicator_v0`. The channels of RAM are its bytes.
+        """
+        players = self.indicators
+        axis = 2 if array.ndim == 4 and not self.channels_last else -1  # of the channels in the result
+        one_each = np.broadcast_to(array[:, None], (len(array), players, *array.shape[1:]))
+        widths = [(0, 0)] * one_each.ndim
+        widths[axis] = (0, players)
+        result = np.pad(one_each, widths)
+        channels = np.moveaxis(result, axis, 2)
+        for player in range(players):
+            channels[:, player, player - players] = 255
+        return result

@@ -27,8 +27,10 @@ class Member:
         index: int,
         game: Game,
         actions: tuple[Action, ...],
+        choices: dict[str, tuple[int, ...]],
     ) -> None:
         self._engine, self._lock, self.index, self.game, self._actions = engine, lock, index, game, actions
+        self._choices = choices
 
     def _numbers(self) -> list[int]:
         with self._lock:
@@ -36,18 +38,23 @@ class Member:
 
     @property
     def lives(self) -> int:
-        """Lives left, as the game's rules count them."""
-        return self._numbers()[0]
+        """Lives left, as the game's rules count them; of several players, the first one's."""
+        return self._numbers()[2]
+
+    @property
+    def player_lives(self) -> list[int]:
+        """Lives of each player; -1 if the player is out."""
+        return self._numbers()[2:]
 
     @property
     def frame_number(self) -> int:
         """Frames played since the last seed."""
-        return self._numbers()[1]
+        return self._numbers()[0]
 
     @property
     def episode_frame_number(self) -> int:
         """Frames played since the game began."""
-        return self._numbers()[2]
+        return self._numbers()[1]
 
     @property
     def mode(self) -> int:
@@ -118,6 +125,26 @@ class Member:
 
     render = screen_rgb
 
+    def redraw(self, out: ByteArray | None = None) -> ByteArray:
+        """The present RAM drawn by emulating a frame in a copy, (height, 160, 3) uint8, or `out` filled with it."""
+        with self._lock:
+            screen = self._engine().redraw(self.index)
+        return _copied(screen, out)
+
+    def add_write(self, write: _emulator.Write, now: bool = False) -> None:
+        """Apply a write at each frame from here on, and with `now` at once. `atari.lab.Freeze` uses it.
+
+        Raises:
+            ValueError: there are `_emulator.MOST_WRITES` already.
+        """
+        with self._lock:
+            self._engine().add_write(self.index, write, now)
+
+    def remove_write(self, write: _emulator.Write) -> None:
+        """End a write; does nothing if there is no such."""
+        with self._lock:
+            self._engine().remove_write(self.index, write)
+
     def get_action_meanings(self) -> list[str]:
         """The names of the game's actions, in the order of the action space unless games differ."""
         return [action.name for action in self._actions]
@@ -128,7 +155,7 @@ class Member:
         Raises:
             TypeError, ValueError: it is none.
         """
-        choices = {"mode": self.game.modes, "difficulty": self.game.difficulties}[name]
+        choices = self._choices[name]
         if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
             raise TypeError(f"{name} must be an integer, got {value!r}")
         if value not in choices:

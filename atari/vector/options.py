@@ -11,19 +11,24 @@ from typing import Any, get_args
 import numpy as np
 import numpy.typing as npt
 from gymnasium import spaces
+from gymnasium.vector.utils import batch_space
 
 from atari import _emulator
 from atari._gymnasium import AutoresetMode
 from atari.actions import PLAYER_ACTIONS, Action, in_continuous_space, joystick_action, make_action_space
 from atari.cores.native import compiled
 from atari.cores.options import CoreOptions
+from atari.cores.writes import make_writes
 from atari.games.catalog import games as catalog
 from atari.games.game import Game
+from atari.games.interventions import Intervention, resolve
+from atari.multiplayer.core import compiled_for_players, rules_of
 from atari.protocols import Protocol
 from atari.roms import find
 from atari.roms.image import read_image
 from atari.validation import check_clip_reward, check_frameskip, check_integer, check_name, check_probability
 from atari.vector.layout import Layout
+from atari.vector.players import check_modes, check_players, fill_defaults
 from atari.vector.settings import NO_LIMIT, episode_settings, filled, observation_settings
 
 _INT64, _ndarray = np.dtype(np.int64), np.ndarray  # found once: they are used at every step
@@ -51,6 +56,8 @@ class VectorOptions:
     layout: Layout
     preset: str | Protocol | None
     protocol: Protocol
+    interventions: tuple[tuple[Intervention, ...], ...]
+    players: int
 
     @classmethod
     def check(cls, **given: Any) -> "VectorOptions":
@@ -59,7 +66,9 @@ class VectorOptions:
         Raises:
             TypeError, ValueError: one is of the wrong kind or out of range.
         """
-        games = _check_games(given["game"], given["num_envs"])
+        games = _check_games(given["game"], given["num_envs"], given["players"] is not None)
+        players = check_players(given["players"], games)
+        given = fill_defaults(given)
         threads = check_integer("num_threads", given["num_threads"], -NO_LIMIT, NO_LIMIT)
         batch_size = check_integer("batch_size", given["batch_size"], 0, len(games)) or len(games)
         if given["render_mode"] not in (None, "rgb_array"):
@@ -67,10 +76,14 @@ class VectorOptions:
         obs_type, grayscale = _check_obs_type(given["obs_type"], bool(given["grayscale"]))
         if isinstance(given["preset"], str) and obs_type == "rgb":
             raise ValueError("the observations of a preset are gray; leave obs_type='rgb' out")
+        modes = _spread("mode", given["mode"], len(games))
+        difficulties = _spread("difficulty", given["difficulty"], len(games))
+        if players > 1:
+            modes = check_modes(games, modes, difficulties, players)
         options = cls(
             games=games,
-            modes=_spread("mode", given["mode"], len(games)),
-            difficulties=_spread("difficulty", given["difficulty"], len(games)),
+            modes=modes,
+            difficulties=difficulties,
             rom=given["rom"],
             batch_size=batch_size,
             num_threads=min(threads if threads > 0 else _cores(), len(games)),
@@ -85,10 +98,16 @@ class VectorOptions:
             obs_type=obs_type,
             grayscale=grayscale,
             stack_num=check_integer("stack_num", given["stack_num"], 1, 10_000),
-            layout=Layout.check(given["channels_last"], given["dtype"], obs_type),
+            layout=Layout.check(
+                given["channels_last"], given["dtype"], obs_type, players if given["agent_indicator"] else 0
+            ),
             preset=given["preset"],
             protocol=_check_protocol(given),
+            interventions=tuple(resolve(game, given["interventions"]) for game in games),
+            players=players,
         )
+        if players > 1:
+            return options
         if options.protocol.third_action:
             _check_third_actions(options.action_sets, games)
         for game, mode, difficulty in set(zip(games, options.modes, options.difficulties, strict=True)):
@@ -106,8 +125,10 @@ class VectorOptions:
 
     def make_engine(self) -> _emulator.VectorEngine:
         """The engine, which has the environments and their threads."""
+        writes = self._writes
         games = set(self.games)
-        native = {game: compiled(game, read_image(find(game, self.rom))) for game in games}
+        compile_game = compiled if self.players == 1 else compiled_for_players
+        native = {game: compile_game(game, read_image(find(game, self.rom))) for game in games}
         tables = {game: _gray_of_pairs(game) if self.protocol.pool_rgb else None for game in games}
         seeds = np.random.SeedSequence().generate_state(9 * len(self.games)).reshape(-1, 9).tolist()
         members = [
@@ -133,7 +154,11 @@ class VectorOptions:
         observation = observation_settings(
             self.protocol, self._pixel_format(), self.img_height, self.img_width, self.stack_num
         )
-        return _emulator.VectorEngine(members, episode_settings(self.protocol), observation, threads)
+        engine = _emulator.VectorEngine(members, episode_settings(self.protocol, self.players), observation, threads)
+        for index, made in enumerate(writes):
+            for write in made:
+                engine.add_write(index, write)
+        return engine
 
     def _pixel_format(self) -> _emulator.PixelFormat:
         if self.obs_type == "ram":
@@ -143,9 +168,17 @@ class VectorOptions:
         return _emulator.PixelFormat.GRAY if self.grayscale else _emulator.PixelFormat.RGB
 
     @cached_property
+    def _writes(self) -> tuple[list[_emulator.Write], ...]:
+        """By environment, the writes of its interventions. Environments of a game share them."""
+        made = {game: make_writes(game, items) for game, items in zip(self.games, self.interventions, strict=True)}
+        return tuple(made[game] for game in self.games)
+
+    @cached_property
     def action_sets(self) -> tuple[tuple[Action, ...], ...]:
         """By environment, the actions that its game uses."""
         every = self.protocol.full_action_space or self.continuous
+        if self.players > 1:
+            return tuple(PLAYER_ACTIONS if every else rules_of(game).minimal_actions for game in self.games)
         return tuple(game.legal_actions if every else game.minimal_actions for game in self.games)
 
     @property
@@ -159,7 +192,16 @@ class VectorOptions:
 
     def action_space(self) -> spaces.Space[Any]:
         """The action space of one environment."""
+        if self.players > 1:
+            return spaces.MultiDiscrete([len(self.actions[0])] * self.players)
         return make_action_space(self.actions[0], self.continuous)
+
+    def batched_action_space(self) -> spaces.Space[Any]:
+        """The action space of a batch."""
+        single = self.action_space()
+        if isinstance(single, spaces.MultiDiscrete):  # which `batch_space` would make a Box
+            return spaces.MultiDiscrete(np.tile(single.nvec, (self.batch_size, 1)))
+        return batch_space(single, self.batch_size)
 
     def action_masks(self) -> npt.NDArray[np.bool_] | None:
         """Which actions each game has, (environments, 18) bool; None if all have the same."""
@@ -183,7 +225,7 @@ class VectorOptions:
     def moves(
         self, actions: Any, rows: int | None = None
     ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float32] | None]:
-        """The indices of actions, (rows,) int64, and the strengths of paddles, (rows,) float32 or None.
+        """The indices of actions, (rows * players,) int64, and the strengths of paddles, (rows,) float32 or None.
 
         `rows` is `batch_size` if it is None. Indices are not checked for their range.
 
@@ -199,7 +241,7 @@ class VectorOptions:
             return actions, None  # the usual kind, without the checks below: this is done at every step
         array = np.asarray(actions)
         rows = self.batch_size if rows is None else rows
-        shape = (rows, 3) if self.continuous else (rows,)
+        shape = (rows, 3) if self.continuous else (rows,) if self.players == 1 else (rows, self.players)
         kinds = "f" if self.continuous else "iu"
         if array.dtype.kind not in kinds:
             kind = "floats (radius, angle, fire)" if self.continuous else "integers"
@@ -208,12 +250,12 @@ class VectorOptions:
             raise ValueError(f"actions must have the shape {shape}, got {array.shape}")
         if self.continuous:
             return self._motions(array)
-        return np.ascontiguousarray(array, np.int64), None
+        return np.ascontiguousarray(array, np.int64).reshape(-1), None
 
     @cached_property
     def _index_shape(self) -> tuple[int, ...]:
-        """Of a batch of actions that are indices; none has the shape (-1,)."""
-        return (-1,) if self.continuous else (self.batch_size,)
+        """Of a batch of actions that are indices, of one player; none has the shape (-1,)."""
+        return (-1,) if self.continuous or self.players > 1 else (self.batch_size,)
 
     def _motions(self, actions: npt.NDArray[Any]) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float32]]:
         """Indices and strengths of continuous actions, computed in float32 as in CALE."""
@@ -278,6 +320,7 @@ def _check_protocol(given: dict[str, Any]) -> Protocol:
         clip_reward=clips is None or bool(clips),
         max_frames=None if limit is None else check_integer("max_num_frames_per_episode", limit, 1, NO_LIMIT),
         max_pool=bool(given["maxpool"]),
+        end_frames="gymnasium" if given["players"] is None else "last",
     )
 
 
@@ -326,18 +369,19 @@ def _gray_of_pairs(game: Game) -> _emulator.GrayOfPairs:
     return _emulator.GrayOfPairs(gray_of_pairs(game.screen.format).tobytes())
 
 
-def _check_games(game: Any, num_envs: Any) -> tuple[Game, ...]:
+def _check_games(game: Any, num_envs: Any, several_players: bool) -> tuple[Game, ...]:
     many = isinstance(game, Sequence) and not isinstance(game, str)
     if num_envs is None and not many:
         raise TypeError("num_envs is needed: how many environments of the game to make")
     if many and len(game) == 0:
         raise ValueError("game must name at least one game")
     count = len(game) if num_envs is None else check_integer("num_envs", num_envs, 1, 1_000_000)
+    find_game = catalog.resolve if several_players else catalog.find
     if not many:
-        return (catalog.find(game),) * count
+        return (find_game(game),) * count
     if count != len(game):
         raise ValueError(f"there must be a game for each of the {count} environments, got {len(game)}")
-    return tuple(catalog.find(one) for one in game)
+    return tuple(find_game(one) for one in game)
 
 
 def _spread(name: str, value: Any, count: int) -> tuple[int | None, ...]:

@@ -4,6 +4,7 @@ Observations are lent to the user without a copy: each array that a user gets ow
 of these arrays has gone, and with it their views and tensors, the memory can be written again.
 """
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -40,12 +41,22 @@ class Results:
         self._shapes = shapes = {name: (rows, *(part.shape or ())) for name, part in parts.items()}
         self._observation = _checked(out, shapes) if out is not None else _empty(shapes)
         self._final = _empty(shapes) if options.autoreset_mode == AutoresetMode.SAME_STEP else {}
-        self._numbers, self._flags = np.zeros((10, rows), np.int32), np.zeros((5, rows), np.bool_)
-        self._games = np.zeros((3, rows), np.float64)
+        players = options.players
+        self._numbers, of_players = _blocks(np.int32, rows, players, 4, 6)
+        reward, game_reward, lives, final_lives = of_players
+        env_id, frame, episode_frame, game_steps, final_frame, final_episode_frame = self._numbers[4 * players :]
+        flags, ends = _blocks(np.bool_, rows, players, 2, 3)
+        game_over, self._ended, self._games_ended = flags[2 * players :]
+        games, scores = _blocks(np.float64, rows, players, 1, 2)
+        self._games = (*scores, *games[players:])
+        self._final_numbers = (final_lives, final_frame, final_episode_frame)
+        # Lost lives are shown as ends; players who are out are not.
+        self._ends = flags[:2] if players == 1 else self._ended
         # Methods that copy a row, without those of ended episodes.
-        self._copies = tuple(row.copy for row in (self._numbers[0], *self._numbers[2:5], *self._flags[:2]))
-        self._game_copies = tuple(row.copy for row in (*self._numbers[5:7], self._flags[2])) if options.preset else ()
-        self._env_id_copy = self._numbers[1].copy if rows < len(options.games) else None
+        copy_reward = reward.copy if players == 1 else partial(reward.astype, np.float64)
+        self._copies = (copy_reward, *(row.copy for row in (lives, frame, episode_frame, *ends)))
+        self._game_copies = (game_reward.copy, game_steps.copy, game_over.copy) if options.preset else ()
+        self._env_id_copy = env_id.copy if rows < len(options.games) else None
         self._all_rows = _read_only(np.ones(rows, np.bool_))
         names = (*_INFO, *(_GAME_INFO if options.preset else ()))
         self._info = {key: self._all_rows for name in names for key in (name, "_" + name)}
@@ -59,8 +70,8 @@ class Results:
             final_pixels=self._final.get(pixels),
             final_ram=self._final.get(ram),
             numbers=self._numbers,
-            games=self._games,
-            flags=self._flags,
+            games=games,
+            flags=flags,
         )
         self._apply_layout = None if options.layout.is_engines else options.layout.apply
         # Arrays of the user's own are returned as they are.
@@ -119,17 +130,17 @@ class Results:
     def _add_ends(self, info: dict[str, Any]) -> None:
         """Add the final observations, and what was played of the games that ended."""
         games: dict[str, Any] = {}
-        if self._flags[4].any():
-            games_ended = self._flags[4].copy()
-            score, frames, seconds = self._games.copy()
+        if self._games_ended.any():
+            games_ended = self._games_ended.copy()
+            score, frames, seconds = (of_game.copy() for of_game in self._games)
             episode = {"r": score, "l": frames.astype(np.int64), "t": seconds}
             episode.update({f"_{key}": games_ended for key in "rlt"})
             games = {"episode": episode, "_episode": games_ended}
-        if self._final and self._flags[:2].any():
-            ended = self._flags[3].copy()
+        if self._final and self._ends.any():
+            ended = self._ended.copy()
             final_info: dict[str, Any] = {}
-            for name, values in zip(_FINAL_INFO, self._numbers[7:].copy(), strict=True):
-                final_info[name], final_info["_" + name] = values, ended
+            for name, values in zip(_FINAL_INFO, self._final_numbers, strict=True):
+                final_info[name], final_info["_" + name] = values.copy(), ended
             info["final_obs"], info["_final_obs"] = self._lend(self._final, self._final_lenders), ended
             info["final_info"], info["_final_info"] = {**final_info, **games}, ended
         elif self._game_copies:
@@ -170,6 +181,19 @@ def _picked(part: Any, rows: npt.NDArray[np.int64]) -> Any:
 
 def _lenders(parts: dict[str, npt.NDArray[np.uint8]]) -> dict[str, _emulator.ArrayLender]:
     return {name: _emulator.ArrayLender(array) for name, array in parts.items()}
+
+
+def _blocks(
+    dtype: npt.DTypeLike, rows: int, players: int, columns: int, more: int
+) -> tuple[npt.NDArray[Any], tuple[npt.NDArray[Any], ...]]:
+    """Memory for numbers of players and `more` numbers of games, and views of the former, (rows, players) each.
+
+    With one player they are (rows,).
+    """
+    memory = np.zeros((columns * players + more, rows), dtype)
+    shape = (rows,) if players == 1 else (rows, players)
+    starts = range(0, columns * players, players)
+    return memory, tuple(memory[start : start + players].reshape(shape) for start in starts)
 
 
 def _read_only(array: npt.NDArray[Any]) -> npt.NDArray[Any]:

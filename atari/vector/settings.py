@@ -18,11 +18,13 @@ def filled(settings: _Settings, **fields: Any) -> _Settings:
     return settings
 
 
-def episode_settings(protocol: Protocol) -> _emulator.EpisodeSettings:
-    """The settings of how the engine begins, plays and ends episodes."""
+def episode_settings(protocol: Protocol, players: int = 1) -> _emulator.EpisodeSettings:
+    """The settings of how the engine begins, plays and ends episodes, of games of one or of several players."""
+    kind = protocol.order if players == 1 else "multiplayer"
     return filled(
         _emulator.EpisodeSettings(),
-        kind=_emulator.EpisodeKind[protocol.order.upper()],
+        kind=_emulator.EpisodeKind[kind.upper()],
+        players=players,
         repeat_action_probability=as_ale_reads(protocol.repeat_action_probability),
         max_num_frames_per_episode=protocol.max_num_frames_per_episode,
         frame_skip=protocol.frame_skip,
