@@ -12,32 +12,49 @@ import gymnasium
 
 from atari.multiplayer.core import MultiplayerCore
 from atari.multiplayer.environments import ENVIRONMENTS, Environment
+from atari.validation import check_name
 
 if TYPE_CHECKING:
     from pettingzoo import AECEnv, ParallelEnv
 
     from atari.multiplayer.parallel import MultiplayerEnv
+    from atari.multiplayer.preprocessing import PreprocessedEnv
 
-__all__ = ["ENVIRONMENTS", "Environment", "MultiplayerCore", "MultiplayerEnv", "env", "parallel_env", "raw_env"]
+__all__ = [
+    "ENVIRONMENTS",
+    "Environment",
+    "MultiplayerCore",
+    "MultiplayerEnv",
+    "PreprocessedEnv",
+    "env",
+    "parallel_env",
+    "raw_env",
+]
 
 
-def raw_env(game: str, **options: Any) -> "AECEnv[str, Any, int]":
+def raw_env(game: str, *, preset: str | None = None, **options: Any) -> "AECEnv[str, Any, int]":
     """The game as PettingZoo's AEC environment, in which agents take turns, without checks.
 
-    The emulator plays a frame when the last agent has acted. Arguments and errors are those of `MultiplayerEnv`.
+    The emulator plays a frame when the last agent has acted. Arguments and errors are those of `MultiplayerEnv`, and
+    with preset="dqn" also those of `PreprocessedEnv`, which then is around it.
     """
     _require()
     from pettingzoo.utils.conversions import parallel_to_aec_wrapper
 
     from atari.multiplayer.parallel import MultiplayerEnv
 
-    return parallel_to_aec_wrapper(MultiplayerEnv(game, **options))
+    if preset is None:
+        return parallel_to_aec_wrapper(MultiplayerEnv(game, **options))
+    from atari.multiplayer.preprocessing import preprocessed
+
+    check_name("preset", preset, ("dqn",))
+    return parallel_to_aec_wrapper(preprocessed(game, **options))
 
 
 def env(game: str, **options: Any) -> "AECEnv[str, Any, int]":
     """The game as PettingZoo's AEC environment, with PettingZoo's checks of actions and of the order of calls.
 
-    Arguments and errors are those of `MultiplayerEnv`.
+    Arguments and errors are those of `raw_env`.
 
     Example:
         >>> from atari.multiplayer import env
@@ -57,7 +74,7 @@ def env(game: str, **options: Any) -> "AECEnv[str, Any, int]":
 def parallel_env(game: str, **options: Any) -> "ParallelEnv[str, Any, int]":
     """The game as PettingZoo's parallel environment, in which all agents act at once, with PettingZoo's checks.
 
-    Arguments and errors are those of `MultiplayerEnv`.
+    Arguments and errors are those of `raw_env`.
     """
     _require()
     from pettingzoo.utils.conversions import aec_to_parallel_wrapper
@@ -81,4 +98,9 @@ def __getattr__(name: str) -> Any:
         from atari.multiplayer.parallel import MultiplayerEnv
 
         return MultiplayerEnv
+    if name == "PreprocessedEnv":
+        _require()
+        from atari.multiplayer.preprocessing import PreprocessedEnv
+
+        return PreprocessedEnv
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -7,6 +7,8 @@ from functools import lru_cache
 from os import PathLike
 from typing import Any, Literal
 
+import numpy as np
+
 from atari import _emulator
 from atari.cores import snapshot
 from atari.cores.native import STATE_VERSION, as_ale_reads, make_game
@@ -34,11 +36,14 @@ class MultiplayerCore(_emulator.Emulator):
         mode: which game to play; None is the first mode for `players`. The mode decides the number of players.
         players: 2, 3 or 4; None is that of `mode`, else the fewest that the game has.
         seed: of RAM, the timer and sticky actions, 0 .. 2**32 - 1.
-        repeat_action_probability: of sticky actions, drawn for each player and frame; 0.0 as in PettingZoo.
+        repeat_action_probability: of sticky actions, drawn for each player and frame; 0.0 as in PettingZoo. A number
+            for all players, or a sequence with one for each. The generator gives the same words in either case.
         difficulty: None is 0.
         frame_skip: frames that an action is held.
         max_num_frames_per_episode: 0 is no limit.
         parameters: numbers that the rules use, for example {"max_turn_time": 0}.
+        corrected_scores: use the true score where a rule of Multi-Agent-ALE's reads a wrong byte (flag_capture); the
+            other games have nothing to correct.
         mode_numbers: whose numbers of modes `mode` has.
         end_of_reset: of Multi-Agent-ALE, in which player 2 makes the starting actions, too; or of ale-py.
         random_words: one generator for the machine and sticky actions, as in Multi-Agent-ALE; or ale-py's two.
@@ -65,11 +70,12 @@ class MultiplayerCore(_emulator.Emulator):
         mode: int | None = None,
         players: int | None = None,
         seed: int = 1,
-        repeat_action_probability: float = 0.0,
+        repeat_action_probability: float | Sequence[float] = 0.0,
         difficulty: int | None = None,
         frame_skip: int = 1,
         max_num_frames_per_episode: int = 0,
         parameters: dict[str, int] | None = None,
+        corrected_scores: bool = False,
         mode_numbers: Reference = "multi_agent_ale",
         end_of_reset: Reference = "multi_agent_ale",
         random_words: Reference = "multi_agent_ale",
@@ -87,13 +93,20 @@ class MultiplayerCore(_emulator.Emulator):
         self._offset = self.rules.mode_offset if mode_numbers == "ale_py" else 0
         self.mode, self.players = choose_mode(self.rules, self.game, mode, players, self._offset)
         self.sound = sound
-        probability = as_ale_reads(check_probability("repeat_action_probability", repeat_action_probability))
+        self.frame_skip = check_integer("frame_skip", frame_skip, 1, 10_000)
+        probabilities = _probabilities(repeat_action_probability, self.players)
         image = rom_image.read_image(find(self.game, rom))
         self._rom_md5 = rom_image.md5(image)
         super().__init__(
-            game=_compiled(self.game, image, _parameters(self.rules, parameters)),
-            repeat_action_probability=probability,
-            frame_skip=check_integer("frame_skip", frame_skip, 1, 10_000),
+            game=compiled_for_players(
+                self.game,
+                image,
+                _parameters(self.rules, parameters),
+                check_switch("corrected_scores", corrected_scores),
+            ),
+            repeat_action_probability=probabilities[0],
+            player_probabilities=probabilities,
+            frame_skip=self.frame_skip,
             max_num_frames_per_episode=check_integer(
                 "max_num_frames_per_episode", max_num_frames_per_episode, 0, 2**31 - 1
             ),
@@ -167,7 +180,7 @@ def rules_of(game: Game) -> Multiplayer:
 
 def choose_mode(rules: Multiplayer, game: Game, mode: int | None, players: int | None, offset: int) -> tuple[int, int]:
     """The mode in Multi-Agent-ALE's numbering, and its number of players."""
-    if players is not None and players not in rules.modes:
+    if players is not None and check_integer("players", players, 1, 4) not in rules.modes:
         raise ValueError(f"{game.id} is for {' or '.join(map(str, rules.modes))} players, got players={players!r}")
     if mode is None:
         players = players or min(rules.modes)
@@ -181,6 +194,23 @@ def choose_mode(rules: Multiplayer, game: Game, mode: int | None, players: int |
     return number, allowed[number]
 
 
+def check_switch(name: str, value: bool) -> bool:
+    """`value`, which must be True or False."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise TypeError(f"{name} must be True or False, got {value!r}")
+    return bool(value)
+
+
+def _probabilities(value: float | Sequence[float], players: int) -> list[float]:
+    """Of sticky actions, for each player."""
+    name = "repeat_action_probability"
+    if not isinstance(value, (list, tuple, np.ndarray)):
+        return [as_ale_reads(check_probability(name, value))] * players
+    if len(value) != players:
+        raise ValueError(f"{name} must be a number, or one for each of {players} players, got {len(value)}")
+    return [as_ale_reads(check_probability(f"{name}[{i}]", number)) for i, number in enumerate(value)]
+
+
 def _parameters(rules: Multiplayer, given: dict[str, int] | None) -> tuple[tuple[str, int], ...]:
     for name, value in (given or {}).items():
         if name not in rules.parameters:
@@ -191,10 +221,12 @@ def _parameters(rules: Multiplayer, given: dict[str, int] | None) -> tuple[tuple
 
 
 @lru_cache(maxsize=64)
-def _compiled(game: Game, image: bytes, parameters: tuple[tuple[str, int], ...]) -> _emulator.Game:
+def compiled_for_players(
+    game: Game, image: bytes, parameters: tuple[tuple[str, int], ...] = (), corrected: bool = False
+) -> _emulator.Game:
     """The game with its rules for several players, built once and shared."""
     rules = rules_of(game)
-    step_rules = rules.rules
+    step_rules = rules.corrected if corrected and rules.corrected else rules.rules
     if parameters:
         step_rules = replace(step_rules, state={**step_rules.state, **dict(parameters)})
     return make_game(

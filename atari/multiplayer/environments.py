@@ -178,9 +178,9 @@ def find_environment(name: str) -> Environment | None:
         return known
     if version is None and plain in games and games[plain].multiplayer is not None:
         return None
-    near = get_close_matches(plain, [*ENVIRONMENTS, "backgammon", "fishing_derby"], 1)
+    near = get_close_matches(plain, [*ENVIRONMENTS, "backgammon", "fishing_derby", "freeway"], 1)
     hint = f"; did you mean {near[0]!r}?" if near else ""
     raise ValueError(
         f"there is no game of several players named {name!r}{hint} (all: {', '.join(sorted(ENVIRONMENTS))}, "
-        "backgammon, fishing_derby)"
+        "backgammon, fishing_derby, freeway)"
     )

@@ -1,5 +1,6 @@
 """`MultiplayerEnv`: a game of two to four players as a parallel environment of PettingZoo."""
 
+from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
 from typing import Any, Literal
 
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
 from atari.actions import PLAYER_ACTIONS
-from atari.multiplayer.core import MultiplayerCore
+from atari.multiplayer.core import MultiplayerCore, check_switch
 from atari.multiplayer.environments import find_environment
 from atari.validation import check_integer, check_known, check_name
 
@@ -34,6 +35,11 @@ class MultiplayerEnv(ParallelEnv[str, NDArray[np.uint8], int]):
         render_mode: None, "rgb_array", or "human", a window.
         auto_rom_install_path: a folder with ROM files; None searches as `atari.roms.find` does.
         seed: of the first game; None takes a random one.
+        zero_sum: give each player its reward minus the mean of the others' rewards, as np.float64. The sum over all
+            players, those that have ended included, is 0. Rewards of two players that are zero-sum already are doubled;
+            in teams of two that are, they become 4/3 of what they were.
+        action_sets: the names of each agent's actions, a list for each in their order, or by agent; None gives all
+            agents the same set. Not with `full_action_space`.
         **options: the parameters of the environment (for example `num_players=4` of pong), and options of
             `MultiplayerCore`.
 
@@ -62,6 +68,8 @@ class MultiplayerEnv(ParallelEnv[str, NDArray[np.uint8], int]):
         render_mode: str | None = None,
         auto_rom_install_path: str | PathLike[str] | None = None,
         seed: int | None = None,
+        zero_sum: bool = False,
+        action_sets: Sequence[Sequence[str]] | Mapping[str, Sequence[str]] | None = None,
         **options: Any,
     ) -> None:
         self.obs_type = check_name("obs_type", obs_type, OBSERVATION_TYPES)
@@ -96,12 +104,19 @@ class MultiplayerEnv(ParallelEnv[str, NDArray[np.uint8], int]):
             "render_fps": 60,
             "is_parallelizable": True,
         }
-        actions = PLAYER_ACTIONS if full_action_space else self.core.rules.minimal_actions
-        self.action_mapping = np.array([int(action) for action in actions], np.int32)
-        self._actions = [int(action) for action in actions]
         self.possible_agents = list(AGENTS[: self.core.players])
         self.agents = self.possible_agents[:]
-        self.action_spaces = {agent: spaces.Discrete(len(actions)) for agent in self.possible_agents}
+        self.zero_sum = check_switch("zero_sum", zero_sum)
+        if action_sets is None:
+            actions = PLAYER_ACTIONS if full_action_space else self.core.rules.minimal_actions
+            self._actions = {agent: [int(a) for a in actions] for agent in self.possible_agents}
+        elif full_action_space:
+            raise ValueError("give full_action_space or action_sets, not both")
+        else:
+            self._actions = _own_actions(action_sets, self.possible_agents)
+        self.action_mappings = {agent: np.array(numbers, np.int32) for agent, numbers in self._actions.items()}
+        self.action_mapping = self.action_mappings[self.possible_agents[0]]
+        self.action_spaces = {agent: spaces.Discrete(len(numbers)) for agent, numbers in self._actions.items()}
         space = spaces.Box(0, 255, self._observe().shape, np.uint8)
         self.observation_spaces = dict.fromkeys(self.possible_agents, space)
         self.frame = 0
@@ -112,7 +127,7 @@ class MultiplayerEnv(ParallelEnv[str, NDArray[np.uint8], int]):
         return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> spaces.Discrete:
-        """The space of an agent's actions: indices into `action_mapping`, which has ALE's numbers."""
+        """The space of an agent's actions: indices into `action_mappings[agent]`, which has ALE's numbers."""
         return self.action_spaces[agent]
 
     def reset(
@@ -131,14 +146,16 @@ class MultiplayerEnv(ParallelEnv[str, NDArray[np.uint8], int]):
         self, actions: dict[str, int]
     ) -> tuple[
         dict[str, NDArray[np.uint8]],
-        dict[str, np.int32],
+        dict[str, Any],
         dict[str, bool],
         dict[str, bool],
         dict[str, dict[str, Any]],
     ]:
         """Play a frame. An agent without an action, or that has ended, takes action 0 of the action space."""
-        chosen = [self._actions[actions.get(agent, 0)] for agent in self.possible_agents]
-        rewards = dict(zip(self.possible_agents, map(np.int32, self.core.act_players(chosen)), strict=True))
+        chosen = [numbers[actions.get(agent, 0)] for agent, numbers in self._actions.items()]
+        paid: Iterable[Any] = self.core.act_players(chosen)
+        paid = _zero_sum(list(paid)) if self.zero_sum else map(np.int32, paid)
+        rewards = dict(zip(self.possible_agents, paid, strict=True))
         self.frame += 1
         agents = self.agents
         if self.core.game_over or self.core.truncated:
@@ -196,8 +213,33 @@ class MultiplayerEnv(ParallelEnv[str, NDArray[np.uint8], int]):
         return self.core.screen_grayscale()[..., None]
 
 
+def _zero_sum(rewards: list[int]) -> list[np.float64]:
+    """Each reward minus the mean of the others, by one division of whole numbers."""
+    total, players = sum(rewards), len(rewards)
+    return [np.float64((players * reward - total) / (players - 1)) for reward in rewards]
+
+
+def _own_actions(sets: Any, agents: list[str]) -> dict[str, list[int]]:
+    """ALE's numbers of each agent's actions, from their names."""
+    if isinstance(sets, Mapping):
+        if set(sets) != set(agents):
+            raise ValueError(f"action_sets must have a list for each of {', '.join(agents)}, got {', '.join(sets)}")
+        sets = [sets[agent] for agent in agents]
+    if not isinstance(sets, (list, tuple)) or not all(isinstance(names, (list, tuple)) for names in sets):
+        raise TypeError(f"action_sets must be a list of names for each agent, or those by agent, got {sets!r}")
+    if len(sets) != len(agents):
+        raise ValueError(f"action_sets must have {len(agents)} lists, one for each agent, got {len(sets)}")
+    numbers = {action.name: int(action) for action in PLAYER_ACTIONS}
+    for agent, names in zip(agents, sets, strict=True):
+        if not names or len(set(map(str, names))) != len(names):
+            raise ValueError(f"action_sets of {agent} must have one action or more, each once, got {names!r}")
+        for name in names:
+            check_name(f"action_sets of {agent}: an action", name, numbers)
+    return {agent: [numbers[name] for name in names] for agent, names in zip(agents, sets, strict=True)}
+
+
 _CORE_OPTIONS = frozenset(
-    "mode players repeat_action_probability difficulty frame_skip max_num_frames_per_episode parameters mode_numbers "
-    "end_of_reset random_words sound".split()
+    "mode players repeat_action_probability difficulty frame_skip max_num_frames_per_episode parameters "
+    "corrected_scores mode_numbers end_of_reset random_words sound".split()
 )
 """The options that are passed on to `MultiplayerCore`."""

@@ -9,8 +9,8 @@ from atari.multiplayer import MultiplayerCore
 GAMES = [game.id for game in atari.games.values() if game.multiplayer]
 
 
-def test_twenty_games_have_rules_for_several_players() -> None:
-    assert len(GAMES) == 20
+def test_twenty_one_games_have_rules_for_several_players() -> None:
+    assert len(GAMES) == 21
 
 
 @pytest.mark.parametrize("game", GAMES)

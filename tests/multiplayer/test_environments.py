@@ -18,7 +18,8 @@ NAMES = [environment.id for environment in ENVIRONMENTS.values()]
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.filterwarnings("ignore")
-def test_pettingzoos_tests_pass(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_pettingzoos_tests_pass(name: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     api_test(env(name, obs_type="ram"), num_cycles=50, verbose_progress=False)
     parallel_api_test(parallel_env(name, obs_type="ram"), num_cycles=50)
     seed_test(lambda: env(name, obs_type="ram"), num_cycles=20)

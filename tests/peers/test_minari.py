@@ -147,3 +147,28 @@ def test_wrong_uses(datasets: Path) -> None:
     env.close()
     with pytest.raises(ValueError, match="have no steps of an environment"):
         to_minari(env.path, "pong/b-v0")
+
+
+@pytest.mark.parametrize("options", [{"obs_type": "ram"}, {"obs_type": "grayscale", "sound_obs": True}, {}])
+def test_dict_observations(options: dict[str, Any], datasets: Path) -> None:
+    import minari
+
+    env = RecordReplay(atari.AtariEnv("breakout", **options), datasets / "a.a26")
+    (episode,) = play(env, 20)
+    env.close()
+    to_minari(env.path, "breakout/dict-v0", obs_type="dict")
+    dataset = minari.load_dataset("breakout/dict-v0")
+    (loaded,) = dataset
+    replayed = Replay.load(env.path).make_env(obs_type=options.get("obs_type", "rgb").replace("ram", "rgb"))
+    expected = play(atari.wrappers.RamObservation(replayed), 20)[0]["observations"]
+    assert set(loaded.observations) == set(expected[0])
+    for part, array in loaded.observations.items():
+        assert np.array_equal(array, [row[part] for row in expected])
+    assert np.array_equal(loaded.actions, episode["actions"])
+    recovered = dataset.recover_environment()
+    assert (
+        recovered.observation_space
+        == dataset.observation_space
+        == atari.wrappers.RamObservation(replayed).observation_space
+    )
+    assert recovered.reset(seed=0)[0]["ram"].shape == (128,)

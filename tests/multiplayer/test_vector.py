@@ -1,0 +1,303 @@
+"""`AtariVectorEnv` with several players beside games played one by one, with the preprocessing in NumPy and OpenCV."""
+
+import pickle
+from typing import Any
+
+import cv2
+import gymnasium
+import numpy as np
+import pytest
+
+from atari import AtariVectorEnv
+from atari.multiplayer import MultiplayerCore
+
+
+class Reference:
+    """One game, as an environment of the vector plays it."""
+
+    def __init__(self, game: str, players: int, frames: int = 108_000, full: bool = False, **options: Any) -> None:
+        self.core = MultiplayerCore(game, players=players, **options)
+        actions = range(18) if full else self.core.rules.minimal_actions
+        self.actions = [int(action) for action in actions]
+        self.limit = frames
+        self.ended = False
+
+    def reset(self, seed: int | None = None) -> None:
+        if seed is not None:
+            self.core.seed(seed)
+        self.core.reset()
+        self.frames, self.ended = 0, False
+        self.out = np.zeros(self.core.players, np.bool_)
+        self.stack = np.zeros((4, 84, 84), np.uint8)
+        self.push(self.core.screen_grayscale())
+        self.signals = np.zeros(self.core.players), self.out.copy(), self.out.copy()
+
+    def push(self, screen: Any) -> None:
+        image = cv2.resize(screen, (84, 84), interpolation=cv2.INTER_AREA)
+        self.stack = np.concatenate([self.stack[1:], image[None]])
+
+    def step(self, indices: Any) -> None:
+        was_out = self.out.copy()
+        held = [self.actions[0 if out else index] for index, out in zip(indices, was_out, strict=True)]
+        rewards, screens = np.zeros(self.core.players), []
+        while len(screens) < 4 and not self.ended:
+            rewards += self.core.act_players(held)
+            screens.append(self.core.screen_grayscale())
+            self.frames += 1
+            self.out |= np.array(self.core.player_lives) < 0
+            over = self.core.game_over or self.out.all()
+            self.ended = over or self.frames >= self.limit
+        self.push(np.maximum(*screens[2:]) if len(screens) == 4 else screens[-1])
+        rewards[was_out] = 0
+        self.signals = rewards, self.out | over, np.array([self.ended and not over] * len(rewards)) & ~self.out
+
+
+GAMES = [
+    ("pong", 2, {}),
+    ("pong", 4, {"mode": 33}),
+    ("joust", 2, {"repeat_action_probability": 0.25}),
+    ("warlords", 4, {"repeat_action_probability": 0.25}),
+    ("combat", 2, {"mode": 8, "difficulty": 3}),
+    ("wizard_of_wor", 2, {}),
+    ("maze_craze", 2, {}),
+    ("flag_capture", 2, {}),
+]
+
+
+def moves(rng: np.random.Generator, envs: AtariVectorEnv) -> Any:
+    return rng.integers(envs.single_action_space.nvec[0], size=(envs.num_envs, len(envs.single_action_space.nvec)))
+
+
+def check(envs: AtariVectorEnv, games: list[Reference], results: Any) -> None:
+    observation, rewards, terminations, truncations, info = results
+    for row, game in enumerate(games):
+        assert np.array_equal(observation["ram"][row], game.core.ram())
+        assert np.array_equal(observation["image"][row], game.stack)
+        assert rewards[row].tolist() == game.signals[0].tolist()
+        assert terminations[row].tolist() == game.signals[1].tolist()
+        assert truncations[row].tolist() == game.signals[2].tolist()
+        assert info["lives"][row].tolist() == game.core.player_lives
+        assert info["frame_number"][row] == game.core.frame_number
+
+
+@pytest.mark.parametrize(("game", "players", "options"), GAMES)
+def test_a_vector_equals_games_played_one_by_one(game: str, players: int, options: dict[str, Any]) -> None:
+    envs = AtariVectorEnv(
+        game, 2, players=players, obs_type="dict", max_num_frames_per_episode=300, full_action_space=True, **options
+    )
+    games = [Reference(game, players, 300, full=True, **options) for _ in range(2)]
+    observation, info = envs.reset(seed=5)
+    for row, one in enumerate(games):
+        one.reset(5 + row)
+    check(envs, games, (observation, *games_signals(games), info))
+    for step in range(200):
+        actions = np.random.default_rng(step // 3).integers(18, size=(2, players))
+        results = envs.step(actions)
+        for row, one in enumerate(games):
+            if one.ended:
+                one.reset()
+            else:
+                one.step(actions[row])
+        check(envs, games, results)
+    assert games[0].core.frame_number > 500
+
+
+def games_signals(games: list[Reference]) -> Any:
+    return tuple(np.array(part) for part in zip(*(game.signals for game in games), strict=True))
+
+
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep", "Disabled"])
+def test_players_are_out_one_by_one_in_every_autoreset_mode(mode: str) -> None:
+    envs = AtariVectorEnv("warlords", 3, players=4, obs_type="ram", autoreset_mode=mode)
+    games = [Reference("warlords", 4) for _ in range(3)]
+    envs.reset(seed=1)
+    for row, one in enumerate(games):
+        one.reset(1 + row)
+    rng = np.random.default_rng(2)
+    seen: dict[int, int] = {}
+    for _ in range(3000):
+        actions = moves(rng, envs)
+        ram, rewards, terminations, truncations, info = envs.step(actions)
+        ends = []
+        for row, one in enumerate(games):
+            if not one.ended:
+                one.step(actions[row])
+            elif mode == "NextStep":
+                one.reset()
+            else:
+                one.signals = np.zeros(4), *one.signals[1:]
+            ends.append(one.ended)
+            assert rewards[row].tolist() == one.signals[0].tolist()
+            assert terminations[row].tolist() == one.signals[1].tolist()
+            assert truncations[row].tolist() == one.signals[2].tolist()
+            seen[int(one.out.sum())] = seen.get(int(one.out.sum()), 0) + 1
+            if mode == "SameStep" and one.ended:
+                assert info["final_obs"][row].tolist() == one.core.ram().tolist()
+                assert info["final_info"]["lives"][row].tolist() == one.core.player_lives
+                assert info["final_info"]["episode"]["r"][row].sum() != 0
+                one.reset()
+            assert np.array_equal(ram[row], one.core.ram())
+        if mode == "SameStep":
+            assert ("final_obs" in info) == any(ends)
+            assert not any(ends) or info["_final_obs"].tolist() == ends
+        if mode == "Disabled" and all(ends):
+            envs.reset(options={"reset_mask": np.array(ends)})
+            for one in games:
+                one.reset()
+    assert {0, 1, 2} <= seen.keys()
+
+
+def test_numbers_of_threads_and_batches_make_no_difference() -> None:
+    played = []
+    for options in ({"num_threads": 1}, {"num_threads": 3}, {"num_threads": 2, "batch_size": 2}):
+        envs = AtariVectorEnv("pong", 4, players=4, repeat_action_probability=0.1, **options)
+        seen: dict[tuple[int, int], Any] = {}
+        _, info = envs.reset(seed=3)
+        first = info["frame_number"][0]
+        for _ in range(120):
+            numbers = list(zip(info["env_id"].tolist(), (info["frame_number"] - first).tolist(), strict=True))
+            actions = [[(frame // 16 * 7 + i * 3 + player) % 6 for player in range(4)] for i, frame in numbers]
+            observation, rewards, *_, info = envs.step(np.array(actions))
+            for row, i in enumerate(info["env_id"].tolist()):
+                seen[i, int(info["frame_number"][row] - first)] = observation[row].tobytes(), rewards[row].tolist()
+        played.append(seen)
+    steps = [(i, 4 * step) for i in range(4) for step in range(1, 40)]
+    for seen in played[1:]:
+        assert [seen[step] for step in steps] == [played[0][step] for step in steps]
+
+
+def test_some_environments_alone_are_stepped() -> None:
+    envs = AtariVectorEnv("pong", 4, players=2, obs_type="ram")
+    envs.reset(seed=1)
+    games = [Reference("pong", 2) for _ in range(4)]
+    for row, one in enumerate(games):
+        one.reset(1 + row)
+    order = np.array([2, 0])
+    for actions in ([[2, 3], [3, 2]], [[3, 3], [2, 2]]):
+        ram, rewards, *_ = envs.step(np.array(actions), env_id=order)
+        assert rewards.shape == (2, 2)
+        for row, environment in enumerate(order):
+            games[environment].step(actions[row])
+            assert np.array_equal(ram[row], games[environment].core.ram())
+
+
+def test_snapshots_forks_and_pickles_continue_the_game() -> None:
+    envs = AtariVectorEnv("warlords", 2, players=4, obs_type="dict")
+    envs.reset(seed=4)
+    rng = np.random.default_rng(1)
+    while not (results := envs.step(moves(rng, envs)))[2].any():
+        assert not results[3].any()
+    snapshots = envs.snapshot()
+    copy = pickle.loads(pickle.dumps(envs))
+    plan = [moves(rng, envs) for _ in range(60)]
+    first = [envs.step(actions) for actions in plan]
+    envs.restore(None, pickle.loads(pickle.dumps(snapshots)))
+    for again in (envs, copy):
+        for actions, before in zip(plan, first, strict=True):
+            after = again.step(actions)
+            assert np.array_equal(after[0]["image"], before[0]["image"])
+            assert all(np.array_equal(a, b) for a, b in zip(after[1:4], before[1:4], strict=True))
+    other = AtariVectorEnv("warlords", 2, players=2, obs_type="dict")
+    other.reset(seed=4)
+    for states in (snapshots, pickle.loads(pickle.dumps(snapshots))):
+        with pytest.raises(ValueError, match="was taken with other options"):
+            other.restore(None, states)
+    envs.fork(0, [1])
+    observation, _ = envs.observe()
+    assert np.array_equal(observation["ram"][0], observation["ram"][1])
+
+
+def test_an_indicator_of_the_player_is_that_of_supersuit() -> None:
+    plain = AtariVectorEnv("pong", 2, players=2)
+    shown = AtariVectorEnv("pong", 2, players=2, agent_indicator=True)
+    last = AtariVectorEnv("pong", 2, players=2, agent_indicator=True, channels_last=True)
+    one, two, three = (envs.reset(seed=1)[0] for envs in (plain, shown, last))
+    assert two.shape == (2, 2, 6, 84, 84) == shown.observation_space.shape
+    assert three.shape == (2, 2, 84, 84, 6) == last.observation_space.shape
+    assert np.array_equal(np.moveaxis(three, -1, 2), two)
+    for player in range(2):
+        assert np.array_equal(two[:, player, :4], one)
+        assert (two[:, player, 4 + player] == 255).all()
+        assert (two[:, player, 5 - player] == 0).all()
+    ram = AtariVectorEnv("pong", 1, players=4, agent_indicator=True, obs_type="ram").reset(seed=1)[0]
+    assert ram[0, :, 128:].tolist() == (255 * np.eye(4, dtype=int)).tolist()
+    rgb = AtariVectorEnv("pong", 1, players=2, grayscale=False, agent_indicator=True, channels_last=True)
+    assert rgb.reset(seed=1)[0].shape == (1, 2, 84, 84, 14)
+    supersuit = pytest.importorskip("supersuit.utils.agent_indicator")
+    space = gymnasium.spaces.Box(0, 255, (84, 84, 4), np.uint8)
+    theirs = supersuit.change_observation(np.moveaxis(one[0], 0, -1), space, (1, 2))
+    assert np.array_equal(theirs, three[0, 1])
+
+
+def test_all_other_options_are_as_with_one_player() -> None:
+    envs = AtariVectorEnv("pong", 2, players=2, noop_max=10, frameskip=(2, 5), clip_reward=True, stack_num=2)
+    first, info = envs.reset(seed=1)
+    assert first.shape == (2, 2, 84, 84)
+    assert info["episode_frame_number"].max() < 10
+    assert envs.action_space == gymnasium.spaces.MultiDiscrete([[6, 6]] * 2)
+    assert envs.single_action_space == gymnasium.spaces.MultiDiscrete([6, 6])
+    out = np.zeros((2, 2, 84, 84), np.uint8)
+    for _ in range(200):
+        observation, rewards, terminations, truncations, _ = envs.step(envs.action_space.sample(), out=out)
+        assert observation is out
+        assert rewards.dtype == np.float64
+        assert terminations.dtype == truncations.dtype == np.bool_
+        assert set(rewards.ravel()) <= {-1.0, 0.0, 1.0}
+    assert envs.members[0].player_lives == [0, 0]
+    assert envs.get_attr("mode") == (3, 3)
+    envs.set_attr("mode", 10)
+    with pytest.raises(ValueError, match="pong has no mode 1; it has 3, 4,"):
+        envs.set_attr("mode", 1)
+
+
+def test_games_may_differ() -> None:
+    envs = AtariVectorEnv(["pong", "joust"], players=2, obs_type="ram")
+    _, info = envs.reset(seed=1)
+    assert info["action_mask"].sum(1).tolist() == [6, 18]
+    assert envs.step(np.full((2, 2), 17))[1].shape == (2, 2)
+
+
+@pytest.mark.parametrize(
+    ("game", "options", "error", "message"),
+    [
+        ("breakout", {"players": 2}, ValueError, "breakout has no rules for several players; these games have: backg"),
+        ("pong", {"players": 3}, ValueError, "pong is for 2 or 4 players, got players=3"),
+        ("pong", {"players": 1}, ValueError, "players must be within 2..4, got 1"),
+        ("pong", {"players": 2.0}, TypeError, "players must be an integer within 2..4, got 2.0"),
+        ("pong", {"players": 2, "mode": 33}, ValueError, "mode of pong for 2 players must be one of 3, 4, "),
+        ("joust", {"players": 2, "difficulty": 1}, ValueError, r"difficulty of joust must be one of \(0,\), got 1"),
+        ("pong", {"players": 2, "preset": "dqn2015"}, ValueError, "preset is for games of one player; leave"),
+        ("pong", {"players": 2, "continuous": True}, ValueError, "continuous is for games of one player; leave"),
+        ("pong", {"players": 2, "use_fire_reset": True}, ValueError, "use_fire_reset is for games of one player"),
+        ("pong", {"agent_indicator": True}, ValueError, "agent_indicator tells several players apart; give players=2"),
+        (
+            "pong",
+            {"players": 2, "agent_indicator": True, "grayscale": False},
+            ValueError,
+            "agent_indicator adds channels, which RGB images have last; add channels_last=True",
+        ),
+        ("warlords", {}, ValueError, "is a two-player cartridge without single-player rules"),
+    ],
+)
+def test_wrong_options_are_refused(game: str, options: dict[str, Any], error: type[Exception], message: str) -> None:
+    with pytest.raises(error, match=message):
+        AtariVectorEnv(game, 2, **options)
+
+
+@pytest.mark.parametrize(
+    ("actions", "error", "message"),
+    [
+        ([0, 1], ValueError, r"actions must have the shape \(2, 2\), got \(2,\)"),
+        ([[0, 1, 2], [0, 1, 2]], ValueError, r"actions must have the shape \(2, 2\), got \(2, 3\)"),
+        ([[0, 1], [0, 6]], ValueError, r"action 6 in row 1 is not within 0..5"),
+        ([[0, -1], [0, 1]], ValueError, r"action -1 in row 0 is not within 0..5"),
+        ([[0.0, 1.0], [0.0, 1.0]], TypeError, r"actions must be integers of shape \(2, 2\), got float64"),
+    ],
+)
+def test_wrong_actions_are_refused_and_nothing_is_played(actions: Any, error: type[Exception], message: str) -> None:
+    envs = AtariVectorEnv("pong", 2, players=2, obs_type="ram")
+    _, info = envs.reset(seed=1)
+    with pytest.raises(error, match=message):
+        envs.step(actions)
+    assert envs.observe()[1]["frame_number"].tolist() == info["frame_number"].tolist()
+    envs.step(np.zeros((2, 2), np.int32))
