@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from atari.cli.arguments import add_command, add_rom, find_game, find_rom, number
+from atari.cli.multiplayer import make_match, multiplayer
 from atari.cli.output import print_json
 from atari.play import Session, play
-from atari.play.controls import HELP
+from atari.play.controls import HELP, HELP_SEVERAL
 from atari.play.window import start_pygame
 
 if TYPE_CHECKING:
@@ -20,11 +21,19 @@ def register(commands: "Commands") -> None:
     """Add `atari play`."""
     parser = add_command(commands, "play", _play, "play a game in a window, and write a replay of it")
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.epilog = f"keys:\n{HELP}"
+    parser.epilog = f"keys:\n{HELP}\n\nkeys of several players:\n{HELP_SEVERAL}"
     parser.add_argument("game", metavar="GAME", help="a game, such as breakout, or a game definition, such as own.toml")
     add_rom(parser)
-    parser.add_argument("--mode", type=number(int, 0), metavar="N", help="mode of the game; see `atari info GAME`")
-    parser.add_argument("--difficulty", type=number(int, 0), metavar="N", help="difficulty of the game")
+    multiplayer(parser)
+    parser.add_argument(
+        "--opponent",
+        action="append",
+        default=[],
+        metavar="POLICY",
+        help="player 2 is random, noop or MODULE:FUNCTION, called in each frame with the observation of --obs and an "
+        "info (a dict with player, players, mode, frame, scores, rewards, lives); it returns an action's number, 0 .. "
+        "17, or name, such as UPFIRE; may be repeated, for player 3 and so on",
+    )
     parser.add_argument("--seed", type=number(int, 0), metavar="N", help="seed of the game (default: random)")
     parser.add_argument(
         "--scale", type=number(int, 1), default=3, metavar="N", help="rows of the display a pixel (default: 3)"
@@ -42,6 +51,11 @@ def register(commands: "Commands") -> None:
 
 
 def _play(args: argparse.Namespace) -> int:
+    if args.opponent or (args.players is not None and args.players > 1):
+        return _play_together(args)
+    game = find_game(args.game, playable=False)
+    if not game.single_player and game.multiplayer is not None and args.players is None:
+        raise ValueError(f"{game.id} has no game of one player; give --players {min(game.multiplayer.modes)}")
     game = find_game(args.game)
     start_pygame()  # raises without pygame or a display, before any file is created or replaced
     replay, new_folders = None, []
@@ -73,4 +87,31 @@ def _play(args: argparse.Namespace) -> int:
     else:
         print(f"{game.title}: {session.frames:,} frames, best score {session.best:,}")
         print("".join(f"  {path}\n" for path in files), end="")
+    return 0
+
+
+def _play_together(args: argparse.Namespace) -> int:
+    """Play a game of several players."""
+    if args.replay is not None:
+        raise ValueError("replays are of one player; leave --replay out (F10 records a video)")
+    start_pygame()
+    session = make_match(args, "--opponent", args.opponent, args.state)
+    try:
+        play(session, scale=args.scale, sound=not args.no_sound, full_screen=args.full_screen)
+    finally:
+        session.close()
+    videos = [path.resolve() for path in session.video_files if path.exists()]
+    result = {
+        "game": session.game.id,
+        "players": session.core.players,
+        "mode": session.core.mode,
+        "frames": session.frames,
+        "scores": session.scores,
+        "files": videos,
+    }
+    if args.json:
+        print_json(result)
+    else:
+        print(f"{session.title}   ({session.frames:,} frames)")
+        print("".join(f"  {path}\n" for path in videos), end="")
     return 0

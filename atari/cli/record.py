@@ -3,12 +3,10 @@
 import argparse
 import math
 import shutil
-import sys
 import tempfile
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
-from importlib import import_module
 from pathlib import Path
 from threading import Event
 from typing import TYPE_CHECKING, Any
@@ -17,10 +15,12 @@ from tqdm import tqdm
 
 import atari
 from atari._interrupt import ctrl_c_as_event
-from atari.cli.arguments import add_command, add_rom, find_game, find_rom, number
+from atari.cli.arguments import add_command, add_rom, find_function, find_game, find_rom, number
+from atari.cli.multiplayer import make_match, multiplayer
 from atari.cli.observers import ScoreCounter, VideoObserver
 from atari.cli.output import print_json
 from atari.env import AtariEnv
+from atari.games.game import Game
 from atari.recording import FORMATS, RecordReplay, Replay, VideoWriter, frame_rate
 from atari.recording.video.formats import has_sound
 
@@ -41,11 +41,13 @@ def register(commands: "Commands") -> None:
     add_rom(parser)
     parser.add_argument(
         "--policy",
-        default="random",
+        action="append",
         metavar="POLICY",
         help="random, noop, MODULE:FUNCTION (called with each observation, returns an action), a replay, such as "
-        "game.a26, a run folder of `atari train`, an SB3 zip, a TorchScript or ONNX file (default: random)",
+        "game.a26, a run folder of `atari train`, an SB3 zip, a TorchScript or ONNX file (default: random); with "
+        "--players, one for each player: random, noop or MODULE:FUNCTION (called with an observation and an info)",
     )
+    multiplayer(parser)
     parser.add_argument("--preset", metavar="NAME", help="the preprocessing that the policy needs, such as dqn2015")
     length = parser.add_mutually_exclusive_group()
     length.add_argument("--episodes", type=number(int, 1), default=1, metavar="N", help="number of games (default: 1)")
@@ -72,6 +74,13 @@ def register(commands: "Commands") -> None:
 
 
 def _record(args: argparse.Namespace) -> int:
+    if args.players is not None:
+        return _record_match(args)
+    policies = args.policy or ["random"]
+    if len(policies) > 1 or args.mode is not None or args.difficulty is not None:
+        option = "a second --policy" if len(policies) > 1 else "--mode" if args.mode is not None else "--difficulty"
+        raise ValueError(f"{option} needs --players; see `atari record --help`")
+    args.policy = policies[0]
     if args.policy.endswith(".a26"):
         return _film_replay(args)
     if Path(args.policy).exists():
@@ -129,6 +138,51 @@ def _play(env: Any, policy: Policy, score_counter: ScoreCounter, args: argparse.
                     observation, _ = env.reset()
             bar.update(score_counter.frames - bar.n)
     return True
+
+
+def _record_match(args: argparse.Namespace) -> int:
+    """Record a game of several players, each of which is a policy."""
+    if args.preset is not None:
+        raise ValueError("--preset is for one player; the policies of several players see what --obs says")
+    session = make_match(args, "--policy", args.policy or ["random"])
+    outputs = args.output or [Path("videos", f"{session.game.id}-{args.seed}.mp4")]
+    if any(path.suffix.lower() == ".a26" for path in outputs):
+        raise ValueError("replays (.a26) are of one player; name a video with -o")
+    _check_endings(outputs)
+    frames = math.inf if args.seconds is None else math.ceil(args.seconds * frame_rate(session.game))
+    scores, start = [], time.perf_counter()
+    with ExitStack() as stack:
+        videos = [stack.enter_context(_open_video(path, session.game, args)) for path in outputs]
+        interrupted = stack.enter_context(ctrl_c_as_event())
+        bar = stack.enter_context(tqdm(unit=" frames", total=None if args.seconds is None else frames, disable=None))
+        while session.frames < frames and not interrupted.is_set():
+            session.play()
+            for video in videos:
+                video.write(session.screen, session.samples if video.sound else None)
+            bar.update(1)
+            if session.over:
+                scores.append(session.scores)
+                if args.seconds is None and len(scores) == args.episodes:
+                    break
+                session.new_game()
+    if not scores or not session.over:
+        scores.append(session.scores)
+    files = [path.resolve() for path in outputs]
+    if interrupted.is_set():
+        raise KeyboardInterrupt(f"after {session.frames:,} frames; what was recorded is in {_listed(files)}")
+    result = {
+        "game": session.game.id,
+        "players": session.core.players,
+        "mode": session.core.mode,
+        "policies": args.policy or ["random"],
+        "seed": args.seed,
+        "frames": session.frames,
+        "scores": scores,
+        "elapsed_seconds": time.perf_counter() - start,
+        "files": files,
+    }
+    print_json(result) if args.json else print(_match_summary(result))
+    return 0
 
 
 def _film_replay(args: argparse.Namespace) -> int:
@@ -198,19 +252,9 @@ def _policy(name: str, env: Any) -> Policy:
         if "NOOP" not in meanings:
             raise ValueError(f"{env.unwrapped.game.id} has no NOOP with this preset; leave --preset out")
         return lambda observation: meanings.index("NOOP")
-    module, colon, function = name.partition(":")
-    if not colon:
+    if ":" not in name:
         raise ValueError(f"--policy must be random, noop, MODULE:FUNCTION or a replay (.a26), got {name!r}")
-    sys.path.insert(0, "")  # modules of this folder, as with `python -m`
-    try:
-        policy = getattr(import_module(module), function)
-    except (ImportError, AttributeError) as error:
-        raise ValueError(f"--policy {name} cannot be imported: {error}") from error
-    finally:
-        sys.path.remove("")
-    if not callable(policy):
-        raise ValueError(f"--policy {name} must be a function of an observation, got {policy!r}")
-    return policy  # type: ignore[no-any-return]
+    return find_function("--policy", name)
 
 
 def _check_endings(outputs: list[Path]) -> None:
@@ -221,11 +265,15 @@ def _check_endings(outputs: list[Path]) -> None:
 
 
 def _video(path: Path, env: AtariEnv, args: argparse.Namespace) -> VideoWriter:
-    sound = not args.no_sound and has_sound(path)
-    video = VideoWriter(path, env.game.screen.shape, frame_rate(env.game), scale=args.scale, sound=sound)
-    if sound:
+    video = _open_video(path, env.game, args)
+    if video.sound:
         env.make_sound()
     return video
+
+
+def _open_video(path: Path, game: Game, args: argparse.Namespace) -> VideoWriter:
+    sound = not args.no_sound and has_sound(path)
+    return VideoWriter(path, game.screen.shape, frame_rate(game), scale=args.scale, sound=sound)
 
 
 def _summary(result: dict[str, Any]) -> str:
@@ -235,6 +283,17 @@ def _summary(result: dict[str, Any]) -> str:
             f"{result['game']}: policy {result['policy']}, seed {result['seed']}",
             f"  played  {result['frames']:,} frames in {result['elapsed_seconds']:.1f} s, writing included",
             f"  scores  {', '.join(f'{score:,}' for score in scores)}",
+            *(f"  file    {path}" for path in result["files"]),
+        ]
+    )
+
+
+def _match_summary(result: dict[str, Any]) -> str:
+    return "\n".join(
+        [
+            f"{result['game']}: {result['players']} players, mode {result['mode']}, seed {result['seed']}",
+            f"  played  {result['frames']:,} frames in {result['elapsed_seconds']:.1f} s, writing included",
+            f"  scores  {', '.join(' : '.join(map(str, scores)) for scores in result['scores'])}",
             *(f"  file    {path}" for path in result["files"]),
         ]
     )

@@ -1,11 +1,13 @@
 """Playing by hand: a window with sound, keyboard and gamepad, which records a replay.
 
-`controls` turns pygame's events into actions and commands. `session` is the game with its replay, saved states, rewind
-points and videos. `speaker` and `window` output sound and frames. These modules do not import each other; `loop`
-connects them.
+`controls` turns pygame's events into actions and commands. `session` is the game of one player with its replay,
+`multiplayer_session` that of two to four, of which some may be policies; `base` has the saved states, rewind points and
+videos of both. `speaker` and `window` output sound and frames. Controls, sessions and output do not import each other;
+`loop` connects them.
 """
 
 from atari.play.loop import play
+from atari.play.multiplayer_session import MultiplayerSession
 from atari.play.session import Session
 
-__all__ = ["Session", "play"]
+__all__ = ["MultiplayerSession", "Session", "play"]

@@ -1,6 +1,6 @@
 """`Controls`: keys and gamepads as actions (while held) and commands (when pressed)."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from enum import Enum
 from typing import Any
 
@@ -9,13 +9,24 @@ from atari.actions import PLAYER_ACTIONS, Action
 _ACTIONS = {(action.vertical, action.horizontal, action.fire): action for action in PLAYER_ACTIONS}
 _AXIS_LIMIT = 0.5  # of a gamepad stick's full range
 
-HELP = """\
-arrows or W A S D   stick            space, ctrl     fire (gamepad: stick or cross, any button)
+_ONE_PLAYER = """\
+arrows or W A S D   stick            space, ctrl     fire (gamepad: stick or cross, any button)"""
+_SEVERAL_PLAYERS = """\
+first player        W A S D          space, left shift                  fire
+second player       arrows           right ctrl, right shift, return    fire
+gamepads            to the players in the order in which they are found,
+                    first to those without keys; stick or cross, any button"""
+_COMMANDS = """\
 P                   pause            N               one frame, while paused
 backspace (held)    go back in time  R               new game
 F5, F9              save, load       F10             begin or end a video
 F11                 full screen      M               sound on or off
-escape              end"""
+H or F1             help             escape          end"""
+
+HELP = f"{_ONE_PLAYER}\n{_COMMANDS}"
+"""The keys of one player."""
+HELP_SEVERAL = f"{_SEVERAL_PLAYERS}\n{_COMMANDS}"
+"""The keys of two players."""
 
 
 class Command(Enum):
@@ -30,29 +41,52 @@ class Command(Enum):
     VIDEO = "f10"
     FULL_SCREEN = "f11"
     MUTE = "m"
+    HELP = "h"
 
 
-_STICK = {
-    "up": ("up", "w", "vertical -1", "hat vertical -1"),
-    "down": ("down", "s", "vertical 1", "hat vertical 1"),
-    "left": ("left", "a", "horizontal -1", "hat horizontal -1"),
-    "right": ("right", "d", "horizontal 1", "hat horizontal 1"),
+_COMMAND_KEYS = {**{command.value: command for command in Command}, "f1": Command.HELP}
+_REWIND = "backspace"
+_GAMEPAD = {
+    "up": ("vertical -1", "hat vertical -1"),
+    "down": ("vertical 1", "hat vertical 1"),
+    "left": ("horizontal -1", "hat horizontal -1"),
+    "right": ("horizontal 1", "hat horizontal 1"),
+}
+Keys = Mapping[str, tuple[str, ...]]
+"""The keys of a player, by direction and for fire."""
+
+ALL_KEYS: Keys = {
+    "up": ("up", "w"),
+    "down": ("down", "s"),
+    "left": ("left", "a"),
+    "right": ("right", "d"),
     "fire": ("space", "left ctrl", "right ctrl"),
 }
-_REWIND = "backspace"
+LEFT_KEYS: Keys = {
+    "up": ("w",), "down": ("s",), "left": ("a",), "right": ("d",), "fire": ("space", "left shift"),
+}  # fmt: skip
+RIGHT_KEYS: Keys = {
+    "up": ("up",), "down": ("down",), "left": ("left",), "right": ("right",),
+    "fire": ("right ctrl", "right shift", "return"),
+}  # fmt: skip
+NO_KEYS: Keys = {}
 
 
 class Controls:
-    """The keys, axes and buttons that are held, from pygame's events.
+    """The keys, axes and buttons that one player holds, from pygame's events.
 
     Args:
         pygame: the module pygame.
+        keys: the player's keys.
     """
 
-    def __init__(self, pygame: Any) -> None:
+    help = HELP
+
+    def __init__(self, pygame: Any, keys: Keys = ALL_KEYS) -> None:
         self._pygame = pygame
+        directions = ("up", "down", "left", "right", "fire")
+        self._names = {name: {*keys.get(name, ()), *_GAMEPAD.get(name, ())} for name in directions}
         self._held: set[str] = set()  # names of keys, gamepad axes and buttons
-        self._commands = {command.value: command for command in Command}
 
     def handle(self, event: Any) -> Command | None:
         """Update what is held by an event, and return the event's command, if it has one."""
@@ -62,7 +96,7 @@ class Controls:
         if event.type == pygame.KEYDOWN:
             name = pygame.key.name(event.key)
             self._held.add(name)
-            return self._commands.get(name)
+            return _COMMAND_KEYS.get(name)
         if event.type == pygame.KEYUP:
             self._held.discard(pygame.key.name(event.key))
         elif event.type == pygame.JOYAXISMOTION and event.axis in (0, 1):
@@ -78,6 +112,15 @@ class Controls:
             self._held.clear()  # no event comes for keys released in another window
         return None
 
+    def add_gamepad(self, gamepad: int) -> str:
+        """Do nothing: every gamepad is the player's; a message for the player."""
+        return ""
+
+    @property
+    def note(self) -> str:
+        """A message about players without controls: none."""
+        return ""
+
     @property
     def rewinding(self) -> bool:
         """Whether the rewind key is held."""
@@ -85,7 +128,7 @@ class Controls:
 
     def action(self, legal: Iterable[Action]) -> Action:
         """Return the held action; if it is not legal, the legal one with the most of its directions and fire."""
-        held = {direction for direction, names in _STICK.items() if self._held.intersection(names)}
+        held = {direction for direction, names in self._names.items() if self._held.intersection(names)}
         vertical = ("up" in held) - ("down" in held)
         horizontal = ("right" in held) - ("left" in held)
         fire = "fire" in held or any(name.startswith("button ") for name in self._held)
@@ -94,7 +137,74 @@ class Controls:
         allowed = tuple(legal)
         return next((_ACTIONS[motion] for motion in wanted if _ACTIONS[motion] in allowed), allowed[0])
 
+    def actions(self, legal: Iterable[Action]) -> list[Action]:
+        """The action of the one player, as `action`."""
+        return [self.action(legal)]
+
+    def release(self) -> None:
+        """Hold nothing any more."""
+        self._held.clear()
+
     def _set_axis(self, name: str, value: float) -> None:
         self._held -= {f"{name} -1", f"{name} 1"}
         if abs(value) > _AXIS_LIMIT:
             self._held.add(f"{name} {1 if value > 0 else -1}")
+
+
+class SharedControls(Controls):
+    """The controls of several players: two at the keyboard, and a gamepad for each.
+
+    Gamepads go to the players in the order in which they are found, first to players without keys. If a gamepad is
+    removed, its player gets the next one. Without a free player, a gamepad does nothing.
+
+    Args:
+        pygame: the module pygame.
+        players: the numbers of the players that are no policies, from 1; a single one has all keys and all gamepads.
+    """
+
+    help = HELP_SEVERAL
+
+    def __init__(self, pygame: Any, players: Sequence[int]) -> None:
+        super().__init__(pygame, NO_KEYS)
+        layouts = [ALL_KEYS] if len(players) == 1 else [LEFT_KEYS, RIGHT_KEYS, NO_KEYS, NO_KEYS]
+        self._seats = {player: Controls(pygame, keys) for player, keys in zip(players, layouts, strict=False)}
+        self._gamepads: dict[int, int] = {}  # the player of each gamepad
+        if len(players) == 1:
+            self.help = HELP
+
+    def handle(self, event: Any) -> Command | None:
+        """Pass an event to the player whose gamepad it is of, or to all players, and return the event's command."""
+        gamepad = getattr(event, "instance_id", None)
+        if gamepad is None:
+            for seat in self._seats.values():
+                seat.handle(event)
+            return super().handle(event)
+        player = self._gamepads.get(gamepad)
+        if player is not None:
+            self._seats[player].handle(event)
+            if event.type == self._pygame.JOYDEVICEREMOVED:
+                self._seats[player].release()
+                del self._gamepads[gamepad]
+        return None
+
+    def add_gamepad(self, gamepad: int) -> str:
+        """Give a gamepad, by its instance id, to a player, and return a message that says to which."""
+        if gamepad in self._gamepads:
+            return ""
+        order = [*list(self._seats)[2:], *list(self._seats)[:2]]
+        free = [player for player in order if player not in self._gamepads.values()]
+        if len(self._seats) > 1 and not free:
+            return "every player has a gamepad"
+        self._gamepads[gamepad] = player = (free or order)[0]
+        return f"gamepad: player {player}"
+
+    @property
+    def note(self) -> str:
+        """A message that names the players with neither keys nor a gamepad."""
+        waiting = [str(player) for player in list(self._seats)[2:] if player not in self._gamepads.values()]
+        return f"player {' and '.join(waiting)}: connect a gamepad" if waiting else ""
+
+    def actions(self, legal: Iterable[Action]) -> list[Action]:
+        """The action of each player, as `Controls.action`."""
+        allowed = tuple(legal)
+        return [seat.action(allowed) for seat in self._seats.values()]

@@ -6,8 +6,9 @@ from typing import Any
 
 import gymnasium
 
-from atari.play.controls import Command, Controls
-from atari.play.session import Session
+from atari.play.base import BaseSession
+from atari.play.controls import Command, Controls, SharedControls
+from atari.play.multiplayer_session import MultiplayerSession
 from atari.play.speaker import Speaker
 from atari.play.window import GameWindow, start_pygame
 from atari.recording import frame_rate
@@ -40,8 +41,8 @@ class Pacer:
             self._due = self._now()
 
 
-def play(session: Session, *, scale: int = 3, sound: bool = True, full_screen: bool = False) -> None:
-    """Play in a window until it is closed. `controls.HELP` lists the keys. The session stays open.
+def play(session: BaseSession, *, scale: int = 3, sound: bool = True, full_screen: bool = False) -> None:
+    """Play in a window until it is closed. `controls.HELP` and `HELP_SEVERAL` list the keys. The session stays open.
 
     Raises:
         gymnasium.error.DependencyNotInstalled: pygame-ce is not installed.
@@ -63,16 +64,16 @@ def play(session: Session, *, scale: int = 3, sound: bool = True, full_screen: b
 class Loop:
     """The work of each tick: handle events, play or rewind a frame, show it and play its sound."""
 
-    def __init__(self, pygame: Any, session: Session, window: GameWindow, speaker: Speaker | None) -> None:
+    def __init__(self, pygame: Any, session: BaseSession, window: GameWindow, speaker: Speaker | None) -> None:
         self._pygame, self._session, self._window, self._speaker = pygame, session, window, speaker
-        self._controls = Controls(pygame)
+        self._controls = _controls(pygame, session)
         self._gamepads: dict[int, Any] = {}
-        self._paused = self._single = False
+        self._paused = self._single = self._helping = False
         self._ticks = 0
         self._rate = float(frame_rate(session.game))
         self._message, self._message_until = "", 0
-        if speaker is not None and speaker.error is not None:
-            self._show_message(f"no sound: {speaker.error}")
+        silent = f"no sound: {speaker.error}" if speaker is not None and speaker.error is not None else ""
+        self._show_message("   ".join(filter(None, (silent, self._controls.note))))
 
     def run(self) -> None:
         """Run ticks until the window is closed."""
@@ -87,6 +88,7 @@ class Loop:
             if event.type == self._pygame.JOYDEVICEADDED:  # SDL also sends it for the gamepads present at the start
                 gamepad = self._pygame.joystick.Joystick(event.device_index)
                 self._gamepads[gamepad.get_instance_id()] = gamepad
+                self._show_message(self._controls.add_gamepad(gamepad.get_instance_id()))
             command = self._controls.handle(event)
             if command == Command.QUIT:
                 return False
@@ -98,14 +100,13 @@ class Loop:
         elif not self._paused or self._single:
             self._single = False
             self._show_errors(self._play)
-        title = f"{self._session.game.title}   {self._session.score:,}"
-        self._window.show(self._session.screen, title, self._text())
+        self._window.show(self._session.screen, self._session.title, self._text())
         return True
 
     def _play(self) -> None:
         if self._session.over:
             return
-        self._session.play(self._controls.action(self._session.legal_actions))
+        self._session.play(*self._controls.actions(self._session.legal_actions))
         if self._speaker is not None:
             self._speaker.play(self._session.samples)
 
@@ -129,6 +130,8 @@ class Loop:
             self._window.toggle_full_screen()
         elif command == Command.MUTE and self._speaker is not None:
             self._speaker.muted = not self._speaker.muted
+        elif command == Command.HELP:
+            self._helping = not self._helping
 
     def _show_errors(self, work: Callable[[], None]) -> None:
         """Call `work` and show its error, if any, as a message; play continues."""
@@ -153,4 +156,11 @@ class Loop:
         elif self._paused:
             state = "paused: P to go on, N for one frame"
         message = self._message if self._ticks < self._message_until else ""
-        return "   ".join(part for part in ("REC" if session.recording else "", state, message) if part)
+        line = "   ".join(part for part in ("REC" if session.recording else "", state, message) if part)
+        return "\n".join(filter(None, (self._controls.help if self._helping else "", line)))
+
+
+def _controls(pygame: Any, session: BaseSession) -> Controls:
+    if isinstance(session, MultiplayerSession):
+        return SharedControls(pygame, [player + 1 for player in session.humans])
+    return Controls(pygame)

@@ -62,7 +62,7 @@ class GameWindow:
         pygame.mouse.set_visible(False)
 
     def show(self, rgb: ByteArray, title: str, text: str = "") -> None:
-        """Show a frame, (height, 160, 3) uint8, with text over it."""
+        """Show a frame, (height, 160, 3) uint8, with lines of text over it."""
         pygame = self._pygame
         surface = pygame.display.get_surface()
         width, height = surface.get_size()
@@ -72,9 +72,11 @@ class GameWindow:
         corner = ((width - size[0]) // 2, (height - size[1]) // 2)
         surface.fill((0, 0, 0))
         surface.blit(image, corner)
-        if text:
-            line = self._font.render(text, True, (255, 255, 255), (0, 0, 0))
-            surface.blit(line, (corner[0] + 8, corner[1] + size[1] - line.get_height() - 8))
+        bottom = corner[1] + size[1] - 8
+        for words in reversed(text.splitlines()):
+            line = self._font.render(words, True, (255, 255, 255), (0, 0, 0))
+            bottom -= line.get_height()
+            surface.blit(line, (corner[0] + 8, bottom))
         pygame.display.set_caption(title)
         pygame.display.flip()
 

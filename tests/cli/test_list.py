@@ -46,5 +46,5 @@ def test_environments_of_several_players(capsys: pytest.CaptureFixture[str]) -> 
     lines = read(capsys, "list", "--players", "4").splitlines()
     assert [line.split()[0] for line in lines[1:]][-2:] == ["volleyball_pong_v3", "warlords_v3"]
     names = [row["environment"] for row in read_json(capsys, "list", "--players", "2")]
-    assert len(names) == 24
-    assert names[-1] == "fishing_derby"
+    assert len(names) == 25
+    assert names[-2:] == ["fishing_derby", "freeway"]

@@ -10,7 +10,8 @@ import pytest
 from atari import AtariEnv
 from atari.actions import Action
 from atari.cores import snapshot
-from atari.play.session import FRAMES_PER_REWIND_POINT, Session
+from atari.play.base import FRAMES_PER_REWIND_POINT
+from atari.play.session import Session
 from atari.recording import Replay, VideoWriter
 
 

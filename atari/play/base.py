@@ -1,0 +1,180 @@
+"""`BaseSession`: what the sessions of one and of several players share: saved states, rewind points and videos."""
+
+from abc import ABC, abstractmethod
+from collections import deque
+from pathlib import Path
+from typing import Any, ClassVar
+
+from atari.actions import Action
+from atari.cores import ByteArray, snapshot
+from atari.games.game import Game
+from atari.recording import VideoWriter, frame_rate
+from atari.validation import check_file
+
+FRAMES_PER_REWIND_POINT = 20
+"""Frames from one rewind point to the next."""
+_MAX_REWIND_POINTS = 1800  # ten minutes, nine megabytes
+
+
+class BaseSession(ABC):
+    """A game played frame by frame, without its window. Subclasses own the emulator.
+
+    Args:
+        game: the game.
+        players: the number of players, each with a score.
+        state: the file of the saved state.
+        videos: the folder of the videos.
+        scale: a pixel becomes `2 * scale` x `scale` pixels of a video.
+    """
+
+    _saved_as: ClassVar[str]
+    _blob: ClassVar[str]
+
+    def __init__(self, game: Game, players: int, state: Path, videos: Path, scale: int) -> None:
+        self.game = game
+        self._state, self._videos, self._scale = state, videos, scale
+        self._rewind_points: deque[tuple[bytes, list[int]]] = deque(maxlen=_MAX_REWIND_POINTS)
+        self._video: VideoWriter | None = None
+        self.frames = 0
+        """Frames played, including rewound ones."""
+        self.scores = [0] * players
+        """The score of each player."""
+        self.video_files: list[Path] = []
+        """The videos that were begun."""
+
+    @property
+    @abstractmethod
+    def legal_actions(self) -> tuple[Action, ...]:
+        """The game's legal actions."""
+
+    @property
+    @abstractmethod
+    def over(self) -> bool:
+        """Whether the game has ended."""
+
+    @property
+    @abstractmethod
+    def screen(self) -> ByteArray:
+        """The current screen, (height, 160, 3) uint8."""
+
+    @property
+    @abstractmethod
+    def samples(self) -> ByteArray:
+        """The sound of the last frame, (512,) uint8 around 128."""
+
+    @property
+    @abstractmethod
+    def title(self) -> str:
+        """The game and the scores, for the window's title."""
+
+    @abstractmethod
+    def _step(self, actions: tuple[Action, ...]) -> list[int]:
+        """Play a frame with an action of each human player, and return the reward of each player."""
+
+    @abstractmethod
+    def _snapshot(self) -> bytes: ...
+
+    @abstractmethod
+    def _restore(self, data: bytes) -> None:
+        """Continue from a snapshot; raises ValueError, before anything changes, if it is of another game."""
+
+    @abstractmethod
+    def _reset(self) -> None: ...
+
+    @property
+    def recording(self) -> bool:
+        """Whether a video is being written."""
+        return self._video is not None
+
+    def play(self, *actions: Action) -> None:
+        """Play a frame with an action of each human player; after the end of the game, do nothing.
+
+        Raises:
+            OSError: the replay or the video cannot be written any more; play can continue without it.
+        """
+        if self.over:
+            return
+        if self.frames % FRAMES_PER_REWIND_POINT == 0:
+            self._rewind_points.append((self._snapshot(), self.scores))
+        rewards = self._step(actions)
+        self.frames += 1
+        self.scores = [score + reward for score, reward in zip(self.scores, rewards, strict=True)]
+        if self._video is not None:
+            try:
+                self._video.write(self.screen, self.samples)
+            except OSError:
+                self._video = None
+                raise
+
+    def rewind(self) -> bool:
+        """Restore the last rewind point and drop it; return False if there is none."""
+        if not self._rewind_points:
+            return False
+        data, self.scores = self._rewind_points.pop()
+        self._restore(data)
+        return True
+
+    def new_game(self) -> None:
+        """Reset the game."""
+        self._reset()
+        self.scores = [0] * len(self.scores)
+
+    def save(self) -> Path:
+        """Save the state to its file.
+
+        Raises:
+            OSError: the file cannot be written.
+        """
+        score = self.scores if len(self.scores) > 1 else self.scores[0]
+        data = snapshot.pack({"of": self._saved_as, "score": score}, {self._blob: self._snapshot()})
+        self._state.parent.mkdir(parents=True, exist_ok=True)
+        self._state.write_bytes(data)
+        return self._state
+
+    def load(self) -> None:
+        """Continue from the saved state.
+
+        Raises:
+            FileNotFoundError: there is no saved state.
+            ValueError: the file is damaged, or of another game, mode or difficulty.
+        """
+        facts, blobs = snapshot.unpack(check_file(self._state).read_bytes())
+        snapshot.require(facts, {"of": self._saved_as})
+        snapshot.require_blobs(blobs, self._blob)
+        score = facts.get("score")
+        scores: list[Any] = score if isinstance(score, list) else [score]
+        if not all(type(one) is int for one in scores):
+            raise ValueError(f"{self._state} is damaged: its score is no whole number")
+        if len(scores) != len(self.scores):
+            raise ValueError(f"{self._state} is of a game of {len(scores)} players, not of {len(self.scores)}")
+        self._restore(blobs[self._blob])
+        self.scores = scores
+        self._rewind_points.clear()
+
+    def toggle_video(self) -> Path | None:
+        """Begin a video and return its path; or complete the current one and return None.
+
+        Raises:
+            OSError: the file cannot be written.
+            gymnasium.error.DependencyNotInstalled: PyAV is not installed.
+        """
+        if self._video is not None:
+            video, self._video = self._video, None
+            video.close()
+            return None
+        number = 1
+        while (path := self._videos / f"{self.game.id}-{number}.mp4").exists():
+            number += 1
+        rate = frame_rate(self.game)
+        self._video = VideoWriter(path, self.game.screen.shape, rate, scale=self._scale, sound=True)
+        self.video_files.append(path)
+        return path
+
+    def close(self) -> None:
+        """Complete the video.
+
+        Raises:
+            OSError: a file cannot be written.
+        """
+        if self._video is not None:
+            self.toggle_video()

@@ -1,0 +1,180 @@
+"""`MultiplayerSession`: a game of two to four players, by hand or by policies, without its window."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+
+from atari.actions import PLAYER_ACTIONS, Action
+from atari.cores import ByteArray
+from atari.cores.options import SEED_LIMIT
+from atari.games.game import Game
+from atari.multiplayer import MultiplayerCore
+from atari.play.base import BaseSession
+from atari.validation import check_name
+
+Policy = Callable[[ByteArray, dict[str, Any]], Any]
+"""A player that is a function: of the observation and the info of a frame, to an action's number (0 .. 17) or name."""
+
+Observation = Literal["rgb", "grayscale", "ram"]
+OBSERVATIONS: tuple[Observation, ...] = ("rgb", "grayscale", "ram")
+_FRAMES_PER_RANDOM_ACTION = 4
+
+
+class MultiplayerSession(BaseSession):
+    """A game of two to four players, played frame by frame. All 18 actions are legal, and none is sticky.
+
+    Args:
+        game: id of a game ("combat"), or a `Game`; it must have rules for several players.
+        players: 2, 3 or 4; None is that of `mode`, else the fewest that the game has.
+        mode: in Multi-Agent-ALE's numbering; None is the first mode for `players`.
+        difficulty: None is 0.
+        seed: of the game; None is a random one.
+        policies: by player (0 is the first), the players that are policies; human players are the others. In each frame
+            a policy is called with the observation and an info, and returns an action's number (0 .. 17) or name
+            ("UPFIRE"). The info has `player` (0 is the first), `players`, `mode`, `frame` (since the game began),
+            `scores`, `rewards` (of the last frame) and `lives`; the last three are lists, a number of each player.
+        obs_type: of the policies' observations, all uint8: "rgb" (height, 160, 3), "grayscale" (height, 160) or "ram"
+            (128,). All players see the same.
+        state: the file of the saved state.
+        videos: the folder of the videos.
+        scale: a pixel becomes `2 * scale` x `scale` pixels of a video.
+
+    Raises:
+        TypeError, ValueError: see `MultiplayerCore`; or a policy is of a player that the game does not have.
+    """
+
+    _saved_as: ClassVar[str] = "play of several players"
+    _blob: ClassVar[str] = "core"
+
+    def __init__(
+        self,
+        game: str | Game,
+        *,
+        rom: Path | None = None,
+        players: int | None = None,
+        mode: int | None = None,
+        difficulty: int | None = None,
+        seed: int | None = None,
+        policies: Mapping[int, Policy] | None = None,
+        obs_type: Observation = "rgb",
+        state: Path = Path("game.state"),
+        videos: Path = Path("videos"),
+        scale: int = 2,
+    ) -> None:
+        self._obs_type = check_name("obs_type", obs_type, OBSERVATIONS)
+        if seed is None:
+            seed = int(np.random.default_rng().integers(SEED_LIMIT))
+        self.core = MultiplayerCore(
+            game, rom=rom, players=players, mode=mode, difficulty=difficulty, seed=seed, sound=True
+        )
+        self.policies = dict(policies or {})
+        for player in self.policies:
+            if player not in range(self.core.players):
+                raise ValueError(f"there is no player {player + 1} in a game of {self.core.players} players")
+        super().__init__(self.core.game, self.core.players, state, videos, scale)
+        self.humans = tuple(player for player in range(self.core.players) if player not in self.policies)
+        """The players that are no policies; 0 is the first."""
+        self._reset()
+
+    @property
+    def legal_actions(self) -> tuple[Action, ...]:
+        """All 18."""
+        return PLAYER_ACTIONS
+
+    @property
+    def over(self) -> bool:
+        """Whether the game has ended."""
+        return self.core.game_over or self.core.truncated
+
+    @property
+    def screen(self) -> ByteArray:
+        """The current screen, (height, 160, 3) uint8."""
+        return self.core.screen_rgb()
+
+    @property
+    def samples(self) -> ByteArray:
+        """The sound of the last frame, (512,) uint8 around 128."""
+        return self.core.audio()
+
+    @property
+    def title(self) -> str:
+        """The game and the score of each player, for the window's title."""
+        return "   ".join(
+            [self.game.title, *(f"player {player}: {score:,}" for player, score in enumerate(self.scores, 1))]
+        )
+
+    def _step(self, actions: tuple[Action, ...]) -> list[int]:
+        chosen = dict(zip(self.humans, map(int, actions), strict=True))
+        if self.policies:
+            observation = self._observe()
+            chosen |= {player: self._decide(player, observation) for player in self.policies}
+        self._rewards = self.core.act_players([chosen[player] for player in range(self.core.players)])
+        return self._rewards
+
+    def _observe(self) -> ByteArray:
+        if self._obs_type == "ram":
+            return self.core.ram()
+        return self.core.screen_rgb() if self._obs_type == "rgb" else self.core.screen_grayscale()
+
+    def _decide(self, player: int, observation: ByteArray) -> int:
+        """The action of a policy.
+
+        Raises:
+            RuntimeError: the policy fails, or returns no action. Not ValueError, after which a window plays on.
+        """
+        info = {
+            "player": player,
+            "players": self.core.players,
+            "mode": self.core.mode,
+            "frame": self.core.episode_frame_number - self._first_frame,
+            "scores": list(self.scores),
+            "rewards": list(self._rewards),
+            "lives": self.core.player_lives,
+        }
+        try:
+            action = self.policies[player](observation.copy(), info)
+        except Exception as error:
+            raise RuntimeError(f"the policy of player {player + 1} failed: {type(error).__name__}: {error}") from error
+        number = _NUMBERS.get(action) if isinstance(action, (str, int, np.integer)) else None
+        if number is None or isinstance(action, bool):
+            raise RuntimeError(
+                f"the policy of player {player + 1} returned {action!r}; an action is a number 0 .. 17, or a name "
+                "such as 'UPFIRE'"
+            )
+        return number
+
+    def _snapshot(self) -> bytes:
+        return self.core.snapshot()
+
+    def _restore(self, data: bytes) -> None:
+        self.core.restore(data)
+        self._rewards = [0] * self.core.players
+
+    def _reset(self) -> None:
+        self.core.reset()
+        self._first_frame = self.core.episode_frame_number  # after the starting actions
+        self._rewards = [0] * self.core.players
+
+
+_NUMBERS: Mapping[Any, int] = {key: int(action) for action in PLAYER_ACTIONS for key in (int(action), action.name)}
+
+
+def random_policy(actions: tuple[Action, ...], seed: int) -> Policy:
+    """A policy that draws one of `actions` every four frames."""
+    random = np.random.default_rng(seed)
+    action = Action.NOOP
+
+    def policy(observation: ByteArray, info: dict[str, Any]) -> int:
+        nonlocal action
+        if info["frame"] % _FRAMES_PER_RANDOM_ACTION == 0:
+            action = actions[random.integers(len(actions))]
+        return int(action)
+
+    return policy
+
+
+def no_op_policy(observation: ByteArray, info: dict[str, Any]) -> int:
+    """A policy that never acts."""
+    return int(Action.NOOP)

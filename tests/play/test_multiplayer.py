@@ -1,0 +1,283 @@
+"""Several players: sessions without a window, shared controls, the window, and the command line."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import av
+import numpy as np
+import pygame
+import pytest
+
+from atari.actions import PLAYER_ACTIONS, Action
+from atari.cli import main
+from atari.multiplayer import MultiplayerCore
+from atari.play import MultiplayerSession
+from atari.play.base import FRAMES_PER_REWIND_POINT
+from atari.play.controls import HELP, HELP_SEVERAL, LEFT_KEYS, RIGHT_KEYS, Command, SharedControls
+from atari.play.loop import Loop
+from atari.play.window import GameWindow
+
+POLICY = """
+seen = []
+
+def up(observation, info):
+    seen.append((observation.shape, info))
+    return "UP"
+
+def wrong(observation, info):
+    return 18
+
+def fails(observation, info):
+    raise ValueError("no idea")
+"""
+
+
+@pytest.fixture(autouse=True)
+def display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    monkeypatch.setenv("SDL_AUDIODRIVER", "dummy")
+    monkeypatch.chdir(tmp_path)
+    Path("policies_of_two.py").write_text(POLICY)
+    yield
+    pygame.quit()
+
+
+def event(kind: int, **facts: Any) -> Any:
+    return pygame.event.Event(kind, **facts)
+
+
+def test_a_session_is_the_core_with_each_players_actions() -> None:
+    session = MultiplayerSession("combat", seed=5)
+    core = MultiplayerCore("combat", seed=5)
+    core.reset()
+    random = np.random.default_rng(0)
+    scores = np.zeros(2, int)
+    for _ in range(600):
+        actions = [PLAYER_ACTIONS[i] for i in random.integers(18, size=2)]
+        session.play(*actions)
+        scores += core.act_players([int(action) for action in actions])
+    assert np.array_equal(session.screen, core.screen_rgb())
+    assert np.array_equal(session.core.ram(), core.ram())
+    assert session.scores == scores.tolist()
+    assert session.frames == 600
+    assert session.samples.shape == (512,)
+
+
+def test_a_policy_plays_player_2_and_gets_observation_and_info() -> None:
+    calls: list[tuple[Any, dict[str, Any]]] = []
+
+    def policy(observation: Any, info: dict[str, Any]) -> str:
+        calls.append((observation, info))
+        return "RIGHTFIRE"
+
+    session = MultiplayerSession("pong", seed=1, policies={1: policy}, obs_type="ram")
+    core = MultiplayerCore("pong", seed=1)
+    core.reset()
+    assert session.humans == (0,)
+    for _ in range(700):
+        session.play(Action.LEFT)
+        core.act_players([int(Action.LEFT), int(Action.RIGHTFIRE)])
+    assert np.array_equal(session.core.ram(), core.ram())
+    assert session.scores != [0, 0]
+    observation, info = calls[-1]
+    assert (observation.shape, observation.dtype) == ((128,), np.uint8)
+    assert info == {
+        "player": 1, "players": 2, "mode": 3, "frame": 699, "scores": info["scores"], "rewards": [0, 0], "lives": [0, 0],
+    }  # fmt: skip
+    assert [info["frame"] for _, info in calls] == list(range(700))
+
+
+@pytest.mark.parametrize("answer", [18, -1, "JUMP", None, True, 1.5, []])
+def test_an_answer_that_is_no_action_is_named(answer: Any) -> None:
+    session = MultiplayerSession("pong", policies={1: lambda observation, info: answer})
+    with pytest.raises(RuntimeError, match="the policy of player 2 returned"):
+        session.play(Action.NOOP)
+    assert session.frames == 0
+
+
+def test_rewind_save_load_new_game_and_video() -> None:
+    session = MultiplayerSession("pong", seed=1, state=Path("a.state"), videos=Path("v"), scale=1)
+    for _ in range(700):
+        session.play(Action.LEFT, Action.RIGHTFIRE)
+    saved, scores = session.screen, session.scores
+    assert scores != [0, 0]
+    session.save()
+    path = session.toggle_video()
+    for _ in range(2 * FRAMES_PER_REWIND_POINT):
+        session.play(Action.RIGHT, Action.LEFT)
+    assert session.toggle_video() is None
+    session.rewind()
+    assert session.rewind()
+    assert np.array_equal(session.screen, saved)
+    session.new_game()
+    assert session.scores == [0, 0]
+    session.load()
+    assert (np.array_equal(session.screen, saved), session.scores) == (True, scores)
+    with pytest.raises(ValueError, match="mode"):
+        _load(MultiplayerSession("pong", players=4, state=Path("a.state")))
+    session.close()
+    with av.open(str(path)) as container:
+        assert container.streams.video[0].frames == 2 * FRAMES_PER_REWIND_POINT
+        assert container.streams.audio
+
+
+def _load(session: MultiplayerSession) -> None:
+    with pytest.raises(ValueError, match="of a game of 2 players, not of 4"):
+        session.load()
+    two = MultiplayerSession("pong", mode=10, state=Path("a.state"))
+    before = two.core.ram()
+    try:
+        two.load()
+    finally:
+        assert np.array_equal(two.core.ram(), before)
+
+
+def test_each_player_has_keys_that_do_not_clash() -> None:
+    controls = SharedControls(pygame, [1, 2])
+    assert controls.handle(event(pygame.KEYDOWN, key=pygame.K_w)) is None
+    controls.handle(event(pygame.KEYDOWN, key=pygame.K_SPACE))
+    controls.handle(event(pygame.KEYDOWN, key=pygame.K_LEFT))
+    assert controls.actions(PLAYER_ACTIONS) == [Action.UPFIRE, Action.LEFT]
+    controls.handle(event(pygame.KEYDOWN, key=pygame.K_RCTRL))
+    controls.handle(event(pygame.KEYUP, key=pygame.K_w))
+    assert controls.actions(PLAYER_ACTIONS) == [Action.FIRE, Action.LEFTFIRE]
+    assert controls.handle(event(pygame.KEYDOWN, key=pygame.K_F1)) == Command.HELP
+    keys = [key for layout in (LEFT_KEYS, RIGHT_KEYS) for names in layout.values() for key in names]
+    commands = [command.value for command in Command]
+    assert len({*keys, *commands, "f1", "backspace"}) == len(keys) + len(commands) + 2
+    for key in ("left shift", "right ctrl", "right shift", "return"):
+        assert key in HELP_SEVERAL
+
+
+def test_gamepads_go_to_players_in_the_order_in_which_they_are_found() -> None:
+    controls = SharedControls(pygame, [1, 2])
+    assert [controls.add_gamepad(gamepad) for gamepad in (7, 3, 9)] == [
+        "gamepad: player 1", "gamepad: player 2", "every player has a gamepad",
+    ]  # fmt: skip
+    controls.handle(event(pygame.JOYAXISMOTION, axis=0, value=1.0, instance_id=3))
+    controls.handle(event(pygame.JOYBUTTONDOWN, button=0, instance_id=7))
+    controls.handle(event(pygame.JOYBUTTONDOWN, button=0, instance_id=9))
+    assert controls.actions(PLAYER_ACTIONS) == [Action.FIRE, Action.RIGHT]
+    controls.handle(event(pygame.JOYDEVICEREMOVED, instance_id=3))
+    assert controls.actions(PLAYER_ACTIONS) == [Action.FIRE, Action.NOOP]
+    assert controls.add_gamepad(11) == "gamepad: player 2"
+
+
+def test_players_without_keys_get_gamepads_first() -> None:
+    controls = SharedControls(pygame, [1, 2, 3, 4])
+    assert controls.note == "player 3 and 4: connect a gamepad"
+    assert [controls.add_gamepad(gamepad)[-1] for gamepad in range(4)] == ["3", "4", "1", "2"]
+    assert controls.note == ""
+
+
+def test_a_single_human_has_all_keys_and_gamepads() -> None:
+    controls = SharedControls(pygame, [1])
+    assert controls.help == HELP
+    for key in (pygame.K_w, pygame.K_RIGHT):
+        controls.handle(event(pygame.KEYDOWN, key=key))
+    assert controls.actions(PLAYER_ACTIONS) == [Action.UPRIGHT]
+    assert {controls.add_gamepad(gamepad) for gamepad in (0, 1)} == {"gamepad: player 1"}
+
+
+def test_the_window_plays_both_players() -> None:
+    session = MultiplayerSession("combat", seed=1)
+    window = GameWindow(pygame, session.game, 1)
+    pygame.joystick.init()
+    loop = Loop(pygame, session, window, None)
+    before = session.core.ram().copy()
+    for key in (pygame.K_w, pygame.K_UP, pygame.K_RCTRL, pygame.K_h):
+        pygame.event.post(event(pygame.KEYDOWN, key=key))
+    assert all(loop.tick() for _ in range(60))
+    core = MultiplayerCore("combat", seed=1)
+    core.reset()
+    for _ in range(60):
+        core.act_players([int(Action.UP), int(Action.UPFIRE)])
+    assert np.array_equal(session.core.ram(), core.ram())
+    assert not np.array_equal(before, core.ram())
+    assert pygame.display.get_caption()[0] == "Combat   player 1: 0   player 2: 0"
+    assert "first player        W A S D" in loop._text()
+    surface = pygame.display.get_surface()
+    assert surface is not None
+    assert (pygame.surfarray.array3d(surface)[:, -160:] == 255).any()
+
+
+def run_loop(frames: int) -> Any:
+    def run(loop: Loop) -> None:
+        for _ in range(frames):
+            loop.tick()
+
+    return run
+
+
+def test_the_command_plays_and_prints_both_scores(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(Loop, "run", run_loop(30))
+    assert main(["play", "combat", "--players", "2", "--scale", "1", "--no-sound"]) == 0
+    assert capsys.readouterr().out == "Combat   player 1: 0   player 2: 0   (30 frames)\n"
+    words = ["pong_v3", "--players", "4", "--opponent", "random", "--opponent", "policies_of_two:up", "--obs", "ram"]
+    assert main(["play", *words, "--json", "--scale", "1", "--no-sound", "--seed", "3"]) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert (result["players"], result["mode"], len(result["scores"])) == (4, 6, 4)
+    from policies_of_two import seen  # type: ignore[import-not-found]
+
+    assert {(shape, info["player"]) for shape, info in seen} == {((128,), 2)}
+    assert sorted(path.name for path in Path().iterdir() if path.suffix) == ["policies_of_two.py"]
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["breakout", "--players", "2"], "there is no game of several players named 'breakout'"),
+        (["combat", "--players", "3"], "combat is for 2 players, got --players 3"),
+        (["pong_v3", "--players", "3"], "pong_v3 is for 2 or 4 players, got --players 3"),
+        (["boxing_v2", "--players", "4"], "boxing_v2 is for 2 players, got --players 4"),
+        (["combat"], "combat has no game of one player; give --players 2"),
+        (["combat", "--players", "2", "--mode", "99"], "mode of combat for 2 players must be one of 1, 2, "),
+        (["combat", "--players", "2", "--difficulty", "9"], "difficulty must be one of"),
+        (["pong", "--players", "2", "--replay", "a.a26"], "replays are of one player; leave --replay out"),
+        (["pong", "--opponent", "policies_of_two.py"], "policies and replays in files are of the one-player game"),
+        (["pong", "--opponent", "best"], "must be random, noop or MODULE:FUNCTION, got 'best'"),
+        (["pong", "--opponent", "policies_of_two:none"], "cannot be imported"),
+        (["pong", "--opponent", "noop", "--opponent", "noop"], "give --opponent at most 1 times, got 2"),
+        (["pong", "--opponent", "policies_of_two:wrong"], "the policy of player 2 returned 18"),
+        (["pong", "--opponent", "policies_of_two:fails"], "the policy of player 2 failed: ValueError: no idea"),
+    ],
+)
+def test_wrong_words_are_one_line(
+    words: list[str], text: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(Loop, "run", run_loop(3))
+    assert main(["play", *words, "--scale", "1", "--no-sound"]) == 1
+    err = capsys.readouterr().err
+    assert text in err
+    assert err.count("\n") == 1
+
+
+def test_a_match_of_policies_is_recorded(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["record", "combat", "--players", "2", "--seconds", "2", "-o", "match.mp4", "--scale", "1", "--json"]
+    assert main([*words, "--policy", "random", "--policy", "noop"]) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert (result["players"], result["policies"], result["scores"]) == (2, ["random", "noop"], [[0, 0]])
+    with av.open("match.mp4") as container:
+        assert container.streams.video[0].frames == result["frames"] > 90
+        assert container.streams.audio
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["pong", "--players", "2", "-o", "a.a26"], "replays (.a26) are of one player"),
+        (["pong", "--players", "2", "--preset", "dqn2015"], "--preset is for one player"),
+        (
+            ["pong_v3", "--players", "4", "--policy", "noop", "--policy", "noop"],
+            "give --policy once, or 4 times, got 2",
+        ),
+        (["pong", "--policy", "noop", "--policy", "noop"], "a second --policy needs --players"),
+        (["pong", "--mode", "0"], "--mode needs --players"),
+    ],
+)
+def test_matches_that_cannot_be_recorded(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["record", *words]) == 1
+    assert text in capsys.readouterr().err
