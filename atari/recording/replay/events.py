@@ -19,6 +19,7 @@ The codes of all events come first and all arguments after them, which compresse
     0x86, 0x87   number                    set the game's mode, or difficulty
     0x88         radius, angle, fire       the continuous action (three float32) that the following actions come from
     0x89         -                         the end of a step whose last event is not an action
+    0x8A         index, value              hold a byte of RAM at a value after every frame; 256 ends it
 
 Whole numbers are in base 128, the lowest digit first, with 128 added to all digits but the last. The number of codes is
 such a number and comes first. All is compressed with raw DEFLATE.
@@ -36,6 +37,8 @@ ACTS_PER_CHUNK = 4096
 """The most frames of actions in one chunk."""
 
 _GOES_ON, _STRENGTH = 0x20, 0x40
+NO_VALUE = 256
+"""In HOLD, in place of a value: the byte is held no longer."""
 _FLOAT, _FLOATS = struct.Struct("<f"), struct.Struct("<3f")
 _MAX_EVENTS_SIZE = 1 << 20
 
@@ -54,6 +57,7 @@ class Kind(IntEnum):
     DIFFICULTY = 0x87
     CONTINUOUS_ACTION = 0x88
     STEP = 0x89
+    HOLD = 0x8A
 
 
 _NUMBERS = {
@@ -66,6 +70,7 @@ _NUMBERS = {
     Kind.MODE: 1,
     Kind.DIFFICULTY: 1,
     Kind.STEP: 0,
+    Kind.HOLD: 2,
 }
 """The number of integer arguments of each kind."""
 

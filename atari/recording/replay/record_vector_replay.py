@@ -185,6 +185,7 @@ def _make_shadow(vector: AtariVectorEnv, index: int, path: str | PathLike[str]) 
         "mode": options.modes[index],
         "difficulty": options.difficulties[index],
         "rom": options.rom,
+        "interventions": options.interventions[index],
     }
     protocol = options.protocol
     common["repeat_action_probability"] = protocol.repeat_action_probability

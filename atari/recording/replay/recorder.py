@@ -36,6 +36,8 @@ def rom_md5(game: Game, rom: str | PathLike[str] | None) -> str:
 def header_of(env: AtariEnv, source: str) -> dict[str, Any]:
     """Return the header of a replay of this environment; `source` is the name of the recorded class."""
     options = {name: value for name, value in env._options.items() if name not in UNRECORDED_OPTIONS}
+    if options["interventions"] is None:
+        del options["interventions"]  # releases without the option read the file
     return {
         "game": env.game.id,
         "rom": rom_md5(env.game, env._options["rom"]),
@@ -241,6 +243,17 @@ class RecordedCore:
         """Write one byte of RAM."""
         self.inner.set_ram(index, value)
         self._recorder.record(Kind.POKE, (operator.index(index), operator.index(value)))
+
+    def add_write(self, write: Any, now: bool = False) -> None:
+        """Not possible: a replay holds no writes but those of interventions.
+
+        Raises:
+            RuntimeError: always.
+        """
+        raise RuntimeError(
+            "Freeze and Poke cannot be recorded in a replay; close the recorder first, or make the environment with "
+            "interventions=[...]"
+        )
 
     def set_mode(self, mode: int) -> None:
         """Set the game's mode; played from the next reset on."""

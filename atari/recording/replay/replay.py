@@ -19,6 +19,7 @@ from atari.cores.options import CoreOptions
 from atari.env import AtariEnv, ObsType
 from atari.games.catalog import games
 from atari.games.game import Game
+from atari.games.interventions import resolve
 from atari.recording.replay import file_format
 from atari.recording.replay.events import Event, Kind, unpack
 from atari.recording.replay.file_format import FRAMES_PER_FULL_HASH, Corrupt
@@ -316,9 +317,12 @@ class Replay:
             ValueError: an event is not possible on this core.
         """
         runner = ReplayRunner(core, self._content.snapshots, self._uses)
-        for number in range(len(self._content.plays)):
-            for event in self._events(number):
-                yield event, runner.run(event)
+        try:
+            for number in range(len(self._content.plays)):
+                for event in self._events(number):
+                    yield event, runner.run(event)
+        finally:
+            runner.release()
 
     def _events(self, number: int) -> list[Event]:
         play = self._content.plays[number]
@@ -338,6 +342,7 @@ class Replay:
             max_num_frames_per_episode=options.get("max_num_frames_per_episode") or 0,
             sound=sound,
             rom=self.rom,
+            interventions=resolve(self.game, options.get("interventions")),
             **{name: options[name] for name in names if name in options},
         )
         return ReplayRunner(made, self._content.snapshots, self._uses)
@@ -404,11 +409,23 @@ def _check_header(header: Mapping[str, Any], game: Game) -> None:
             sound=False,
             color_averaging=False,
         )
+        _check_interventions(options.get("interventions"), game)
         check_frameskip(options.get("frameskip", 4))
         check_name("obs_type", options.get("obs_type", "rgb"), get_args(ObsType))
         check_probability("continuous_action_threshold", options.get("continuous_action_threshold", 0.5))
     except (TypeError, ValueError, OverflowError) as error:
         raise Corrupt(f"the replay is damaged: its header is wrong ({error})") from None
+
+
+def _check_interventions(definitions: Any, game: Game) -> None:
+    """Check that these are definitions; never names or paths, because a replay must not choose files to read.
+
+    Raises:
+        TypeError, ValueError: they are none.
+    """
+    if not all(isinstance(definition, dict) for definition in definitions or ()):
+        raise TypeError("interventions must be a list of definitions")
+    resolve(game, definitions)
 
 
 def _frame(runner: ReplayRunner, call: Call) -> Frame:

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from atari.cores import Core, snapshot
+from atari.cores.writes import make_write
+from atari.games.interventions import WriteRule
 from atari.recording.replay import file_format
-from atari.recording.replay.events import Event, Kind
+from atari.recording.replay.events import NO_VALUE, Event, Kind
 
 
 class Call(NamedTuple):
@@ -31,6 +33,7 @@ class Checkpoint:
     core: bytes
     saves: Mapping[int, tuple[bytes, int]]
     uses: Counter[int]
+    held: Mapping[int, int]
 
 
 class ReplayRunner:
@@ -57,6 +60,7 @@ class ReplayRunner:
         self._saves: dict[int, tuple[bytes, int]] = {}
         self._saved = 0
         self._in_episode = False
+        self._held: dict[int, tuple[int, Any]] = {}  # by byte: the value, and the write
 
     def run(self, event: Event) -> Iterator[Call]:
         """Return an iterator that makes the calls of an event, one at each `next`.
@@ -87,7 +91,8 @@ class ReplayRunner:
         saves, uses = dict(self._saves), Counter(self._uses)
         core = self.core.snapshot()
         numbers = self.chunk, self._saved, self.frame, self.episode, self.score
-        return Checkpoint(*numbers, self._in_episode, core, saves, uses)
+        held = {index: value for index, (value, _) in self._held.items()}
+        return Checkpoint(*numbers, self._in_episode, core, saves, uses, held)
 
     def resume(self, checkpoint: Checkpoint) -> None:
         """Continue from a checkpoint."""
@@ -95,6 +100,22 @@ class ReplayRunner:
         self.chunk, self._saved, self.frame = checkpoint.chunk, checkpoint.saved, checkpoint.frame
         self.episode, self.score, self._in_episode = checkpoint.episode, checkpoint.score, checkpoint.in_episode
         self._saves, self._uses = dict(checkpoint.saves), Counter(checkpoint.uses)
+        self.release()
+        for index, value in checkpoint.held.items():
+            self._hold(index, value)
+
+    def release(self) -> None:
+        """Hold no byte any longer."""
+        for index in list(self._held):
+            self._hold(index, NO_VALUE)
+
+    def _hold(self, index: int, value: int) -> None:
+        if index in self._held:
+            self.core.remove_write(self._held.pop(index)[1])
+        if value != NO_VALUE:
+            write = make_write(self.core.game, WriteRule(index, value, when="held"), "HOLD")
+            self.core.add_write(write)
+            self._held[index] = value, write
 
     def _act(self, event: Event) -> Iterator[Call]:
         core = self.core
@@ -122,6 +143,8 @@ class ReplayRunner:
             core.seed(first)
         elif kind == Kind.POKE:
             core.set_ram(first, second)
+        elif kind == Kind.HOLD:
+            self._hold(first, second)
         elif kind == Kind.SAVE:
             if self._uses[self._saved]:
                 self._saves[self._saved] = core.snapshot(), self.score

@@ -33,6 +33,7 @@ class ShadowCore:
             max_num_frames_per_episode=self._options.protocol.max_num_frames_per_episode,
             sound=True,
             rom=self._options.rom,
+            interventions=self._options.interventions[index],
         )
         self.screen: ByteArray = self.core.screen_rgb()
         """The core's current screen, (height, 160, 3) uint8."""

@@ -1,0 +1,181 @@
+"""The episodes of replays, played again: what `AtariEnv` returned at each step, as arrays."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from os import PathLike
+from typing import Any, Literal, TypeAlias
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+
+from atari.actions import Action
+from atari.env import AtariEnv, ObsType
+from atari.recording.replay.events import Event, Kind
+from atari.recording.replay.replay import Replay
+from atari.wrappers import RamObservation
+
+Source: TypeAlias = Replay | str | PathLike[str]
+DatasetObsType: TypeAlias = ObsType | Literal["dict"]
+
+_JUMPS = (Kind.RESET, Kind.SEED, Kind.RESTORE, Kind.LOAD)
+
+
+@dataclass(frozen=True)
+class EpisodeArrays:
+    """One episode of n steps.
+
+    `observations` has n + 1 rows, or is a dict of arrays with n + 1 rows, as `infos`. The others have n: `actions`,
+    `rewards` (float64), `terminations`, `truncations` (bool). The last step of an unfinished episode is truncated.
+    """
+
+    observations: Any
+    actions: npt.NDArray[Any]
+    rewards: npt.NDArray[np.float64]
+    terminations: npt.NDArray[np.bool_]
+    truncations: npt.NDArray[np.bool_]
+    infos: dict[str, Any]
+
+
+def load_replays(replays: Source | Iterable[Source]) -> list[Replay]:
+    """The replays of a dataset.
+
+    Raises:
+        ValueError: there are none, or they differ in game or options; or as `Replay.load`.
+        FileNotFoundError: as `Replay.load`.
+    """
+    sources = [replays] if isinstance(replays, (Replay, str, PathLike)) else list(replays)
+    loaded = [source if isinstance(source, Replay) else Replay.load(source) for source in sources]
+    if not loaded:
+        raise ValueError("a dataset needs at least one replay")
+    for replay in loaded:
+        if (replay.game, replay.options) != (loaded[0].game, loaded[0].options):
+            raise ValueError(
+                f"the replays of a dataset are of one game and the same options; {replay.path} and {loaded[0].path} "
+                "differ"
+            )
+    return loaded
+
+
+def replay_env(
+    replay: Replay, obs_type: DatasetObsType | None, core: str = "native", image: ObsType | None = None
+) -> gymnasium.Env[Any, Any]:
+    """The environment whose observations a dataset has; its `unwrapped` is an `AtariEnv`.
+
+    "dict" is an image and the RAM, as of `RamObservation`. `image` is "rgb" or "grayscale"; None is that of the
+    recorded environment, or "rgb" if it had RAM alone.
+
+    Raises:
+        TypeError, ValueError: as `Replay.make_env`.
+    """
+    env = replay.make_env(core=core, **_changes(replay, obs_type, image))
+    return RamObservation(env) if obs_type == "dict" else env
+
+
+def env_options(replay: Replay, obs_type: DatasetObsType | None, image: ObsType | None = None) -> dict[str, Any]:
+    """The options of the `AtariEnv` of `replay_env`."""
+    return {**replay.options, **_changes(replay, obs_type, image)}
+
+
+def replayed_episodes(
+    replays: Iterable[Replay],
+    obs_type: DatasetObsType | None = None,
+    core: str = "native",
+    image: ObsType | None = None,
+) -> Iterator[EpisodeArrays]:
+    """Yield the episodes that have steps; only one is in memory. Arguments as of `replay_env`."""
+    for replay in replays:
+        env = replay_env(replay, obs_type, core, image)
+        try:
+            yield from _of_replay(replay, env)
+        finally:
+            env.close()
+
+
+def _changes(replay: Replay, obs_type: DatasetObsType | None, image: ObsType | None) -> dict[str, Any]:
+    if obs_type == "dict":
+        obs_type = image or ("rgb" if replay.options.get("obs_type") == "ram" else None)
+    return {} if obs_type is None else {"obs_type": obs_type}
+
+
+@dataclass
+class _Episode:
+    """The collected steps of one episode."""
+
+    env: gymnasium.Env[Any, Any]
+    observations: list[Any] = field(default_factory=list)
+    actions: list[Any] = field(default_factory=list)
+    rewards: list[float] = field(default_factory=list)
+    terminations: list[bool] = field(default_factory=list)
+    truncations: list[bool] = field(default_factory=list)
+    infos: list[dict[str, int]] = field(default_factory=list)
+    reward: float = 0.0
+    continuous_action: tuple[float, ...] = ()
+
+    @property
+    def atari(self) -> AtariEnv:
+        return self.env.unwrapped  # type: ignore[return-value]
+
+    @property
+    def over(self) -> bool:
+        return bool(self.rewards) and (self.terminations[-1] or self.truncations[-1])
+
+    def see(self) -> None:
+        observation = self.atari._get_obs()
+        if isinstance(self.env, RamObservation):
+            observation = self.env.observation(observation)
+        self.observations.append(observation)
+        self.infos.append(self.atari._info())
+
+    def see_first(self) -> None:
+        """Drop what was collected before the first step, and collect its first observation."""
+        self.observations, self.infos, self.reward = [], [], 0.0
+        self.see()
+
+    def step(self, event: Event) -> None:
+        self.actions.append(_action(self.atari, event, self.continuous_action))
+        self.rewards.append(self.reward)
+        self.terminations.append(self.atari.core.game_over)
+        self.truncations.append(self.atari.core.truncated)
+        self.reward = 0.0
+        self.see()
+
+    def arrays(self) -> EpisodeArrays:
+        return EpisodeArrays(
+            observations=_columns(self.observations),
+            actions=np.array(self.actions),
+            rewards=np.array(self.rewards, np.float64),
+            terminations=np.array(self.terminations, np.bool_),
+            truncations=np.array([*self.truncations[:-1], self.truncations[-1] or not self.terminations[-1]], np.bool_),
+            infos=_columns(self.infos),
+        )
+
+
+def _of_replay(replay: Replay, env: gymnasium.Env[Any, Any]) -> Iterator[EpisodeArrays]:
+    episode = _Episode(env)
+    for event, calls in replay.walk(episode.atari.core):
+        if event.kind in _JUMPS and episode.rewards:
+            yield episode.arrays()
+        if event.kind in _JUMPS:
+            episode = _Episode(env)
+        if event.ends_step and not episode.rewards:
+            episode.see_first()
+        episode.reward += sum(call.reward for call in calls)
+        if event.kind == Kind.CONTINUOUS_ACTION:
+            episode.continuous_action = event.floats
+        elif event.ends_step and not episode.over:
+            episode.step(event)
+    if episode.rewards:
+        yield episode.arrays()
+
+
+def _action(env: AtariEnv, event: Event, continuous_action: tuple[float, ...]) -> Any:
+    if env.continuous:
+        return np.array(continuous_action, np.float32)
+    return np.int64(env._action_set.index(Action(event.numbers[0])))
+
+
+def _columns(rows: list[Any]) -> Any:
+    if isinstance(rows[0], dict):
+        return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    return np.array(rows)
