@@ -1,0 +1,150 @@
+"""`causes`: play a game, then fork many of its states, and compare forks with changed bytes to unchanged twins."""
+
+from collections.abc import Callable
+from os import PathLike
+
+import numpy as np
+from numpy.typing import NDArray
+
+from atari import _emulator
+from atari.cores.native import NativeCore, compiled
+from atari.games.game import Game
+from atari.lab.causal.fit import suggest
+from atari.lab.causal.map import ByteCauses, CausalMap
+from atari.roms import find
+from atari.roms import image as rom_image
+from atari.validation import check_integer
+
+_LONGEST_EPISODE = 3000  # frames
+_CALLS = 20  # to the engine, for progress
+_MOST = 0.95  # part of the forks that makes a byte derived or inert
+_SOME = 0.01  # part of the forks that makes an effect one of the byte
+_CLEAR = 0.02  # part of the forks seen on the screen that makes a pixel one of the byte
+
+
+def causes(
+    game: str | Game,
+    states: int = 200,
+    values: int = 4,
+    frames: int = 4,
+    seed: int = 0,
+    *,
+    threads: int = 1,
+    policy: Callable[[NativeCore], int] | None = None,
+    progress: Callable[[int], object] | None = None,
+    rom: str | PathLike[str] | None = None,
+) -> CausalMap:
+    """What each byte of a game's RAM causes.
+
+    From `states` states of seeded play, each of the 128 bytes is changed to `values` values: one more or less, one bit
+    flipped, then random ones. Each fork is played for up to `frames` frames beside an unchanged twin, with the same
+    actions and the same random words. Its screens are compared until they differ first, the rest after each frame.
+
+    Args:
+        game: id of a game with rules, or a `Game`.
+        states: states of the game, 1..5000, from several episodes.
+        values: forks of each state and byte, 1..64.
+        frames: frames of each fork, 1..60.
+        seed: of the play and of the values.
+        threads: number of threads, 1..256. The result does not depend on it.
+        policy: chooses the actions, ALE's numbers 0..17, from the core at each frame; None plays at random, and holds
+            each action for some frames.
+        progress: is called with the number of states done since the last call.
+        rom: path of the ROM file; None searches.
+
+    Raises:
+        ValueError: a number outside its range, or a game without single-player rules.
+    """
+    for name, number, high in (("states", states, 5000), ("values", values, 64), ("frames", frames, 60)):
+        check_integer(name, number, 1, high)
+    check_integer("threads", threads, 1, 256)
+    core = NativeCore(game, seed=seed, repeat_action_probability=0.0, rom=rom)
+    if core.game.rules is None:
+        raise ValueError(f"{core.game.id} has no single-player rules, so it cannot be played; choose another game")
+    saved, actions, ram, screen = _play(core, states, frames, seed, policy)
+    image = rom_image.read_image(find(core.game, rom))
+    engine = _emulator.Causes(game=compiled(core.game, image), values=values, frames=frames, threads=threads, seed=seed)
+    step = max(states // _CALLS, 1)
+    for first in range(0, states, step):
+        part = saved[first : first + step]
+        engine.explore(part, actions[first : first + step], first)
+        if progress is not None:
+            progress(len(part))
+    counts, effects = engine.counts().astype(np.int64), engine.effects()
+    return CausalMap(
+        game=core.game.id,
+        height=len(screen),
+        settings={"states": states, "values": values, "frames": frames, "seed": seed},
+        bytes=_bytes(engine),
+        suggestions=suggest(effects, counts[:, 0], counts[:, 4]),
+        pixel_counts=engine.pixels(),
+        effects=effects,
+        ram=ram,
+        screen=screen,
+    )
+
+
+def _play(
+    core: NativeCore, states: int, frames: int, seed: int, policy: Callable[[NativeCore], int] | None
+) -> tuple[list[_emulator.State], NDArray[np.uint8], NDArray[np.uint8], NDArray[np.uint8]]:
+    """States of a game, the actions of the frames after each, their RAM, and the screen of one in the middle."""
+    generator = np.random.default_rng(seed)
+    choices = [int(action) for action in core.game.minimal_actions]
+    saved: list[_emulator.State] = []
+    actions, ram = np.zeros((states, frames), np.uint8), np.zeros((states, 128), np.uint8)
+    screen = core.screen_rgb()
+    held, held_frames, until_next = 0, 0, 60
+    core.reset()
+    while len(saved) < states:
+        if policy is not None:
+            held = policy(core)
+        elif held_frames == 0:
+            held, held_frames = int(generator.choice(choices)), int(generator.integers(1, 16))
+        core.act(held)
+        held_frames, until_next = max(held_frames - 1, 0), until_next - 1
+        if core.game_over or core.episode_frame_number >= _LONGEST_EPISODE:
+            core.reset()
+        elif until_next <= 0:
+            actions[len(saved)] = held
+            core.ram(ram[len(saved)])
+            saved.append(core.clone_state(include_rng=True))
+            until_next = int(generator.integers(20, 70))
+            if len(saved) == states // 2 + 1:
+                screen = core.screen_rgb()
+    return saved, actions, ram, screen
+
+
+def _bytes(engine: _emulator.Causes) -> tuple[ByteCauses, ...]:
+    """What each byte causes, by the engine's counts (`ByteCauses` in emulator/lab/causes.hpp)."""
+    pixels = engine.pixels()
+    return tuple(_byte(index, counts, pixels[index]) for index, counts in enumerate(engine.counts().astype(np.int64)))
+
+
+def _byte(index: int, counts: NDArray[np.int64], pixels: NDArray[np.uint16]) -> ByteCauses:
+    forks, vanished, inert, rewritten, seen, rewarded, lives, over = (int(count) for count in counts[:8])
+    seen_at, later_writes = counts[8:-256], counts[-128:]
+    least = max(forks * _SOME, 2)
+    order = np.argsort(-later_writes, kind="stable")
+    return ByteCauses(
+        index=index,
+        derived=vanished >= _MOST * forks,
+        inert=inert >= _MOST * forks,
+        rewritten=round(rewritten / forks, 3),
+        seen=round(seen / forks, 3),
+        frames=int(seen_at.argmax()) + 1 if seen else 0,
+        reward=rewarded >= least,
+        lives=lives >= least,
+        over=over >= least,
+        writes=tuple(int(other) for other in order if later_writes[other] >= least),
+        box=_box(pixels),
+        pixels=pixels >= max(seen * _CLEAR, min(seen, 2), 1),
+    )
+
+
+def _box(pixels: NDArray[np.uint16]) -> tuple[int, int, int, int] | None:
+    """The box around the pixels that changed at least a tenth as often as the one that changed most."""
+    rows, columns = np.nonzero(pixels >= max(pixels.max() / 10, 1))
+    if not len(rows):
+        return None
+    left, top = int(columns.min()), int(rows.min())
+    return left, top, int(columns.max()) + 1 - left, int(rows.max()) + 1 - top

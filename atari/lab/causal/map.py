@@ -1,0 +1,78 @@
+"""`CausalMap`: what each byte of a game's RAM causes. `files.py` has its files."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from atari.lab.causal.suggestion import Suggestion
+
+
+@dataclass(frozen=True, eq=False)
+class ByteCauses:
+    """What one byte of RAM causes, by the forks in which it was changed.
+
+    `derived`: the game rewrites the byte in each frame before it reads it, so a poke has no effect. `inert`: a change
+    stays, and nothing else changes. `rewritten` is the part of the changes that were gone after a frame, and `seen`
+    the part that was seen on the screen, 0..1; `frames` are the frames until then, mostly, and 0 if none was seen.
+    `reward`, `lives` and `over`: a change causes reward, changes the lives, or ends the game. `writes` are the other
+    bytes that differ after a change, the most frequent first. `pixels` is a bool array of the screen, (height, 160):
+    the pixels that a change of the byte changed. `box` is the box around most of them, (left, top, width, height), or
+    None.
+    """
+
+    index: int
+    derived: bool
+    inert: bool
+    rewritten: float
+    seen: float
+    frames: int
+    reward: bool
+    lives: bool
+    over: bool
+    writes: tuple[int, ...]
+    box: tuple[int, int, int, int] | None
+    pixels: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CausalMap:
+    """What each byte of a game's RAM causes, as `atari.lab.causes` and `atari.lab.shipped_causes` return it.
+
+    `bytes[i]` is about byte i, `pixel(x, y)` returns the bytes that change a pixel, and `suggestions` are probable
+    meanings. `settings` are the arguments of `causes`. The other fields are None in a map from a file: `pixel_counts`
+    (128, height, 160) uint16, the number of forks that changed a pixel; `effects`, a row for each fork with an effect
+    that has the columns `atari.lab.causal.fit.COLUMNS`; `ram`
+    (states, 128) uint8, the RAM of the states; `screen` (height, 160, 3) uint8, the screen of one of them.
+    """
+
+    game: str
+    height: int
+    settings: Mapping[str, int]
+    bytes: tuple[ByteCauses, ...]
+    suggestions: tuple[Suggestion, ...]
+    pixel_counts: NDArray[np.uint16] | None = None
+    effects: NDArray[np.int32] | None = None
+    ram: NDArray[np.uint8] | None = None
+    screen: NDArray[np.uint8] | None = None
+
+    def pixel(self, x: int, y: int) -> list[int]:
+        """The bytes of which a change changed the pixel in column x, 0..159, and row y.
+
+        The order is by how often that was the case; in a map from a file, by how few other pixels the byte changes.
+
+        Raises:
+            IndexError: there is no such pixel.
+        """
+        if not (0 <= x < 160 and 0 <= y < self.height):
+            raise IndexError(f"there is no pixel ({x}, {y}); the screen has 160 columns and {self.height} rows")
+        found = [byte.index for byte in self.bytes if byte.pixels[y, x]]
+        counts = self.pixel_counts
+        if counts is not None:
+            return sorted(found, key=lambda index: -int(counts[index, y, x]))
+        return sorted(found, key=lambda index: int(self.bytes[index].pixels.sum()))
+
+    def __repr__(self) -> str:
+        seen = sum(byte.seen > 0 for byte in self.bytes)
+        return f"CausalMap({self.game!r}, {seen} bytes seen on the screen, {len(self.suggestions)} suggestions)"

@@ -1,0 +1,159 @@
+"""`draw`: a causal map as a picture, a small heat image over the dimmed screen for each of the 128 bytes."""
+
+from os import PathLike
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from atari.games.game import Game
+from atari.lab.causal.map import ByteCauses, CausalMap
+from atari.lab.causal.suggestion import Suggestion
+
+Picture = NDArray[np.uint8]
+_Colour = tuple[int, int, int]
+
+_MARGIN, _TEXT = 6, 30  # pixels beside a cell, and of the two lines of text above its image
+_WIDTH = 160
+_BACKGROUND: _Colour = (18, 20, 26)
+_PALE: _Colour = (226, 228, 232)
+_FAINT: _Colour = (118, 122, 132)
+_CATEGORIES: dict[str, tuple[_Colour, str]] = {
+    "position": ((96, 176, 255), "moves something: its column or row follows the byte"),
+    "score": ((255, 204, 77), "pays reward at once: the rules read it as score"),
+    "lives": ((255, 107, 107), "changes the lives at once"),
+    "drawn": ((126, 217, 160), "changes the screen in another way"),
+    "hidden": ((188, 148, 255), "changes other bytes, reward or lives, not the screen"),
+    "derived": ((118, 122, 132), "derived: rewritten before it is read, so a poke does nothing"),
+    "inert": ((70, 74, 84), "nothing follows within the frames played"),
+}
+"""By category, its colour in RGB and what it says about a byte."""
+
+
+def draw(causal_map: CausalMap, game: Game | None = None) -> Picture:
+    """The map as a picture, (rows, columns, 3) uint8 in RGB: 16 bytes a row, from address $80 to $FF.
+
+    An image is the dimmed screen of one state. It is lit where changes of the byte changed pixels, the brighter the
+    more often. Above it are address and index, the name in the game definition if `game` is given, and what the map
+    suggests or says about the byte.
+    """
+    screen = causal_map.screen
+    if screen is None:
+        screen = np.full((causal_map.height, _WIDTH, 3), 40, np.uint8)
+    names: dict[int, list[str]] = {}
+    for label in game.ram_labels.values() if game is not None else ():
+        names.setdefault(label.index, []).append(label.name)
+    suggested: dict[int, list[Suggestion]] = {}
+    for each in causal_map.suggestions:
+        suggested.setdefault(each.index, []).append(each)
+    cells = []
+    for byte in causal_map.bytes:
+        ours = suggested.get(byte.index, [])
+        cells.append(_cell(causal_map, byte, screen, names.get(byte.index, []), ours))
+    rows = [np.concatenate(cells[first : first + 16], 1) for first in range(0, 128, 16)]
+    grid = np.concatenate(rows, 0)
+    return np.concatenate([_header(causal_map, game, screen, grid.shape[1]), grid], 0)
+
+
+def write_png(causal_map: CausalMap, file: str | PathLike[str], game: Game | None = None) -> None:
+    """Write the picture of `draw` to a PNG file."""
+    _, png = cv2.imencode(".png", draw(causal_map, game)[..., ::-1])
+    Path(file).write_bytes(png.tobytes())
+
+
+def category(byte: ByteCauses, suggestions: list[Suggestion]) -> str:
+    """The category of a byte: a key of `_CATEGORIES`."""
+    kinds = [each.kind.split("_")[0] for each in suggestions]
+    for kind in ("position", "score", "lives"):
+        if kind in kinds:
+            return kind
+    if byte.seen >= 0.02:
+        return "drawn"
+    if byte.derived or byte.inert:
+        return "derived" if byte.derived else "inert"
+    return "hidden" if byte.writes or byte.reward or byte.lives else "derived" if byte.rewritten > 0.5 else "inert"
+
+
+def _cell(
+    causal_map: CausalMap, byte: ByteCauses, screen: Picture, names: list[str], suggestions: list[Suggestion]
+) -> Picture:
+    height = causal_map.height // 2
+    kind = category(byte, suggestions)
+    colour = _CATEGORIES[kind][0]
+    cell = np.full((_TEXT + height + _MARGIN, _WIDTH + _MARGIN, 3), _BACKGROUND, np.uint8)
+    _write(cell, f"${0x80 + byte.index:02X} {byte.index}", 0, 12, _FAINT)
+    _write(cell, ", ".join(names)[:17], 52, 12, _PALE)
+    _write(cell, _remark(byte, kind, suggestions)[:27], 0, 25, colour)
+    image = _lit(causal_map, byte, screen, kind)
+    cell[_TEXT : _TEXT + height, :_WIDTH] = image
+    cv2.rectangle(cell, (0, _TEXT), (_WIDTH - 1, _TEXT + height - 1), colour, 1)
+    return cell
+
+
+def _remark(byte: ByteCauses, kind: str, suggestions: list[Suggestion]) -> str:
+    """What a cell says about its byte, in at most 27 letters if possible."""
+    positions = [f"{each.kind[-1]} = {_short(each.transform)}" for each in suggestions if each.transform]
+    if positions:
+        return ", ".join(positions)
+    for each in suggestions:
+        if each.kind == "score":
+            return f"score, {each.encoding}, unit {each.weight}"
+    if kind == "lives":
+        return "lives"
+    if kind == "drawn":
+        return f"seen {byte.seen:.0%}, writes {len(byte.writes)}"
+    if kind == "hidden":
+        effects = [name for name in ("reward", "lives", "over") if getattr(byte, name)]
+        return ", ".join([*effects, f"writes {len(byte.writes)}"])
+    return kind
+
+
+def _short(transform: str) -> str:
+    return transform if len(transform) <= 18 else "nibbles of v"
+
+
+def _lit(causal_map: CausalMap, byte: ByteCauses, screen: Picture, kind: str) -> Picture:
+    """The dimmed screen at half its rows, lit where changes of the byte change pixels."""
+    counts = causal_map.pixel_counts
+    heat = byte.pixels.astype(np.float64) if counts is None else counts[byte.index].astype(np.float64)
+    heat = np.sqrt(heat / max(heat.max(), 1))
+    rows = causal_map.height // 2 * 2
+    heat = heat[:rows].reshape(-1, 2, _WIDTH).max(1)[..., None]
+    grey = screen[:rows].mean(2).reshape(-1, 2, _WIDTH).max(1)
+    dim = 14 + grey * (0.12 if kind in ("derived", "inert", "hidden") else 0.30)
+    back = np.stack([dim, dim, dim * 1.15], 2)
+    hot = np.clip(np.concatenate([heat * 500, heat * heat * 300, np.maximum(heat - 0.75, 0) * 900], 2), 0, 255)
+    strength = np.clip(heat * 1.6, 0, 1)
+    lit: Picture = np.clip(back * (1 - strength) + hot * strength, 0, 255).astype(np.uint8)
+    return lit
+
+
+def _shorter(each: Suggestion) -> str:
+    return str(each).replace(each.transform, _short(each.transform)) if each.transform else str(each)
+
+
+def _header(causal_map: CausalMap, game: Game | None, screen: Picture, width: int) -> Picture:
+    """The title, the screen, the categories, and the suggestions."""
+    doubled = screen.repeat(2, 1)
+    header = np.full((len(doubled) + 3 * _MARGIN, width, 3), _BACKGROUND, np.uint8)
+    header[_MARGIN : _MARGIN + len(doubled), : doubled.shape[1]] = doubled
+    left = doubled.shape[1] + 24
+    title = game.title if game is not None else causal_map.game
+    _write(header, f"{title}: what each byte of RAM causes", left, 28, _PALE, 0.72)
+    settings = ", ".join(f"{name} {value}" for name, value in causal_map.settings.items())
+    _write(header, settings, left, 50, _FAINT, 0.42)
+    for line, (name, (colour, text)) in enumerate(_CATEGORIES.items()):
+        top = 68 + 20 * line
+        cv2.rectangle(header, (left, top), (left + 12, top + 12), colour, -1)
+        _write(header, f"{name}: {text}" if name not in text else text, left + 20, top + 11, _PALE, 0.42)
+    left, lines = left + 520, len(doubled) // 17
+    for place, each in enumerate(causal_map.suggestions[: 4 * lines]):
+        column, line = divmod(place, lines)
+        colour = _CATEGORIES[each.kind.split("_")[0]][0]
+        _write(header, _shorter(each), left + 440 * column, 22 + 17 * line, colour, 0.42)
+    return header
+
+
+def _write(picture: Picture, text: str, left: int, base: int, colour: _Colour, size: float = 0.36) -> None:
+    cv2.putText(picture, text, (left, base), cv2.FONT_HERSHEY_SIMPLEX, size, colour, 1, cv2.LINE_AA)

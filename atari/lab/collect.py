@@ -1,0 +1,258 @@
+"""`write_dataset`: recorded games as data: frames, RAM, values of labels, actions, rewards, in three formats.
+
+Replays are played again, so that what a policy, a person or a training has played becomes data, whatever it observed.
+"""
+
+import json
+import os
+import re
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, replace
+from importlib import import_module
+from pathlib import Path
+from typing import Any, Literal, TypeAlias, get_args
+
+import cv2
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+
+from atari.lab.labels import Labels
+from atari.recording.datasets import NO_STEPS, check_new_dataset, import_minari, write_minari
+from atari.recording.episodes import EpisodeArrays, Source, load_replays, replayed_episodes
+from atari.recording.replay.replay import Replay
+from atari.validation import check_name
+
+Format = Literal["minari", "parquet", "hdf5"]
+
+ENDINGS: dict[str, Format] = {".parquet": "parquet", ".h5": "hdf5", ".hdf5": "hdf5"}
+"""The format of a file by its ending."""
+
+_COLOURS = ("rgb", "grayscale")
+
+
+def write_dataset(
+    replays: Source | Iterable[Source],
+    output: str | os.PathLike[str],
+    *,
+    format: Format | None = None,
+    frames: Literal["rgb", "grayscale"] = "rgb",
+    labels: Sequence[str] | None = None,
+    core: str = "native",
+    progress: Callable[[int], object] | None = None,
+) -> dict[str, Any]:
+    """Write the steps of replays as a data set: frames, RAM, values of labels, actions, rewards, ends.
+
+    A step is one of the recorded environment, as in `to_minari`; an episode of n steps has n + 1 states, that before
+    the first step first. One episode at a time is in memory: 100 kB a step in RGB, a third in grayscale.
+
+    - "hdf5": a group `episode_0`, ... for each episode, with the datasets `frames` (n + 1, height, width[, 3]) and
+      `ram` (n + 1, 128), uint8, `actions` (n,) int64 (or (n, 3) float32), `rewards` (n,) float64, `terminations` and
+      `truncations` (n,) bool, and the groups `labels`, with a dataset (n + 1,) int32 of each, and `visible`, (n + 1,)
+      bool of those that can be invisible. The attributes of the file have `game`, `options` and `labels` as JSON.
+    - "parquet": a row for each state, with the columns `episode`, `step`, `frame` (PNG), `ram` (128 bytes), a column
+      `label.NAME` of each (null where it is not visible), and `action`, `reward`, `terminated`, `truncated` of the
+      step from this state (null in the last state of an episode).
+    - "minari": a Minari dataset of dict observations `image` and `ram`. Its infos have `labels` and `visible`.
+
+    Args:
+        replays: `Replay`s or files, of one game with the same options.
+        output: the file, or the ID of the Minari dataset, such as "atari/pong/random-v0". It must not exist.
+        format: None is by the ending of `output`: .parquet, .h5, .hdf5; with "-v0" or the like at the end, "minari".
+        frames: the colours of the frames.
+        labels: names of labels, None is all of the game.
+        core: the core to play the replays on.
+        progress: called with the number of steps of each episode that was written.
+
+    Returns:
+        `output`, the format, the numbers of `episodes` and `steps`, the `score` of each, and the names of the `labels`.
+
+    Raises:
+        ValueError: there are no replays, they differ in game or options, or have no steps; `output` exists or has
+            another ending.
+        KeyError: the game has no such label.
+        OSError: the file cannot be written; nothing is left of it.
+        gymnasium.error.DependencyNotInstalled: the package of the format is not installed; the text names it.
+    """
+    format = check_output(output, format)
+    check_name("frames", frames, _COLOURS)
+    module = import_format(format)
+    loaded = load_replays(replays)
+    named = Labels(loaded[0].game, labels)
+    tally = _Tally(replayed_episodes(loaded, "dict", core, frames), named, progress)
+    if format == "minari":
+        infos = (replace(episode, infos={**episode.infos, **values}) for episode, values in tally)
+        write_minari(infos, os.fspath(output), loaded[0], "dict", core=core, image=frames, metadata={})
+    else:
+        write = _write_parquet if format == "parquet" else _write_hdf5
+        with _new_file(Path(output)) as file:
+            write(module, file, loaded[0], tally)
+            if not tally.scores:
+                raise ValueError(NO_STEPS)
+    return {
+        "output": os.fspath(output),
+        "format": format,
+        "episodes": len(tally.scores),
+        "steps": tally.steps,
+        "scores": tally.scores,
+        "labels": list(named.names),
+    }
+
+
+def check_output(output: str | os.PathLike[str], format: str | None = None) -> Format:
+    """The format of an output: as given, or by its ending.
+
+    Raises:
+        TypeError, ValueError: there is no such format, or the ending says none; or there is such a file or dataset.
+        gymnasium.error.DependencyNotInstalled: as `import_format`.
+    """
+    text = os.fspath(output)
+    found = ENDINGS.get(Path(text).suffix.lower()) or ("minari" if re.search(r"-v\d+$", text) else None)
+    if format is not None:
+        found = check_name("format", format, get_args(Format))  # type: ignore[assignment]
+    if found is None:
+        raise ValueError(
+            f"the output {text!r} says no format: end it in {', '.join(ENDINGS)}, or in -v0 for a Minari dataset, or "
+            f"name one of {', '.join(get_args(Format))}"
+        )
+    module = import_format(found)
+    if found == "minari":
+        check_new_dataset(module, text)
+    elif Path(text).exists():
+        raise ValueError(f"there is a file {text} already; delete it, or choose another name")
+    return found
+
+
+def import_format(format: Format) -> Any:
+    """The module that writes a format.
+
+    Raises:
+        gymnasium.error.DependencyNotInstalled: it is not installed.
+    """
+    if format == "minari":
+        return import_minari()
+    name = {"parquet": "pyarrow.parquet", "hdf5": "h5py"}[format]
+    try:
+        return import_module(name)
+    except ImportError:
+        package = name.partition(".")[0]
+        raise gymnasium.error.DependencyNotInstalled(
+            f"a data set in the format {format} needs {package}: pip install {package}"
+        ) from None
+
+
+Values: TypeAlias = dict[str, dict[str, npt.NDArray[Any]]]
+
+
+class _Tally:
+    """The episodes with the values of their labels, counted as they are read."""
+
+    def __init__(
+        self, episodes: Iterator[EpisodeArrays], labels: Labels, progress: Callable[[int], object] | None
+    ) -> None:
+        self._episodes, self._labels, self._progress = episodes, labels, progress
+        self._hidden = [labels.game.ram_labels[name].visible is not None for name in labels.names]
+        self.names = labels.names
+        self.scores: list[float] = []
+        self.steps = 0
+
+    def __iter__(self) -> Iterator[tuple[EpisodeArrays, Values]]:
+        for episode in self._episodes:
+            yield episode, self._values(episode.observations["ram"])
+            self.scores.append(float(episode.rewards.sum()))
+            self.steps += len(episode.rewards)
+            if self._progress is not None:
+                self._progress(len(episode.rewards))
+
+    def _values(self, ram: npt.NDArray[np.uint8]) -> Values:
+        values, visible = self._labels.evaluate(ram)
+        names = self._labels.names
+        hidden = {name: row for name, row, can in zip(names, visible, self._hidden, strict=True) if can}
+        return {"labels": dict(zip(names, values, strict=True)), "visible": hidden}
+
+
+@contextmanager
+def _new_file(path: Path) -> Iterator[Path]:
+    """A temporary file that gets the name `path` at the end of the block; without one after an error."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(path.name + ".part")
+    try:
+        yield part
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _facts(replay: Replay, labels: Iterable[str]) -> dict[str, str]:
+    """What a reader needs to know of a data set."""
+    named = {name: asdict(replay.game.ram_labels[name]) for name in labels}
+    return {
+        "game": replay.game.id,
+        "options": json.dumps(replay.options),
+        "labels": json.dumps(named),
+    }
+
+
+def _write_hdf5(h5py: Any, file: Path, replay: Replay, tally: _Tally) -> None:
+    with h5py.File(file, "w") as root:
+        root.attrs.update(_facts(replay, tally.names))
+        for number, (episode, values) in enumerate(tally):
+            group = root.create_group(f"episode_{number}")
+            frames = episode.observations["image"]
+            group.create_dataset(
+                "frames", data=frames, chunks=(1, *frames.shape[1:]), compression="gzip", compression_opts=1
+            )
+            group.create_dataset("ram", data=episode.observations["ram"], compression="gzip", compression_opts=1)
+            for name in ("actions", "rewards", "terminations", "truncations"):
+                group.create_dataset(name, data=getattr(episode, name))
+            for kind, columns in values.items():
+                part = group.create_group(kind)
+                for name, column in columns.items():
+                    part.create_dataset(name, data=column, compression="gzip", compression_opts=1)
+
+
+def _write_parquet(parquet: Any, file: Path, replay: Replay, tally: _Tally) -> None:
+    pyarrow = import_module("pyarrow")
+    writer = None
+    try:
+        for number, (episode, values) in enumerate(tally):
+            columns = _columns(pyarrow, number, episode, values)
+            table = pyarrow.table(columns)
+            if writer is None:
+                schema = table.schema.with_metadata(_facts(replay, tally.names))
+                writer = parquet.ParquetWriter(file, schema, compression="zstd")
+            writer.write_table(table.cast(writer.schema))
+    finally:
+        if writer is not None:
+            writer.close()
+
+
+def _columns(pyarrow: Any, number: int, episode: EpisodeArrays, values: Values) -> dict[str, Any]:
+    states = len(episode.rewards) + 1
+    last = np.arange(states) == states - 1
+
+    def of_steps(column: npt.NDArray[Any]) -> Any:
+        if column.ndim == 1:
+            return pyarrow.array(np.append(column, column[-1:]), mask=last)
+        return pyarrow.array([*column.tolist(), None], pyarrow.list_(pyarrow.float32()))
+
+    columns = {
+        "episode": pyarrow.array(np.full(states, number, np.int32)),
+        "step": pyarrow.array(np.arange(states, dtype=np.int32)),
+        "frame": pyarrow.array([_png(frame) for frame in episode.observations["image"]]),
+        "ram": pyarrow.array([row.tobytes() for row in episode.observations["ram"]], pyarrow.binary(128)),
+        "action": of_steps(episode.actions),
+        "reward": of_steps(episode.rewards),
+        "terminated": of_steps(episode.terminations),
+        "truncated": of_steps(episode.truncations),
+    }
+    for name, column in values["labels"].items():
+        visible = values["visible"].get(name)
+        columns[f"label.{name}"] = pyarrow.array(column, mask=None if visible is None else ~visible)
+    return columns
+
+
+def _png(frame: npt.NDArray[np.uint8]) -> bytes:
+    pixels = cv2.cvtColor(frame, cv2.COLOR_RGB2BGR) if frame.ndim == 3 else frame
+    return bytes(cv2.imencode(".png", pixels, [cv2.IMWRITE_PNG_COMPRESSION, 1])[1])

@@ -1,0 +1,64 @@
+"""`GameObject`: a thing on the screen, from the labels of its position."""
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from atari.games.game import RamLabel
+
+
+@dataclass(frozen=True)
+class GameObject:
+    """A thing on the screen.
+
+    Attributes:
+        name: that of its labels without `x` and `y`, such as "ball" or "asteroid_3".
+        kind: the name without numbers, such as "asteroid"; alike things have the same.
+        x, y: column and row of its left upper corner, in pixels of the screen; None if the game has no label of it.
+        width, height: in pixels; None if they are not known.
+    """
+
+    name: str
+    kind: str
+    x: int | None
+    y: int | None
+    width: int | None
+    height: int | None
+
+
+Positions = dict[str, dict[str, RamLabel]]
+"""By name of the object, its labels by axis, "x" and "y"."""
+
+
+def positions(labels: Mapping[str, RamLabel]) -> Positions:
+    """The positions among labels: `ball_x` and `ball_y`, or `tank_x_left` and `tank_y_left`, are one object."""
+    found: Positions = {}
+    for name, label in labels.items():
+        axis = {"position_x": "x", "position_y": "y"}.get(label.kind)
+        if axis is None:
+            continue
+        words = name.split("_")
+        marks = [number for number, word in enumerate(words) if re.fullmatch(rf"{axis}\d*", word)]
+        if marks:
+            words[marks[-1]] = words[marks[-1]][1:]
+        owner = "_".join(word for word in words if word) or name
+        if axis in found.get(owner, {}):
+            owner = name  # a second label of the same position
+        found.setdefault(owner, {})[axis] = label
+    return found
+
+
+def visible_objects(found: Positions, values: Mapping[str, int | None]) -> list[GameObject]:
+    """The objects that are on the screen: those whose position has a value, by the values of the labels by name."""
+    objects = []
+    for name, axes in found.items():
+        place = {axis: values[label.name] for axis, label in axes.items()}
+        if None not in place.values():
+            kind = re.sub(r"_?\d+", "", name) or name
+            size = {key: _first(getattr(label, key) for label in axes.values()) for key in ("width", "height")}
+            objects.append(GameObject(name, kind, place.get("x"), place.get("y"), **size))
+    return objects
+
+
+def _first(sizes: Iterable[int | None]) -> int | None:
+    return next((size for size in sizes if size is not None), None)

@@ -1,0 +1,107 @@
+"""Places of a value in RAM: single bytes, and decimal numbers of several bytes."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from atari.cores import ByteArray
+from atari.lab.history import RAM_BYTES
+
+IntArray = npt.NDArray[np.int64]
+
+STRIDES = (1, -1, 2, -2)
+"""Distances from the byte of the lowest digits of a number to the next."""
+
+UNITS = (1, 10, 100, 1000)
+"""What the last digit in RAM may count: many games draw one or more zeros after it that are never anything else."""
+
+_NONE = RAM_BYTES  # the index of a byte that is always 0
+_DIGITS = np.array([10 * (v >> 4) + (v & 15) if v >> 4 < 10 and v & 15 < 10 else -1 for v in range(256)], np.int64)
+
+
+@dataclass(frozen=True)
+class Place:
+    """A place of a value. `bytes` are indices 0..127, of a decimal number those of the lowest digits first."""
+
+    bytes: tuple[int, ...]
+    decimal: bool
+    unit: int
+
+    def __str__(self) -> str:
+        text = " ".join(f"0x{0x80 + byte:02X}" for byte in reversed(self.bytes))
+        return text + (" decimal" if self.decimal else "") + (f" x {self.unit}" if self.unit != 1 else "")
+
+
+class Places:
+    """A set of places, the values of which are computed together.
+
+    `bytes` is (M, L): the indices of the L bytes of each of M places, `_NONE` where a number has no byte.
+    """
+
+    def __init__(self, bytes: IntArray, strides: IntArray, units: IntArray, decimal: bool) -> None:
+        self._bytes, self._strides, self._units = bytes, strides, units
+        self.decimal = decimal
+
+    @classmethod
+    def all_bytes(cls) -> "Places":
+        """The 128 bytes."""
+        one = np.ones(RAM_BYTES, np.int64)
+        return cls(np.arange(RAM_BYTES)[:, None], one, one, decimal=False)
+
+    @classmethod
+    def numbers(cls, bytes: Sequence[int] | None = None) -> "Places":
+        """All decimal numbers, of one byte each until they are longer; or the one in the given bytes, lowest first."""
+        units = np.array(UNITS)
+        if bytes is not None:
+            return cls(np.tile(np.array(bytes), (len(units), 1)), 0 * units, units, decimal=True)
+        low, strides, unit = (axis.ravel() for axis in np.meshgrid(np.arange(RAM_BYTES), STRIDES, UNITS, indexing="ij"))
+        return cls(low[:, None], strides, unit, decimal=True)
+
+    def __len__(self) -> int:
+        return len(self._bytes)
+
+    def __iter__(self) -> Any:
+        """The different places, in the order of their first bytes."""
+        seen = {
+            Place(tuple(byte for byte in row if byte != _NONE), self.decimal, unit): None
+            for row, unit in zip(self._bytes.tolist(), self._units.tolist(), strict=True)
+        }
+        return iter(seen)
+
+    def indices(self) -> list[int]:
+        """The indices of all their bytes, ascending."""
+        return [byte for byte in np.unique(self._bytes).tolist() if byte != _NONE]
+
+    def pick(self, which: npt.NDArray[Any]) -> "Places":
+        """Those of a mask (M,)."""
+        return Places(self._bytes[which], self._strides[which], self._units[which], self.decimal)
+
+    def with_byte_of(self, indices: Sequence[int]) -> "Places":
+        """Those that have at least one of these bytes."""
+        return self.pick(np.asarray(np.isin(self._bytes, indices).any(axis=1)))
+
+    def long_enough(self, number: int) -> "Places":
+        """The same numbers with as many bytes as `number` needs; those that do not fit into RAM are left out."""
+        places = self
+        while len(places) and (short := self._too_short(places, number)).any():
+            column = np.where(short, places._bytes[:, -1] + places._strides, _NONE)
+            fits = ~short | ((column >= 0) & (column < RAM_BYTES))
+            bytes = np.concatenate([places._bytes, column[:, None]], axis=1)
+            places = Places(bytes, places._strides, places._units, self.decimal).pick(fits)
+        return places
+
+    def values(self, ram: ByteArray) -> IntArray:
+        """The values (..., M) of RAM (..., 128); -1 for what is no decimal number."""
+        digits = _DIGITS[ram] if self.decimal else ram.astype(np.int64)
+        digits = np.concatenate([digits, np.zeros((*ram.shape[:-1], 1), np.int64)], axis=-1)[..., self._bytes]
+        values: IntArray = (digits * 100 ** np.arange(self._bytes.shape[1])).sum(-1) * self._units
+        return np.where((digits < 0).any(-1), -1, values)
+
+    @staticmethod
+    def _too_short(places: "Places", number: int) -> npt.NDArray[np.bool_]:
+        lengths = (places._bytes != _NONE).sum(1)
+        short: npt.NDArray[np.bool_] = (100**lengths * places._units <= number) & (places._strides != 0)
+        return short

@@ -1,0 +1,183 @@
+"""The states of a probe: episodes of observations and RAM, split into training, validation and test."""
+
+import hashlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from atari.cores import ByteArray
+from atari.games.catalog import games
+from atari.lab import atari_ari
+from atari.lab.labels import byte_index
+from atari.validation import check_integer, check_probability
+from atari.vector import AtariVectorEnv
+
+Policy = Callable[[Any, npt.NDArray[np.int64]], Any]
+
+TRAINING_SHARE, VALIDATION_SHARE = 0.7, 0.1
+MIN_LENGTH = 64
+ENTROPY = 0.6
+
+
+@dataclass(frozen=True)
+class Episode:
+    """The states of an episode: `observations` (t, ...) uint8 and `ram` (t, 128) uint8."""
+
+    observations: ByteArray
+    ram: ByteArray
+
+
+@dataclass(frozen=True)
+class Split:
+    """States: `observations` (n, ...) uint8 and `labels` (n, number of labels) uint8."""
+
+    observations: ByteArray
+    labels: ByteArray
+
+    def __len__(self) -> int:
+        return len(self.labels)
+
+
+@dataclass(frozen=True)
+class ProbeData:
+    """The three splits.
+
+    `names` are the labels that are left, `entropies` has all, in nats. `duplicates` is the number of test states that
+    were removed because training or validation has the same observation.
+    """
+
+    train: Split
+    validation: Split
+    test: Split
+    names: tuple[str, ...]
+    entropies: Mapping[str, float]
+    duplicates: int
+
+
+def play_episodes(
+    game: str,
+    steps: int,
+    policy: Policy | None = None,
+    *,
+    seed: int = 0,
+    epsilon: float = 0.2,
+    num_envs: int = 8,
+    **environment: Any,
+) -> list[Episode]:
+    """Play a game and return the states of its episodes, the unfinished ones too.
+
+    Args:
+        game: its id.
+        steps: of all environments together; each is a state.
+        policy: a function of observations (num_envs, ...) and the numbers of the environments that returns actions
+            (num_envs,); None is random.
+        seed: of the environments and the random actions.
+        epsilon: probability of a random action instead of the policy's.
+        num_envs: environments that are played together.
+        **environment: options of `AtariVectorEnv`. Without any, observations are AtariARI's: one grayscale frame
+            (1, 210, 160); options of other sizes and stacks are those that an encoder needs.
+
+    Raises:
+        TypeError, ValueError: as `AtariVectorEnv`; or a number is out of range.
+    """
+    check_integer("steps", steps, 1, 2**40)
+    check_probability("epsilon", epsilon)
+    height = games.find(game).screen.height
+    options = environment or {"img_height": height, "img_width": 160, "stack_num": 1}
+    envs = AtariVectorEnv(game, num_envs, **{"num_threads": 1, **options}, obs_type="dict")
+    generator = np.random.default_rng(seed)
+    lanes = np.arange(num_envs)
+    parts: list[list[tuple[ByteArray, ByteArray]]] = [[] for _ in lanes]
+    episodes: list[Episode] = []
+    try:
+        observation, _ = envs.reset(seed=seed)
+        begins = ended = np.zeros(num_envs, np.bool_)  # NEXT_STEP: the step after an end begins the next episode
+        for step in range(0, steps, num_envs):
+            for lane in lanes[: steps - step]:
+                if begins[lane]:
+                    episodes.append(_stacked(parts[lane]))
+                    parts[lane] = []
+                parts[lane].append((observation["image"][lane].copy(), observation["ram"][lane].copy()))
+            actions = generator.integers(envs.single_action_space.n, size=num_envs)  # type: ignore[attr-defined]
+            if policy is not None:
+                chosen = np.asarray(policy(observation["image"], lanes))
+                actions = np.where(generator.random(num_envs) < epsilon, actions, chosen)
+            observation, _, terminated, truncated, _ = envs.step(actions)
+            begins, ended = ended, terminated | truncated
+    finally:
+        envs.close()
+    return episodes + [_stacked(part) for part in parts if part]
+
+
+def split_episodes(
+    episodes: Sequence[Episode],
+    labels: Mapping[str, int] | str,
+    *,
+    entropy: float = ENTROPY,
+    min_length: int = MIN_LENGTH,
+    seed: int = 0,
+) -> ProbeData:
+    """Split episodes as AtariARI does: 70 % of them are for training, 10 % for validation, 20 % for the test.
+
+    Episodes of `min_length` states or fewer are left out, and labels whose bytes have a low entropy. Test states that
+    training or validation also has, with the same observation, are removed.
+
+    Args:
+        episodes: at least ten, for three splits that are not empty.
+        labels: the place in RAM of each label; or the id of a game, for AtariARI's labels of it.
+        entropy: the least entropy of a label over all states, in nats.
+        min_length: see above.
+        seed: of the order of the episodes.
+
+    Raises:
+        TypeError, ValueError: there are too few episodes for three splits, a place is none, AtariARI does not have the
+            game, no label has the entropy, or no test state is left.
+    """
+    if isinstance(labels, str):
+        labels = atari_ari.indices(games.find(labels))
+    places = {name: byte_index(index) for name, index in labels.items()}
+    long = [episode for episode in episodes if len(episode.ram) > min_length]
+    order = np.random.default_rng(seed).permutation(len(long))
+    first, second = int(TRAINING_SHARE * len(long)), int((TRAINING_SHARE + VALIDATION_SHARE) * len(long) + 1e-9)
+    if not 0 < first < second < len(long):
+        raise ValueError(
+            f"there are {len(long)} episodes of more than {min_length} states, too few for training, validation and "
+            "test; play more steps"
+        )
+    ram = np.concatenate([episode.ram for episode in long])
+    entropies = {name: _entropy(ram[:, index]) for name, index in places.items()}
+    names = tuple(name for name in places if entropies[name] >= entropy)
+    if not names:
+        raise ValueError(f"no label has an entropy of {entropy} nats; play more steps, or lower entropy=")
+    columns = [places[name] for name in names]
+    parts = [[long[number] for number in part] for part in np.split(order, [first, second])]
+    train, validation, test = (_join(part, columns) for part in parts)
+    known = {_digest(row) for split in (train, validation) for row in split.observations}
+    new = np.array([_digest(row) not in known for row in test.observations])
+    if not new.any():
+        raise ValueError("training or validation has all states of the test; play more steps")
+    left = Split(test.observations[new], test.labels[new])
+    return ProbeData(train, validation, left, names, entropies, int((~new).sum()))
+
+
+def _stacked(rows: list[tuple[ByteArray, ByteArray]]) -> Episode:
+    observations, rams = zip(*rows, strict=True)
+    return Episode(np.stack(observations), np.stack(rams))
+
+
+def _join(episodes: Sequence[Episode], columns: Sequence[int]) -> Split:
+    observations = np.concatenate([episode.observations for episode in episodes])
+    return Split(observations, np.concatenate([episode.ram[:, columns] for episode in episodes]))
+
+
+def _entropy(values: ByteArray) -> float:
+    shares = np.bincount(values) / len(values)
+    shares = shares[shares > 0]
+    return float(-(shares * np.log(shares)).sum())
+
+
+def _digest(row: ByteArray) -> bytes:
+    return hashlib.blake2b(row.tobytes(), digest_size=16).digest()

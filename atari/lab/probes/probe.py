@@ -1,0 +1,196 @@
+"""`probe`: the training of the linear classifiers, and their F1 scores."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+
+from atari.cores import ByteArray
+from atari.lab.atari_ari import CATEGORIES, categories
+from atari.lab.probes.data import ProbeData, Split
+from atari.lab.table import Table
+from atari.validation import check_integer
+
+Encoder = Callable[[ByteArray], Any]
+FloatArray = npt.NDArray[np.float32]
+
+CLASSES = 256
+_BATCH = 256
+
+
+@dataclass(frozen=True)
+class ProbeResult:
+    """The scores on the test states by label, weighted over its values: `f1` and `accuracy`, 0..1."""
+
+    f1: Mapping[str, float]
+    accuracy: Mapping[str, float]
+
+    @property
+    def category_f1(self) -> dict[str, float]:
+        """The mean of the F1 scores of the labels in each of AtariARI's categories that has any."""
+        found = {
+            category: [score for name, score in self.f1.items() if category in categories(name)]
+            for category in CATEGORIES
+        }
+        return {category: float(np.mean(scores)) for category, scores in found.items() if scores}
+
+    @property
+    def mean_f1(self) -> float:
+        """The mean over the categories."""
+        return float(np.mean(list(self.category_f1.values()) or list(self.f1.values())))
+
+    def table(self) -> Table:
+        """The F1 score of each label and category; it prints, and shows in notebooks."""
+        rows = [(name, ", ".join(categories(name)), f"{self.f1[name]:.3f}") for name in self.f1]
+        rows += [("mean", category, f"{score:.3f}") for category, score in self.category_f1.items()]
+        return Table.of(("label", "category", "F1"), [*rows, ("mean", "all categories", f"{self.mean_f1:.3f}")])
+
+    def __str__(self) -> str:
+        return str(self.table())
+
+    def _repr_html_(self) -> str:
+        return self.table()._repr_html_()
+
+
+def probe(
+    encoder: Encoder,
+    data: ProbeData,
+    *,
+    epochs: int = 100,
+    patience: int = 15,
+    batch_size: int = 64,
+    learning_rate: float = 5e-4,
+    seed: int = 0,
+) -> ProbeResult:
+    """Train a linear classifier for each label on the features of an encoder, and test it.
+
+    Each classifier is trained by Adam on the cross entropy. It keeps the weights of the epoch with the best accuracy in
+    validation, and stops after `patience` epochs without a better one, or after `epochs`. The encoder is not trained.
+
+    Args:
+        encoder: a function of observations (n, ...) uint8 that returns features, n rows of numbers: an array or a
+            tensor, which is flattened to (n, features).
+        data: of `split_episodes`.
+        epochs, patience, batch_size, learning_rate: of the training; the defaults are AtariARI's.
+        seed: of the weights and the batches; equal seeds give equal results on one machine.
+
+    Raises:
+        TypeError, ValueError: a number is out of range, or the features are none.
+        gymnasium.error.DependencyNotInstalled: PyTorch is not installed.
+    """
+    for name, value in (("epochs", epochs), ("patience", patience), ("batch_size", batch_size)):
+        check_integer(name, value, 1, 2**31)
+    torch = _import_torch()
+    features = [_features(torch, encoder, split) for split in (data.train, data.validation, data.test)]
+    generator = torch.Generator().manual_seed(seed)
+    training = _Training(torch, features[0].shape[1], len(data.names), learning_rate, generator)
+    inputs, targets = features[0], torch.from_numpy(data.train.labels).long()
+    for _ in range(epochs):
+        for rows in torch.randperm(len(inputs), generator=generator).split(batch_size):
+            training.step(inputs[rows], targets[rows])
+        accuracy = (training.predict(features[1]) == data.validation.labels).mean(0)
+        if not training.keep_best(accuracy, patience):
+            break
+    training.restore_best()
+    return _result(data, training.predict(features[2]))
+
+
+def majority(data: ProbeData) -> ProbeResult:
+    """The scores of predicting the most frequent value in training, whatever the observation."""
+    most = [np.bincount(column, minlength=CLASSES).argmax() for column in data.train.labels.T]
+    return _result(data, np.tile(np.array(most), (len(data.test), 1)))
+
+
+def weighted_f1(predicted: npt.NDArray[Any], truth: npt.NDArray[Any]) -> float:
+    """The F1 scores of the classes, weighted by how often each is true."""
+    counts = [np.bincount(x, minlength=CLASSES) for x in (predicted[predicted == truth], predicted, truth)]
+    hits, guesses, support = counts
+    scores = 2 * hits / np.maximum(guesses + support, 1)
+    return float((scores * support).sum() / support.sum())
+
+
+class _Training:
+    """The classifiers of all labels in one linear layer. Adam treats each weight alone, so they do not mix."""
+
+    def __init__(self, torch: Any, width: int, labels: int, learning_rate: float, generator: Any) -> None:
+        self._torch, self._labels = torch, labels
+        bound = width**-0.5
+        self._weight = ((torch.rand(labels * CLASSES, width, generator=generator) * 2 - 1) * bound).requires_grad_()
+        self._bias = ((torch.rand(labels * CLASSES, generator=generator) * 2 - 1) * bound).requires_grad_()
+        self._optimizer = torch.optim.Adam([self._weight, self._bias], lr=learning_rate, eps=1e-5)
+        self._best = self._weight.detach().clone(), self._bias.detach().clone()
+        self._accuracy = np.full(labels, -1.0)
+        self._waited = np.zeros(labels, np.int64)
+        self._stopped = np.zeros(labels, np.bool_)
+
+    def logits(self, features: Any) -> Any:
+        product = self._torch.nn.functional.linear(features, self._weight, self._bias)
+        return product.reshape(len(features), self._labels, CLASSES)
+
+    def step(self, features: Any, targets: Any) -> None:
+        loss = self._torch.nn.functional.cross_entropy(self.logits(features).flatten(0, 1), targets.flatten())
+        self._optimizer.zero_grad()
+        loss.backward()
+        self._optimizer.step()
+
+    def predict(self, features: Any) -> npt.NDArray[np.int64]:
+        with self._torch.no_grad():
+            parts = [self.logits(part).argmax(2) for part in features.split(_BATCH)]
+        result: npt.NDArray[np.int64] = self._torch.cat(parts).numpy()
+        return result
+
+    def keep_best(self, accuracy: npt.NDArray[np.float64], patience: int) -> bool:
+        """Keep the weights of labels with a better accuracy; return whether a label is still trained."""
+        better = ~self._stopped & (accuracy > self._accuracy)
+        self._accuracy[better] = accuracy[better]
+        self._waited = np.where(better, 0, self._waited + 1)
+        self._stopped |= self._waited >= patience
+        rows = self._torch.from_numpy(better).repeat_interleave(CLASSES)
+        for best, now in zip(self._best, (self._weight, self._bias), strict=True):
+            best[rows] = now.detach()[rows]
+        return not self._stopped.all()
+
+    def restore_best(self) -> None:
+        self._weight, self._bias = self._best
+
+
+def _features(torch: Any, encoder: Encoder, split: Split) -> Any:
+    """The features of a split, (n, width) float32.
+
+    Raises:
+        ValueError: there is no row for each observation, or they are not finite.
+    """
+    parts = []
+    for start in range(0, len(split), _BATCH):
+        observations = split.observations[start : start + _BATCH]
+        with torch.no_grad():
+            part = torch.as_tensor(encoder(observations)).detach().float().cpu()
+        if part.ndim < 1 or len(part) != len(observations):
+            raise ValueError(
+                f"the encoder must return {len(observations)} rows for {len(observations)} observations, got "
+                f"{tuple(part.shape)}"
+            )
+        parts.append(part.reshape(len(part), -1))
+    features = torch.cat(parts)
+    if not torch.isfinite(features).all():
+        raise ValueError("the encoder returned features that are not finite")
+    return features
+
+
+def _result(data: ProbeData, predicted: npt.NDArray[np.int64]) -> ProbeResult:
+    columns = list(zip(data.names, predicted.T, data.test.labels.T, strict=True))
+    return ProbeResult(
+        f1={name: weighted_f1(guesses, truth.astype(np.int64)) for name, guesses, truth in columns},
+        accuracy={name: float((guesses == truth).mean()) for name, guesses, truth in columns},
+    )
+
+
+def _import_torch() -> Any:
+    try:
+        import torch
+    except ImportError:
+        raise gymnasium.error.DependencyNotInstalled("probes need PyTorch: pip install 'atari-envs[learn]'") from None
+    return torch

@@ -1,0 +1,236 @@
+"""`Ram`: the bytes of RAM by the names that a game's labels give them."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from atari.games.game import RamLabel
+from atari.lab.access import access
+from atari.lab.labels import BoolArray, ByteArray, IntArray, byte_index, label_of, labels_of, unknown_label
+from atari.lab.objects import positions, visible_objects
+from atari.lab.table import Table
+from atari.validation import check_integer
+
+_MOST_COLUMNS = 8
+
+
+class Ram:
+    """The RAM of a game by the names of its labels (`atari.games[game].ram_labels`), and by place.
+
+    `ram["ball_x"]` is the value of a label: its transform, in integers. It is None while the label's `visible` is
+    false. A place is an integer: an index 0..127, or an address 0x80..0xFF; `ram[49]` and `ram[0xB1]` are the same
+    byte. Assigning writes: to a label the byte that has the value, to a place the byte itself. The next frame shows
+    it, unless the game writes the byte again.
+
+    Of a whole vector, values are `numpy.ma.MaskedArray` int32 (num_envs,), masked where they are not visible or where
+    the game has no such label; bytes are uint8 (num_envs,). One value is written to all environments, or an array
+    (num_envs,) has one for each; masked entries are not written.
+
+    `Ram` holds no copy. It goes on working over resets, restores and replaced cores.
+
+    Args:
+        target: an `AtariEnv` or a wrapper around one, a core, or an `AtariVectorEnv`.
+        index: of one environment of a vector, which then is used like a single one.
+
+    Raises:
+        TypeError: `target` is something else; or `index` is given for something that is no vector.
+        IndexError: the vector has no environment of this number.
+
+    All methods that read or write raise gymnasium.error.ClosedEnvironmentError after `close` of an environment or
+    vector, and RuntimeError after `close` of a core, or between `send` and `recv` of a vector.
+    """
+
+    def __init__(self, target: Any, *, index: int | None = None) -> None:
+        self._access = access(target, index)
+        self._games = self._access.games
+        self._distinct = tuple(dict.fromkeys(self._games))
+        self._labels: dict[str, RamLabel] = {}
+        for game in self._distinct:
+            self._labels = {**game.ram_labels, **self._labels}
+
+    def __getitem__(self, place: str | int) -> Any:
+        """The value of a label, or the byte of a place; see the class.
+
+        Raises:
+            KeyError: there is no such label; the message suggests the nearest.
+            TypeError, ValueError: it is neither a text nor a place.
+        """
+        if isinstance(place, str):
+            values, visible = self._evaluate(self._known(place), self._access.read())
+            return self._shown(values, visible)
+        column = self._access.read()[:, byte_index(place)]
+        return int(column[0]) if self._access.single else column.copy()
+
+    def __setitem__(self, place: str | int, value: Any) -> None:
+        """Write the byte that has this value, or the byte of a place. Nothing is written if anything is wrong.
+
+        Raises:
+            KeyError: there is no such label, or a game of the vector has none.
+            TypeError, ValueError: the value is no integer, or none that the label or a byte can have; the message says
+                which are possible. Or an array is not of shape (num_envs,).
+        """
+        if isinstance(place, str):
+            self._known(place)
+        else:
+            place = byte_index(place)
+        values = self._values(value)
+        rams = self._access.read()
+        writes = [
+            (machine, *self._byte(place, machine, rams[machine], wanted))
+            for machine, wanted in enumerate(values)
+            if wanted is not np.ma.masked
+        ]
+        for machine, index, byte in writes:
+            self._access.write(machine, index, byte)
+
+    def __contains__(self, place: object) -> bool:
+        """Whether there is a label of this name, or a byte at this place."""
+        if isinstance(place, str):
+            return place in self._labels
+        try:
+            byte_index(place)
+        except (TypeError, ValueError):
+            return False
+        return True
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._labels)
+
+    def __len__(self) -> int:
+        """The number of labels."""
+        return len(self._labels)
+
+    def __repr__(self) -> str:
+        games = ", ".join(game.id for game in self._distinct)
+        machines = "" if self._access.single else f", {len(self._games)} environments"
+        return f"Ram({games}, {len(self)} labels{machines})"
+
+    def keys(self) -> list[str]:
+        """The names of the labels."""
+        return list(self._labels)
+
+    def items(self) -> list[tuple[str, Any]]:
+        """The names of the labels and their values, all of one reading of RAM."""
+        rams = self._access.read()
+        return [(name, self._shown(*self._evaluate(name, rams))) for name in self._labels]
+
+    def label(self, name: str) -> RamLabel:
+        """The entry of a label in the game's file.
+
+        Raises:
+            KeyError: there is no such label.
+        """
+        return self._labels[self._known(name)]
+
+    def byte(self, name: str) -> int:
+        """The index 0..127 of a label's byte.
+
+        Raises:
+            KeyError: there is no such label.
+            ValueError: games of the vector have the label at different places.
+        """
+        self._known(name)
+        indices = sorted({game.ram_labels[name].index for game in self._distinct if name in game.ram_labels})
+        if len(indices) > 1:
+            raise ValueError(f"{name!r} is at different places in these games, {indices}; use Ram(envs, index=i)")
+        return indices[0]
+
+    def objects(self) -> Any:
+        """The things that are on the screen, by their labels of positions.
+
+        Returns:
+            A list of `GameObject`; of a whole vector, a list of such lists.
+        """
+        rams = self._access.read()
+        each = []
+        for machine, game in enumerate(self._games):
+            labels = labels_of(game)
+            numbers, visible = labels.evaluate(rams[machine : machine + 1])
+            shown = zip(labels.names, numbers[:, 0].tolist(), visible[:, 0].tolist(), strict=True)
+            values = {name: number if seen else None for name, number, seen in shown}
+            each.append(visible_objects(positions(game.ram_labels), values))
+        return each[0] if self._access.single else each
+
+    def table(self) -> Table:
+        """All labels with their places, bytes and values. It prints, and shows in a notebook.
+
+        Of a vector, it has the values of the first eight environments. Without labels, it has all 128 bytes.
+        """
+        rams = self._access.read()
+        if not self._labels:
+            rows = [(index, f"0x{0x80 + index:02X}", *_first(rams[:, index])) for index in range(128)]
+            return Table.of(("index", "address", *self._titles("byte")), rows)
+        columns = (
+            "name",
+            "index",
+            "address",
+            *self._titles("byte"),
+            *self._titles("value"),
+            "kind",
+            "evidence",
+            "note",
+        )
+        return Table.of(columns, [self._row(name, rams) for name in self._labels])
+
+    def _row(self, name: str, rams: ByteArray) -> tuple[Any, ...]:
+        label = self._labels[name]
+        values, visible = self._evaluate(name, rams)
+        shown = [value if seen else None for value, seen in zip(_first(values), visible.tolist(), strict=False)]
+        place = (name, label.index, f"0x{0x80 + label.index:02X}")
+        return (*place, *_first(rams[:, label.index]), *shown, label.kind, label.evidence, label.note)
+
+    def _titles(self, title: str) -> list[str]:
+        if self._access.single:
+            return [title]
+        return [f"{title} {machine}" for machine in range(min(len(self._games), _MOST_COLUMNS))]
+
+    def _known(self, name: str) -> str:
+        if name not in self._labels:
+            raise unknown_label(name, self._distinct)
+        return name
+
+    def _evaluate(self, name: str, rams: ByteArray) -> tuple[IntArray, BoolArray]:
+        """The values of a label, (machines,) each, and whether they are visible."""
+        if len(self._distinct) == 1:
+            values, visible = label_of(self._distinct[0], name).evaluate(rams)
+            return values[0], visible[0]
+        all_values, all_visible = np.zeros(len(rams), np.int32), np.zeros(len(rams), np.bool_)
+        for game in self._distinct:
+            if name in game.ram_labels:
+                rows = [machine for machine, played in enumerate(self._games) if played == game]
+                values, visible = label_of(game, name).evaluate(rams[rows])
+                all_values[rows], all_visible[rows] = values[0], visible[0]
+        return all_values, all_visible
+
+    def _shown(self, values: IntArray, visible: BoolArray) -> Any:
+        if self._access.single:
+            return int(values[0]) if visible[0] else None
+        return np.ma.MaskedArray(values, ~visible)
+
+    def _values(self, value: Any) -> list[Any]:
+        """The value for each machine, `numpy.ma.masked` where none is to be written."""
+        count = len(self._games)
+        if self._access.single or np.ndim(value) == 0:
+            return [value] * count
+        array = value if isinstance(value, np.ma.MaskedArray) else np.asarray(value)
+        if array.shape != (count,):
+            raise ValueError(f"there must be a value for each of the {count} environments, got the shape {array.shape}")
+        if array.dtype.kind not in "iu":
+            raise TypeError(f"values must be integers, got {array.dtype}")
+        return list(array)
+
+    def _byte(self, place: str | int, machine: int, ram: ByteArray, value: Any) -> tuple[int, int]:
+        """The index and the byte to write for a checked place."""
+        game = self._games[machine]
+        if isinstance(place, int):
+            return place, check_integer("a byte", value, 0, 255)
+        if place not in game.ram_labels:
+            raise unknown_label(place, (game,))
+        label = label_of(game, place)
+        return game.ram_labels[place].index, label.byte_of(place, ram, value)
+
+
+def _first(column: Any) -> list[int]:
+    values: list[int] = column[:_MOST_COLUMNS].tolist()
+    return values

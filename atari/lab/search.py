@@ -1,0 +1,338 @@
+"""`Search`: find the bytes of RAM that behave as a value does, filter by filter, while a game is played."""
+
+import html
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from atari.cores import ByteArray
+from atari.lab.access import access
+from atari.lab.history import check_index, recorded
+from atari.lab.labels import byte_index
+from atari.lab.places import IntArray, Place, Places
+from atari.lab.table import Table
+from atari.validation import check_integer
+
+_COLUMNS = 12
+_ROWS = 40
+_LONGEST = 10**12
+_MOST_VALUES = 1 << 22
+
+
+@dataclass(frozen=True)
+class Filter:
+    """A filter that was applied, as its call is written, and how many places it left."""
+
+    call: str
+    left: int
+
+
+@dataclass(frozen=True, repr=False)
+class Candidates(Table):
+    """A table with a line below it."""
+
+    note: str = ""
+
+    def __str__(self) -> str:
+        return f"{super().__str__()}\n{self.note}" if self.rows else self.note
+
+    def _repr_html_(self) -> str:
+        return (super()._repr_html_() if self.rows else "") + f"<p>{html.escape(self.note)}</p>"
+
+
+@dataclass(frozen=True)
+class _Step:
+    """What a filter has changed."""
+
+    places: Places
+    ram: ByteArray
+    kept: int
+    filters: int
+
+
+class Search:
+    """The places of RAM that every filter so far has left.
+
+    Each filter reads the RAM, compares it with the RAM at the filter before (at first, with that at the start of the
+    search), keeps the places that fit, and returns the search, so that filters can be chained. In all games of a
+    vector a place has to fit. Before the first `bcd`, a place is a byte; afterwards it is a decimal number of one or
+    more bytes, and all filters compare these numbers.
+
+    Args:
+        source: what is searched:
+
+            - an `AtariEnv`, an `AtariVectorEnv` (in any wrappers) or a core, which is played between the filters;
+            - a recorded history: a `Replay` or its path (.a26), with a state after each emulated frame, or an array
+              (T, 128) or (T, N, 128), uint8. The search begins at its first state; `seek` goes to another.
+        index: of a vector, or of N games, the one to search; None is all.
+
+    Raises:
+        TypeError, ValueError, FileNotFoundError: it is none of these.
+        IndexError: there is no such index.
+    """
+
+    def __init__(self, source: Any, *, index: int | None = None) -> None:
+        self._states = recorded(source)
+        self._state = 0
+        self._labels: dict[int, str] = {}
+        if self._states is None:
+            machines = access(source, index)
+            self._read = machines.read
+            if len(set(machines.games)) == 1:
+                self._labels = {label.index: name for name, label in machines.games[0].ram_labels.items()}
+        else:
+            if not len(self._states):
+                raise ValueError("a recorded history needs at least one state")
+            if index is not None:
+                self._states = self._states[:, [check_index(index, self._states.shape[1])]]
+            self._read = self._read_recorded
+        self._places = Places.all_bytes()
+        self._ram = self._read().copy()
+        self._kept = [self._ram]
+        self._steps: list[_Step] = []
+        self.filters: list[Filter] = []
+        """The filters, in order."""
+
+    @property
+    def candidates(self) -> list[int]:
+        """The indices 0..127 of the bytes that are left, ascending; of numbers, those of all their bytes."""
+        return self._places.indices()
+
+    @property
+    def places(self) -> list[Place]:
+        """The places that are left."""
+        return list(self._places)
+
+    @property
+    def emptied_by(self) -> str | None:
+        """The filter that left nothing, or None if something is left."""
+        found = next(((number, each) for number, each in enumerate(self.filters) if not each.left), None)
+        if found is None:
+            return None
+        number, each = found
+        before = self.filters[number - 1].left if number else len(Places.all_bytes())
+        return f"{each.call}, filter {number + 1} of {len(self.filters)}, left none of {before}"
+
+    @property
+    def history(self) -> ByteArray:
+        """The RAM at the start, at each filter and at each `keep`, or all recorded states: (T, 128) or (T, N, 128)."""
+        states = np.stack(self._kept) if self._states is None else self._states
+        return states[:, 0] if states.shape[1] == 1 else states
+
+    def changed(self) -> "Search":
+        """Keep what is not the same as before."""
+        return self._compare("changed()", np.not_equal)
+
+    def unchanged(self) -> "Search":
+        """Keep what is the same as before."""
+        return self._compare("unchanged()", np.equal)
+
+    def increased(self) -> "Search":
+        """Keep what is more than before."""
+        return self._compare("increased()", np.greater)
+
+    def decreased(self) -> "Search":
+        """Keep what is less than before."""
+        return self._compare("decreased()", np.less)
+
+    def equals(self, n: Any) -> "Search":
+        """Keep what is `n` now: an integer, or (N,) of a vector's games."""
+        numbers = self._numbers("n", n)
+        return self._filter(f"equals({n})", lambda places, ram: places.values(ram) == numbers)
+
+    def between(self, a: Any, b: Any) -> "Search":
+        """Keep what is at least `a` and at most `b` now.
+
+        Raises:
+            ValueError: `a` is more than `b`.
+        """
+        low, high = self._numbers("a", a), self._numbers("b", b)
+        if (low > high).any():
+            raise ValueError(f"between(a, b) needs a <= b, got {a} and {b}")
+        return self._filter(
+            f"between({a}, {b})", lambda places, ram: (places.values(ram) >= low) & (places.values(ram) <= high)
+        )
+
+    def bcd(self, n: Any, bytes: Sequence[int] | None = None) -> "Search":
+        """Keep the numbers in binary-coded decimal, two digits a byte, that are `n` now.
+
+        A number has as many bytes as the largest `n` so far needs. They are adjacent, or with one byte between them,
+        with the highest digits first or last. Zeros at the end of `n`, up to three, need not be in RAM.
+
+        Args:
+            n: an integer of 0 or more, or (N,) of a vector's games.
+            bytes: the places of the number, lowest digits first, instead of all of RAM.
+
+        Raises:
+            TypeError, ValueError: `n` is no such number, or there are no such places.
+        """
+        numbers = self._numbers("n", n)
+        if (numbers < 0).any():
+            raise ValueError(f"a decimal number in RAM is 0 or more, got {n}")
+        indices = None if bytes is None else [byte_index(byte) for byte in bytes]
+        if indices == []:
+            raise ValueError("bytes= needs at least one place")
+        places = self._places
+        if indices is not None or not places.decimal:
+            places = Places.numbers(indices).with_byte_of(self.candidates)
+        places = places.long_enough(int(numbers.max()))
+        call = f"bcd({n})" if bytes is None else f"bcd({n}, bytes={list(bytes)})"
+        return self._filter(call, lambda places, ram: places.values(ram) == numbers, places)
+
+    def correlates(self, series: Any, at_least: float = 0.9) -> "Search":
+        """Keep what has followed `series`, up or down: the size of Pearson's correlation is at least `at_least`.
+
+        Args:
+            series: a number for each state of `history`, (T,) or (T, N).
+            at_least: 0..1.
+
+        Raises:
+            TypeError, ValueError: it has another shape, or is always the same; `at_least` is out of range.
+        """
+        states = np.stack(self._kept) if self._states is None else self._states
+        wanted = _check_series(series, states.shape[:2])
+        if not 0 <= float(at_least) <= 1:
+            raise ValueError(f"at_least is a correlation 0..1, got {at_least}")
+        return self._filter(
+            f"correlates(series, at_least={at_least})",
+            lambda places, ram: np.abs(_correlations(places, states, wanted))[None] >= at_least,
+        )
+
+    def keep(self) -> "Search":
+        """Append the RAM to `history`, without a filter."""
+        if self._states is not None:
+            raise ValueError("a recorded history has all its states already; keep() is for a game that is played")
+        self._kept.append(self._read().copy())
+        return self
+
+    def seek(self, state: int) -> "Search":
+        """Go to a state of a recorded history, 0..T-1, of a replay after this many frames and one; filters read it.
+
+        Raises:
+            TypeError, ValueError: there is no such state, or the search is of a game that is played.
+        """
+        if self._states is None:
+            raise ValueError("seek() goes to a state of a recorded history; this search reads a game that is played")
+        self._state = check_integer("state", state, 0, len(self._states) - 1)
+        return self
+
+    def undo(self) -> "Search":
+        """Take the last filter back. The next one compares with the RAM that this one compared with.
+
+        Raises:
+            ValueError: there is no filter to take back.
+        """
+        if not self._steps:
+            raise ValueError("there is no filter to undo")
+        step = self._steps.pop()
+        self._places, self._ram = step.places, step.ram
+        del self._kept[step.kept :]
+        del self.filters[step.filters :]
+        return self
+
+    def table(self) -> "Candidates":
+        """The places that are left with their values in `history`, the last ones; it shows in notebooks."""
+        if not len(self._places):
+            return Candidates(("place",), (), f"no candidates: {self.emptied_by}")
+        states = np.stack(self._kept) if self._states is None else self._states[: self._state + 1]
+        values = self._places.values(states[-_COLUMNS:])
+        rows = tuple(
+            (
+                str(each),
+                " ".join(map(str, each.bytes)),
+                ", ".join(self._labels[byte] for byte in reversed(each.bytes) if byte in self._labels),
+                *map(_joined, values[:, :, column]),
+            )
+            for column, each in self._different(_ROWS)
+        )
+        left = len(self.places)
+        note = f"{left} candidates" + (f", of which {_ROWS} are shown" if left > _ROWS else "")
+        return Candidates(("place", "index", "label", *[""] * (len(values) - 1), "now"), rows, note)
+
+    def __repr__(self) -> str:
+        if self.emptied_by:
+            return f"<Search: no candidates; {self.emptied_by}>"
+        return f"<Search: {len(self.places)} candidates after {len(self.filters)} filters>"
+
+    def _repr_html_(self) -> str:
+        return self.table()._repr_html_()
+
+    def _different(self, most: int) -> Iterator[tuple[int, Place]]:
+        """The first different places, with their positions among the values."""
+        seen: set[Place] = set()
+        for column in range(len(self._places)):
+            (each,) = self._places.pick(np.array([column]))
+            if each not in seen:
+                seen.add(each)
+                yield column, each
+            if len(seen) == most:
+                return
+
+    def _read_recorded(self) -> ByteArray:
+        assert self._states is not None
+        row: ByteArray = self._states[self._state]
+        return row
+
+    def _numbers(self, name: str, value: Any) -> IntArray:
+        """The numbers (N, 1), or (1, 1), of an argument."""
+        numbers = np.asarray(value)
+        if numbers.dtype.kind not in "iu" and not (numbers.dtype.kind == "f" and (numbers % 1 == 0).all()):
+            raise TypeError(f"{name} must be an integer, got {value!r}")
+        if numbers.shape not in ((), (len(self._ram),)):
+            raise ValueError(f"{name} must be an integer or have the shape ({len(self._ram)},), got {numbers.shape}")
+        if (np.abs(numbers) > _LONGEST).any():
+            raise ValueError(f"{name} must be at most {_LONGEST:,}, got {value}")
+        return numbers.astype(np.int64).reshape(-1, 1)
+
+    def _compare(self, call: str, relation: Callable[[Any, Any], Any]) -> "Search":
+        before = self._ram
+        return self._filter(call, lambda places, ram: relation(places.values(ram), places.values(before)))
+
+    def _filter(
+        self, call: str, fits: Callable[[Places, ByteArray], npt.NDArray[np.bool_]], places: Places | None = None
+    ) -> "Search":
+        """Keep the places that fit in all games."""
+        ram = self._read().copy()
+        places = self._places if places is None else places
+        left = places.pick(np.asarray(fits(places, ram).all(axis=0)))
+        self._steps.append(_Step(self._places, self._ram, len(self._kept), len(self.filters)))
+        self._places, self._ram = left, ram
+        self._kept.append(ram)
+        self.filters.append(Filter(call, len(left)))
+        return self
+
+
+def _check_series(series: Any, shape: tuple[int, ...]) -> npt.NDArray[np.float64]:
+    array = np.asarray(series)
+    if array.dtype.kind not in "biuf":
+        raise TypeError(f"a series has numbers, got {array.dtype}")
+    if array.shape not in (shape, shape[:1]):
+        more = f" or {shape}" if shape[1] > 1 else ""
+        raise ValueError(f"a series has a number for each state of the history, ({shape[0]},){more}, got {array.shape}")
+    numbers = np.broadcast_to(array.reshape(shape[0], -1), shape).astype(np.float64)
+    if not np.isfinite(numbers).all():
+        raise ValueError("a series has finite numbers")
+    if (numbers == numbers[:1, :1]).all():
+        raise ValueError("the series never changes, so nothing can follow it")
+    return numbers
+
+
+def _correlations(places: Places, states: ByteArray, series: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Pearson's correlation of each place's values in states (T, N, 128) with the series (T, N); 0 if none changes."""
+    y = series.ravel() - series.mean()
+    found = np.zeros(len(places))
+    part = max(1, _MOST_VALUES // series.size)
+    for start in range(0, len(places), part):
+        rows = np.arange(start, min(start + part, len(places)))
+        values = places.pick(rows).values(states).reshape(series.size, -1).astype(np.float64)
+        x = values - values.mean(0)
+        size = np.sqrt((x**2).sum(0) * (y**2).sum())
+        found[rows] = np.divide(y @ x, size, out=np.zeros_like(size), where=size > 0)
+    return found
+
+
+def _joined(values: npt.NDArray[Any]) -> str:
+    return " ".join("-" if value < 0 else str(value) for value in values.tolist())

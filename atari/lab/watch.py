@@ -1,0 +1,212 @@
+"""`Watch` and `WatchVector`: wrappers that log chosen labels and bytes of RAM while a game is played."""
+
+from collections.abc import Callable, Sequence
+from typing import Any, Literal, TypeAlias
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+
+from atari._gymnasium import VectorEnv, VectorWrapper
+from atari.env import AtariEnv
+from atari.lab.ram import Ram
+from atari.restorable import Restorable
+from atari.validation import check_name
+from atari.vector import AtariVectorEnv
+
+Each: TypeAlias = Literal["step", "frame"]
+OnChange: TypeAlias = Callable[[str | int, Any, Any], object]
+Array: TypeAlias = npt.NDArray[Any]
+
+
+class Watch(Restorable, gymnasium.Wrapper[Any, Any, Any, Any]):
+    """Log values of RAM after each reset, and after each step or emulated frame.
+
+    Args:
+        env: an `AtariEnv`, in any wrappers. With each="step", a step is one of this wrapper.
+        what: names of labels, and places (0..127, or 0x80..0xFF) of bytes.
+        each: "step", or "frame" for all emulated frames, those inside a frame skip and in resets of wrappers too.
+        on_change: called with name or place, the value before, and the value now, after each change but the first;
+            None is the value of a label that is not visible. It must not change the environment. Its errors end the
+            step after it was played.
+
+    Raises:
+        TypeError: it is no `AtariEnv`, or a name is of the wrong kind.
+        ValueError, KeyError: there is no such label or place, none is given, or `each` is something else.
+    """
+
+    def __init__(
+        self, env: gymnasium.Env[Any, Any], *what: str | int, each: Each = "step", on_change: OnChange | None = None
+    ) -> None:
+        inner: Any = env.unwrapped
+        if not isinstance(inner, AtariEnv):
+            hint = "; for an atari.AtariVectorEnv there is WatchVector" if isinstance(inner, AtariVectorEnv) else ""
+            raise TypeError(f"Watch logs the RAM of an atari.AtariEnv, got {type(inner).__name__}{hint}")
+        check_name("each", each, ("step", "frame"))
+        super().__init__(env)
+        self._atari = inner
+        self._log = _Log(Ram(inner), what, on_change)
+        self._observer = _FrameLogger(self._append) if each == "frame" else None
+        if self._observer is not None:
+            inner.observers.append(self._observer)
+
+    @property
+    def history(self) -> dict[str | int, Array]:
+        """The values by name or place, (T,) int32, masked where a label is not visible; "frame" is the frame number."""
+        return self._log.history()
+
+    def clear(self) -> None:
+        """Forget the history."""
+        self._log.clear()
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Reset the environment."""
+        result = self.env.reset(seed=seed, options=options)
+        self._end_step()
+        return result
+
+    def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+        """Play a step."""
+        result = self.env.step(action)
+        self._end_step()
+        return result
+
+    def stop(self) -> None:
+        """End the log; the environment can continue."""
+        if self._observer is not None and self._observer in self._atari.observers:
+            self._atari.observers.remove(self._observer)
+        self._log.stopped = True
+
+    def close(self) -> None:
+        """End the log, and close the environment."""
+        self.stop()
+        self.env.close()
+
+    def _end_step(self) -> None:
+        if self._observer is None:
+            self._append()
+        self._log.raise_error()
+
+    def _append(self) -> None:
+        self._log.append(self._atari.core.frame_number)
+
+
+class WatchVector(VectorWrapper):
+    """Log values of RAM of all environments of a vector, or of one, after each reset and step.
+
+    Args:
+        envs: an `AtariVectorEnv`, in any wrappers.
+        what, on_change: as of `Watch`; values have the shape (num_envs,) if `index` is None.
+        index: the environment; None is all.
+
+    Raises:
+        TypeError, ValueError, KeyError: as `Watch`.
+        IndexError: there is no such environment.
+    """
+
+    def __init__(
+        self, envs: VectorEnv, *what: str | int, index: int | None = None, on_change: OnChange | None = None
+    ) -> None:
+        inner = envs.unwrapped
+        if not isinstance(inner, AtariVectorEnv):
+            raise TypeError(f"WatchVector logs the RAM of an atari.AtariVectorEnv, got {type(inner).__name__}")
+        super().__init__(envs)
+        self._members = inner.members if index is None else (inner.members[index],)
+        self._one = index is not None
+        self._log = _Log(Ram(inner) if index is None else Ram(inner, index=index), what, on_change)
+
+    @property
+    def history(self) -> dict[str | int, Array]:
+        """The values by name or place, (T, num_envs) or (T,) int32, masked where not visible; and "frame"."""
+        return self._log.history()
+
+    def clear(self) -> None:
+        """Forget the history."""
+        self._log.clear()
+
+    def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Reset the environments."""
+        result: tuple[Any, dict[str, Any]] = self.env.reset(seed=seed, options=options)
+        self._append()
+        return result
+
+    def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """Play a step."""
+        result: tuple[Any, Any, Any, Any, dict[str, Any]] = self.env.step(actions)
+        self._append()
+        return result
+
+    def _append(self) -> None:
+        frames = [member.frame_number for member in self._members]
+        self._log.append(frames[0] if self._one else frames)
+        self._log.raise_error()
+
+
+class _FrameLogger:
+    """Observes the emulated frames."""
+
+    def __init__(self, append: Callable[[], None]) -> None:
+        self._append = append
+
+    def game_begun(self) -> None:
+        self._append()
+
+    def frame_played(self, action: int, reward: int) -> None:
+        self._append()
+
+
+class _Log:
+    """Rows of values. An error of `on_change` waits for `raise_error`, because observers of frames must not raise."""
+
+    def __init__(self, ram: Ram, what: Sequence[str | int], on_change: OnChange | None) -> None:
+        if not what:
+            raise ValueError("name at least one label or byte to watch")
+        for name in what:
+            ram[name]  # raises if there is no such label or place
+        self._ram, self._what, self._on_change = ram, tuple(what), on_change
+        self._error: Exception | None = None
+        self.stopped = False
+        self.clear()
+
+    def clear(self) -> None:
+        self._frames: list[Any] = []
+        self._rows: dict[str | int, list[Any]] = {name: [] for name in self._what}
+
+    def append(self, frame: Any) -> None:
+        if self.stopped:
+            return
+        self._frames.append(frame)
+        for name, rows in self._rows.items():
+            value = self._ram[name]
+            rows.append(value)
+            if self._on_change is not None and len(rows) > 1 and not _same(rows[-2], value):
+                try:
+                    self._on_change(name, rows[-2], value)
+                except Exception as error:
+                    self._error = self._error or error
+
+    def raise_error(self) -> None:
+        error, self._error = self._error, None
+        if error is not None:
+            raise error
+
+    def history(self) -> dict[str | int, Array]:
+        columns: dict[str | int, Array] = {name: _column(rows) for name, rows in self._rows.items()}
+        return {"frame": np.array(self._frames, np.int64), **columns}
+
+
+def _same(before: Any, now: Any) -> bool:
+    if before is None or now is None or not np.ndim(now):
+        return bool(before is now or before == now)
+    before, now = np.ma.asarray(before), np.ma.asarray(now)
+    masks = np.array_equal(np.ma.getmaskarray(before), np.ma.getmaskarray(now))
+    return masks and bool(np.ma.allequal(before, now))
+
+
+def _column(rows: list[Any]) -> Array:
+    if rows and np.ndim(rows[0]):
+        stacked: Array = np.ma.stack([np.ma.asarray(row) for row in rows]).astype(np.int32)
+        return stacked
+    hidden = [row is None for row in rows]
+    values = np.array([0 if row is None else row for row in rows], np.int32)
+    return np.ma.array(values, mask=hidden) if any(hidden) else values

@@ -1,0 +1,167 @@
+"""`Freeze` and `Poke`: hold bytes of RAM, or write them once, while an environment plays.
+
+Both add writes to the native core, which applies them after every emulated frame, before the rules read RAM.
+"""
+
+from collections.abc import Mapping
+from contextlib import suppress
+from typing import Any, Protocol
+
+import numpy as np
+
+from atari import _emulator
+from atari.cores.writes import make_write
+from atari.env import AtariEnv
+from atari.games.game import Game
+from atari.games.interventions.writes import LATEST_FRAME, WriteRule
+from atari.validation import check_integer
+from atari.vector.env import AtariVectorEnv
+
+
+class _Target(Protocol):
+    """What has writes: a native core, or a member of a vector."""
+
+    game: Game
+
+    def add_write(self, write: _emulator.Write, now: bool = False) -> None: ...
+
+    def remove_write(self, write: _emulator.Write) -> None: ...
+
+
+class _Held:
+    """Writes that were added to cores, until `release`."""
+
+    def __init__(self, env: Any, values: Mapping[Any, Any], index: int | None, now: bool, **rule: Any) -> None:
+        if not values:
+            raise ValueError(f"{type(self).__name__} needs a label or a place in RAM, such as ball_x=80 or {{49: 80}}")
+        self._held: list[tuple[Any, _emulator.Write]] = []
+        targets = _targets(env, index)
+        made = []
+        for place, value in values.items():
+            if type(place) is not str:
+                place = check_integer("a place in RAM", place, 0, 255)
+            for target, one in zip(targets, _spread(value, len(targets), place), strict=True):
+                where = f"{type(self).__name__}({place!r})"
+                made.append((target, make_write(target.game, WriteRule(place, one, **rule), where)))
+        try:
+            for target, write in made:
+                target.add_write(write, now)
+                self._held.append((target, write))
+        except ValueError:
+            self.release()
+            raise
+
+    def release(self) -> None:
+        """End it; a second call does nothing. The bytes stay as they are until the program changes them."""
+        while self._held:
+            target, write = self._held.pop()
+            with suppress(RuntimeError):  # the core is closed
+                target.remove_write(write)
+
+
+class Freeze(_Held):
+    """Hold bytes of RAM: after every emulated frame they are as given, also within a frame skip.
+
+    Args:
+        env: an `AtariEnv` or a wrapper around one, a native core, or an `AtariVectorEnv`.
+        values: values by label or by place, an index 0..127 or an address 0x80..0xFF. A label's value is its
+            `transform`'s; a place's is the byte. A value is an integer, or an expression of interventions, such as
+            "old"; for a vector also an array of integers, (num_envs,).
+        index: of a vector, the one environment that is meant; None is all.
+        paid: whether the rules reward the change, such as that of a score.
+        labels: values by label.
+
+    The bytes are written at once and after each frame, also that of a reset, until `release`, the end of the `with`
+    block, or `close` of the environment. Copies of the environment hold nothing.
+
+    Raises:
+        TypeError: `env` is none of these.
+        ValueError: there is no such label or place, or it cannot have the value; or the core is ale-py's.
+        RuntimeError: the environment is being recorded in a replay.
+    """
+
+    def __init__(
+        self,
+        env: Any,
+        values: Mapping[str | int, Any] | None = None,
+        /,
+        *,
+        index: int | None = None,
+        paid: bool = True,
+        **labels: Any,
+    ) -> None:
+        super().__init__(env, {**(values or {}), **labels}, index, True, when="held", paid=bool(paid))
+
+    def __enter__(self) -> "Freeze":
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.release()
+
+
+class Poke(_Held):
+    """Write bytes of RAM once, after the first emulated frame that fits.
+
+    Args:
+        env: as of `Freeze`.
+        values: as of `Freeze`.
+        frame: the number of that frame in its episode; the first after a reset has the number 1.
+        when: a condition over labels, `ram[...]`, `old` and `frame`, which is read after each frame.
+        index: as of `Freeze`.
+        paid: as of `Freeze`.
+
+    Without `frame` and `when`, it is the next frame. The writes of a `Poke` are independent: each is done at its first
+    fitting frame. A snapshot has which are done, so after `restore` of an earlier one they are done again.
+
+    Raises:
+        TypeError, ValueError, RuntimeError: as `Freeze`; also for a condition that is wrong.
+    """
+
+    def __init__(
+        self,
+        env: Any,
+        values: Mapping[str | int, Any],
+        /,
+        *,
+        frame: int | None = None,
+        when: str | None = None,
+        index: int | None = None,
+        paid: bool = True,
+    ) -> None:
+        if when is not None and not isinstance(when, str):
+            raise TypeError(f"when must be a condition such as 'ball_x > 100', got {when!r}")
+        at: Any = "frame" if frame is None else (check_integer("frame", frame, 1, LATEST_FRAME),)
+        super().__init__(env, values, index, False, when=at, condition=when, once=True, paid=bool(paid))
+
+
+def _targets(env: Any, index: int | None) -> list[_Target]:
+    """The native cores, or the members of a vector, that are meant."""
+    inner = getattr(env, "unwrapped", env)
+    if isinstance(inner, AtariVectorEnv):
+        members = inner.members
+        if index is None:
+            return list(members)
+        return [members[check_integer("index", index, 0, len(members) - 1)]]
+    if index is not None:
+        raise ValueError("index is for an AtariVectorEnv; leave it out")
+    core: Any = inner.core if isinstance(inner, AtariEnv) else inner
+    if getattr(core, "name", None) == "ale":
+        raise ValueError("ale-py's core cannot write RAM within a frame; use core='native'")
+    if not hasattr(core, "add_write"):
+        kinds = "an AtariEnv, a core, an AtariVectorEnv or one of its members"
+        raise TypeError(f"{kinds} is needed, got {type(env).__name__}")
+    return [core]
+
+
+def _spread(value: Any, count: int, place: Any) -> list[int | str]:
+    """The value for each target."""
+    if isinstance(value, (np.ndarray, list, tuple)):
+        array = np.asarray(value)
+        if array.shape != (count,):
+            raise ValueError(f"{place!r} needs a value for each of {count} environments, got the shape {array.shape}")
+        return [_number(one, place) for one in array.tolist()]
+    return [value if isinstance(value, str) else _number(value, place)] * count
+
+
+def _number(value: Any, place: Any) -> int:
+    return check_integer(f"the value of {place!r}", value, -(2**31), 2**31 - 1)

@@ -1,0 +1,172 @@
+"""`write_dataset` and `atari lab collect`: the files hold what the environment returned, and the labels of it."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+import atari
+from atari.cli import main
+from atari.lab import Ram, collect, write_dataset
+from atari.recording import RecordReplay
+
+STEPS = 40
+
+
+def recorded(folder: Path, game: str = "breakout", **options: Any) -> tuple[Path, dict[str, list[Any]]]:
+    """A replay, and what the environment returned while it was recorded."""
+    env = RecordReplay(atari.AtariEnv(game, **options), folder / f"{game}.a26")
+    ram = Ram(env)
+    columns: dict[str, list[Any]] = {"frames": [], "ram": [], "actions": [], "rewards": [], "ball_x": []}
+
+    def see() -> None:
+        core = env.unwrapped.core  # type: ignore[attr-defined]
+        columns["frames"].append(core.screen_rgb())
+        columns["ram"].append(core.ram())
+        if "ball_x" in ram:
+            columns["ball_x"].append(ram["ball_x"])
+
+    env.reset(seed=0)
+    env.action_space.seed(0)
+    see()
+    for step in range(STEPS):
+        action = 1 if step == 5 and not options else env.action_space.sample()
+        _, reward, *_ = env.step(action)
+        columns["actions"].append(action)
+        columns["rewards"].append(reward)
+        see()
+    env.close()
+    return env.path, columns
+
+
+def test_hdf5(tmp_path: Path) -> None:
+    h5py = pytest.importorskip("h5py", reason="h5py is not installed")
+    replay, expected = recorded(tmp_path)
+    done: list[int] = []
+    result = write_dataset(replay, tmp_path / "new" / "a.h5", progress=done.append)
+    assert (result["format"], result["episodes"], result["steps"], done) == ("hdf5", 1, STEPS, [STEPS])
+    with h5py.File(tmp_path / "new" / "a.h5") as root:
+        group = root["episode_0"]
+        for name in ("frames", "ram", "actions", "rewards"):
+            assert np.array_equal(group[name], expected[name]), name
+        visible = group["visible/ball_x"][:]
+        assert [int(x) if seen else None for x, seen in zip(group["labels/ball_x"], visible, strict=True)] == expected[
+            "ball_x"
+        ]
+        assert 0 < visible.sum() < len(visible)
+        assert group["truncations"][:].tolist() == [False] * (STEPS - 1) + [True]
+        assert not group["terminations"][:].any()
+        assert root.attrs["game"] == "breakout"
+        assert set(json.loads(root.attrs["labels"])) == set(result["labels"]) == set(group["labels"])
+
+
+def test_parquet(tmp_path: Path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed")
+    import cv2
+
+    replay, expected = recorded(tmp_path)
+    write_dataset([replay, replay], tmp_path / "a.parquet", labels=["ball_x"])
+    table = parquet.read_table(tmp_path / "a.parquet")
+    assert table.schema.metadata[b"game"] == b"breakout"
+    rows = table.to_pylist()
+    assert [(row["episode"], row["step"]) for row in rows] == [(e, s) for e in range(2) for s in range(STEPS + 1)]
+    for row, frame, ram, ball in zip(rows, expected["frames"], expected["ram"], expected["ball_x"], strict=False):
+        shown = cv2.imdecode(np.frombuffer(row["frame"], np.uint8), cv2.IMREAD_COLOR)[..., ::-1]
+        assert np.array_equal(shown, frame)
+        assert row["ram"] == ram.tobytes()
+        assert row["label.ball_x"] == ball
+    assert [row["action"] for row in rows[: STEPS + 1]] == [*expected["actions"], None]
+    assert [row["reward"] for row in rows[: STEPS + 1]] == [*expected["rewards"], None]
+
+
+def test_continuous_actions_and_gray_frames(tmp_path: Path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed")
+    h5py = pytest.importorskip("h5py", reason="h5py is not installed")
+    replay, expected = recorded(tmp_path, continuous=True)
+    write_dataset(replay, tmp_path / "a.parquet", frames="grayscale", labels=[])
+    write_dataset(replay, tmp_path / "a.h5", frames="grayscale", labels=[])
+    column = parquet.read_table(tmp_path / "a.parquet")["action"].to_pylist()
+    assert np.array_equal(np.array(column[:-1], np.float32), expected["actions"])
+    with h5py.File(tmp_path / "a.h5") as root:
+        assert root["episode_0/frames"].shape == (STEPS + 1, 210, 160)
+        assert np.array_equal(root["episode_0/actions"], expected["actions"])
+
+
+def test_minari(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    minari = pytest.importorskip("minari", reason="minari is not installed")
+    monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path / "datasets"))
+    replay, expected = recorded(tmp_path)
+    write_dataset(replay, "breakout/lab-v0", frames="grayscale", labels=["ball_x", "lives"])
+    (episode,) = minari.load_dataset("breakout/lab-v0")
+    assert episode.observations["image"].shape == (STEPS + 1, 210, 160)
+    assert np.array_equal(episode.observations["ram"], expected["ram"])
+    visible = episode.infos["visible"]["ball_x"]
+    assert np.array_equal(visible, [ball is not None for ball in expected["ball_x"]])
+    assert episode.infos["labels"]["lives"].shape == (STEPS + 1,)
+    with pytest.raises(ValueError, match="there is a dataset"):
+        write_dataset(replay, "breakout/lab-v0")
+
+
+@pytest.mark.parametrize(
+    ("output", "options", "error", "text"),
+    [
+        ("data", {}, ValueError, "'data' says no format"),
+        ("a.csv", {}, ValueError, "says no format"),
+        ("a.h5", {"format": "json"}, ValueError, "format must be one of"),
+        ("a.h5", {"frames": "ram"}, ValueError, "frames must be one of"),
+        ("a.h5", {"labels": ["balls_x"]}, KeyError, "ball_x"),
+    ],
+)
+def test_what_is_refused_writes_nothing(
+    output: str, options: Any, error: type[Exception], text: str, tmp_path: Path
+) -> None:
+    pytest.importorskip("h5py", reason="h5py is not installed")
+    replay, _ = recorded(tmp_path)
+    with pytest.raises(error, match=text):
+        write_dataset(replay, tmp_path / output if "." in output else output, **options)
+    assert [path.name for path in tmp_path.iterdir()] == ["breakout.a26"]
+
+
+def test_an_existing_file_stays(tmp_path: Path) -> None:
+    pytest.importorskip("h5py", reason="h5py is not installed")
+    (tmp_path / "a.h5").write_bytes(b"mine")
+    with pytest.raises(ValueError, match="already"):
+        write_dataset(recorded(tmp_path)[0], tmp_path / "a.h5")
+    assert (tmp_path / "a.h5").read_bytes() == b"mine"
+
+
+def test_a_missing_package_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(name: str) -> Any:
+        raise ImportError(name)
+
+    monkeypatch.setattr(collect, "import_module", fail)
+    with pytest.raises(gymnasium.error.DependencyNotInstalled, match="pip install pyarrow"):
+        collect.check_output("a.parquet")
+    with pytest.raises(gymnasium.error.DependencyNotInstalled, match="pip install h5py"):
+        collect.check_output("a.h5")
+
+
+def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    h5py = pytest.importorskip("h5py", reason="h5py is not installed")
+    monkeypatch.chdir(tmp_path)
+    Path("own_policy.py").write_text(
+        "import numpy as np\ndef right(observations):\n    return np.full(len(observations), 2)\n"
+    )
+    words = ["lab", "collect", "pong", "--frames", "grayscale", "--labels", "ball_x,ball_y", "-o"]
+    assert main([*words, "a.h5", "--policy", "own_policy:right", "--json"]) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert result["labels"] == ["ball_x", "ball_y"]
+    with h5py.File("a.h5") as root:
+        group = root["episode_0"]
+        assert len(group["actions"]) == result["steps"]
+        assert group["rewards"][:].sum() == result["scores"][0] < 0
+        assert group["terminations"][-1]
+        right = [*atari.AtariEnv("pong").get_action_meanings()].index("RIGHT")
+        assert (group["actions"][:] == right).mean() > 0.9
+    assert main([*words, "a.h5"]) == 1
+    assert "already" in capsys.readouterr().err
+    assert main([*words, "data"]) == 1
+    assert "says no format" in capsys.readouterr().err

@@ -1,0 +1,51 @@
+"""The interventions in the package: each has the effect that its check states, and docs/interventions.md lists them all."""
+
+from pathlib import Path
+
+import pytest
+
+from atari.games.catalog import games
+from atari.lab.interventions import check, load
+
+INTERVENTIONS = [(game, name) for game in games for name in load(game)]
+DOCS = Path(__file__).parents[2] / "docs" / "interventions.md"
+
+
+@pytest.mark.parametrize(("game", "name"), INTERVENTIONS)
+def test_an_intervention_has_its_effect(game: str, name: str) -> None:
+    result = check(game, name)
+    assert result, result
+
+
+@pytest.mark.parametrize(("game", "name"), INTERVENTIONS)
+def test_the_effect_is_seen_on_the_screen(game: str, name: str) -> None:
+    """A check of the byte that is written could pass for a byte without meaning."""
+    definition = load(game)[name].definition()
+    plan = definition["check"]
+    frames = min(plan["frames"], 1500)
+    definition["check"] = {"frames": frames, "actions": plan["actions"], "more": "pixels", "by": 1}
+    result = check(game, definition)
+    assert result.with_it > 1, result
+
+
+def test_the_package_has_many_interventions() -> None:
+    assert len(INTERVENTIONS) >= 60
+    assert len({game for game, _ in INTERVENTIONS}) >= 25
+
+
+def rows() -> list[str]:
+    """The rows of the table in the documentation."""
+    lines = []
+    for game, name in INTERVENTIONS:
+        intervention = load(game)[name]
+        plan = intervention.check
+        assert plan, f"{game}: {name} has no check"
+        factor = f", by {plan.by:g}" if plan.kind != "holds" and plan.by > 1 else ""
+        shown = f"{plan.kind}: `{plan.expression}`{factor}"
+        lines.append(f"| {games[game].title} | `{name}` | {intervention.description} | {shown} |")
+    return lines
+
+
+def test_the_documentation_lists_all() -> None:
+    table = [line for line in DOCS.read_text("utf-8").splitlines() if line.startswith("|")]
+    assert table[2:] == rows()

@@ -1,0 +1,159 @@
+"""Linear probes: the protocol on made-up states whose answer is known, and on a game."""
+
+import sys
+from collections.abc import Iterator
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+from atari.lab.probes import Episode, ProbeData, majority, play_episodes, probe, split_episodes
+from atari.lab.probes.probe import weighted_f1
+
+LABELS = {"player_x": 3, "ball_x": 4, "score": 0x85, "never": 6}
+
+
+def made_up(count: int = 20, length: int = 70, seed: int = 0) -> list[Episode]:
+    """Episodes whose observation is RAM; byte 3 has 8 values, 4 has 4, 5 is random and not seen, 6 is nearly fixed."""
+    rng = np.random.default_rng(seed)
+    episodes = []
+    for _ in range(count):
+        ram = np.zeros((length, 128), np.uint8)
+        ram[:, 3], ram[:, 4], ram[:, 5] = (
+            rng.integers(8, size=length),
+            rng.integers(4, size=length),
+            rng.integers(256, size=length),
+        )
+        ram[0, 6] = 1
+        seen = np.zeros((length, 14), np.uint8)
+        seen[np.arange(length), ram[:, 3]] = 255
+        seen[np.arange(length), 8 + ram[:, 4]] = 255
+        seen[:, 12:] = rng.integers(256, size=(length, 2))
+        episodes.append(Episode(seen, ram))
+    return episodes
+
+
+@pytest.fixture(scope="module")
+def data() -> ProbeData:
+    return split_episodes(made_up(), LABELS)
+
+
+def test_the_split(data: ProbeData) -> None:
+    assert [len(data.train), len(data.validation)] == [14 * 70, 2 * 70]
+    assert len(data.test) + data.duplicates == 4 * 70
+    assert data.names == ("player_x", "ball_x", "score")
+    assert data.entropies["never"] < 0.1
+    assert data.entropies["player_x"] == pytest.approx(np.log(8), abs=0.02)
+    assert data.train.labels.shape == (980, 3)
+    again = split_episodes(made_up(), LABELS, seed=1)
+    assert not np.array_equal(again.train.labels, data.train.labels)
+
+
+def test_short_episodes_are_left_out() -> None:
+    short = made_up(5, 64)
+    assert len(split_episodes([*short, *made_up(10)], LABELS).train) == 7 * 70
+
+
+def test_test_states_that_training_has_are_removed() -> None:
+    episodes = made_up(10)
+    same = [
+        Episode(np.concatenate([episode.observations, episodes[0].observations]), np.tile(episode.ram, (2, 1)))
+        for episode in episodes
+    ]
+    assert split_episodes(same, LABELS).duplicates >= 2 * 70
+    with pytest.raises(ValueError, match="all states of the test"):
+        split_episodes([episodes[0]] * 10, LABELS)
+
+
+def test_f1_is_weighted_by_the_true_classes() -> None:
+    assert weighted_f1(np.array([1, 1, 2]), np.array([1, 1, 2])) == 1
+    # Class 1: precision 2/3, recall 1; class 2: 0.
+    assert weighted_f1(np.array([1, 1, 1]), np.array([1, 1, 2])) == pytest.approx(0.8 * 2 / 3)
+
+
+@pytest.fixture
+def torch() -> Iterator[Any]:
+    """PyTorch with one thread, which is faster for small layers."""
+    module = pytest.importorskip("torch", reason="torch is not installed")
+    threads = module.get_num_threads()
+    module.set_num_threads(1)
+    yield module
+    module.set_num_threads(threads)
+
+
+def test_a_probe_finds_what_is_there_and_no_more(data: ProbeData, torch: Any) -> None:
+    result = probe(lambda seen: seen / np.float32(255), data, learning_rate=0.1, epochs=8)
+    assert result.f1["player_x"] == result.f1["ball_x"] == 1
+    assert result.f1["score"] < 0.1
+    assert result.category_f1["agent_localization"] == result.f1["player_x"]
+    assert result.category_f1["small_object_localization"] == result.f1["ball_x"]
+    assert result.mean_f1 == pytest.approx((1 + 1 + result.f1["score"]) / 3)
+    assert "small_object_localization" in str(result)
+    assert "<table>" in result._repr_html_()
+    again = [probe(lambda seen: seen / np.float32(255), data, epochs=1).f1 for _ in range(2)]
+    assert again[0] == again[1]
+
+
+def test_training_stops_early_and_keeps_the_best(data: ProbeData, torch: Any) -> None:
+    calls = []
+    best = probe(
+        lambda seen: calls.append(1) or seen / np.float32(255), data, learning_rate=0.05, epochs=40, patience=2
+    )  # type: ignore[func-returns-value]
+    assert best.f1["player_x"] == 1
+    assert len(calls) == sum(-(-len(split) // 256) for split in (data.train, data.validation, data.test))
+
+
+def test_the_majority_baseline(data: ProbeData) -> None:
+    result = majority(data)
+    assert result.accuracy["player_x"] == pytest.approx(1 / 8, abs=0.05)
+    assert result.f1["player_x"] < result.accuracy["player_x"]
+
+
+def test_episodes_of_a_game() -> None:
+    episodes = play_episodes("pong", 400, seed=1, num_envs=4)
+    assert sum(len(episode.ram) for episode in episodes) == 400
+    assert episodes[0].observations.shape == (100, 1, 210, 160)
+    again = play_episodes(
+        "pong", 400, lambda seen, lanes: np.zeros(len(lanes), np.int64), seed=1, num_envs=4, stack_num=4
+    )
+    assert again[0].observations.shape == (100, 4, 84, 84)
+    many = play_episodes("breakout", 6000, img_height=42, img_width=42, stack_num=1)
+    assert len(many) > 8
+    lives = [episode.ram[:, 57] for episode in many[:4]]
+    assert all(part[0] == 5 and (np.diff(part.astype(int)) <= 0).all() for part in lives)
+    split = split_episodes(many, "breakout")
+    assert {"ball_x", "player_x"} <= set(split.names)
+
+
+@pytest.mark.parametrize(
+    ("episodes", "labels", "text"),
+    [
+        (made_up(9), LABELS, None),
+        (made_up(2), LABELS, "too few"),
+        (made_up(), {"never": 6}, "no label has an entropy"),
+        (made_up(), {"a": 300}, "0..127"),
+        (made_up(), "amidar", "AtariARI has no names for amidar"),
+    ],
+)
+def test_what_cannot_be_split(episodes: list[Episode], labels: object, text: str | None) -> None:
+    if text is None:
+        split_episodes(episodes, labels)  # type: ignore[arg-type]
+        return
+    with pytest.raises(ValueError, match=text):
+        split_episodes(episodes, labels)  # type: ignore[arg-type]
+
+
+def test_wrong_features(data: ProbeData, torch: Any) -> None:
+    with pytest.raises(ValueError, match="256 rows"):
+        probe(lambda seen: np.zeros((1, 5)), data)
+    with pytest.raises(ValueError, match="not finite"):
+        probe(lambda seen: np.full((len(seen), 5), np.nan), data)
+    with pytest.raises(ValueError, match="patience"):
+        probe(lambda seen: seen, data, patience=0)
+
+
+def test_without_torch_the_error_names_the_extra(data: ProbeData, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "torch", None)
+    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"atari-envs\[learn\]"):
+        probe(lambda seen: seen, data)
