@@ -16,6 +16,9 @@ Suites:
     memory  sampling from a `ReplayMemory`, uniform and by priority, beside the buffers of Stable-Baselines3, TorchRL,
             cpprb and Dopamine where they are installed; adding to it; and its size, plain and compressed. By default
             times of one game and sizes of all
+    multiplayer  one step of one game of two players with DQN preprocessing, resets counted, on one thread:
+            `AtariVectorEnv` with `players=2` beside PettingZoo with SuperSuit, which must be installed; games have
+            PettingZoo's names
 
 Each number is the median over the rounds; in each round every contestant runs once, in turn, so that a slow phase of
 the machine affects all of them. All play the same actions. The ratio is that of the medians. `raw` over all games takes
@@ -34,9 +37,11 @@ from pathlib import Path
 from typing import Any
 
 import atari
+import atari.multiplayer
 
 sys.path.insert(0, str(Path(__file__).parent))  # PYTHONSAFEPATH leaves it out
 import bench_memory
+import bench_multiplayer
 from bench_suites import SUITES, Comparison, without_envpool
 
 Times = dict[str, list[float]]
@@ -47,6 +52,7 @@ GAMES = ["breakout", "pong", "ms_pacman", "seaquest", "space_invaders", "montezu
 PACKAGES = (
     *("atari-envs", "ale-py", "envpool", "gymnasium", "numpy"),
     *("stable-baselines3", "torchrl", "cpprb", "dopamine-rl", "torch"),
+    *("pettingzoo", "supersuit", "multi-agent-ale-py"),
 )
 
 
@@ -154,6 +160,13 @@ def commit() -> str | None:
     return head + "+" * bool(changed)
 
 
+def default_games(suite: str) -> list[str]:
+    """The games that a suite measures."""
+    if suite == "multiplayer":
+        return bench_multiplayer.GAMES
+    return GAMES[:1] if suite in ("sizes", "memory") else GAMES
+
+
 def main() -> None:
     """Parse the options, measure, print tables and write JSON."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -178,13 +191,17 @@ def main() -> None:
     options = parser.parse_args()
     if min(options.steps, options.rounds, *options.envs) < 1:
         parser.error("--steps, --rounds and --envs take whole numbers of at least 1")
-    games = options.games or (GAMES[:1] if options.suite in ("sizes", "memory") else GAMES)
+    games = options.games or default_games(options.suite)
     if games == ["all"]:
         games = [game.id for game in atari.games.playable()]
     for game in games:
-        atari.games.find(game)
+        if options.suite != "multiplayer":
+            atari.games.find(game)
+        elif game not in atari.multiplayer.ENVIRONMENTS:
+            parser.error(f"there is no {game!r} among {', '.join(atari.multiplayer.ENVIRONMENTS)}")
     comparisons = list(SUITES[options.suite](*([options.envs] if options.suite == "sizes" else [])))
-    comparisons = without_envpool(comparisons, games)
+    if options.suite != "multiplayer":
+        comparisons = without_envpool(comparisons, games)
     results = {}
     for game in games:
         print(f"{game} ...", file=sys.stderr, flush=True)

@@ -18,6 +18,7 @@ import atari
 
 sys.path.insert(0, str(Path(__file__).parent))  # PYTHONSAFEPATH leaves it out
 import bench_memory
+import bench_multiplayer
 
 Run = Callable[[int], float]
 """Takes a number of steps and returns the seconds they took."""
@@ -123,6 +124,12 @@ def memory() -> Iterator[Comparison]:
         yield Comparison(name, [Contestant(*side) for side in sides], part)
 
 
+def multiplayer() -> Iterator[Comparison]:
+    """One step of a game of two players, 4 frames, resets counted."""
+    sides = [Contestant(*side) for side in bench_multiplayer.contestants()]
+    yield Comparison(f"{bench_multiplayer.COUNT} x 84x84 gray, two players, one thread", sides)
+
+
 SUITES: dict[str, Callable[..., Iterator[Comparison]]] = {
     "raw": raw,
     "state": state,
@@ -131,6 +138,7 @@ SUITES: dict[str, Callable[..., Iterator[Comparison]]] = {
     "vector": vector,
     "sizes": sizes,
     "memory": memory,
+    "multiplayer": multiplayer,
 }
 
 

@@ -32,7 +32,7 @@ ALLOWED = {
     "env": "actions cores games rendering roms validation",
     "restorable": "cores env",
     "wrappers": "_emulator actions cores env games protocols restorable validation",
-    "vector": "_emulator _gymnasium actions cores games protocols rendering roms validation wrappers",
+    "vector": "_emulator _gymnasium actions cores games multiplayer protocols rendering roms validation wrappers",
     "registration": "actions cores env games validation vector wrappers",
     "algorithmic": "validation",
     "recording": "_gymnasium atari actions cores env games registration rendering restorable roms validation vector "
@@ -42,12 +42,14 @@ ALLOWED = {
     "sb3": "integrations",
     "learning": "_emulator _gymnasium _interrupt actions cores env games protocols recording registration rendering restorable "
     "validation vector wrappers",
+    "lab": "_emulator _gymnasium actions cores env games recording registration rendering restorable roms validation vector "
+    "wrappers",
     # The package itself exports the parts above, and `atari.__version__` to the parts below and to recordings.
     "atari": "actions algorithmic cores env games integrations registration roms vector wrappers",
     # Programs and old interfaces, which no part above imports; they may import `recording`.
-    "play": "actions cores env games recording registration rendering validation",
+    "play": "actions cores env games multiplayer recording registration rendering validation",
     "classic": "_script atari cores env games recording registration rendering validation wrappers",
-    "cli": "_interrupt atari actions cores env games learning multiplayer play recording registration rendering roms validation vector wrappers",
+    "cli": "_interrupt atari actions cores env games lab learning multiplayer play recording registration rendering roms validation vector wrappers",
     "__main__": "cli",
 }
 """By part, the parts that it may import."""

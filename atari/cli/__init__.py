@@ -17,7 +17,9 @@ import gymnasium
 import atari
 from atari.cli.output import print_error
 
-_COMMANDS = tuple("list info explain roms verify demo record replay play train watch evaluate".split())
+_COMMANDS = tuple("list info explain roms verify demo record replay play train watch evaluate lab".split())
+_SUBCOMMANDS = ("lab map", "lab collect")
+"""Commands of two words whose first word is a command, too. The file of `lab map` is lab_map.py."""
 
 _EXAMPLES = """\
 examples:
@@ -33,6 +35,7 @@ examples:
   atari list --ids | grep Pong             every environment ID
   atari roms verify                        check the ROM files
   atari verify pong --frames 10000         compare the native core with ale-py
+  atari lab breakout                       see, search and change the game's RAM, on a local page
 """
 
 
@@ -58,6 +61,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _run(argv: Sequence[str] | None) -> int:
     try:
         words = sys.argv[1:] if argv is None else [*argv]
+        if " ".join(words[:2]) in _SUBCOMMANDS:
+            words[:2] = [" ".join(words[:2])]
         args, unknown = _parser(words).parse_known_args(words)
         if unknown:  # argparse itself would print the usage of `atari`, not that of the command
             args.parser.error(f"unrecognized arguments: {' '.join(unknown)}")
@@ -79,9 +84,10 @@ def _parser(words: Sequence[str]) -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"atari-envs {atari.__version__}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     chosen = next((word for word in words if not word.startswith("-")), None)
-    near = difflib.get_close_matches(chosen or "", _COMMANDS, n=1) if chosen not in _COMMANDS else []
+    known = (*_COMMANDS, *_SUBCOMMANDS)
+    near = difflib.get_close_matches(chosen or "", _COMMANDS, n=1) if chosen not in known else []
     if near:
         parser.error(f"there is no command {chosen!r}; did you mean {near[0]!r}?")
-    for name in (chosen,) if chosen in _COMMANDS else _COMMANDS:
-        import_module(f"atari.cli.{name}").register(commands)
+    for name in (chosen,) if chosen in known else known:
+        import_module(f"atari.cli.{name.replace(' ', '_')}").register(commands)
     return parser

@@ -2,9 +2,11 @@
 
 import argparse
 import math
+import sys
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from atari.games.catalog import games
 from atari.games.game import Game
@@ -53,6 +55,29 @@ def find_rom(name: str, rom: Path | None) -> Path | None:
         return rom
     beside = (Path(name).with_suffix(ending) for ending in (".bin", ".a26"))
     return next((file for file in beside if file.is_file()), None)
+
+
+def find_function(option: str, name: str) -> Callable[..., Any]:
+    """The function of an argument MODULE:FUNCTION; modules of the current folder are found, too.
+
+    Args:
+        option: the option's name, for errors.
+        name: the argument, with a colon.
+
+    Raises:
+        ValueError: there is no such module or function, or it is no function.
+    """
+    module, _, function = name.partition(":")
+    sys.path.insert(0, "")  # modules of this folder, as with `python -m`
+    try:
+        found = getattr(import_module(module), function)
+    except (ImportError, AttributeError) as error:
+        raise ValueError(f"{option} {name} cannot be imported: {error}") from error
+    finally:
+        sys.path.remove("")
+    if not callable(found):
+        raise ValueError(f"{option} {name} must be a function of an observation, got {found!r}")
+    return found  # type: ignore[no-any-return]
 
 
 def number(kind: type[int] | type[float], low: float) -> Callable[[str], float]:

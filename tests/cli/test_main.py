@@ -14,6 +14,7 @@ from atari.cli import demo, main
 COMMANDS = [
     ["list"], ["info"], ["explain"], ["demo"], ["record"], ["play"], ["roms"], ["replay"],
     ["replay", "show"], ["replay", "verify"], ["replay", "render"],
+    ["lab"], ["lab", "map"], ["lab", "collect"],
     ["roms", "list"], ["roms", "verify"], ["roms", "identify"], ["roms", "import"], ["roms", "install"],
 ]  # fmt: skip
 

@@ -54,7 +54,7 @@ class BatchPool:
     def take(
         self, core: _emulator.ReplayMemory, size: int, length: int, stacks: dict[str, int]
     ) -> tuple[Batch | Sequences, _emulator.ReplayTarget]:
-        """A batch that nobody else has, and what the extension module writes it to."""
+        """A batch without other references, and what the extension module writes it to."""
         key = (size, length, tuple(stacks.values()))
         kept = self._unused(key)
         if kept is None:

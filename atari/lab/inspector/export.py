@@ -1,0 +1,151 @@
+"""What a session exports: labels and interventions as TOML, what was played as a replay, a part of it as a video."""
+
+import copy
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from atari.env import AtariEnv
+from atari.lab.inspector.session import Session
+from atari.lab.inspector.timeline import Timeline
+from atari.recording import RecordReplay, VideoWriter, frame_rate
+from atari.recording.replay.events import NO_VALUE, Kind
+from atari.recording.replay.recorder import ReplayRecorder
+
+MOST_CLIP_FRAMES = 3600
+"""A minute."""
+
+
+def labels_toml(session: Session) -> str:
+    """The names that the user has given, as lines of a game definition's table `[ram]`.
+
+    Raises:
+        ValueError: no byte was named.
+    """
+    if not session.names:
+        raise ValueError("no byte was named; choose one and give it a name")
+    lines = [
+        f"# {session.game.title}: names given in the inspector, for the table [ram] of {session.game.id}.toml",
+        "[ram]",
+    ]
+    for index, name in sorted(session.names.items()):
+        lines.append(f'{name} = {{index = {index}, kind = "other", sources = ["measured"], evidence = "seen in play"}}')
+    return "\n".join(lines) + "\n"
+
+
+def interventions_toml(session: Session) -> str:
+    """The frozen bytes and the pokes, as a file of interventions.
+
+    Raises:
+        ValueError: there is neither.
+    """
+    pokes = [change for change in session.changes if change.kind == "poke"]
+    if not session.frozen and not pokes:
+        raise ValueError("nothing is frozen and no byte was poked; there is no intervention to export")
+    lines = [f"# {session.game.title}: changes made in the inspector."]
+    for index, value in sorted(session.frozen.items()):
+        name = _name(session, index)
+        lines += [
+            "",
+            f"[frozen_{name}]",
+            f'description = "{name} (byte {index}) is held at {value}."',
+            'source = "own"',
+            "writes = [",
+            f'    {{to = {index}, value = {value}, when = "reset"}},',
+            f'    {{to = {index}, value = {value}, when = "frame"}},',
+            "]",
+            f'check = {{frames = 600, actions = "random", holds = "ram[{index}] == {value}"}}',
+        ]
+    for number, change in enumerate(pokes, 1):
+        name = _name(session, change.index)
+        when = change.game_frame or '"reset"'
+        lines += [
+            "",
+            f"[poke_{number}_{name}]",
+            f'description = "{name} (byte {change.index}) becomes {change.new} after {change.game_frame} frames."',
+            'source = "own"',
+            f"writes = [{{to = {change.index}, value = {change.new}, when = {when}}}]",
+        ]
+    return "\n".join(lines) + "\n"
+
+
+def write_replay(session: Session, path: Path) -> Path:
+    """Write what was played, up to the present frame, as a replay (.a26). Frozen bytes and pokes are in it.
+
+    Raises:
+        ValueError: no frame was played.
+        OSError: the file cannot be written.
+    """
+    timeline = session.main
+    if timeline.at == timeline.first:
+        raise ValueError("no frame was played; there is nothing to export")
+    env = _at_first_frame(session)
+    recording = RecordReplay(env, path)
+    try:
+        recorded = _RecordedTimeline(env.core, recording.recorder)
+        for frame in timeline.frames(timeline.first, timeline.at):
+            recording.recorder.begin_step()
+            recorded.play(frame)
+            recording.recorder.end_step()
+    finally:
+        recording.close()
+    return path
+
+
+def write_clip(session: Session, path: Path, start: int, stop: int, scale: int = 2) -> Path:
+    """Write the frames after `start`, up to `stop`, as a video with sound.
+
+    Raises:
+        ValueError: there are no such frames, or too many.
+        OSError: the file cannot be written.
+        gymnasium.error.DependencyNotInstalled: PyAV is not installed.
+    """
+    timeline = session.main
+    if not timeline.first <= start < stop <= timeline.end:
+        raise ValueError(f"a clip is within frames {timeline.first}..{timeline.end}, got {start}..{stop}")
+    if stop - start > MOST_CLIP_FRAMES:
+        raise ValueError(f"a clip has at most {MOST_CLIP_FRAMES} frames, got {stop - start}; export the replay instead")
+    env = _at_first_frame(session)
+    env.make_sound()
+    rate = frame_rate(session.game)
+    try:
+        again = Timeline(env.core, timeline.first)
+        with VideoWriter(path, session.game.screen.shape, rate, scale=scale, sound=True) as video:
+            for frame in timeline.frames(timeline.first, stop):
+                again.play(frame)
+                if again.at > start:
+                    video.write(env.core.screen_rgb(), env.core.audio())
+    finally:
+        env.close()
+    return path
+
+
+def _at_first_frame(session: Session) -> AtariEnv:
+    env = copy.deepcopy(session.env)
+    env.restore_state(session.main.first_state)
+    return env
+
+
+class _RecordedTimeline(Timeline):
+    """A timeline on a core that is recorded; the recorder refuses a `Freeze`, so what is held is recorded here."""
+
+    def __init__(self, core: Any, recorder: ReplayRecorder) -> None:
+        super().__init__(core)
+        self._recorder = recorder
+
+    def _hold(self, values: Mapping[int, int]) -> None:
+        before = dict(self._holds.keys())
+        recorded: Any = self.core  # a core whose calls are recorded
+        self.core = recorded.inner
+        try:
+            super()._hold(values)
+        finally:
+            self.core = recorded
+        for index in sorted(before.keys() | values.keys()):
+            if before.get(index) != values.get(index):
+                self._recorder.record(Kind.HOLD, (index, values.get(index, NO_VALUE)))
+
+
+def _name(session: Session, index: int) -> str:
+    known = session.readings.names.get(index, [f"byte_{index}"])[0]
+    return session.names.get(index, known)

@@ -1,0 +1,191 @@
+"""What the page and the session send each other.
+
+The session sends binary messages, one a frame:
+
+    offset  type          content
+    0       uint8         1, the version
+    1       uint8         flags: 1 playing, 2 an agent plays, 4 the game is over, 8 the screen is a preview,
+                          16 there is a fork, 32 the fork's screen is a preview
+    2       uint16        height of the screen
+    4       uint32 x 3    the present frame, the oldest and the newest one
+    16      int32 x 2     score, and score of the fork
+    24      uint16        lives
+    26      uint16        number of histories, n
+    28      uint32        version of the session's state (`state` below)
+    32      128           RAM
+    160     height * 160  screen, palette indices
+            128, height * 160   the same of the fork, if there is one
+            n * (2 + 240) byte index, number of values, and values, of a history, the newest last
+
+All integers are little-endian. The other messages are JSON objects: to the page {"hello"}, {"state"}, {"objects"},
+{"pixels"}, {"bytes"}, {"error"}, {"notice"}; to the session {"do": the name of a command, and its arguments}.
+"""
+
+import base64
+import json
+import struct
+from collections.abc import Callable
+from inspect import signature
+from typing import Any
+
+import numpy as np
+
+from atari import _emulator
+from atari.lab.inspector.session import HISTORY, SPEEDS, Session
+
+VERSION = 1
+_HEAD = struct.Struct("<BBH3I2iHHI")
+_MOST_TEXT = 4096
+MOST_PLACES = 40
+"""Of a search, that are sent."""
+
+
+def hello(session: Session) -> dict[str, Any]:
+    """What does not change during a session."""
+    game = session.game
+    return {
+        "hello": {
+            "game": game.id,
+            "title": game.title,
+            "height": game.screen.height,
+            "palette": base64.b64encode(_emulator.palette(game.screen.format).tobytes()).decode(),
+            "labels": session.readings.names,
+            "facts": session.readings.facts(),
+            "speeds": SPEEDS,
+            "history": HISTORY,
+            "agent": None if session.agent is None else session.agent.name,
+        }
+    }
+
+
+def state(session: Session) -> dict[str, Any]:
+    """What changes only by commands."""
+    search = session.search
+    return {
+        "state": {
+            "speed": session.speed,
+            "frozen": session.frozen,
+            "watched": session.watched,
+            "selected": session.selected,
+            "names": session.names,
+            "changes": [vars(change) for change in session.changes[-20:]],
+            "search": {
+                "candidates": search.candidates if search.filters else [],
+                "places": [[str(place), list(place.bytes)] for place in search.places[:MOST_PLACES]],
+                "left": len(search.places),
+                "before": session.searched.tolist(),
+                "applied": [each.call for each in search.filters],
+            },
+        }
+    }
+
+
+def frame(session: Session) -> bytes:
+    """The binary message of the present frame."""
+    main, fork = session.main, session.fork
+    screen, preview = session.screen(main)
+    parts = [main.core.ram().tobytes(), screen.tobytes()]
+    flags = session.playing | session.by_agent << 1 | session.over << 2 | preview << 3
+    if fork is not None:
+        screen, preview = session.screen(fork)
+        parts += [fork.core.ram().tobytes(), screen.tobytes()]
+        flags |= 16 | preview << 5
+    shown = session.watched if session.selected is None else [session.selected, *session.watched]
+    for index in shown:
+        values = session.shown.history(index, HISTORY)
+        parts.append(bytes((index, len(values))) + values.tobytes().ljust(HISTORY, b"\0"))
+    head = _HEAD.pack(
+        VERSION,
+        flags,
+        session.game.screen.height,
+        main.at,
+        main.first,
+        main.end,
+        main.score,
+        fork.score if fork else 0,
+        min(main.core.lives, 65535),
+        len(shown),
+        session.version % 2**32,
+    )
+    return b"".join([head, *parts])
+
+
+def overlay(session: Session) -> dict[str, Any]:
+    """The objects on the screen and the values of labels."""
+    values, objects = session.readings.read(session.ram())
+    return {"objects": objects, "values": values}
+
+
+_INTEGER, _TEXT, _BOOL, _NUMBER, _BYTE = (int,), (str,), (bool,), (int, float), (int, type(None))
+
+_COMMANDS: dict[str, tuple[Callable[..., Any], dict[str, tuple[type, ...]]]] = {
+    "play": (Session.play, {}),
+    "pause": (Session.pause, {}),
+    "step": (Session.step, {"frames": _INTEGER}),
+    "seek": (Session.seek, {"frame": _INTEGER}),
+    "take_over": (Session.take_over, {}),
+    "new_game": (Session.new_game, {}),
+    "speed": (Session.set_speed, {"speed": _NUMBER}),
+    "hold": (Session.hold, {"vertical": _INTEGER, "horizontal": _INTEGER, "fire": _BOOL}),
+    "agent": (Session.let_agent_play, {"on": _BOOL}),
+    "poke": (Session.poke, {"index": _INTEGER, "value": _INTEGER}),
+    "freeze": (Session.freeze, {"index": _INTEGER, "value": _BYTE}),
+    "release": (Session.release, {"index": _INTEGER}),
+    "undo": (Session.undo, {}),
+    "name": (Session.name, {"index": _INTEGER, "name": _TEXT}),
+    "fork": (Session.open_fork, {}),
+    "close_fork": (Session.close_fork, {"keep": _BOOL}),
+    "select": (Session.select, {"index": _BYTE}),
+    "watch": (Session.watch, {"index": _INTEGER, "on": _BOOL}),
+    "new_search": (Session.new_search, {}),
+    "filter": (Session.filter, {"name": _TEXT, "low": _INTEGER, "high": _INTEGER}),
+    "undo_filter": (Session.undo_filter, {}),
+    "pixels": (Session.pixels_of, {"index": _INTEGER}),
+    "bytes": (Session.bytes_of, {"x": _INTEGER, "y": _INTEGER}),
+}
+"""By name, the method and the types of the arguments."""
+
+
+def run(session: Session, text: str) -> list[dict[str, Any]]:
+    """Run a command of the page, and return the answers."""
+    try:
+        name, arguments = _parse(text)
+        result = _COMMANDS[name][0](session, **arguments)
+    except (TypeError, ValueError, RuntimeError) as error:
+        return [{"error": str(error)}]
+    answers: list[dict[str, Any]] = []
+    if name == "pixels":
+        pixels, source = result
+        bits = base64.b64encode(np.packbits(pixels).tobytes()).decode()
+        count = int(pixels.sum())
+        answers.append({"pixels": {"index": arguments["index"], "count": count, "source": source, "bits": bits}})
+    elif name == "bytes":
+        found, elsewhere = result
+        answers.append({"bytes": {**arguments, "found": found, "elsewhere": elsewhere}})
+    return answers
+
+
+def _parse(text: str) -> tuple[str, dict[str, Any]]:
+    """The name and the arguments of a command.
+
+    Raises:
+        ValueError: it is none.
+    """
+    if len(text) > _MOST_TEXT:
+        raise ValueError(f"a command has at most {_MOST_TEXT} characters")
+    try:
+        message = json.loads(text)
+    except (ValueError, RecursionError):
+        raise ValueError("a command is a JSON object") from None
+    if not isinstance(message, dict) or not isinstance(message.get("do"), str) or message["do"] not in _COMMANDS:
+        raise ValueError(f"a command is a JSON object whose `do` is one of {', '.join(_COMMANDS)}")
+    name = message.pop("do")
+    types = _COMMANDS[name][1]
+    for key, value in message.items():
+        if key not in types or type(value) not in types[key]:
+            raise ValueError(f"the command {name} takes {', '.join(types) or 'no arguments'}; {key}={value!r} is wrong")
+    try:
+        signature(_COMMANDS[name][0]).bind(None, **message)
+    except TypeError as error:
+        raise ValueError(f"the command {name} takes {', '.join(types)}: {error}") from None
+    return name, message

@@ -1,0 +1,59 @@
+"""`Readings`: names of bytes, values of labels and objects on the screen, as the inspector shows them."""
+
+from contextlib import suppress
+from typing import Any
+
+from atari.cores import ByteArray
+from atari.games.game import Game
+from atari.lab.causal import ByteCauses, CausalMap, shipped_causes
+from atari.lab.labels import labels_of
+from atari.lab.objects import positions, visible_objects
+
+
+class Readings:
+    """What the labels of a game say about a state.
+
+    Args:
+        game: that is played.
+    """
+
+    def __init__(self, game: Game) -> None:
+        self.names: dict[int, list[str]] = {}
+        """By byte, the names of its labels."""
+        for name, label in game.ram_labels.items():
+            self.names.setdefault(label.index, []).append(name)
+        self.causes: CausalMap | None = None
+        """The causal map of the game that is part of the package, if there is one."""
+        with suppress(ValueError):
+            self.causes = shipped_causes(game)
+        self._labels = labels_of(game)
+        self._positions = positions(game.ram_labels)
+
+    def read(self, ram: ByteArray) -> tuple[dict[str, int | None], list[list[Any]]]:
+        """The value of each label, None where its object is not on the screen; and the objects that are.
+
+        An object is its name, x, y, width and height in pixels, None where they are not known.
+        """
+        numbers, visible = self._labels.evaluate(ram[None])
+        shown = zip(self._labels.names, numbers[:, 0].tolist(), visible[:, 0].tolist(), strict=True)
+        values = {name: number if seen else None for name, number, seen in shown}
+        objects = visible_objects(self._positions, values)
+        return values, [[each.name, each.x, each.y, each.width, each.height] for each in objects]
+
+    def facts(self) -> dict[int, str]:
+        """By byte, what the causal map has found about it, in words; empty without a map."""
+        return {} if self.causes is None else {byte.index: self._fact(byte) for byte in self.causes.bytes}
+
+    def _fact(self, byte: ByteCauses) -> str:
+        if byte.derived:
+            return "The game rewrites it in each frame: a poke has no effect."
+        parts = [f"seen on the screen after {byte.seen:.0%} of its changes"] if byte.seen else []
+        parts += [text for text, found in (("causes reward", byte.reward), ("changes lives", byte.lives)) if found]
+        if byte.over:
+            parts.append("ends the game")
+        if byte.writes:
+            names = [self.names.get(index, [f"byte {index}"])[0] for index in byte.writes[:4]]
+            parts.append(f"changes {', '.join(names)}")
+        if not parts:
+            return "No effect is known." if byte.inert else ""
+        return f"By the causal map: {'; '.join(parts)}."

@@ -1,0 +1,95 @@
+"""Sessions of replays and of saved states."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from atari.cores import snapshot
+from atari.env import AtariEnv
+from atari.games.catalog import games
+from atari.lab.inspector.session import Agent, Session
+from atari.lab.inspector.timeline import MOST_FRAMES, NEW_GAME, Frame, Timeline
+from atari.recording import Replay
+from atari.recording.replay.events import NO_VALUE, Kind
+from atari.validation import check_file
+
+_MOST_BYTES = 64 << 20
+
+
+def session_of_replay(path: Path, *, rom: Path | None = None, agent: Agent | None = None) -> Session:
+    """A session at the beginning of a replay, with all its frames to play, step and scrub through.
+
+    Raises:
+        ValueError, OSError: see `Replay.load`.
+    """
+    replay = Replay.load(path, rom=rom)
+    session = Session(
+        replay.make_env(frameskip=1, obs_type="rgb", render_mode=None), agent=agent, recorded=_frames_of(replay)
+    )
+    session.let_agent_play(agent is not None)
+    if replay.frames_total > MOST_FRAMES:
+        session.notice = f"the replay has {replay.frames_total:,} frames; the first {MOST_FRAMES:,} are shown"
+    return session
+
+
+def _frames_of(replay: Replay) -> Callable[[Timeline], None]:
+    """A function that fills a timeline with the frames of a replay."""
+
+    def fill(timeline: Timeline) -> None:
+        core = timeline.core
+        writes: dict[int, int] = {}
+        held: dict[int, int] = {}
+        state: Any = None
+        for event, calls in replay.walk(core):
+            for call in calls:
+                if event.kind == Kind.POKE:
+                    index, value = event.numbers
+                    writes[index] = value
+                elif event.kind == Kind.HOLD:
+                    index, value = event.numbers
+                    held = {**held, index: value}
+                    if value == NO_VALUE:
+                        del held[index]
+                elif event.kind in (Kind.SEED, Kind.RESTORE, Kind.LOAD, Kind.MODE, Kind.DIFFICULTY):
+                    writes, state = {}, core.clone_state(include_rng=True)
+                elif event.kind == Kind.RESET or (event.kind == Kind.ACT and call.played):
+                    action = NEW_GAME if event.kind == Kind.RESET else event.numbers[0]
+                    strength = event.floats[0] if event.floats else 1.0
+                    frame = Frame(action, tuple(writes.items()), tuple(held.items()), strength, state)
+                    writes, state = {}, None
+                    if not timeline.append(frame, call.reward):
+                        return
+
+    return fill
+
+
+def session_of_snapshot(path: Path, *, rom: Path | None = None, agent: Agent | None = None) -> Session:
+    """A session that begins in a saved state: the file of F5 in `atari play`, or what `snapshot` has returned.
+
+    Raises:
+        ValueError: it is no snapshot, damaged, or of an unknown game, another ROM or version.
+        OSError: it cannot be read.
+    """
+    with check_file(path).open("rb") as stream:
+        data = stream.read(_MOST_BYTES)
+    try:
+        facts, blobs = snapshot.unpack(data)
+        for _ in range(3):  # of `atari play`, of wrappers, of an AtariEnv
+            inner = blobs.get("env") or blobs.get("core")
+            if facts.get("of") is None or inner is None:
+                break
+            data = inner
+            facts, blobs = snapshot.unpack(data)
+        if facts.get("core") != "native" or not isinstance(facts.get("game"), str):
+            raise ValueError(f"it is of the core {facts.get('core')!r}; the inspector plays on the core 'native'")
+        if facts["game"] not in games:
+            raise ValueError(f"it is of the game {facts['game']!r}, which is not one of `atari list`")
+        names = ("repeat_action_probability", "mode", "difficulty")
+        options = {name: facts[name] for name in names if name in facts}
+        limit = facts.get("max_num_frames_per_episode") or None
+        env = AtariEnv(facts["game"], frameskip=1, max_num_frames_per_episode=limit, rom=rom, **options)
+        env.reset(seed=0)
+        env.core.restore(snapshot.with_options(data, sound=False, frame_skip=1, color_averaging=False))
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{path} cannot be opened as a saved state: {error}") from error
+    return Session(env, agent=agent)

@@ -1,0 +1,212 @@
+// The 128 bytes as a grid, and the panel of the chosen byte.
+
+import { button, h, hex, setText } from "./dom.js";
+import { drawHistory } from "./screen.js";
+
+const LEVELS = 6; // of heat
+const MILLISECONDS_A_LEVEL = 130;
+
+export class Grid {
+  // `names(index)` are the names of a byte; `choose(index)` is called when one is chosen.
+  constructor(names, choose) {
+    this.names = names;
+    this.choose = choose;
+    this.shown = new Int16Array(128).fill(-1);
+    this.changed = new Float64Array(128);
+    this.levels = new Uint8Array(128);
+    this.marks = Array.from({ length: 128 }, () => "");
+    this.current = 0;
+    this.cells = Array.from({ length: 128 }, (_, index) => this.#cell(index));
+    this.element = h("div", { class: "grid", role: "grid", "aria-label": "The 128 bytes of RAM" });
+    for (let row = 0; row < 8; row++) {
+      this.element.append(h("div", { class: "row", role: "row" }, ...this.cells.slice(16 * row, 16 * row + 16)));
+    }
+    this.element.addEventListener("keydown", (event) => this.#key(event));
+    this.name();
+  }
+
+  #cell(index) {
+    const value = h("b");
+    const name = h("i");
+    const cell = h("button", { type: "button", class: "cell", role: "gridcell", tabIndex: index ? -1 : 0 }, value, name);
+    cell.onclick = () => this.select(index, true);
+    return cell;
+  }
+
+  name() {
+    this.cells.forEach((cell, index) => {
+      const names = this.names(index);
+      setText(cell.lastChild, names[0] ?? "");
+      cell.title = `byte ${index}, address $${hex(128 + index)}${names.length ? `: ${names.join(", ")}` : ""}`;
+      cell.setAttribute("aria-label", `byte ${index}${names.length ? ` ${names[0]}` : ""}`);
+      cell.classList.toggle("named", names.length > 0);
+    });
+  }
+
+  select(index, tell) {
+    this.cells[this.current].tabIndex = -1;
+    this.cells[this.current].classList.remove("chosen");
+    this.current = index;
+    this.cells[index].tabIndex = 0;
+    this.cells[index].classList.add("chosen");
+    if (tell) this.choose(index);
+  }
+
+  #key(event) {
+    const across = getComputedStyle(this.element).getPropertyValue("--columns").trim() === "8" ? 8 : 16;
+    const moves = { ArrowLeft: -1, ArrowRight: 1, ArrowUp: -across, ArrowDown: across, PageUp: -32, PageDown: 32 };
+    let next = this.current + (moves[event.key] ?? 0);
+    if (event.key === "Home") next = this.current - (this.current % across);
+    else if (event.key === "End") next = this.current - (this.current % across) + across - 1;
+    else if (!(event.key in moves)) return;
+    event.preventDefault();
+    event.stopPropagation();
+    if (next < 0 || next > 127) return;
+    this.select(next, true);
+    this.cells[next].focus();
+  }
+
+  // Marks are "frozen", "watched", "lit" and "found" sets of indices.
+  mark(marks) {
+    for (let index = 0; index < 128; index++) {
+      const mark = Object.keys(marks).filter((name) => marks[name].has(index)).join(" ");
+      if (mark === this.marks[index]) continue;
+      for (const name of Object.keys(marks)) this.cells[index].classList.toggle(name, marks[name].has(index));
+      this.marks[index] = mark;
+    }
+  }
+
+  draw(ram, now, moved) {
+    const { shown, changed, levels, cells } = this;
+    for (let index = 0; index < 128; index++) {
+      const value = ram[index];
+      if (shown[index] !== value) {
+        cells[index].firstChild.textContent = hex(value);
+        if (shown[index] >= 0 && !moved) changed[index] = now;
+        shown[index] = value;
+      }
+      const age = changed[index] ? (now - changed[index]) / MILLISECONDS_A_LEVEL : LEVELS;
+      const level = age >= LEVELS ? 0 : LEVELS - Math.floor(age);
+      if (level !== levels[index]) {
+        cells[index].dataset.heat = level;
+        levels[index] = level;
+      }
+    }
+  }
+}
+
+export class BytePanel {
+  constructor(send, names, facts) {
+    this.send = send;
+    this.facts = facts;
+    this.names = names;
+    this.dark = () => {}; // called when pixels no longer light up
+    this.index = null;
+    this.title = h("h2", {}, "Choose a byte");
+    this.value = h("output", { class: "value" });
+    this.range = h("span", { class: "dim" });
+    this.chart = h("canvas", { class: "history", role: "img", "aria-label": "history of the byte, four seconds" });
+    this.input = h("input", { type: "number", min: 0, max: 255, required: true, id: "poke-value", "aria-label": "new value of the byte" });
+    this.freeze = button("Freeze", "hold the byte at its value after every frame (X)", () => this.toggleFreeze(), { "aria-pressed": "false" });
+    this.watch = button("Watch", "put the byte on the watch list (K)", () => this.toggleWatch(), { "aria-pressed": "false" });
+    this.light = button("Show pixels", "light up the pixels that this byte causes in this state (L)", () => this.toggleLight(), { "aria-pressed": "false" });
+    this.nameInput = h("input", { type: "text", maxLength: 40, pattern: "[A-Za-z_][A-Za-z0-9_]*", "aria-label": "your name of the byte", placeholder: "your name for it" });
+    this.note = h("p", { class: "dim note", role: "status" });
+    const poke = h("form", { class: "line", onsubmit: (event) => this.#poke(event) },
+      button("−", "one less", () => this.#add(-1), { "aria-label": "one less" }),
+      this.input,
+      button("+", "one more", () => this.#add(1), { "aria-label": "one more" }),
+      h("button", { type: "submit", class: "primary", title: "write the value (Enter)" }, "Poke"),
+      this.freeze, this.watch, this.light);
+    const naming = h("form", { class: "line naming", onsubmit: (event) => this.#name(event) }, this.nameInput,
+      h("button", { type: "submit", title: "an empty name removes it" }, "Name it"));
+    this.fields = h("fieldset", { disabled: true, class: "bare" }, poke, naming);
+    this.element = h("section", { class: "card byte", "aria-label": "The chosen byte" },
+      h("div", { class: "head" }, this.title, this.value, this.range), this.chart, this.fields, this.note);
+  }
+
+  select(index) {
+    this.index = index;
+    if (this.lit) this.dark();
+    this.fields.disabled = index == null;
+    this.fresh = true;
+    this.lit = false;
+    this.light.setAttribute("aria-pressed", "false");
+    this.say("");
+    this.name();
+  }
+
+  // A sentence about the byte, and what the causal map has about it.
+  say(text) {
+    setText(this.note, [text, this.facts[this.index]].filter(Boolean).join(" "));
+  }
+
+  name() {
+    const { index } = this;
+    if (index == null) return;
+    const names = this.names(index);
+    setText(this.title, names[0] ?? `byte ${index}`);
+    this.subtitle = `${names[0] ? `byte ${index} · ` : ""}$${hex(128 + index)}`;
+  }
+
+  state(state) {
+    const { index } = this;
+    this.frozen = index != null && index in state.frozen;
+    this.watched = state.watched.includes(index);
+    this.freeze.setAttribute("aria-pressed", this.frozen);
+    setText(this.freeze, this.frozen ? `Frozen at ${state.frozen[index]}` : "Freeze");
+    this.watch.setAttribute("aria-pressed", this.watched);
+    if (document.activeElement !== this.nameInput) this.nameInput.value = state.names[index] ?? "";
+    this.name();
+  }
+
+  draw(ram, history, span, colours, labels) {
+    const { index } = this;
+    if (index == null) return;
+    const value = ram[index];
+    const label = this.names(index).find((name) => labels?.[name] != null && labels[name] !== value);
+    setText(this.value, `${value}${label ? ` → ${labels[label]}` : ""}`);
+    const bounds = drawHistory(this.chart, history, span, colours.accent, colours.line);
+    setText(this.range, `${this.subtitle} · ${value.toString(2).padStart(8, "0")}${bounds ? ` · ${bounds.low}–${bounds.high}` : ""}`);
+    if (this.fresh && document.activeElement !== this.input) {
+      this.input.value = value;
+      this.fresh = false;
+    }
+    this.now = value;
+  }
+
+  toggleFreeze() {
+    if (this.index == null) return;
+    if (this.frozen) this.send({ do: "release", index: this.index });
+    else {
+      this.send({ do: "freeze", index: this.index });
+    }
+  }
+
+  toggleWatch() {
+    if (this.index != null) this.send({ do: "watch", index: this.index, on: !this.watched });
+  }
+
+  toggleLight() {
+    if (this.index == null) return;
+    this.lit = !this.lit;
+    this.light.setAttribute("aria-pressed", this.lit);
+    if (this.lit) this.send({ do: "pixels", index: this.index });
+    else this.dark();
+  }
+
+  #add(by) {
+    this.input.value = (this.now + by + 256) % 256;
+    this.send({ do: "poke", index: this.index, value: Number(this.input.value) });
+  }
+
+  #poke(event) {
+    event.preventDefault();
+    this.send({ do: "poke", index: this.index, value: Number(this.input.value) });
+  }
+
+  #name(event) {
+    event.preventDefault();
+    this.send({ do: "name", index: this.index, name: this.nameInput.value });
+  }
+}

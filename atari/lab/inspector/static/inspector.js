@@ -1,0 +1,353 @@
+// The inspector: shows the frames of a session, and sends it commands. page.js and widget.js mount it.
+
+import { BytePanel, Grid } from "./bytes.js";
+import { button, h, setText } from "./dom.js";
+import { ChangesPanel, ExportPanel, helpDialog, SearchPanel, Tabs, WatchPanel } from "./panels.js";
+import { bytesOf, paletteOf, parse, Screen } from "./screen.js";
+
+const MOST_QUEUED = 3; // frames that came while the page drew none; older ones are left out
+const LIT_MILLISECONDS = 100; // until the pixels that light up are computed again
+const NOTICE_MILLISECONDS = 6000;
+
+export function mount(root, link, hello, { keys }) {
+  return new Inspector(root, link, hello, keys);
+}
+
+class Inspector {
+  constructor(root, link, hello, keys) {
+    Object.assign(this, { root, hello, keys });
+    this.send = (message) => link.send(message);
+    this.state = { names: {}, frozen: {}, watched: [], changes: [], selected: null };
+    this.names = (index) => [this.state.names[index], ...(hello.labels[index] ?? [])].filter(Boolean);
+    this.queue = [];
+    this.held = new Set();
+    this.objects = [];
+    this.values = {};
+    this.showObjects = false;
+    this.mark = null;
+    this.drawn = this.callbacks = 0;
+    this.zoomChoice = 0; // as large as fits
+    this.#build(link);
+    this.stop = new AbortController();
+    const { signal } = this.stop;
+    keys.addEventListener("keydown", (event) => this.#keyDown(event), { signal });
+    keys.addEventListener("keyup", (event) => this.#keyUp(event), { signal });
+    window.addEventListener("blur", () => this.#releaseKeys(), { signal });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.#readColours(), { signal });
+    this.resized = new ResizeObserver(() => this.#resize());
+    this.resized.observe(this.stage);
+    root.atariLab = this; // for tests and for the console
+    this.fpsSince = performance.now();
+    const loop = (now) => {
+      if (signal.aborted) return;
+      requestAnimationFrame(loop);
+      this.callbacks++;
+      this.#draw(now);
+    };
+    requestAnimationFrame(loop);
+  }
+
+  close() {
+    this.stop.abort();
+    this.resized.disconnect();
+  }
+
+  frame(buffer) {
+    this.newest = { buffer, objects: this.objects, values: this.values };
+    this.queue.push(this.newest);
+    if (this.queue.length > MOST_QUEUED) this.queue.shift();
+  }
+
+  message(message) {
+    if (message.state) this.#setState(message.state);
+    if (message.objects && this.newest) Object.assign(this.newest, { objects: message.objects, values: message.values });
+    if (message.error) this.notify(message.error, true);
+    if (message.notice) this.notify(message.notice);
+    if (message.pixels) this.#light(message.pixels);
+    if (message.bytes) this.#causes(message.bytes);
+  }
+
+  notify(text, wrong = false) {
+    this.toast.textContent = text;
+    this.toast.classList.toggle("wrong", wrong);
+    this.toast.classList.add("shown");
+    clearTimeout(this.toastTimer);
+    this.toastTimer = setTimeout(() => this.toast.classList.remove("shown"), NOTICE_MILLISECONDS);
+  }
+
+  #build(link) {
+    const { hello, send } = this;
+    const palette = paletteOf(hello.palette);
+    this.main = new Screen(hello.height, palette, `the screen of ${hello.title}`);
+    this.fork = new Screen(hello.height, palette, "the screen of the fork");
+    this.main.element.tabIndex = 0;
+    for (const screen of [this.main, this.fork]) {
+      screen.element.addEventListener("click", (event) => {
+        this.mark = screen.pixelAt(event);
+        send({ do: "bytes", ...this.mark });
+      });
+    }
+    this.score = h("b");
+    this.lives = h("b");
+    this.fps = h("span", { class: "dim fps", title: "frames drawn a second" });
+    this.previews = [0, 1].map(() => h("span", { class: "badge", hidden: true, title: "the next frame without input: RAM was changed, and nothing was played since" }, "preview"));
+    this.mainFigure = h("figure", {}, this.main.element, h("figcaption", {}, h("span", { class: "which" }), this.previews[0]));
+    this.forkFigure = h("figure", { hidden: true }, this.fork.element, h("figcaption", {}, h("span", { class: "which" }, "what if"), this.previews[1]));
+    this.stage = h("div", { class: "stage" }, this.mainFigure, this.forkFigure);
+
+    const step = (frames, text, title) => button(text, title, () => send({ do: "step", frames }), { "aria-label": title.replace(/ \(.*/, "") });
+    this.playButton = button("▶ Play", "play or pause (P)", () => this.#toggle(), { class: "primary play" });
+    this.slider = h("input", { type: "range", class: "time", min: 0, max: 0, value: 0, "aria-label": "time line, in frames" });
+    this.slider.addEventListener("input", () => send({ do: "seek", frame: Number(this.slider.value) }));
+    this.position = h("output", { class: "position" });
+    this.speed = h("select", { "aria-label": "speed", onchange: () => send({ do: "speed", speed: Number(this.speed.value) }) },
+      ...hello.speeds.map((speed) => h("option", { value: speed }, `${speed}×`)));
+    this.speed.value = 1;
+    this.zoom = h("select", { "aria-label": "zoom", onchange: () => this.#setZoom(Number(this.zoom.value)) },
+      ...["fit", "1×", "2×", "3×", "4×"].map((text, value) => h("option", { value }, text)));
+    this.takeButton = button("Take over", "drop what was recorded after this frame, and play on (T)", () => send({ do: "take_over" }), { hidden: true });
+    this.objectsButton = button("Objects", "show the objects that labels know (O)", () => this.#toggleObjects(), { "aria-pressed": "false" });
+    this.agentButton = button(hello.agent ?? "", "let the agent play, or the keyboard (M)", () => send({ do: "agent", on: !this.shown?.byAgent }), { hidden: !hello.agent, "aria-pressed": "false" });
+    this.forkButton = button("What if …", "fork: play on in two copies; changes go to the second (V)", () => this.#toggleFork());
+    this.keepButton = button("Keep the fork", "go on with the fork", () => send({ do: "close_fork", keep: true }), { hidden: true });
+    this.differ = h("span", { class: "dim" });
+    this.playCard = h("section", { class: "card play-card", "aria-label": "Screen" }, this.stage,
+      h("div", { class: "timeline" }, this.slider, this.position),
+      h("div", { class: "line transport" },
+        step(-60, "◀◀", "a second back ([)"), step(-1, "❙◀", "a frame back (,)"), this.playButton, step(1, "▶❙", "a frame on (.)"), step(60, "▶▶", "a second on (])"),
+        this.speed, this.takeButton, button("New game", "R", () => send({ do: "new_game" }))),
+      h("div", { class: "line" }, this.forkButton, this.keepButton, this.objectsButton, this.agentButton, h("label", { class: "dim" }, "zoom ", this.zoom), this.differ));
+
+    const choose = (index) => this.#choose(index);
+    this.grid = new Grid(this.names, choose);
+    this.byte = new BytePanel(send, this.names, hello.facts);
+    this.byte.dark = () => this.#light(null);
+    this.search = new SearchPanel(send, this.names, choose);
+    this.watch = new WatchPanel(send, this.names, choose);
+    this.changes = new ChangesPanel(send, this.names);
+    this.exports = new ExportPanel(link, (text, wrong) => this.notify(text, wrong));
+    this.tabs = new Tabs([["Search", this.search], ["Changes", this.changes], ["Export", this.exports]]);
+    this.help = helpDialog();
+    this.toast = h("div", { class: "toast", role: "status", "aria-live": "polite" });
+    const header = h("header", {}, h("h1", {}, hello.title), h("span", { class: "dim tag" }, "atari lab"),
+      h("span", { class: "stat" }, "score ", this.score), h("span", { class: "stat" }, "lives ", this.lives), this.fps,
+      button("?", "keyboard shortcuts (?)", () => this.help.showModal(), { class: "round", "aria-label": "keyboard shortcuts" }));
+    this.root.replaceChildren(header,
+      h("div", { class: "columns" },
+        h("div", { class: "column" }, this.playCard, this.tabs.element),
+        h("div", { class: "column" }, h("section", { class: "card ram", "aria-label": "RAM" }, this.grid.element), this.byte.element, this.watch.element)),
+      this.help, this.toast);
+    this.#readColours();
+  }
+
+  #setState(state) {
+    const named = JSON.stringify(state.names) !== JSON.stringify(this.state.names);
+    this.state = state;
+    if (named) this.grid.name();
+    if (this.speed.value !== String(state.speed)) this.speed.value = state.speed;
+    if (state.selected != null && this.byte.index == null) { // chosen in the tab before; later the page knows it first
+      this.grid.select(state.selected, false);
+      this.byte.select(state.selected);
+    }
+    for (const panel of [this.byte, this.watch, this.changes]) panel.state(state);
+    this.search.state(state.search);
+    this.tabs.count(1, Object.keys(state.frozen).length);
+    this.#marks();
+  }
+
+  #marks() {
+    const { search } = this.state;
+    this.grid.mark({
+      frozen: new Set(Object.keys(this.state.frozen).map(Number)),
+      watched: new Set(this.state.watched),
+      lit: this.found ?? new Set(),
+      found: new Set(search?.candidates),
+      differs: this.differing ?? new Set(),
+    });
+  }
+
+  #choose(index) {
+    const lit = this.byte.lit;
+    this.grid.select(index, false);
+    this.byte.select(index);
+    this.byte.state(this.state);
+    this.send({ do: "select", index });
+    if (lit) this.byte.toggleLight();
+  }
+
+  #light(pixels) {
+    if (pixels && (!this.byte.lit || pixels.index !== this.byte.index)) return; // the answer comes late
+    const bits = pixels && bytesOf(pixels.bits);
+    for (const screen of [this.main, this.fork]) screen.light(pixels?.count ? bits : null);
+    const here = "of the next two frames depends on it in this state";
+    this.byte.say(pixels == null ? "" : !pixels.count ? `No pixel ${here}: the game overwrites it, or does not draw it now.`
+      : pixels.source === "state" ? `${pixels.count} pixels of the next two frames depend on it in this state.`
+        : `No pixel ${here}. In others, by the causal map, these do.`);
+  }
+
+  #causes({ x, y, found, elsewhere }) {
+    this.found = new Set(found);
+    this.#marks();
+    const names = (indices) => indices.slice(0, 6).map((index) => this.names(index)[0] ?? `byte ${index}`).join(", ");
+    this.notify((found.length ? `Pixel ${x}, ${y} is caused by ${names(found)}.` : `No byte causes pixel ${x}, ${y} in this state.`)
+      + (elsewhere.length ? ` In other states: ${names(elsewhere)}.` : ""));
+    if (found.length) this.#choose(found[0]);
+  }
+
+  #toggle() {
+    this.send({ do: this.shown?.playing ? "pause" : "play" });
+  }
+
+  #toggleFork() {
+    this.send(this.shown?.fork ? { do: "close_fork", keep: false } : { do: "fork" });
+  }
+
+  #toggleObjects() {
+    this.showObjects = !this.showObjects;
+    this.objectsButton.setAttribute("aria-pressed", this.showObjects);
+    if (this.showObjects && !this.objects.length) this.notify("No label knows where an object of this game is now.");
+  }
+
+  #setZoom(choice) {
+    this.zoomChoice = Math.min(Math.max(choice, 0), 4);
+    this.zoom.value = this.zoomChoice;
+    this.#resize();
+  }
+
+  #resize() {
+    const screens = this.forkFigure.hidden ? 1 : 2;
+    const room = (this.stage.clientWidth - 12 * (screens - 1)) / screens;
+    const times = this.zoomChoice || Math.max(1, Math.min(Math.floor(room / 320), Math.floor((window.innerHeight - 210) / this.hello.height)));
+    if (times === this.times && window.devicePixelRatio === this.ratio) return;
+    Object.assign(this, { times, ratio: window.devicePixelRatio });
+    this.main.zoom(times);
+    this.fork.zoom(times);
+  }
+
+  #readColours() {
+    const style = getComputedStyle(this.root);
+    this.colours = { accent: style.getPropertyValue("--accent"), line: style.getPropertyValue("--line") };
+  }
+
+  #draw(now) {
+    const next = this.queue.shift();
+    const before = this.shown;
+    if (next) {
+      this.drawn++;
+      this.shown = parse(next.buffer, this.hello.history);
+      this.current = next;
+    }
+    if (this.current) Object.assign(this, { objects: this.current.objects, values: this.current.values });
+    const frame = this.shown;
+    if (!frame) return;
+    const ram = frame.fork?.ram ?? frame.ram;
+    if (next) {
+      this.main.draw(frame.screen);
+      if (frame.fork) this.fork.draw(frame.fork.screen);
+      const index = this.byte.index;
+      this.byte.draw(ram, frame.histories.get(index), this.hello.history, this.colours, this.values);
+      this.search.draw(ram);
+      this.watch.draw(ram, frame.histories, this.hello.history, this.colours);
+      this.#texts(frame, before);
+    }
+    if (this.byte.lit && frame.version !== this.litVersion && now - (this.litSince ?? 0) > LIT_MILLISECONDS) {
+      this.send({ do: "pixels", index: this.byte.index });
+      Object.assign(this, { litVersion: frame.version, litSince: now });
+    }
+    const moved = before && Math.abs(frame.at - before.at) > 30;
+    this.grid.draw(ram, now, moved);
+    const objects = this.showObjects ? this.objects : [];
+    this.main.drawOverlay(frame.fork ? [] : objects, this.mark, now);
+    if (frame.fork) this.fork.drawOverlay(objects, this.mark, now);
+    if (now - this.fpsSince > 1000) {
+      setText(this.fps, `${Math.round((this.drawn - (this.drawnBefore ?? 0)) * 1000 / (now - this.fpsSince))} fps`);
+      this.fpsSince = now;
+      this.drawnBefore = this.drawn;
+    }
+  }
+
+  #texts(frame, before) {
+    const { fork } = frame;
+    setText(this.score, fork ? `${frame.score.toLocaleString("en")} | ${fork.score.toLocaleString("en")}` : frame.score.toLocaleString("en"));
+    setText(this.lives, `${frame.lives}`);
+    setText(this.playButton, frame.playing ? "❚❚ Pause" : "▶ Play");
+    this.slider.min = frame.first;
+    this.slider.max = frame.end;
+    if (document.activeElement !== this.slider || frame.playing || this.slider.value != frame.at) this.slider.value = frame.at;
+    const seconds = (frames) => `${Math.floor(frames / 3600)}:${String(Math.floor(frames / 60) % 60).padStart(2, "0")}`;
+    setText(this.position, `${frame.at.toLocaleString("en")} / ${frame.end.toLocaleString("en")}  ${seconds(frame.at)}`);
+    this.exports.at = frame.at;
+    this.exports.first = frame.first;
+    this.takeButton.hidden = frame.at === frame.end;
+    this.agentButton.setAttribute("aria-pressed", frame.byAgent);
+    this.previews[0].hidden = !frame.preview;
+    this.previews[1].hidden = !fork?.preview;
+    if (!before || !!fork !== !!before.fork) {
+      this.forkFigure.hidden = this.keepButton.hidden = !fork;
+      setText(this.mainFigure.querySelector(".which"), fork ? "as it is" : "");
+      setText(this.forkButton, fork ? "Close the fork" : "What if …");
+      this.playCard.classList.toggle("forked", !!fork);
+      this.#resize();
+    }
+    const differing = fork ? new Set([...fork.ram.keys()].filter((i) => fork.ram[i] !== frame.ram[i])) : null;
+    if (fork || this.differing) {
+      let pixels = 0;
+      if (fork) for (let i = 0; i < fork.screen.length; i++) pixels += fork.screen[i] !== frame.screen[i];
+      const count = (number, what) => `${number} ${what}${number === 1 ? "" : "s"}`;
+      setText(this.differ, fork ? `${count(differing.size, "byte")} and ${count(pixels, "pixel")} differ` : "");
+      this.differing = differing;
+      this.#marks();
+    }
+  }
+
+  #stick() {
+    const on = (...names) => names.some((name) => this.held.has(name));
+    const vertical = on("w", "arrowup") - on("s", "arrowdown");
+    const horizontal = on("d", "arrowright") - on("a", "arrowleft");
+    const message = { do: "hold", vertical, horizontal, fire: on("f", " ") };
+    const key = JSON.stringify(message);
+    if (key !== this.stick) this.send(message);
+    this.stick = key;
+  }
+
+  #releaseKeys() {
+    if (!this.held.size) return;
+    this.held.clear();
+    this.#stick();
+  }
+
+  #keyUp(event) {
+    if (this.held.delete(event.key.toLowerCase())) this.#stick();
+  }
+
+  #keyDown(event) {
+    const { target } = event;
+    if (event.ctrlKey || event.metaKey || event.altKey || this.help.open) return;
+    const typing = target.matches?.("input:not([type=range]), textarea, select");
+    if (event.key === "Escape" && typing) target.blur();
+    if (typing) return;
+    const key = event.key.toLowerCase();
+    const control = target.matches?.("button, a, input, [role=gridcell]");
+    const sticks = ["w", "a", "s", "d", "f", ...(control ? [] : ["arrowup", "arrowdown", "arrowleft", "arrowright", " "])];
+    if (sticks.includes(key)) {
+      event.preventDefault();
+      this.held.add(key);
+      this.#stick();
+      return;
+    }
+    const { send } = this;
+    const commands = {
+      p: () => this.#toggle(), ".": () => send({ do: "step", frames: 1 }), ",": () => send({ do: "step", frames: -1 }),
+      "]": () => send({ do: "step", frames: 60 }), "[": () => send({ do: "step", frames: -60 }), r: () => send({ do: "new_game" }),
+      t: () => send({ do: "take_over" }), z: () => send({ do: "undo" }), v: () => this.#toggleFork(), o: () => this.#toggleObjects(),
+      m: () => send({ do: "agent", on: !this.shown?.byAgent }), g: () => this.grid.cells[this.grid.current].focus(),
+      e: () => this.byte.input.select(), x: () => this.byte.toggleFreeze(), k: () => this.byte.toggleWatch(), l: () => this.byte.toggleLight(),
+      "/": () => { this.tabs.show(0); this.search.number.select(); }, "?": () => this.help.showModal(),
+      "+": () => this.#setZoom(this.times + 1), "=": () => this.#setZoom(this.times + 1), "-": () => this.#setZoom(Math.max(1, this.times - 1)),
+    };
+    if (key in commands && (!event.repeat || ",.[]".includes(key))) {
+      event.preventDefault();
+      commands[key]();
+    }
+  }
+}

@@ -1,0 +1,60 @@
+// The page of `atari lab`: an inspector on a WebSocket to the server that served it.
+
+import { mount } from "./inspector.js";
+
+const root = document.getElementById("inspector");
+
+function connect(take) {
+  const address = new URL("ws", location.href);
+  address.protocol = "ws:";
+  if (take) address.search = "take=1";
+  const socket = new WebSocket(address);
+  socket.binaryType = "arraybuffer";
+  let inspector = null;
+  let refused = false;
+  const link = {
+    send: (message) => socket.readyState === WebSocket.OPEN && socket.send(JSON.stringify(message)),
+    // Downloads are links, so that the browser stores the file and shows its progress.
+    exportUrl: (name, query) => new URL(`export/${name}${query ? `?${query}` : ""}`, location.href).href,
+  };
+  socket.onmessage = ({ data }) => {
+    if (data instanceof ArrayBuffer) {
+      inspector?.frame(data);
+      return;
+    }
+    const message = JSON.parse(data);
+    if (message.hello) {
+      document.title = `${message.hello.title} · atari lab`;
+      inspector?.close();
+      inspector = mount(root, link, message.hello, { keys: document });
+    } else if (message.refused) {
+      refused = true;
+      inspector?.close();
+      curtain(message.refused, "Use it here", () => connect(true));
+    } else {
+      inspector?.message(message);
+    }
+  };
+  socket.onclose = () => {
+    if (refused) return;
+    inspector?.close();
+    curtain("The emulator has ended, or the connection was lost. Start `atari lab` again, or", "Connect again", () => connect(false));
+  };
+}
+
+function curtain(text, action, run) {
+  const button = document.createElement("button");
+  button.textContent = action;
+  button.className = "primary";
+  button.onclick = run;
+  const note = document.createElement("p");
+  note.textContent = text;
+  const box = document.createElement("div");
+  box.className = "curtain";
+  box.setAttribute("role", "alert");
+  box.append(note, button);
+  root.replaceChildren(box);
+  button.focus();
+}
+
+connect(false);

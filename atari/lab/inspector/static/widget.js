@@ -1,0 +1,32 @@
+// The inspector in a notebook, for anywidget.
+
+import { mount } from "./inspector.js";
+
+function render({ model, el }) {
+  const root = document.createElement("div");
+  root.className = "atari-lab";
+  root.tabIndex = 0;
+  el.append(root);
+  let inspector = null;
+  const link = { send: (message) => model.send(message) };
+  const receive = (message, buffers) => {
+    if (message.hello) {
+      inspector?.close();
+      inspector = mount(root, link, message.hello, { keys: root });
+    } else if (message.frame) {
+      const { buffer, byteOffset, byteLength } = buffers[0];
+      inspector?.frame(buffer.slice(byteOffset, byteOffset + byteLength));
+    } else inspector?.message(message);
+  };
+  // The notebook has shortcuts of its own for these keys.
+  root.addEventListener("keydown", (event) => event.stopPropagation());
+  model.on("msg:custom", receive);
+  model.send({ do: "open" });
+  return () => {
+    model.off("msg:custom", receive);
+    inspector?.close();
+    model.send({ do: "pause" });
+  };
+}
+
+export default { render };

@@ -1,0 +1,216 @@
+"""`Timeline`: a game that is played frame by frame, and every frame of which can be returned to.
+
+A snapshot is kept every `FRAMES_PER_SNAPSHOT` frames. The frames between are played again from their inputs, which
+gives the same bytes.
+"""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from atari.cores import ByteArray, Core
+from atari.lab.writes import Freeze
+
+FRAMES_PER_SNAPSHOT = 30
+_FRAMES_DROPPED = 20 * FRAMES_PER_SNAPSHOT
+MOST_FRAMES = 108_000
+"""Half an hour; older frames are dropped."""
+
+NEW_GAME = -1
+"""In place of an action: the core is reset."""
+
+
+class Frame(NamedTuple):
+    """The inputs of a frame: the action, bytes written before it, and frozen bytes, held before and after it.
+
+    If `state` is not None, it is restored first. The rules of the game see frozen bytes as they are held.
+    """
+
+    action: int
+    before: tuple[tuple[int, int], ...] = ()
+    held: tuple[tuple[int, int], ...] = ()
+    strength: float = 1.0
+    state: Any = None
+
+
+class Timeline:
+    """A core, the inputs of all frames that were played on it, and the RAM after each.
+
+    Frames are counted from the beginning of the session. `first` is the oldest that is kept, `at` the present one,
+    `end` the newest: after going back, `at < end`, and `play_again` follows what was recorded.
+
+    Args:
+        core: frames are played on it.
+        first: the number of its present frame.
+        score: its score so far.
+    """
+
+    def __init__(self, core: Core, first: int = 0, score: int = 0) -> None:
+        self.core = core
+        self.first = self.at = first
+        self.score = score
+        self.pending: dict[int, int] = {}
+        """Bytes that were written since the newest frame."""
+        self.frozen: dict[int, int] = {}
+        """Bytes that new frames hold."""
+        self._holds: dict[tuple[int, int], Freeze] = {}
+        self._frames: list[Frame] = []
+        self._states = [core.clone_state(include_rng=True)]
+        self._ram: ByteArray = np.zeros((4096, 128), np.uint8)
+        self._scores: npt.NDArray[np.int32] = np.zeros(4096, np.int32)
+        self._keep()
+
+    @property
+    def end(self) -> int:
+        """The newest frame."""
+        return self.first + len(self._frames)
+
+    @property
+    def first_state(self) -> Any:
+        """The state of the core at the frame `first`."""
+        return self._states[0]
+
+    def frames(self, start: int, stop: int) -> list[Frame]:
+        """The inputs of the frames after `start`, up to `stop`."""
+        return self._frames[start - self.first : stop - self.first]
+
+    def play(self, frame: Frame) -> None:
+        """Play a frame; what was recorded after the present one is dropped."""
+        self.cut()
+        if self.pending:
+            frame = frame._replace(before=(*self.pending.items(), *frame.before))
+            self.pending = {}
+        if len(self._frames) >= MOST_FRAMES:
+            self._drop_oldest()
+        self._frames.append(frame)
+        self._make(frame)
+
+    def append(self, frame: Frame, reward: int) -> bool:
+        """Keep a frame that the core has played already; return whether there is room for it."""
+        if len(self._frames) >= MOST_FRAMES:
+            return False
+        self._frames.append(frame)
+        self.score = 0 if frame.action == NEW_GAME else self.score + reward
+        self.at += 1
+        self._keep()
+        return True
+
+    def play_again(self) -> bool:
+        """Play the next recorded frame, if there is one."""
+        if self.at == self.end:
+            return False
+        self._make(self._frames[self.at - self.first])
+        return True
+
+    def seek(self, frame: int) -> None:
+        """Return to a frame; one that is not kept becomes the nearest."""
+        frame = min(max(frame, self.first), self.end)
+        if not (self.at < frame <= self.at + FRAMES_PER_SNAPSHOT):
+            number = (frame - self.first) // FRAMES_PER_SNAPSHOT
+            self.core.restore_state(self._states[number])
+            self.at = self.first + number * FRAMES_PER_SNAPSHOT
+            self.score = int(self._scores[self.at - self.first])
+        while self.at < frame:
+            self.play_again()
+        if self.at == self.end:
+            self._write(self.pending)
+
+    def cut(self) -> bool:
+        """Drop what was recorded after the present frame; return whether there was anything."""
+        here = self.at - self.first
+        if here == len(self._frames):
+            return False
+        del self._frames[here:], self._states[here // FRAMES_PER_SNAPSHOT + 1 :]
+        self.pending = {}
+        return True
+
+    def write(self, index: int, value: int) -> None:
+        """Write a byte of the present RAM; what was recorded after the present frame is dropped."""
+        self.cut()
+        self.core.set_ram(index, value)
+        self.pending[index] = value
+
+    def freeze(self, values: Mapping[int, int]) -> None:
+        """Hold these bytes, and no others, in the frames that are played from here on.
+
+        Raises:
+            ValueError, RuntimeError: see `Freeze`; nothing has changed then.
+        """
+        self._hold(values)
+        self.frozen = dict(values)
+
+    def forget_write(self, index: int) -> None:
+        """Undo the writes of a byte since the newest frame."""
+        self.pending.pop(index, None)
+        self.seek(self.at)
+
+    def frames_of_game(self) -> int:
+        """Frames since the game began, or since the oldest frame that is kept."""
+        played = reversed(self._frames[: self.at - self.first])
+        return next((count for count, frame in enumerate(played) if frame.action == NEW_GAME), self.at - self.first)
+
+    def history(self, index: int, count: int) -> ByteArray:
+        """The last values of a byte up to the present, (at most `count`,) uint8."""
+        here = self.at - self.first
+        values: ByteArray = self._ram[max(0, here + 1 - count) : here + 1, index].copy()
+        return values
+
+    def ram_at(self, frame: int) -> ByteArray:
+        """The RAM after a frame that is kept, (128,) uint8."""
+        ram: ByteArray = self._ram[frame - self.first].copy()
+        return ram
+
+    def _make(self, frame: Frame) -> None:
+        """Play a frame and keep its results."""
+        core = self.core
+        if frame.state is not None:
+            core.restore_state(frame.state)
+        self._write(dict(frame.before))
+        ram = core.ram() if frame.held else b""
+        self._write({index: value for index, value in frame.held if ram[index] != value})
+        self._hold(dict(frame.held))
+        if frame.action == NEW_GAME:
+            core.reset()
+            self.score = 0
+        else:
+            self.score += core.act(frame.action, frame.strength)
+        self.at += 1
+        self._keep()
+
+    def _hold(self, values: Mapping[int, int]) -> None:
+        if set(values.items()) == set(self._holds):
+            return
+        made: dict[tuple[int, int], Freeze] = {}
+        try:
+            for index, value in set(values.items()) - set(self._holds):
+                made[index, value] = Freeze(self.core, {index: value})
+        except (RuntimeError, ValueError):
+            for freeze in made.values():
+                freeze.release()
+            raise
+        for item in set(self._holds) - set(values.items()):
+            self._holds.pop(item).release()
+        self._holds |= made
+
+    def _write(self, values: Mapping[int, int]) -> None:
+        for index, value in values.items():
+            self.core.set_ram(index, value)
+
+    def _keep(self) -> None:
+        here = self.at - self.first
+        if here == len(self._ram):
+            self._ram = np.concatenate([self._ram, np.zeros_like(self._ram)])
+            self._scores = np.concatenate([self._scores, np.zeros_like(self._scores)])
+        self._ram[here] = self.core.ram()
+        self._scores[here] = np.clip(self.score, -(2**31), 2**31 - 1)
+        if here == len(self._states) * FRAMES_PER_SNAPSHOT:
+            self._states.append(self.core.clone_state(include_rng=True))
+
+    def _drop_oldest(self) -> None:
+        count = _FRAMES_DROPPED
+        del self._frames[:count], self._states[: count // FRAMES_PER_SNAPSHOT]
+        self._ram[:-count] = self._ram[count:]
+        self._scores[:-count] = self._scores[count:]
+        self.first += count

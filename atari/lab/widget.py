@@ -1,0 +1,186 @@
+"""`show`: the inspector in a notebook, as a widget; a static picture where no widget runs."""
+
+import asyncio
+import base64
+import contextlib
+import html
+import json
+import re
+import time
+from collections.abc import Callable
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import cv2
+import gymnasium
+
+from atari.lab.inspector import export, protocol
+from atari.lab.inspector.session import Session
+
+_MODULES = ("dom.js", "screen.js", "bytes.js", "panels.js", "inspector.js", "widget.js")
+_SECONDS_A_FRAME = 1 / 60
+
+
+def show(env: gymnasium.Env[Any, Any], *, agent: Any = None) -> Any:
+    """Show the inspector of an environment in a notebook.
+
+    With anywidget (extra `lab`) and a running notebook it is the inspector of `atari lab`: it plays the environment's
+    core when its Play is pressed. Without, it is a picture of the screen and a table of the RAM.
+
+    Args:
+        env: an `AtariEnv` in any wrappers; wrappers do not see what is played here.
+        agent: plays instead of a person; see `atari.lab.inspector.session.Agent`.
+
+    Returns:
+        What the notebook shows. Its `session` is the `Session`, its `export(folder)` writes labels, interventions and
+        the replay.
+
+    Raises:
+        TypeError: it is no `AtariEnv`.
+    """
+    session = Session(env, agent=agent)
+    made = _widget_class()
+    return StaticInspector(session) if made is None else made(session)
+
+
+class StaticInspector:
+    """A picture of a session: the screen, and the bytes with their names.
+
+    Args:
+        session: that is shown, in its present state.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self.session = session
+
+    def export(self, folder: str | Path) -> list[Path]:
+        """Write what there is of labels, interventions and replay into a folder, and return the files."""
+        return export_all(self.session, Path(folder))
+
+    def _repr_html_(self) -> str:
+        return static_html(self.session)
+
+
+def export_all(session: Session, folder: Path) -> list[Path]:
+    """Write what there is of labels, interventions and replay into a folder, and return the files.
+
+    Raises:
+        OSError: a file cannot be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    files = []
+    for name, text in (("labels.toml", export.labels_toml), ("interventions.toml", export.interventions_toml)):
+        with contextlib.suppress(ValueError):  # there is none
+            path = folder / f"{session.game.id}-{name}"
+            path.write_text(text(session), encoding="utf-8")
+            files.append(path)
+    with contextlib.suppress(ValueError):
+        files.append(export.write_replay(session, folder / f"{session.game.id}.a26"))
+    return files
+
+
+def static_html(session: Session) -> str:
+    """The screen as a picture and the RAM as a table, without scripts."""
+    core = session.shown.core
+    screen = core.screen_rgb().repeat(2, axis=1)
+    encoded, png = cv2.imencode(".png", cv2.cvtColor(screen, cv2.COLOR_RGB2BGR))
+    assert encoded
+    picture = base64.b64encode(png.tobytes()).decode()
+    ram = core.ram()
+    cell = "padding:1px 4px;text-align:center;font:12px monospace"
+    rows = []
+    for row in range(0, 128, 16):
+        cells = [f'<th style="{cell};opacity:.6">${128 + row:02X}</th>']
+        for index in range(row, row + 16):
+            name = session.names.get(index) or next(iter(session.readings.names.get(index, ())), "")
+            title = html.escape(f"byte {index}: {name}" if name else f"byte {index}", quote=True)
+            weight = ";font-weight:bold" if name else ""
+            cells.append(f'<td style="{cell}{weight}" title="{title}">{ram[index]:02X}</td>')
+        rows.append(f"<tr>{''.join(cells)}</tr>")
+    height, _ = session.game.screen.shape
+    return (
+        f'<div style="display:flex;flex-wrap:wrap;gap:16px"><img width="320" height="{height}" '
+        f'style="image-rendering:pixelated" alt="the screen of {html.escape(session.game.title, quote=True)}" '
+        f'src="data:image/png;base64,{picture}"><table>{"".join(rows)}</table></div>'
+        f"<p>{html.escape(session.game.title)}, frame {session.at}, score {session.main.score}, lives {core.lives}</p>"
+    )
+
+
+def bundle() -> str:
+    """The front end as one JavaScript module, as anywidget takes it.
+
+    The modules of the page import only each other and declare different names, so that they are joined as they are.
+    """
+    static = resources.files("atari.lab.inspector") / "static"
+    text = "\n".join((static / name).read_text(encoding="utf-8") for name in _MODULES)
+    text = re.sub(r"^import .*;\n", "", text, flags=re.MULTILINE)
+    return re.sub(r"^export (?!default)", "", text, flags=re.MULTILINE)
+
+
+def _widget_class() -> "Callable[[Session], Any] | None":
+    """The class of the widget, or None without anywidget."""
+    try:
+        import anywidget
+    except ImportError:
+        return None
+    static = resources.files("atari.lab.inspector") / "static"
+
+    class InspectorWidget(anywidget.AnyWidget):
+        """The inspector in a notebook."""
+
+        _esm = bundle()
+        _css = (static / "inspector.css").read_text(encoding="utf-8")
+
+        def __init__(self, session: Session) -> None:
+            super().__init__()
+            self.session = session
+            self._players: asyncio.Task[None] | None = None
+            self._sent: Any = None
+            self.on_msg(self._receive)
+
+        def export(self, folder: str | Path) -> list[Path]:
+            """Write what there is of labels, interventions and replay into a folder, and return the files."""
+            return export_all(self.session, Path(folder))
+
+        def _repr_mimebundle_(self, **options: Any) -> Any:
+            shown = super()._repr_mimebundle_(**options)
+            data, *metadata = shown if isinstance(shown, tuple) else (shown or {},)
+            data = {**data, "text/html": static_html(self.session)}
+            return (data, *metadata) if metadata else data
+
+        def _receive(self, widget: Any, message: Any, buffers: Any) -> None:
+            """Run a message of the front end: its first, or a command."""
+            if isinstance(message, dict) and message.get("do") == "open":
+                self.send(protocol.hello(self.session))
+                self._show(complete=True)
+                return
+            for answer in protocol.run(self.session, json.dumps(message)):
+                self.send(answer)
+            self._show()
+            if self.session.playing and (self._players is None or self._players.done()):
+                self._players = asyncio.get_event_loop().create_task(self._play())
+
+        async def _play(self) -> None:
+            before = time.perf_counter()
+            while self.session.playing:
+                await asyncio.sleep(_SECONDS_A_FRAME)
+                now = time.perf_counter()
+                self.session.tick(now - before)
+                before = now
+                self._show()
+
+        def _show(self, complete: bool = False) -> None:
+            self.send({"frame": 1}, [protocol.frame(self.session)])
+            overlay = protocol.overlay(self.session)
+            if any(overlay.values()):
+                self.send(overlay)
+            state = json.dumps(protocol.state(self.session))
+            if complete or state != self._sent:
+                self.send(json.loads(state))
+                self._sent = state
+            if self.session.notice:
+                self.send({"notice": self.session.notice})
+                self.session.notice = ""
+
+    return InspectorWidget

@@ -1,0 +1,321 @@
+"""The inspector in a browser: Chromium or Chrome of this system, without a window. Run by scripts/test --browser."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+pytest.importorskip("aiohttp")
+playwright = pytest.importorskip("playwright.sync_api")
+
+from atari.lab import widget  # noqa: E402
+from atari.recording import Replay  # noqa: E402
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+EXECUTABLE = os.environ.get("CHROMIUM") or next(filter(None, map(shutil.which, BROWSERS)), None)
+if EXECUTABLE is None:
+    pytest.skip(f"no browser was found ({', '.join(BROWSERS)})", allow_module_level=True)
+
+LIVES, PADDLE = 57, 72
+expect = playwright.expect
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with playwright.sync_playwright() as started:
+        found = started.chromium.launch(executable_path=EXECUTABLE, args=["--no-sandbox", "--disable-quic"])
+        yield found
+        found.close()
+
+
+@pytest.fixture(scope="module")
+def url() -> Iterator[str]:
+    """The address of `atari lab breakout`."""
+    command = [sys.executable, "-m", "atari", "lab", "breakout", "--no-browser", "--json"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
+        assert server.stdout is not None
+        lines = iter(server.stdout.readline, "")
+        text = ""
+        for line in lines:
+            text += line
+            if line.startswith("}") or line.rstrip().endswith("}"):
+                break
+        yield json.loads(text)["url"]
+        server.terminate()
+
+
+@pytest.fixture
+def page(browser: Any, url: str) -> Iterator[Any]:
+    """The page, which may not report an error until the test has ended."""
+    context = browser.new_context(viewport={"width": 1280, "height": 900}, accept_downloads=True)
+    context.set_default_timeout(15_000)
+    shown = context.new_page()
+    faults: list[str] = []
+    shown.on("console", lambda message: faults.append(message.text) if message.type in ("error", "warning") else None)
+    shown.on("pageerror", lambda error: faults.append(str(error)))
+    shown.goto(url)
+    wait_for(shown, "shown")
+    shown.evaluate(
+        """() => { const { send, state } = document.querySelector('main').atariLab; send({ do: "close_fork", keep: false });
+        for (const index of Object.keys(state.frozen)) send({ do: "release", index: Number(index) });
+        for (const command of ["new_game", "take_over", "new_search"]) send({ do: command }); send({ do: "speed", speed: 1 }); }"""
+    )
+    wait_for(shown, "shown.lives === 5 && !shown.fork")
+    yield shown
+    context.close()
+    assert faults == []
+
+
+def frame(page: Any) -> int:
+    return int(page.evaluate("document.querySelector('main').atariLab.shown.at"))
+
+
+def wait_for(page: Any, condition: str) -> None:
+    """Wait for a condition on `shown`, the newest frame. (The page's policy forbids wait_for_function, which uses eval.)"""
+    until = time.monotonic() + 15
+    while not page.evaluate(f"(({{ shown }}) => !!({condition}))(document.querySelector('main').atariLab ?? {{}})"):
+        assert time.monotonic() < until, f"it did not come true in 15 seconds: {condition}"
+        page.wait_for_timeout(20)
+
+
+def screen(page: Any) -> str:
+    return str(page.evaluate("document.querySelector('.screen canvas').toDataURL()"))
+
+
+def cell(page: Any, index: int) -> Any:
+    return page.locator(".cell").nth(index)
+
+
+def download(page: Any, name: str, folder: Path) -> Path:
+    with page.expect_download() as pending:
+        page.click(f'[data-export="{name}"]')
+    path = folder / pending.value.suggested_filename
+    pending.value.save_as(path)
+    return path
+
+
+def test_play_poke_search_freeze_scrub_and_export(page: Any, tmp_path: Path) -> None:
+    # It plays 300 frames.
+    at = frame(page)
+    page.keyboard.press("p")
+    page.keyboard.down(" ")
+    wait_for(page, f"shown.at >= {at + 300}")
+    page.keyboard.up(" ")
+    page.keyboard.press("p")
+    wait_for(page, "!shown.playing")
+
+    # A poke is seen on the screen, before a frame is played.
+    cell(page, PADDLE).click()
+    expect(page.locator(".byte h2")).to_have_text("player_x")
+    before, at = screen(page), frame(page)
+    page.fill("#poke-value", "70")
+    page.keyboard.press("Enter")
+    wait_for(page, f"shown.ram[{PADDLE}] === 70 && shown.preview")
+    assert screen(page) != before
+    assert frame(page) == at
+    page.click("#tab-Changes")
+    page.get_by_role("button", name="Undo the last change").click()
+    wait_for(page, f"shown.ram[{PADDLE}] !== 70 && !shown.preview")
+    assert screen(page) == before
+
+    # The search finds the lives.
+    page.click("#tab-Search")
+    page.keyboard.press("r")
+    wait_for(page, "shown.lives === 5")
+    page.get_by_label("speed").select_option("16")
+    page.get_by_label("number", exact=True).fill("5")
+    page.click('[data-filter="equals"]')
+    page.locator(".screen").first.focus()
+    page.keyboard.press("p")
+    page.keyboard.down("f")
+    wait_for(page, "shown.lives === 4")
+    page.keyboard.up("f")
+    page.keyboard.press("p")
+    wait_for(page, "!shown.playing")
+    page.click('[data-filter="decreased"]')
+    page.click('[data-filter="unchanged"]')
+    page.get_by_label("number", exact=True).fill(
+        str(page.evaluate("document.querySelector('main').atariLab.shown.lives"))
+    )
+    page.click('[data-filter="equals"]')
+    expect(page.locator("#panel-Search .status")).to_have_text(re.compile("^1 candidate left"))
+    page.click(f'[data-byte="{LIVES}"]')
+
+    # Frozen, it stays.
+    held = page.evaluate(f"document.querySelector('main').atariLab.shown.ram[{LIVES}]")
+    page.locator(".screen").first.focus()
+    page.keyboard.press("x")
+    expect(cell(page, LIVES)).to_have_class(re.compile("frozen"))
+    start = frame(page)
+    page.keyboard.press("p")
+    page.keyboard.down("f")
+    wait_for(page, f"shown.at > {start + 600}")
+    page.keyboard.up("f")
+    page.keyboard.press("p")
+    wait_for(page, "!shown.playing")
+    assert page.evaluate(f"document.querySelector('main').atariLab.shown.ram[{LIVES}]") == held
+
+    # Back in time, the same bytes come again.
+    end, last = frame(page), screen(page)
+    page.locator(".time").fill("200")
+    wait_for(page, "shown.at === 200")
+    assert screen(page) != last
+    page.locator(".time").fill(str(end))
+    wait_for(page, f"shown.at === {end}")
+    assert screen(page) == last
+
+    # Exports.
+    page.click("#tab-Export")
+    assert Replay.load(download(page, "replay.a26", tmp_path)).verify()
+    table = tomllib.loads(download(page, "interventions.toml", tmp_path).read_text())
+    assert table["frozen_lives"]["writes"] == [
+        {"to": LIVES, "value": held, "when": when} for when in ("reset", "frame")
+    ]
+
+
+def test_causes(page: Any) -> None:
+    cell(page, PADDLE).click()
+    page.keyboard.press("l")
+    expect(page.locator(".note")).to_have_text(re.compile(r"^\d+ pixels of the next two frames"))
+    x, y = page.evaluate(
+        """() => { const { main } = document.querySelector('main').atariLab; const d = main.mask.getContext('2d')
+        .getImageData(0, 0, 160, 210).data; const i = d.findIndex((v, i) => i % 4 === 3 && v === 255) >> 2;
+        return [i % 160, Math.floor(i / 160)]; }"""
+    )
+    times = page.evaluate("document.querySelector('main').atariLab.times")
+    page.locator(".screen").first.click(position={"x": (2 * x + 1) * times, "y": (y + 0.5) * times})
+    expect(cell(page, PADDLE)).to_have_class(re.compile("lit"))
+
+
+def test_what_if(page: Any) -> None:
+    page.keyboard.press("v")
+    wait_for(page, "shown.fork")
+    assert page.locator(".screen:visible").count() == 2
+    cell(page, LIVES).click()
+    page.fill("#poke-value", "2")
+    page.keyboard.press("Enter")
+    wait_for(page, f"shown.fork.ram[{LIVES}] === 2 && shown.ram[{LIVES}] === 5")
+    expect(page.get_by_text("1 byte and", exact=False)).to_be_visible()
+    page.get_by_text("Keep the fork").click()
+    wait_for(page, f"!shown.fork && shown.ram[{LIVES}] === 2")
+
+
+def test_keyboard_alone(page: Any) -> None:
+    page.keyboard.press("?")
+    expect(page.locator("dialog.help")).to_be_visible()
+    page.keyboard.press("Escape")
+    expect(page.locator("dialog.help")).to_be_hidden()
+    page.keyboard.press("g")
+    for key in (*["ArrowUp"] * 7, "Home", *["ArrowDown"] * 3, *["ArrowRight"] * 9):
+        page.keyboard.press(key)
+    expect(page.locator(".byte h2")).to_have_text("lives")
+    page.keyboard.press("k")
+    expect(page.locator(".watch")).to_have_count(1)
+    page.keyboard.press("k")
+    expect(page.locator(".watch")).to_have_count(0)
+    page.keyboard.press("e")
+    page.keyboard.type("3")
+    page.keyboard.press("Enter")
+    wait_for(page, f"shown.ram[{LIVES}] === 3")
+    page.keyboard.press("Escape")
+    page.keyboard.press("z")
+    wait_for(page, f"shown.ram[{LIVES}] === 5")
+    unnamed = page.evaluate(
+        """() => [...document.querySelectorAll('button, input, select, canvas:not(.overlay)')].filter(e => !e.hidden
+        && !e.textContent.trim() && !e.getAttribute('aria-label') && !e.getAttribute('aria-hidden') && !e.closest('label'))
+        .map(e => e.outerHTML)"""
+    )
+    assert unnamed == []
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+def test_nothing_is_wider_than_the_page(page: Any, width: int) -> None:
+    page.set_viewport_size({"width": width, "height": 844})
+    for fork in (False, True):
+        if fork:
+            page.keyboard.press("v")
+            wait_for(page, "shown.fork")
+        page.wait_for_timeout(100)
+        assert page.evaluate("document.scrollingElement.scrollWidth") <= width
+
+
+def test_a_second_tab_is_told(page: Any, url: str) -> None:
+    second = page.context.new_page()
+    second.goto(url)
+    expect(second.get_by_role("alert")).to_contain_text("This session is open in another tab.")
+    page.keyboard.press("p")
+    wait_for(page, "shown.playing")
+    second.get_by_text("Use it here").click()
+    wait_for(second, "shown?.at > 0")
+    expect(page.get_by_role("alert")).to_contain_text("This session went on in another tab.")
+    second.close()
+    page.wait_for_timeout(200)
+
+
+def test_the_token_is_needed(page: Any, url: str) -> None:
+    context = page.context.browser.new_context()
+    response = context.new_page().goto(re.sub(r"(:\d+/).*", r"\1another/", url))
+    assert response.status == 403
+    assert "no valid token" in response.text()
+    context.close()
+
+
+def test_the_widget_in_a_page(browser: Any) -> None:
+    """The module for notebooks, with a model that answers as the kernel does."""
+    pytest.importorskip("anywidget")
+    import atari
+
+    shown = widget.show(atari.make("breakout"))
+    context = browser.new_context()
+    page = context.new_page()
+    faults: list[str] = []
+    page.on("pageerror", lambda error: faults.append(str(error)))
+
+    def send(message: Any, buffers: Any = None) -> None:
+        page.evaluate("([m, b]) => receive(m, b)", [message, [list(buffer) for buffer in buffers or ()]])
+
+    shown.send = send
+    received: list[Any] = []
+    page.expose_function("toKernel", lambda message: received.append(message))
+    page.set_content("<div id=out></div>")
+    page.add_style_tag(content=shown._css)
+    page.evaluate(
+        """async (text) => {
+            const module = await import(URL.createObjectURL(new Blob([text], { type: "text/javascript" })));
+            const listeners = [];
+            window.receive = (m, b) => listeners.forEach((f) => f(m, b.map((x) => new DataView(new Uint8Array(x).buffer))));
+            const model = { on: (_, f) => listeners.push(f), off() {}, send: (m) => window.toKernel(m) };
+            module.default.render({ model, el: document.getElementById("out") });
+        }""",
+        str(shown._esm),
+    )
+
+    def answer() -> None:
+        page.wait_for_timeout(50)
+        while received:
+            shown._receive(shown, received.pop(0), [])
+
+    answer()
+    page.wait_for_function("document.querySelector('.atari-lab').atariLab?.shown")
+    page.locator(".cell").nth(LIVES).click()
+    answer()
+    page.fill("#poke-value", "2")
+    page.keyboard.press("Enter")
+    answer()
+    expect(page.locator(".cell").nth(LIVES).locator("b")).to_have_text("02")
+    assert shown.session.ram()[LIVES] == 2
+    assert faults == []
+    context.close()

@@ -1,0 +1,251 @@
+"""The inspector's server: who is served, the messages, one tab at a time."""
+
+import asyncio
+import json
+import socket
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+aiohttp = pytest.importorskip("aiohttp")
+
+from atari.cli import main  # noqa: E402
+from atari.cli.lab import _session  # noqa: E402
+from atari.lab.inspector import protocol  # noqa: E402
+from atari.lab.inspector.server import Inspector  # noqa: E402
+
+Use = Callable[[Inspector, Any], Awaitable[None]]
+
+
+def serve(use: Use, game: str = "breakout") -> Inspector:
+    """Run `use` with a served session and a client."""
+    inspector = Inspector(_session(game, None, None, 0))
+
+    async def run() -> None:
+        await inspector.start()
+        try:
+            async with aiohttp.ClientSession() as client:
+                await asyncio.wait_for(use(inspector, client), 30)
+        finally:
+            await inspector.stop()
+
+    asyncio.run(run())
+    return inspector
+
+
+def test_only_the_token_opens_the_page() -> None:
+    async def use(inspector: Inspector, client: Any) -> None:
+        async with client.get(inspector.url) as response:
+            assert response.status == 200
+            assert "script-src 'self'" in response.headers["Content-Security-Policy"]
+            assert response.headers["Referrer-Policy"] == "no-referrer"
+            assert "page.js" in await response.text()
+        base = f"http://127.0.0.1:{inspector.port}"
+        wrong = inspector.token[:-1] + ("a" if inspector.token[-1] != "a" else "b")
+        paths = [
+            "/",
+            "/inspector.js",
+            f"/{wrong}/",
+            f"/{wrong}/ws",
+            f"/{wrong}/export/replay.a26",
+            "/%C3%A9/",
+            "/x/y/z/",
+        ]
+        for path in paths:
+            async with client.get(base + path) as response:
+                assert response.status == 403, path
+        for path in ("session.py", "..%2fsession.py", "nothing.js", "export/passwd"):
+            async with client.get(inspector.url + path) as response:
+                assert response.status == 404, path
+
+    serve(use)
+
+
+@pytest.mark.parametrize(
+    ("headers", "status"),
+    [
+        ({}, 200),
+        ({"Host": "localhost:PORT"}, 200),
+        ({"Origin": "http://127.0.0.1:PORT"}, 200),
+        ({"Host": "attacker.example:PORT"}, 403),  # DNS rebinding
+        ({"Host": "127.0.0.1"}, 403),
+        ({"Host": "127.0.0.1:PORT.attacker.example"}, 403),
+        ({"Origin": "http://attacker.example"}, 403),
+        ({"Origin": "null"}, 403),
+        ({"Origin": "http://127.0.0.1:1"}, 403),
+        ({"Origin": "https://127.0.0.1:PORT"}, 403),
+    ],
+)
+def test_other_hosts_and_origins_are_refused(headers: dict[str, str], status: int) -> None:
+    async def use(inspector: Inspector, client: Any) -> None:
+        sent = {name: value.replace("PORT", str(inspector.port)) for name, value in headers.items()}
+        for path in ("", "inspector.js"):
+            async with client.get(inspector.url + path, headers=sent) as response:
+                assert response.status == status
+        if status == 403:
+            with pytest.raises(aiohttp.WSServerHandshakeError):
+                await client.ws_connect(inspector.url + "ws", headers=sent)
+        else:
+            async with client.ws_connect(inspector.url + "ws", headers=sent) as tab:
+                assert "hello" in await tab.receive_json()
+
+    serve(use)
+
+
+async def receive(tab: Any, wanted: str) -> Any:
+    """The next message of a kind: "frame", or a key of a JSON message."""
+    while True:
+        message = await tab.receive()
+        assert message.type in (aiohttp.WSMsgType.BINARY, aiohttp.WSMsgType.TEXT), message
+        if message.type == aiohttp.WSMsgType.BINARY:
+            if wanted == "frame":
+                return message.data
+        elif wanted in (content := json.loads(message.data)):
+            return content[wanted]
+
+
+def test_frames_and_commands() -> None:
+    async def use(inspector: Inspector, client: Any) -> None:
+        core = inspector.session.main.core
+        async with client.ws_connect(inspector.url + "ws") as tab:
+            hello = await receive(tab, "hello")
+            assert (hello["game"], hello["height"]) == ("breakout", 210)
+            assert hello["labels"]["57"] == ["lives"]
+            frame = await receive(tab, "frame")
+            assert len(frame) == 32 + 128 + 210 * 160
+            assert frame[32:160] == core.ram().tobytes()
+            assert np.array_equal(np.frombuffer(frame[160:], np.uint8).reshape(210, 160), core.screen())
+            await tab.send_json({"do": "poke", "index": 57, "value": 3})
+            await tab.send_json({"do": "select", "index": 57})
+            while (frame := await receive(tab, "frame"))[32 + 57] != 3 or len(frame) == 32 + 128 + 210 * 160:
+                pass
+            assert frame[1] & 8  # a preview
+            assert frame[-242] == 57
+            await tab.send_json({"do": "bytes", "x": 100, "y": 192})
+            assert 72 in (await receive(tab, "bytes"))["found"]
+            await tab.send_json({"do": "pixels", "index": 72})
+            assert (await receive(tab, "pixels"))["count"] > 20
+            for command, text in (
+                ("x", "a command is a JSON object"),
+                ("[" * 5000, "at most 4096 characters"),
+                ("[" * 4000, "a command is a JSON object"),
+                ('{"do": "import os"}', "whose `do` is one of"),
+                ('{"do": ["play"]}', "whose `do` is one of"),
+                ('{"do": "poke", "index": "57", "value": 1}', "index='57' is wrong"),
+                ('{"do": "poke", "index": true, "value": 1}', "index=True is wrong"),
+                ('{"do": "poke", "index": 57}', "missing a required argument"),
+                ('{"do": "poke", "index": 57, "value": 256}', "256"),
+                ('{"do": "speed", "speed": NaN}', "speed is one of"),
+                ('{"do": "play", "x": 1}', "takes no arguments"),
+                ('{"do": "seek", "frame": 1e3}', "frame=1000.0 is wrong"),
+            ):
+                await tab.send_str(command)
+                assert text in await receive(tab, "error"), command
+
+    serve(use)
+
+
+def test_it_plays_sixty_frames_a_second_and_a_closed_tab_pauses() -> None:
+    async def use(inspector: Inspector, client: Any) -> None:
+        session = inspector.session
+        async with client.ws_connect(inspector.url + "ws") as tab:
+            await tab.send_json({"do": "play"})
+            while session.at < 20:
+                await receive(tab, "frame")
+            assert session.playing
+        while session.playing:
+            await asyncio.sleep(0.01)
+        assert session.at >= 20
+
+    serve(use)
+
+
+def test_a_second_tab_is_told_and_can_take_the_session_over() -> None:
+    async def use(inspector: Inspector, client: Any) -> None:
+        first = await client.ws_connect(inspector.url + "ws")
+        await receive(first, "frame")
+        async with client.ws_connect(inspector.url + "ws") as second:
+            assert await receive(second, "refused") == "This session is open in another tab."
+            assert (await second.receive()).type == aiohttp.WSMsgType.CLOSE
+        inspector.session.play()
+        async with client.ws_connect(inspector.url + "ws?take=1") as third:
+            await receive(third, "hello")
+            assert await receive(first, "refused") == "This session went on in another tab."
+            await first.close()
+            await receive(third, "frame")
+            assert inspector.session.playing  # the first tab was not closed by the user
+
+    serve(use)
+
+
+def test_exports() -> None:
+    async def use(inspector: Inspector, client: Any) -> None:
+        async with client.get(inspector.url + "export/replay.a26") as response:
+            assert (response.status, await response.text()) == (400, "no frame was played; there is nothing to export")
+        inspector.session.step(30)
+        async with client.get(inspector.url + "export/replay.a26") as response:
+            assert response.status == 200
+            assert response.headers["Content-Disposition"] == 'attachment; filename="breakout-replay.a26"'
+            assert len(await response.read()) > 100
+        async with client.get(inspector.url + "export/clip.mp4?start=x&stop=2") as response:
+            assert response.status == 400
+
+    serve(use)
+
+
+def test_a_taken_port_is_one_sentence(capsys: pytest.CaptureFixture[str]) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        assert main(["lab", "pong", "--no-browser", "--port", str(port)]) == 1
+    assert capsys.readouterr().err == (
+        f"atari: error: port {port} is taken; choose another with --port, or leave it out for a free one\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["pon"], "did you mean 'pong'?"),
+        (["pong", "--port", "70000"], "a port is within 0..65535, got 70000"),
+        (["pong", "--agent", "nothing:here"], "nothing:here cannot be imported"),
+        (["nothing.a26"], "nothing.a26"),
+        (["."], "no run folder"),
+    ],
+)
+def test_mistakes_on_the_command_line(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["lab", *words, "--no-browser"]) == 1
+    assert text in capsys.readouterr().err
+
+
+def test_without_aiohttp(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr("atari.cli.lab.find_spec", lambda name: None)
+    assert main(["lab", "pong"]) == 1
+    assert "atari lab needs aiohttp: pip install 'atari-envs[lab]'" in capsys.readouterr().err
+
+
+def test_without_a_browser_the_address_is_printed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("webbrowser.open", lambda url: False)
+
+    async def ended() -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("asyncio.Event.wait", lambda self: ended())
+    assert main(["lab", "pong"]) == 130
+    out, err = capsys.readouterr()
+    assert out.startswith("Pong: http://127.0.0.1:")
+    assert "no browser could be opened; open the address above in one" in err
+
+
+def test_a_frame_with_a_fork() -> None:
+    session = _session("breakout", None, None, 0)
+    session.open_fork()
+    session.poke(57, 2)
+    frame = protocol.frame(session)
+    assert frame[1] == 16 | 32
+    assert (frame[32 + 57], frame[160 + 210 * 160 + 57]) == (5, 2)

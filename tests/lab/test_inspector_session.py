@@ -1,0 +1,540 @@
+"""The inspector's session, without a page: playing, going back, changing RAM, forks, exports."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+
+from atari import _emulator
+from atari.actions import Action
+from atari.env import AtariEnv
+from atari.games.interventions import load_file
+from atari.lab.inspector import export, timeline
+from atari.lab.inspector.session import Session
+from atari.lab.inspector.sources import session_of_replay, session_of_snapshot
+from atari.lab.interventions import check
+from atari.recording import RecordReplay, Replay
+from atari.recording.replay import replay as replay_module
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+LIVES, PADDLE = 57, 72
+
+
+def new_session(game: str = "breakout") -> Session:
+    return Session(AtariEnv(game, frameskip=1, repeat_action_probability=0.0, full_action_space=True), seed=0)
+
+
+class Sweeper:
+    """Fires, and moves left and right."""
+
+    name = "sweeper"
+
+    def begin(self, core: object) -> None:
+        self.frames = 0
+
+    def act(self, core: object) -> int:
+        self.frames += 1
+        return int((Action.FIRE, Action.LEFT, Action.NOOP, Action.RIGHT)[self.frames // 16 % 4])
+
+
+def play(session: Session, frames: int) -> None:
+    session.agent = session.agent or Sweeper()
+    session.let_agent_play(True)
+    session.step(frames)
+
+
+def test_time_plays_frames_at_the_speed_of_the_console() -> None:
+    session = new_session()
+    session.tick(1.0)
+    assert session.at == 0  # paused
+    session.play()
+    session.tick(0.1)
+    assert session.at == 6
+    session.set_speed(4.0)
+    session.tick(0.1)
+    assert session.at == 30
+    session.tick(100)  # the page slept; the lost time is dropped
+    assert session.at == 90
+    with pytest.raises(ValueError, match="speed is one of"):
+        session.set_speed(3.0)
+
+
+def test_going_back_gives_the_same_bytes() -> None:
+    session = new_session()
+    seen = []
+    for _ in range(200):
+        play(session, 1)
+        seen.append((session.ram(), session.main.core.screen(), session.main.score))
+    for frame in (200, 1, 31, 30, 29, 150, 151, 91):
+        session.seek(frame)
+        assert session.at == frame
+        assert session.main.end == 200
+        ram, screen, score = seen[frame - 1]
+        assert_array_equal(session.ram(), ram)
+        assert_array_equal(session.main.core.screen(), screen)
+        assert session.main.score == score
+        assert_array_equal(session.main.ram_at(frame), ram)
+    session.seek(10**6)
+    assert session.at == 200
+    session.seek(100)
+    session.step(5)  # follows what was recorded
+    assert_array_equal(session.ram(), seen[104][0])
+
+
+def test_a_key_takes_over_what_was_recorded() -> None:
+    session = new_session()
+    play(session, 100)
+    session.seek(50)
+    session.hold(0, 0, False)
+    assert session.main.end == 100
+    session.hold(0, 1, False)
+    assert (session.main.end, session.by_agent, session.action) == (50, False, Action.RIGHT)
+    before = session.ram()[PADDLE]
+    session.step(10)
+    assert (session.main.end, session.at) == (60, 60)
+    session.hold(0, 1, False)
+    session.playing = True
+    session.tick(0.2)
+    assert session.ram()[PADDLE] > before
+
+
+def test_the_oldest_frames_are_dropped(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(timeline, "MOST_FRAMES", 900)
+    session = new_session("pong")
+    rams = []
+    for _ in range(1300):
+        play(session, 1)
+        rams.append(session.ram())
+    assert (session.main.first, session.main.end) == (600, 1300)
+    for frame in (600, 601, 777, 1299):
+        session.seek(frame)
+        assert_array_equal(session.ram(), rams[frame - 1])
+    session.seek(0)
+    assert session.at == 600
+
+
+def test_a_poke_is_seen_before_a_frame_is_played_and_can_be_undone() -> None:
+    session = new_session()
+    play(session, 60)
+    before, screen = session.ram(), session.screen(session.main)[0]
+    session.poke(PADDLE, 60)
+    shown, preview = session.screen(session.main)
+    assert preview
+    assert (shown != screen).any()
+    assert session.ram()[PADDLE] == 60
+    assert session.at == 60
+    session.undo()
+    assert_array_equal(session.ram(), before)
+    assert not session.screen(session.main)[1]
+    session.poke(0x80 + LIVES, 3)  # an address
+    session.step()
+    assert session.ram()[LIVES] == 3
+    session.undo()
+    assert session.ram()[LIVES] == before[LIVES]
+    assert "was written back" in session.notice
+    with pytest.raises(ValueError, match="no change of RAM to undo"):
+        session.undo()
+
+
+def test_a_poke_in_the_past_drops_the_future_and_is_part_of_it() -> None:
+    session = new_session()
+    play(session, 90)
+    session.seek(40)
+    session.poke(LIVES, 2)
+    play(session, 20)
+    after = session.ram()
+    session.seek(10)
+    session.seek(60)
+    assert_array_equal(session.ram(), after)
+    assert after[LIVES] == 2
+
+
+def test_frozen_bytes_hold_at_every_frame() -> None:
+    session = new_session()
+    session.freeze(LIVES, 5)
+    session.freeze(PADDLE)
+    held = session.ram()[PADDLE]
+    play(session, 400)
+    rams = np.stack([session.main.ram_at(frame) for frame in range(1, 401)])
+    assert (rams[:, LIVES] == 5).all()
+    assert (rams[:, PADDLE] == held).all()
+    session.release(LIVES)
+    session.release(PADDLE)
+    play(session, 300)
+    assert session.ram()[LIVES] < 5
+    session.undo()
+    assert session.frozen == {PADDLE: held}
+
+
+def test_frozen_lives_are_never_seen_lost_by_the_rules() -> None:
+    session = new_session()
+    session.freeze(LIVES, 1)
+    play(session, 900)
+    assert session.main.core.lives == 1
+    assert not session.over
+    seen = session.ram()
+    session.seek(400)
+    session.seek(900)
+    assert_array_equal(session.ram(), seen)
+    loser = new_session()
+    loser.poke(LIVES, 1)
+    play(loser, 300)
+    assert loser.main.core.lives == 0
+
+
+def test_a_freeze_of_the_game_and_one_of_its_fork_are_apart() -> None:
+    session = new_session()
+    session.freeze(LIVES, 3)
+    play(session, 20)
+    session.open_fork()
+    session.freeze(PADDLE, 60)
+    session.release(LIVES)
+    session.poke(LIVES, 2)
+    play(session, 20)
+    assert session.fork is not None
+    assert (session.main.core.ram()[LIVES], session.fork.core.ram()[LIVES]) == (3, 2)
+    assert session.fork.core.ram()[PADDLE] == 60 != session.main.core.ram()[PADDLE]
+    session.close_fork()
+    assert session.frozen == {LIVES: 3}
+    assert len(session.changes) == 1
+    session.undo()
+    assert session.frozen == {}
+    session.open_fork()
+    session.freeze(PADDLE, 60)
+    session.close_fork(keep=True)
+    play(session, 5)
+    assert session.frozen == {PADDLE: 60}
+    assert session.ram()[PADDLE] == 60
+
+
+def test_a_release_ends_it_on_the_core_at_once() -> None:
+    session = new_session()
+    session.freeze(PADDLE, 60)
+    session.step(3)
+    session.release(PADDLE)
+    env = session.env
+    for _ in range(5):
+        env.step(int(Action.RIGHT))
+    assert env.core.ram()[PADDLE] != 60
+
+
+def test_at_most_64_bytes_are_held() -> None:
+    session = new_session()
+    for index in range(64):
+        session.freeze(index)
+    with pytest.raises(ValueError, match="at most 64 writes"):
+        session.freeze(64)
+    assert len(session.frozen) == len(session.changes) == 64
+
+
+def test_a_preview_is_what_redraw_draws() -> None:
+    """`Session` shows it as palette indices, which the page draws; `redraw` gives colours."""
+    for game in ("breakout", "pong", "seaquest"):
+        session = new_session(game)
+        session.step(120)
+        session.poke(PADDLE, 60)
+        shown, preview = session.screen(session.main)
+        assert preview
+        colours = _emulator.palette(session.game.screen.format)[shown]
+        assert_array_equal(colours, session.main.core.redraw())
+
+
+def test_a_fork_plays_beside_the_game() -> None:
+    session = new_session()
+    play(session, 80)
+    session.open_fork()
+    assert session.fork is not None
+    session.poke(LIVES, 1)
+    assert session.main.core.ram()[LIVES] == 5
+    assert session.ram()[LIVES] == 1
+    play(session, 300)
+    assert session.main.core.lives > 1
+    assert session.fork.at == session.main.at == 380
+    session.seek(90)
+    assert (session.fork.at, session.fork.core.ram()[LIVES], session.main.core.ram()[LIVES]) == (90, 1, 5)
+    session.seek(0)  # the fork begins at 80
+    assert session.fork.at == session.main.at == 80
+    session.seek(380)
+    kept = session.fork.core.ram()
+    session.close_fork(keep=True)
+    assert session.fork is None
+    assert_array_equal(session.ram(), kept)
+    session.seek(80)
+    session.seek(380)
+    assert_array_equal(session.ram(), kept)
+
+
+def test_the_fork_left_alone_changes_nothing() -> None:
+    session = new_session()
+    play(session, 50)
+    session.open_fork()
+    play(session, 100)
+    assert_array_equal(session.main.core.ram(), session.ram())
+    session.close_fork()
+    assert session.at == 150
+
+
+def test_search_finds_the_lives() -> None:
+    session = new_session()
+    session.new_search()
+    session.filter("equals", 5)
+    while session.main.core.lives == 5:
+        play(session, 10)
+    session.filter("equals", 4)
+    session.filter("unchanged")
+    assert session.search.candidates == [LIVES]
+    session.undo_filter()
+    session.undo_filter()
+    assert len(session.search.candidates) > 1
+    with pytest.raises(ValueError, match="filter must be one of 'changed'"):
+        session.filter("chnged")
+
+
+def test_causes_in_a_state() -> None:
+    session = new_session()
+    play(session, 60)
+    before = session.main.core.snapshot()
+    paddle, source = session.pixels_of(PADDLE)
+    rows = np.flatnonzero(paddle.any(axis=1))
+    assert source == "state"
+    assert paddle.sum() > 20
+    assert rows.min() > 180
+    y, x = np.argwhere(paddle)[0]
+    assert PADDLE in session.bytes_of(int(x), int(y))[0]
+    assert session.main.core.snapshot() == before
+
+
+def test_causes_of_the_shipped_map() -> None:
+    session = new_session()
+    causes = session.readings.causes
+    assert causes is not None
+    pixels, source = session.pixels_of(100)  # nothing in the first frame
+    assert source == "map"
+    assert pixels.any()
+    assert_array_equal(pixels, causes.bytes[100].pixels)
+    y, x = np.argwhere(pixels)[0]
+    found, elsewhere = session.bytes_of(int(x), int(y))
+    assert 100 in elsewhere
+    assert not set(found) & set(elsewhere)
+    assert session.readings.facts()[PADDLE].startswith("By the causal map: ")
+
+
+def test_names() -> None:
+    session = new_session()
+    session.name(70, "speed")
+    for name, text in (("lives", "the name of byte 57"), ("a b", "letters, digits"), ("é", "letters")):
+        with pytest.raises(ValueError, match=text):
+            session.name(71, name)
+    table = tomllib.loads(export.labels_toml(session))
+    assert table["ram"]["speed"]["index"] == 70
+    session.name(70, "")
+    with pytest.raises(ValueError, match="no byte was named"):
+        export.labels_toml(session)
+
+
+def test_the_end_of_a_game_pauses_a_person_and_begins_again_for_an_agent() -> None:
+    session = new_session()
+    session.poke(LIVES, 1)
+    play(session, 20)
+    session.let_agent_play(False)
+    session.play()
+    session.hold(0, 0, True)
+    for _ in range(100):
+        session.tick(0.25)
+    assert session.over
+    assert not session.playing
+    assert "the game is over" in session.notice
+    with pytest.raises(ValueError, match="the game is over"):
+        session.play()
+    session.let_agent_play(True)
+    session.play()
+    session.tick(0.1)
+    assert session.main.core.lives == 5
+
+
+def test_replay_of_what_was_played(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(replay_module, "_CHUNKS_PER_CHECKPOINT", 1)
+    session = new_session()
+    with pytest.raises(ValueError, match="no frame was played"):
+        export.write_replay(session, tmp_path / "a.a26")
+    play(session, 100)
+    session.freeze(LIVES, 1)
+    play(session, 200)
+    session.freeze(PADDLE, 90)
+    session.new_game()
+    session.step(40)
+    session.release(LIVES)
+    session.release(PADDLE)
+    session.poke(PADDLE, 90)
+    play(session, 50)
+    path = export.write_replay(session, tmp_path / "a.a26")
+    replay = Replay.load(path)
+    assert replay.verify()
+    again = session_of_replay(path)
+    assert (again.at, again.main.end) == (0, session.main.end)
+    for frame in (391, 0, 99, 101, 300, 302, 341, 342, 320):
+        again.seek(frame)
+        session.seek(frame)
+        assert_array_equal(again.ram(), session.ram())
+        assert (again.main.score, again.over) == (session.main.score, session.over)
+        if frame:
+            number = frame - (frame > 300)  # in a replay, a reset is no frame
+            assert_array_equal(replay.seek(number).ram(), session.ram())
+    again.release(LIVES)
+    again.step(100)
+    assert again.ram()[PADDLE] != 90
+
+
+def test_a_replay_with_sticky_actions_seeds_and_rewinding(tmp_path: Path) -> None:
+    env = AtariEnv("pong")
+    recording = RecordReplay(env, tmp_path / "pong.a26")
+    recording.reset(seed=3)
+    rams = []
+    for step in range(60):
+        recording.step(step % 6)
+        if step == 20:
+            saved = env.snapshot()
+        if step == 40:
+            env.restore(saved)
+        rams.append(env.core.ram())
+    recording.close()
+    session = session_of_replay(tmp_path / "pong.a26")
+    assert session.main.end == 241
+    session.seek(241)
+    assert_array_equal(session.ram(), rams[-1])
+    session.seek(1 + 4 * 21)
+    assert_array_equal(session.ram(), rams[20])
+
+
+@pytest.mark.parametrize("kind", ["env", "core", "other"])
+def test_saved_states(kind: str, tmp_path: Path) -> None:
+    env = AtariEnv("seaquest", difficulty=1)
+    env.reset(seed=1)
+    for _ in range(20):
+        env.step(1)
+    path = tmp_path / "a.state"
+    path.write_bytes({"env": env.snapshot(), "core": env.core.snapshot(), "other": b"x" * 40}[kind])
+    if kind == "other":
+        with pytest.raises(ValueError, match=r"a\.state cannot be opened as a saved state"):
+            session_of_snapshot(path)
+        return
+    session = session_of_snapshot(path)
+    assert_array_equal(session.ram(), env.core.ram())
+    assert session.game.id == "seaquest"
+
+
+def test_interventions_are_toml() -> None:
+    session = new_session()
+    with pytest.raises(ValueError, match="nothing is frozen"):
+        export.interventions_toml(session)
+    session.freeze(LIVES)
+    play(session, 30)
+    session.poke(PADDLE, 80)
+    table = tomllib.loads(export.interventions_toml(session))
+    assert table["frozen_lives"]["writes"] == [{"to": LIVES, "value": 5, "when": when} for when in ("reset", "frame")]
+    assert table["poke_1_player_x"]["writes"] == [{"to": PADDLE, "value": 80, "when": 30}]
+
+
+def test_an_environment_plays_the_exported_interventions(tmp_path: Path) -> None:
+    session = new_session()
+    session.freeze(LIVES, 3)
+    play(session, 30)
+    session.poke(PADDLE, 80)
+    session.name(PADDLE + 1, "mine")
+    session.freeze(PADDLE + 1, 9)
+    play(session, 60)
+    path = tmp_path / "own.toml"
+    path.write_text(export.interventions_toml(session))
+    known = load_file(path, "breakout")
+    assert sorted(known) == ["frozen_lives", "frozen_mine", "poke_1_player_x"]
+    assert all(check("breakout", one) for one in known.values() if one.check)
+    names = ("frozen_lives", "poke_1_player_x")
+    items = [f"{path}#{name}" for name in names]
+    options = {"frameskip": 1, "repeat_action_probability": 0.0, "full_action_space": True}
+    env = AtariEnv("breakout", interventions=items, **options)
+    env.reset(seed=0)
+    agent = Sweeper()
+    agent.begin(env.core)
+    for frame in range(1, 31):
+        env.step(agent.act(env.core))
+        if frame < 30:
+            assert_array_equal(env.core.ram(), session.main.ram_at(frame))
+    assert (env.core.ram()[LIVES], env.core.ram()[PADDLE]) == (3, 80)
+
+
+def test_a_clip(tmp_path: Path) -> None:
+    av = pytest.importorskip("av")
+    session = new_session()
+    play(session, 120)
+    with pytest.raises(ValueError, match=r"a clip is within frames 0\.\.120"):
+        export.write_clip(session, tmp_path / "a.mp4", 100, 130)
+    export.write_clip(session, tmp_path / "a.mp4", 60, 120)
+    with av.open(str(tmp_path / "a.mp4")) as container:
+        assert sum(1 for _ in container.decode(video=0)) == 60
+
+
+@pytest.mark.parametrize(
+    ("call", "error"),
+    [
+        (lambda s: s.poke(256, 0), ValueError),
+        (lambda s: s.poke(0, 256), ValueError),
+        (lambda s: s.poke("lives", 1), TypeError),
+        (lambda s: s.freeze(-1), ValueError),
+        (lambda s: s.seek(-1), ValueError),
+        (lambda s: s.step(10**9), ValueError),
+        (lambda s: s.hold(2, 0, False), ValueError),
+        (lambda s: s.bytes_of(160, 0), ValueError),
+        (lambda s: s.let_agent_play(True), ValueError),
+        (lambda s: s.filter("between", 3, 2), ValueError),
+        (lambda s: s.undo_filter(), ValueError),
+    ],
+)
+def test_mistakes_change_nothing(call: object, error: type[Exception]) -> None:
+    session = new_session()
+    before = session.ram()
+    with pytest.raises(error):
+        call(session)  # type: ignore[operator]
+    assert_array_equal(session.ram(), before)
+    assert (session.at, session.changes, session.frozen) == (0, [], {})
+
+
+class Broken(Sweeper):
+    def act(self, core: object) -> int:
+        return 99 if self.frames else super().act(core)
+
+
+def test_an_agent_that_fails_pauses() -> None:
+    session = new_session()
+    session.agent = Broken()
+    session.let_agent_play(True)
+    session.play()
+    session.tick(0.1)
+    assert (session.at, session.playing) == (1, False)
+    assert "the agent sweeper has failed" in session.notice
+    with pytest.raises(RuntimeError, match="has failed"):
+        session.step()
+    assert session.at == 1
+
+
+def test_one_fork_at_a_time() -> None:
+    session = new_session()
+    session.open_fork()
+    with pytest.raises(ValueError, match="a fork already"):
+        session.open_fork()
+    session.close_fork()
+    session.close_fork()
+
+
+def test_only_ataris() -> None:
+    import gymnasium
+
+    with pytest.raises(ValueError, match="use core='native'"):
+        Session(AtariEnv("pong", core="ale"))
+    with pytest.raises(TypeError, match=r"shows an atari\.AtariEnv, got CartPoleEnv"):
+        Session(gymnasium.make("CartPole-v1"))

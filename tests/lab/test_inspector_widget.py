@@ -1,0 +1,62 @@
+"""`atari.lab.show`: the static picture, and the widget where anywidget is installed."""
+
+import re
+import subprocess
+import sys
+
+import pytest
+
+import atari
+from atari.lab import show, widget
+
+
+def test_without_anywidget_it_is_a_picture(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(widget, "_widget_class", lambda: None)
+    env = atari.make("breakout")
+    env.reset(seed=0)
+    shown = show(env)
+    html = shown._repr_html_()
+    assert html.count("<td") == 128
+    assert 'src="data:image/png;base64,' in html
+    assert 'title="byte 57: lives"' in html
+    assert "<script" not in html
+    env.step(0)
+    assert shown._repr_html_() != html
+
+
+def test_export(monkeypatch: pytest.MonkeyPatch, tmp_path: object) -> None:
+    monkeypatch.setattr(widget, "_widget_class", lambda: None)
+    shown = show(atari.make("pong"))
+    assert shown.export(str(tmp_path)) == []
+    shown.session.freeze(50, 3)
+    shown.session.step(10)
+    assert [path.name for path in shown.export(str(tmp_path))] == ["pong-interventions.toml", "pong.a26"]
+
+
+def test_the_bundle_is_one_module() -> None:
+    text = widget.bundle()
+    assert not re.search(r"^\s*import\b", text, re.MULTILINE)
+    assert re.findall(r"^export .*", text, re.MULTILINE) == ["export default { render };"]
+
+
+def test_the_widget(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("anywidget")
+    shown = show(atari.make("breakout"))
+    sent: list[tuple[dict[str, object], object]] = []
+    monkeypatch.setattr(shown, "send", lambda message, buffers=None: sent.append((message, buffers)))
+    shown._receive(shown, {"do": "open"}, [])
+    assert [next(iter(message)) for message, _ in sent] == ["hello", "frame", "objects", "state"]
+    sent.clear()
+    shown._receive(shown, {"do": "poke", "index": 57, "value": 3}, [])
+    assert shown.session.ram()[57] == 3
+    shown._receive(shown, {"do": "poke", "index": 57, "value": 300}, [])
+    assert any("error" in message for message, _ in sent)
+    bundle = shown._repr_mimebundle_()
+    data = bundle[0] if isinstance(bundle, tuple) else bundle
+    assert "application/vnd.jupyter.widget-view+json" in data
+    assert data["text/html"].count("<td") == 128
+
+
+def test_the_lab_imports_no_server() -> None:
+    program = "import sys, atari.lab; sys.exit(bool({'aiohttp', 'anywidget', 'torch'} & set(sys.modules)))"
+    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
