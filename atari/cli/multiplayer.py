@@ -38,7 +38,7 @@ def make_match(
     """
     game, mode = _game_and_mode(args)
     rules = rules_of(game)
-    players = args.players or (rules.players(mode) if mode is not None and args.mode is None else None)
+    players = args.players or next((players for players, modes in rules.modes.items() if mode in modes), None)
     if args.players is not None and args.players not in rules.modes:
         raise ValueError(f"{args.game} is for {_either(rules.modes)} players, got --players {args.players}")
     count = players or min(rules.modes)

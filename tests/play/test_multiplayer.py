@@ -226,6 +226,15 @@ def test_the_command_plays_and_prints_both_scores(
     assert sorted(path.name for path in Path().iterdir() if path.suffix) == ["policies_of_two.py"]
 
 
+def test_the_mode_says_how_many_players_there_are(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(Loop, "run", run_loop(3))
+    opponents = [word for _ in range(3) for word in ("--opponent", "noop")]
+    assert main(["play", "pong", "--mode", "6", *opponents, "--json", "--scale", "1", "--no-sound"]) == 0
+    assert json.loads(capsys.readouterr().out)["scores"] == [0] * 4
+
+
 @pytest.mark.parametrize(
     ("words", "text"),
     [
