@@ -23,8 +23,8 @@ def to_json_types(value: Any) -> Any:
 
 
 def print_json(value: Any) -> None:
-    """Print a value that `to_json_types` accepts as one JSON document."""
-    print(json.dumps(to_json_types(value), indent=2))
+    """Print a value that `to_json_types` accepts as one JSON document, at once: the command may go on."""
+    print(json.dumps(to_json_types(value), indent=2), flush=True)
 
 
 def print_table(rows: Iterable[Sequence[object]]) -> None:
