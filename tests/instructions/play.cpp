@@ -62,10 +62,10 @@ std::shared_ptr<const Game> load_game(const char* rom, const Words& words) {
     game->initial = numbers(words, "initial");
     for (int keep : numbers(words, "kept")) game->kept.push_back(keep != 0);
     const std::vector<int32_t> outputs = numbers(words, "outputs");
-    game->reward = outputs.at(0);
-    game->terminal = outputs.at(1);
-    game->lives = outputs.at(2);
-    game->mode_variable = outputs.at(3);
+    game->terminal = outputs.at(0);
+    game->mode_variable = outputs.at(1);
+    game->rewards[0] = outputs.at(2);
+    game->lives[0] = outputs.at(3);
     game->step = Program(numbers(words, "step"), game->variables, false);
     game->select_mode = Program(numbers(words, "select_mode"), game->variables, true);
     game->check();
