@@ -20,7 +20,7 @@ def fill_defaults(given: dict[str, Any]) -> dict[str, Any]:
     """
     several = given["players"] is not None
     if not several and given["agent_indicator"]:
-        raise ValueError("agent_indicator tells several players apart; give players=2, or leave it out")
+        raise ValueError("agent_indicator is for several players; give players=2, or leave it out")
     for name in _ONE_PLAYER:
         if several and given[name]:
             raise ValueError(f"{name} is for games of one player; leave {name}={given[name]!r} or players out")

@@ -269,7 +269,7 @@ def test_games_may_differ() -> None:
         ("pong", {"players": 2, "preset": "dqn2015"}, ValueError, "preset is for games of one player; leave"),
         ("pong", {"players": 2, "continuous": True}, ValueError, "continuous is for games of one player; leave"),
         ("pong", {"players": 2, "use_fire_reset": True}, ValueError, "use_fire_reset is for games of one player"),
-        ("pong", {"agent_indicator": True}, ValueError, "agent_indicator tells several players apart; give players=2"),
+        ("pong", {"agent_indicator": True}, ValueError, "agent_indicator is for several players; give players=2"),
         (
             "pong",
             {"players": 2, "agent_indicator": True, "grayscale": False},

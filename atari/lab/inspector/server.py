@@ -164,7 +164,7 @@ class Inspector:
             return web.Response(body=path.read_bytes(), content_type="application/octet-stream", headers=disposition)
 
     async def _socket(self, request: web.Request) -> web.StreamResponse:
-        """The tab's connection. There is one at a time; a second one is told, and may take the session over."""
+        """The tab's connection. There is one at a time; a second one gets a message, and may take the session over."""
         socket = web.WebSocketResponse(heartbeat=20, max_msg_size=1 << 16, compress=False)
         await socket.prepare(request)
         if self._tab is not None and not self._tab.closed:
