@@ -77,6 +77,10 @@ class Write:
     """A write to RAM, compiled. Immutable; emulators share it."""
 
     @property
+    def definition(self) -> str:
+        """The text that `make_write` was given."""
+
+    @property
     def label_values(self) -> list[int]:
         """
         The value of the label for each byte; empty if it depends on other bytes, or there is no label.
@@ -97,6 +101,7 @@ def make_write(
     condition: Sequence[int],
     value: Sequence[int],
     label: Sequence[int],
+    definition: str,
 ) -> Write:
     """
     Check and assemble a write; raises ValueError if a program is not sound.
@@ -162,12 +167,17 @@ class Emulator:
         Apply a write at each frame from here on, and with `now` at once; ValueError if there are MOST_WRITES.
         """
 
-    def remove_write(self, write: Write) -> None:
-        """End a write; does nothing if there is no such."""
+    def remove_write(self, write: Write) -> int:
+        """End a write; returns the slot that it had, or -1."""
 
-    def copy_writes(self, other: Emulator) -> None:
-        """Have the writes of another core of this game."""
+    @property
+    def writes(self) -> list[Write | None]:
+        """
+        The writes by slot, None where one has ended. They are applied in this order.
+        """
 
+    @writes.setter
+    def writes(self, arg: Sequence[Write | None], /) -> None: ...
     def save(self) -> bytes:
         """The whole state as bytes, of the layout of this build."""
 
@@ -741,6 +751,10 @@ class VectorEngine:
     def receive(self, batch: Batch) -> bool:
         """Wait for a batch of results; whether an episode or a game ended in it."""
 
+    @property
+    def sent(self) -> bool:
+        """Whether a batch has been sent and not received."""
+
     def snapshot(self, environments: Sequence[int]) -> list[MemberSnapshot]: ...
     def restore(self, environments: Sequence[int], states: Sequence[MemberSnapshot]) -> None: ...
     def fork(self, source: int, targets: Sequence[int]) -> None: ...
@@ -781,6 +795,19 @@ class VectorEngine:
     def difficulty(self, environment: int) -> int: ...
     def set_mode(self, environment: int, mode: int) -> None: ...
     def set_difficulty(self, environment: int, difficulty: int) -> None: ...
+
+class XlaPort:
+    """
+    A vector engine for functions compiled by JAX, until this object has gone.
+    """
+
+    def __init__(self, engine: VectorEngine, pixels: bool, ram: bool) -> None: ...
+    @property
+    def handle(self) -> bytes:
+        """Eight bytes by which handlers find the engine."""
+
+def xla_targets() -> dict[str, object]:
+    """The handlers by their names, for `jax.ffi.register_ffi_target`."""
 
 class ReplayGeometry:
     """The sizes of a replay memory. ValueError if a number is out of range."""

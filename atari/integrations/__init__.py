@@ -1,4 +1,5 @@
 """Environments and arrays for other libraries.
 
-Stable-Baselines3: `sb3.py`; EnvPool's interface: `envpool`; PyTorch and JAX: `arrays.py`.
+Stable-Baselines3: `sb3.py`; EnvPool's interface: `envpool`; Ray: `ray`; JAX: `jax`; PyTorch: `torch.py`;
+TorchRL: `torchrl.py`; arrays for PyTorch and JAX: `arrays.py`.
 """

@@ -61,6 +61,16 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
 
     Raises:
         TypeError, ValueError, FileNotFoundError: as `AtariVectorEnv`.
+
+    Example:
+        >>> from atari.sb3 import AtariVecEnv
+        >>> envs = AtariVecEnv("breakout", 4, preset="baselines")
+        >>> envs.seed(0)
+        [0, 1, 2, 3]
+        >>> envs.reset().shape
+        (4, 4, 84, 84)
+        >>> observations, rewards, dones, infos = envs.step([1, 1, 1, 1])
+        >>> envs.close()
     """
 
     def __init__(

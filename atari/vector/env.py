@@ -6,7 +6,6 @@ equality to the byte is a test. Options that ale-py does not have are marked "(a
 """
 
 import copy
-import math
 import operator
 import os
 import sys
@@ -28,14 +27,13 @@ from atari.cores import ByteArray
 from atari.games.game import Game
 from atari.games.interventions import Intervention
 from atari.protocols import Protocol
-from atari.rendering import tile
 from atari.validation import FirstResetNeeded, check_known, check_name
-from atari.vector.ale_interface import AleVectorInterface
-from atari.vector.members import Member
+from atari.vector.members import AddedWrites, Member
 from atari.vector.options import VectorOptions
 from atari.vector.players import choices
 from atari.vector.results import Results, pick_rows
 from atari.vector.seeds import seed_words
+from atari.vector.views import Views
 
 ObsType = Literal["grayscale", "rgb", "ram", "dict"]
 GameLike = str | PathLike[str] | Game
@@ -43,7 +41,7 @@ IntArray = npt.NDArray[np.int64]
 _RAM_OF = {"now": _emulator.RamOf.NOW, "result": _emulator.RamOf.RESULT, "final": _emulator.RamOf.FINAL}
 
 
-class AtariVectorEnv(VectorEnv):
+class AtariVectorEnv(Views, VectorEnv):
     """Environments of one game, or of several, played together.
 
     Observations are uint8: (batch, stack_num, img_height, img_width), in RGB with a last axis of 3, the oldest frame
@@ -79,8 +77,7 @@ class AtariVectorEnv(VectorEnv):
         num_threads: at most so many, of which the caller's is one; 0 is as many as the machine has cores.
         thread_affinity_offset: if 0 or more, bind thread i to core offset + i, but not the caller's own (Linux).
         max_num_frames_per_episode: truncate after so many frames, not counting the no-ops; None is never.
-        repeat_action_probability: of repeating the previous action, drawn each frame ("sticky actions"); None is 0.0,
-            or what the preset has.
+        repeat_action_probability: of repeating the previous action each frame (sticky); None is 0.0, or the preset's.
         full_action_space: all legal actions (18 in nearly all games) instead of those the game uses; None is False, or
             what the preset has.
         continuous: actions are (batch, 3) float32: radius, angle, fire (Farebrother and Castro 2024, "CALE").
@@ -103,7 +100,8 @@ class AtariVectorEnv(VectorEnv):
         preset: name of a preprocessing, one of `atari.wrappers.PRESETS` (added). Environment i then is
             `atari.wrappers.preset(env, name)` with seed + i, to the byte: no-ops, FIRE, lost lives, pooling, padding
             and limits are the preset's, and ale-py's options that shape them must be left out, but `stack_num`. An
-            `atari.protocols.Protocol` decides the same, but for the size, colours and number of the images.
+            `atari.protocols.Protocol` decides the same, but for the size, colours and number of the images. With
+            `players`, "dqn": the stack begins as copies of the first image, as in `atari.multiplayer.parallel_env`.
         obs_type: "grayscale", "rgb", "ram" ((batch, 128), no stack), or "dict" of "image" and "ram"; None is what
             `grayscale` says (added).
         channels_last: images are (batch, img_height, img_width, stack_num), in RGB (batch, img_height, img_width,
@@ -119,12 +117,17 @@ class AtariVectorEnv(VectorEnv):
         interventions: changes of the games through RAM, as `AtariEnv` takes them (added).
 
     Raises:
-        TypeError: there is no such option; the message suggests the nearest.
-        TypeError, ValueError: an option is of the wrong kind or out of range.
+        TypeError, ValueError: there is no such option (the nearest is suggested), or its value is wrong.
         FileNotFoundError: no ROM file of a game was found.
+
+    Example:
+        >>> import atari
+        >>> atari.AtariVectorEnv("breakout", 8, preset="dqn2015").reset(seed=0)[0].shape
+        (8, 4, 84, 84)
     """
 
     _process = 0  # that made the threads
+    _port: _emulator.XlaPort | None = None  # of compiled functions
 
     def __init__(
         self,
@@ -185,6 +188,7 @@ class AtariVectorEnv(VectorEnv):
         self._process = os.getpid()
         # Of all attributes that change, and of the engine from a send to its results.
         self._lock = _emulator.VectorLock()
+        self._added = tuple(AddedWrites() for _ in self.games)
         self.single_action_space = options.action_space()
         self.single_observation_space = options.layout.space(options.observation_space())
         self.action_space = options.batched_action_space()
@@ -296,7 +300,7 @@ class AtariVectorEnv(VectorEnv):
             if self._engine is None:  # A signal handler has closed it since `_open`.
                 raise _closed()
             raise gymnasium.error.ResetNeeded("call reset() before the first step, and after an error in one")
-        if self._phase == "sent":
+        if self._is_sent():
             raise gymnasium.error.AlreadyPendingCallError("call recv() before the next send()", "send")
 
     def _start(
@@ -308,6 +312,11 @@ class AtariVectorEnv(VectorEnv):
         self._flying, self._chosen = results, chosen if all_together else None
         self._phase = "sent"
 
+    def _is_sent(self) -> bool:
+        if self._phase == "sent" and not self._open().sent:  # A compiled function has received it.
+            self._phase = "idle"
+        return self._phase == "sent"
+
     def recv(self) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         """Wait for a batch of results, as `step` returns them.
 
@@ -316,7 +325,7 @@ class AtariVectorEnv(VectorEnv):
         """
         with self._lock:
             engine = self._open()
-            if self._phase != "sent":
+            if not self._is_sent():
                 raise gymnasium.error.NoAsyncCallError("call send() before recv()", "recv")
             return self._receive(engine)
 
@@ -389,31 +398,10 @@ class AtariVectorEnv(VectorEnv):
             self._open().copy_rams(chosen, rams, _RAM_OF[check_name("of", of, _RAM_OF)])
         return rams
 
-    def render(self) -> tuple[ByteArray, ...] | None:
-        """The screens of all environments, (height, 160, 3) uint8 each; None without a render mode."""
-        if self.render_mode is None:
-            return None
-        return tuple(self._screens())
-
-    def mosaic(self) -> ByteArray:
-        """The screens as one image, (height, width, 3) uint8, of as many columns of screens as rows, or one more."""
-        screens = self._screens()
-        return tile(screens, math.ceil(math.sqrt(len(screens))))
-
-    def _screens(self) -> list[ByteArray]:
-        with self._lock:
-            engine = self._open()
-            return [engine.screen_rgb(index) for index in range(self.num_envs)]
-
     @property
     def autoreset_mode(self) -> AutoresetMode:
         """What happens to environments that are done."""
         return self._options.autoreset_mode
-
-    @property
-    def ale(self) -> AleVectorInterface:
-        """The environments under the method names of ale-py's `ALEVectorInterface`."""
-        return AleVectorInterface(self)
 
     @property
     def continuous(self) -> bool:
@@ -435,8 +423,10 @@ class AtariVectorEnv(VectorEnv):
         """The environments one by one: their counters, RAM, mode and difficulty."""
         self._open()
         return tuple(
-            Member(self._open, self._lock, index, game, actions, choices(game, self._options.players))
-            for index, (game, actions) in enumerate(zip(self.games, self._options.action_sets, strict=True))
+            Member(self._open, self._lock, index, game, actions, choices(game, self._options.players), added)
+            for index, (game, actions, added) in enumerate(
+                zip(self.games, self._options.action_sets, self._added, strict=True)
+            )
         )
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
@@ -470,7 +460,7 @@ class AtariVectorEnv(VectorEnv):
         """Pickling and copying keep the position in all games; in batches of fewer than all, a reset must follow."""
         with self._lock:
             engine = self._open()
-            if self._phase == "sent":
+            if engine.sent:
                 raise RuntimeError("environments are being played; call recv() before pickling")
             states = [engine.save(index) for index in range(self.num_envs)]
             given = {**self._given, "num_envs": self.num_envs, **self._choices(engine)}
@@ -509,7 +499,7 @@ class AtariVectorEnv(VectorEnv):
             self._release()
 
     def _release(self) -> None:
-        self._engine = None
+        self._engine = self._port = None
         self._phase = "new"
         self._flying = self._out_results = None
         self._buffers = []
@@ -522,7 +512,7 @@ class AtariVectorEnv(VectorEnv):
     def _keep_states(self, engine: _emulator.VectorEngine) -> None:
         """Keep the states for a reset after `close`, unless another thread uses the environments."""
         with suppress(Exception):
-            if self._phase == "sent":
+            if self._is_sent():
                 self._receive(engine)
             self._closed_states = [engine.save(index) for index in range(self.num_envs)]
             self._given.update(self._choices(engine))
@@ -531,6 +521,8 @@ class AtariVectorEnv(VectorEnv):
         """Continue after `close`."""
         self._options = VectorOptions.check(**{**self._given, "num_envs": self.num_envs})
         self._engine = self._options.make_engine()
+        for index, added in enumerate(self._added):
+            added.add_to(self._engine, index)
         for index, state in enumerate(self._closed_states or ()):
             self._engine.load(index, state)
         self._buffers = [Results(self._engine, self._options) for _ in range(2)]

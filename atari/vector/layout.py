@@ -74,7 +74,7 @@ class Layout:
     def _array(self, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
         if self.channels_last and array.ndim >= 4:
             count, stack, height, width, *colours = array.shape
-            array = np.moveaxis(array, 1, 3)
+            array = array.transpose(0, 2, 3, 1, *range(4, array.ndim))
             array = array.reshape(count, height, width, stack * colours[0]) if colours else array
         if self.indicators:
             array = self._with_indicators(array)

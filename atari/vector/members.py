@@ -14,6 +14,21 @@ from atari.games.game import Game
 from atari.validation import check_poke
 
 
+class AddedWrites:
+    """The writes that were added to an environment of a vector."""
+
+    def __init__(self) -> None:
+        self.writes: list[_emulator.Write] = []
+        """Those that were not removed."""
+        self.shadows: list[Any] = []
+        """Cores that repeat the environment, and get these writes and bytes too."""
+
+    def add_to(self, engine: _emulator.VectorEngine, index: int) -> None:
+        """Add the writes to an environment of a new engine."""
+        for write in self.writes:
+            engine.add_write(index, write)
+
+
 class Member:
     """The state of environment `index` of a vector: its numbers, RAM, screen, mode and difficulty.
 
@@ -28,9 +43,11 @@ class Member:
         game: Game,
         actions: tuple[Action, ...],
         choices: dict[str, tuple[int, ...]],
+        added: AddedWrites,
     ) -> None:
         self._engine, self._lock, self.index, self.game, self._actions = engine, lock, index, game, actions
         self._choices = choices
+        self.added = added
 
     def _numbers(self) -> list[int]:
         with self._lock:
@@ -104,6 +121,8 @@ class Member:
         index, value = check_poke(index, value)
         with self._lock:
             self._engine().set_ram(self.index, index, value)
+        for shadow in self.added.shadows:
+            shadow.set_ram(index, value)
 
     def copy_to(self, core: NativeCore) -> None:
         """Give a core of the same game the state of this emulator. The core keeps its sticky actions and its limit.
@@ -139,11 +158,17 @@ class Member:
         """
         with self._lock:
             self._engine().add_write(self.index, write, now)
+        self.added.writes.append(write)
+        for shadow in self.added.shadows:
+            shadow.add_write(write, now)
 
     def remove_write(self, write: _emulator.Write) -> None:
         """End a write; does nothing if there is no such."""
         with self._lock:
             self._engine().remove_write(self.index, write)
+        self.added.writes = [each for each in self.added.writes if each is not write]
+        for shadow in self.added.shadows:
+            shadow.remove_write(write)
 
     def get_action_meanings(self) -> list[str]:
         """The names of the game's actions, in the order of the action space unless games differ."""

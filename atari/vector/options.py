@@ -101,7 +101,7 @@ class VectorOptions:
             layout=Layout.check(
                 given["channels_last"], given["dtype"], obs_type, players if given["agent_indicator"] else 0
             ),
-            preset=given["preset"],
+            preset=given["preset"] if players == 1 else None,
             protocol=_check_protocol(given),
             interventions=tuple(resolve(game, given["interventions"]) for game in games),
             players=players,
@@ -296,7 +296,7 @@ def _check_protocol(given: dict[str, Any]) -> Protocol:
         probability = check_probability("repeat_action_probability", probability)
     if isinstance(given["preset"], Protocol):
         return _check_own_protocol(given)
-    if given["preset"] is not None:
+    if given["preset"] is not None and given["players"] is None:
         _require_defaults(given, {name: _SHAPING[name] for name in _SHAPING if name != "stack_num"})
         from atari.wrappers.presets import preset_protocol  # here, because it imports OpenCV
 
@@ -321,6 +321,7 @@ def _check_protocol(given: dict[str, Any]) -> Protocol:
         max_frames=None if limit is None else check_integer("max_num_frames_per_episode", limit, 1, NO_LIMIT),
         max_pool=bool(given["maxpool"]),
         end_frames="gymnasium" if given["players"] is None else "last",
+        padding="zero" if given["preset"] is None else "reset",
     )
 
 

@@ -8,7 +8,7 @@ from atari.games.multiplayer import Multiplayer
 from atari.multiplayer.core import choose_mode, rules_of
 from atari.validation import check_integer
 
-_ONE_PLAYER = ("preset", "continuous", "episodic_life", "life_loss_info", "use_fire_reset")
+_ONE_PLAYER = ("continuous", "episodic_life", "life_loss_info", "use_fire_reset")
 """Options that have no meaning for several players."""
 
 
@@ -24,6 +24,8 @@ def fill_defaults(given: dict[str, Any]) -> dict[str, Any]:
     for name in _ONE_PLAYER:
         if several and given[name]:
             raise ValueError(f"{name} is for games of one player; leave {name}={given[name]!r} or players out")
+    if several and given["preset"] not in (None, "dqn"):
+        raise ValueError(f"preset of several players must be 'dqn' or None, got {given['preset']!r}")
     coloured = given["obs_type"] == "rgb" or (given["obs_type"] != "ram" and not given["grayscale"])
     if given["agent_indicator"] and coloured and not given["channels_last"]:
         raise ValueError("agent_indicator adds channels, which RGB images have last; add channels_last=True")

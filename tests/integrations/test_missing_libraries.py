@@ -34,3 +34,23 @@ def test_a_missing_stable_baselines3_is_named(monkeypatch: pytest.MonkeyPatch) -
         gymnasium.error.DependencyNotInstalled, match=r"atari\.sb3 needs Stable-Baselines3: pip install"
     ):
         importlib.import_module("atari.sb3")
+
+
+@pytest.mark.parametrize(("method", "package"), [("xla", "JAX"), ("torch", "PyTorch")])
+def test_a_library_that_a_view_misses_is_named(method: str, package: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    for module in ("torch", "jax"):
+        monkeypatch.setitem(sys.modules, module, None)
+    monkeypatch.delitem(sys.modules, "atari.integrations.torch", raising=False)
+    envs = atari.AtariVectorEnv("pong", 1)
+    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=rf"{method}\(\) needs {package}.*: pip install"):
+        getattr(envs, method)()
+
+
+def test_a_missing_ray_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "ray", None)
+    for name in [name for name in sys.modules if name.startswith("atari.integrations.ray")]:
+        monkeypatch.delitem(sys.modules, name)
+    with pytest.raises(
+        gymnasium.error.DependencyNotInstalled, match=r"atari\.integrations\.ray needs Ray: pip install"
+    ):
+        importlib.import_module("atari.integrations.ray")

@@ -149,7 +149,7 @@ def test_a_vector_with_the_snapshots_of_a_closed_one_can_be_closed() -> None:
     """The threads drop the last references to the snapshots, and to their games, while `close` joins them."""
     run_program("""
         import numpy as np, atari
-        for _ in range(400):
+        for _ in range(150):
             first, second = (atari.AtariVectorEnv("pong", 4, num_threads=4, obs_type="ram") for _ in range(2))
             first.reset(seed=0)
             second.reset(seed=0)

@@ -166,13 +166,14 @@ bool Environment::add_write(std::shared_ptr<const Write> write, bool now) {
     return true;
 }
 
-void Environment::remove_write(const Write* write) {
-    writes_.remove(write);
+int Environment::remove_write(const Write* write) {
+    const int slot = writes_.remove(write);
     if (writes_.empty()) active_writes_ = nullptr;
+    return slot;
 }
 
-void Environment::copy_writes(const Writes& others) {
-    writes_.copy(others);
+void Environment::set_writes(Writes::Slots slots) {
+    writes_.set(std::move(slots));
     active_writes_ = writes_.empty() ? nullptr : &writes_;
 }
 

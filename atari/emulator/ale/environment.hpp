@@ -155,9 +155,9 @@ class Environment {
     // Writes that every further frame applies, and with `now` also this call. They are options of an environment: a snapshot
     // has their state, but not which there are. False if there are kMaxWrites already.
     bool add_write(std::shared_ptr<const Write> write, bool now);
-    void remove_write(const Write* write);
+    int remove_write(const Write* write);
     const Writes& writes() const { return writes_; }
-    void copy_writes(const Writes& others);
+    void set_writes(Writes::Slots slots);
     // Draws the present RAM, as screen_rgb does, by emulating a frame. The state stays what it is.
     void redraw(uint8_t* out);
 

@@ -113,10 +113,13 @@ int Writes::add(std::shared_ptr<const Write> write, WriteState& state) {
     return slot;
 }
 
-void Writes::remove(const Write* write) {
+int Writes::remove(const Write* write) {
     const auto place = std::find_if(slots_.begin(), slots_.end(), [&](const auto& slot) { return slot.get() == write; });
-    if (place != slots_.end()) *place = nullptr;
+    if (place == slots_.end()) return -1;
+    const int slot = static_cast<int>(place - slots_.begin());
+    *place = nullptr;
     while (!slots_.empty() && !slots_.back()) slots_.pop_back();
+    return slot;
 }
 
 void Writes::begin_frame(const Console& console, WriteState& state) {

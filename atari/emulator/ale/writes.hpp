@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "machine/console.hpp"
@@ -20,7 +22,8 @@ enum WriteVariable { kResult, kOld, kFrame, kLabelByte, kWriteVariables };
 // One write: which bits of a byte become which value, and when. Its programs store their result in `kResult`. Immutable
 // and shared.
 struct Write {
-    int index = 0;  // of the byte, 0..127
+    std::string definition;  // what it was made of, for replays; opaque here
+    int index = 0;           // of the byte, 0..127
     uint8_t mask = 0xff;
     bool every_frame = false, at_reset = false;
     std::vector<int32_t> frames;  // of the episode, at whose end it is applied; the first has the number 1
@@ -50,9 +53,12 @@ struct WriteState {
 // The writes of an environment, by slot. They are applied in the order of the slots.
 class Writes {
   public:
+    using Slots = std::vector<std::shared_ptr<const Write>>;
+
     int add(std::shared_ptr<const Write> write, WriteState& state);  // the slot, or -1 if there is none
-    void remove(const Write* write);
-    void copy(const Writes& others) { slots_ = others.slots_; }
+    int remove(const Write* write);                                  // the slot that it had, or -1
+    void set(Slots slots) { slots_ = std::move(slots); }             // at most kMaxWrites; the last is not null
+    const Slots& slots() const { return slots_; }
     bool empty() const { return slots_.empty(); }
 
     // Stores the values before a frame, which programs read as `kOld`.
@@ -65,7 +71,7 @@ class Writes {
   private:
     bool apply(const Write& write, int slot, Console& console, WriteState& state, int32_t frame);
 
-    std::vector<std::shared_ptr<const Write>> slots_;  // null where a write was removed; the last is not null
+    Slots slots_;                // null where a write was removed; the last is not null
     int32_t old_[kMaxWrites]{};  // by slot, the values before the frame
 };
 

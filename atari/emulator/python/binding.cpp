@@ -5,6 +5,7 @@
 // the whole rule, and what keeps it.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/tuple.h>
@@ -14,6 +15,7 @@
 #include <cmath>
 #include <exception>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include "ale/environment.hpp"
@@ -162,13 +164,25 @@ class Emulator : Exclusive {
         if (!locked([&](Environment& e) { return e.add_write(write.value, now); })) throw nb::value_error(kTooManyWrites);
     }
 
-    void remove_write(const Shared<Write>& write) {
-        locked([&](Environment& e) { return e.remove_write(write.value.get()), 0; });
+    int remove_write(const Shared<Write>& write) {
+        return locked([&](Environment& e) { return e.remove_write(write.value.get()); });
     }
 
-    void copy_writes(Emulator& other) {
-        const Writes writes = other.locked([](Environment& e) { return e.writes(); });
-        locked([&](Environment& e) { return e.copy_writes(writes), 0; });
+    using Slots = std::vector<std::optional<Shared<Write>>>;
+
+    Slots writes() {
+        const Writes::Slots writes = locked([](Environment& e) { return e.writes().slots(); });
+        Slots slots;
+        for (const auto& write : writes) slots.push_back(write ? std::optional(Shared<Write>{write}) : std::nullopt);
+        return slots;
+    }
+
+    void set_writes(const Slots& slots) {
+        Writes::Slots writes;
+        for (const auto& slot : slots) writes.push_back(slot ? slot->value : nullptr);
+        while (!writes.empty() && !writes.back()) writes.pop_back();
+        if (writes.size() > kMaxWrites) throw nb::value_error(kTooManyWrites);
+        locked([&](Environment& e) { return e.set_writes(std::move(writes)), 0; });
     }
 
     // Returns a new array, or `out`, filled by `fill(environment, pointer)`.
@@ -248,6 +262,7 @@ void register_memory(nb::module_& m);      // binding_memory.cpp
 void register_causes(nb::module_& m);      // binding_causes.cpp
 void register_labels(nb::module_& m);      // binding_labels.cpp
 void register_writes(nb::module_& m);      // binding_writes.cpp
+void register_xla(nb::module_& m);         // binding_xla.cpp
 
 }  // namespace atari
 
@@ -347,8 +362,9 @@ NB_MODULE(_emulator, m) {
         .def("redraw", array(&Environment::redraw, true), "out"_a = nb::none(), nb::sig(RETURNS_ARRAY("redraw")))
         .def("add_write", &Emulator::add_write, "write"_a, "now"_a = false,
              "Apply a write at each frame from here on, and with `now` at once; ValueError if there are MOST_WRITES.")
-        .def("remove_write", &Emulator::remove_write, "write"_a, "End a write; does nothing if there is no such.")
-        .def("copy_writes", &Emulator::copy_writes, "other"_a, "Have the writes of another core of this game.")
+        .def("remove_write", &Emulator::remove_write, "write"_a, "End a write; returns the slot that it had, or -1.")
+        .def_prop_rw("writes", &Emulator::writes, &Emulator::set_writes,
+                     "The writes by slot, None where one has ended. They are applied in this order.")
         .def("save", &Emulator::save, "The whole state as bytes, of the layout of this build.")
         .def("load", &Emulator::load, "state"_a, "Continue from `save`; ValueError if the bytes cannot be a state.")
         .def("clone_state", &Emulator::clone_state, "include_rng"_a = false,
@@ -384,6 +400,7 @@ NB_MODULE(_emulator, m) {
 
     register_inspection(m);
     register_vector(m);
+    register_xla(m);
     register_memory(m);
     register_causes(m);
     register_labels(m);

@@ -9,319 +9,22 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
-#include <algorithm>
-#include <cmath>
 #include <memory>
-#include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
-#include "ale/labels.hpp"
+#include "bound_engine.hpp"
 #include "state.hpp"
 #include "threads.hpp"
 #include "vector_lock.hpp"
-#include "vector/members.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
 
 namespace atari {
 namespace {
-
-template <typename T>
-using Rows = nb::ndarray<T, nb::c_contig, nb::device::cpu>;
-template <typename T>
-using List = nb::ndarray<const T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-template <typename T>
-using Table = nb::ndarray<T, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-using Rams = Table<uint8_t>;
-using Seeds = nb::ndarray<const uint32_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-
-SeedWords words_of(const Seeds& seeds, size_t i) {
-    SeedWords words;
-    for (size_t word = 0; word < words.size(); ++word) words[word] = seeds(i, word);
-    return words;
-}
-
-// Arrays for the results of a batch, with the pointers to their parts.
-struct BoundBatch {
-    Batch batch;
-    std::vector<nb::object> shown;   // arrays of observations, and weak references to them, see `prevent_resize`
-    std::vector<nb::object> arrays;  // the other arrays
-    size_t rows = 0, pixels = 0;     // bytes of pixels in an observation
-    size_t players = 1;
-};
-
-// A member's state in memory. After unpickling it consists of bytes, and `snapshot` is null.
-struct BoundSnapshot {
-    VectorEngine::Snapshot snapshot;
-    std::vector<uint8_t> bytes;
-    uint64_t image;
-
-    // Returns the snapshot for one environment; null if it does not fit.
-    VectorEngine::Snapshot within(VectorEngine& engine, int environment) const {
-        if (snapshot) return engine.fits(environment, *snapshot) ? snapshot : nullptr;
-        const bool same =
-            bytes.size() == engine.state_size(environment) && image == image_digest(engine.game(environment));
-        return same ? engine.parse(environment, bytes.data()) : nullptr;
-    }
-};
-
-// The engine as Python threads share it. The GIL is released while environments are played or waited for.
-class BoundEngine : Exclusive {
-  public:
-    explicit BoundEngine(std::unique_ptr<VectorEngine> engine) : engine_(std::move(engine)) {}
-
-    // Joins the threads, which may still write to `current_`.
-    ~BoundEngine() {
-        const GilRelease release;
-        engine_.reset();
-    }
-
-    void start(List<int64_t> actions, std::optional<List<float>> strengths, nb::object batch,
-               std::optional<List<int64_t>> environments) {
-        const std::vector<int64_t> indices(actions.data(), actions.data() + actions.size());
-        std::vector<int64_t> numbers;
-        if (environments) numbers.assign(environments->data(), environments->data() + environments->size());
-        std::vector<float> factors(indices.size(), 1.0f);
-        if (strengths && strengths->size() != factors.size())
-            throw nb::value_error("there must be a strength for each action");
-        if (strengths) std::copy_n(strengths->data(), factors.size(), factors.begin());
-        const Batch* const target = checked(batch);
-        locked([&] {
-            check_process(process_);
-            if (sent_) throw std::runtime_error("a step has been started; receive it first");
-            std::vector<int> some;
-            if (environments) some = chosen(numbers);
-            const std::vector<int>& rows = environments ? some : engine_->recent();
-            check_actions(rows, indices, factors);
-            std::swap(current_, batch);
-            target_ = target;
-            sent_ = true;
-            engine_->step(rows, indices.data(), factors.data(), target);
-        });
-    }
-
-    void reset(List<bool> mask, List<bool> seeded, Seeds seeds, nb::object batch, bool new_games) {
-        const auto size = static_cast<size_t>(engine_->size());
-        if (mask.shape(0) != size || seeded.shape(0) != size || seeds.shape(0) != size ||
-            seeds.shape(1) != SeedWords{}.size())
-            throw nb::value_error("there must be an entry for each environment");
-        std::vector<Seed> values(size);
-        std::vector<const Seed*> given(size);
-        std::vector<bool> which(size);
-        for (size_t i = 0; i < size; ++i) {
-            values[i] = seed_of(words_of(seeds, i));
-            given[i] = seeded(i) ? &values[i] : nullptr;
-            which[i] = mask(i);
-        }
-        const Batch* const target = checked(batch);
-        locked([&] {
-            check_process(process_);
-            engine_->drain();
-            std::swap(current_, batch);
-            target_ = target;
-            sent_ = true;
-            engine_->reset(which, given, target, new_games);
-        });
-    }
-
-    bool receive(const BoundBatch& batch) {
-        check_size(batch);
-        return locked([&] {
-            check_process(process_);
-            if (!sent_) throw std::runtime_error("no step has been started");
-            if (target_ && target_ != &batch.batch) throw nb::value_error("the step was started with another batch");
-            sent_ = false;
-            return engine_->receive(batch.batch);
-        });
-    }
-
-    std::vector<BoundSnapshot> snapshot(const std::vector<int>& environments) {
-        return locked([&] {
-            check_idle(environments);
-            std::vector<BoundSnapshot> states;
-            for (int environment : environments) states.push_back({engine_->snapshot(environment), {}, 0});
-            return states;
-        });
-    }
-
-    void restore(const std::vector<int>& environments, const std::vector<const BoundSnapshot*>& states) {
-        if (environments.size() != states.size())
-            throw nb::value_error("there must be a snapshot for each environment");
-        std::vector<BoundSnapshot> copies;  // Another thread may drop the list.
-        for (const BoundSnapshot* state : states) copies.push_back(state ? *state : BoundSnapshot{});
-        locked([&] {
-            check_idle(environments);
-            std::vector<VectorEngine::Snapshot> snapshots;
-            for (size_t i = 0; i < copies.size(); ++i) {
-                snapshots.push_back(copies[i].within(*engine_, environments[i]));
-                if (!snapshots[i])
-                    throw nb::value_error(("snapshot " + std::to_string(i) + " is of another game than environment " +
-                                           std::to_string(environments[i]) +
-                                           ", or was taken with other options").c_str());
-            }
-            for (size_t i = 0; i < copies.size(); ++i) engine_->restore(environments[i], std::move(snapshots[i]));
-        });
-    }
-
-    void fork(int source, const std::vector<int>& targets) {
-        const BoundSnapshot state = snapshot({source})[0];
-        restore(targets, std::vector<const BoundSnapshot*>(targets.size(), &state));
-    }
-
-    nb::bytes save(int environment) {
-        const auto state = locked([&] {
-            check_idle({environment});
-            std::vector<uint8_t> bytes(engine_->state_size(environment));
-            engine_->save(environment, bytes.data());
-            return bytes;
-        });
-        return nb::bytes(state.data(), state.size());
-    }
-
-    nb::bytes save_emulator(int environment) {
-        const auto state = locked([&] {
-            check_idle({environment});
-            std::vector<uint8_t> bytes(engine_->emulator_state_size(environment));
-            engine_->save_emulator(environment, bytes.data());
-            return bytes;
-        });
-        return nb::bytes(state.data(), state.size());
-    }
-
-    void load(int environment, nb::bytes state) {
-        const auto* const bytes = static_cast<const uint8_t*>(state.data());
-        const size_t size = state.size();
-        const bool good = locked([&] {
-            check_idle({environment});
-            return size == engine_->state_size(environment) && engine_->load(environment, bytes);
-        });
-        if (!good) throw nb::value_error("the state is damaged, or of another game or version");
-    }
-
-    // Calls `get(environment)` while no environment is being played.
-    template <typename Get>
-    auto get(int environment, Get&& get) {
-        if (briefly([&] { return engine_->pending() > 0; })) return get_slowly(environment, get);
-        return briefly([&] {
-            check_received({environment});
-            return get(engine_->episode(environment).environment());
-        });
-    }
-
-    // As `get`, without the GIL.
-    template <typename Get>
-    auto get_slowly(int environment, Get&& get) {
-        return locked([&] {
-            check_idle({environment});
-            return get(engine_->episode(environment).environment());
-        });
-    }
-
-    // Copies the RAM of environments, 128 bytes each. Environments of the last batch are not being played.
-    std::vector<uint8_t> rams(const std::vector<int>& environments, VectorEngine::RamOf of) {
-        std::vector<uint8_t> rams(kRamSize * environments.size());
-        const auto copy = [&] {
-            uint8_t* out = rams.data();
-            for (int environment : environments) out = std::copy_n(engine_->ram(environment, of), kRamSize, out);
-        };
-        const std::vector<int>& recent = engine_->recent();
-        const bool received = briefly([&] {
-            return engine_->pending() == 0 || std::all_of(environments.begin(), environments.end(), [&](int environment) {
-                return std::find(recent.begin(), recent.end(), environment) != recent.end();
-            });
-        });
-        if (received) briefly([&] { check_received(environments); copy(); });
-        else locked([&] { check_idle(environments); copy(); });
-        return rams;
-    }
-
-    size_t rows() const { return static_cast<size_t>(engine_->batch_size()); }
-    size_t players() const { return static_cast<size_t>(engine_->players()); }
-    size_t pixels() const { return engine_->pixels(); }
-
-  private:
-    // The batch of an object, which threads write to; null for None, where results wait for `receive`.
-    const Batch* checked(nb::handle batch) const {
-        if (batch.is_none() && engine_->batch_size() < engine_->size()) return nullptr;
-        if (batch.is_none())
-            throw nb::value_error("a batch of all environments is written while they are played; give one");
-        BoundBatch* bound = nullptr;
-        if (!nb::try_cast(batch, bound) || !bound) throw nb::type_error("the batch must be a Batch of this engine");
-        check_size(*bound);
-        return &bound->batch;
-    }
-
-    void check_size(const BoundBatch& batch) const {
-        if (batch.rows != rows() || batch.pixels != pixels() || batch.players != players())
-            throw nb::value_error("the batch is of an engine with batches, observations or players of another number");
-    }
-
-    // The checks below are made with the lock.
-    //
-    // The environments of a step: some of all, or those of the last batch in any order if a batch has fewer than all.
-    std::vector<int> chosen(const std::vector<int64_t>& numbers) const {
-        std::vector<bool> available(static_cast<size_t>(engine_->size()));
-        for (int environment : engine_->recent()) available[static_cast<size_t>(environment)] = true;
-        std::vector<int> environments;
-        for (size_t i = 0; i < numbers.size(); ++i) {
-            const std::string which = "environment " + std::to_string(numbers[i]) + " in row " + std::to_string(i);
-            if (numbers[i] < 0 || numbers[i] >= engine_->size())
-                throw nb::index_error((which + " does not exist; env_id is within 0.." +
-                                       std::to_string(engine_->size() - 1)).c_str());
-            if (!available[static_cast<size_t>(numbers[i])])
-                throw nb::value_error((which + " is given twice, or is not of the last batch").c_str());
-            available[static_cast<size_t>(numbers[i])] = false;
-            environments.push_back(static_cast<int>(numbers[i]));
-        }
-        if (environments.empty()) throw nb::value_error("env_id must name at least one environment");
-        if (engine_->batch_size() < engine_->size() && environments.size() != engine_->recent().size())
-            throw nb::value_error(("with batch_size < num_envs, env_id must name all " +
-                                   std::to_string(engine_->recent().size()) +
-                                   " environments of the last batch").c_str());
-        return environments;
-    }
-
-    void check_actions(const std::vector<int>& environments, const std::vector<int64_t>& actions,
-                       const std::vector<float>& strengths) const {
-        const auto players = static_cast<size_t>(engine_->players());
-        if (actions.size() != environments.size() * players)
-            throw nb::value_error(players == 1 ? "there must be an action for each environment of the batch"
-                                               : "there must be an action for each player of each environment");
-        for (size_t i = 0; i < actions.size(); ++i) {
-            const int most = engine_->actions_of(environments[i / players]) - 1;
-            if (actions[i] < 0 || actions[i] > most)
-                throw nb::value_error(("action " + std::to_string(actions[i]) + " in row " +
-                                       std::to_string(i / players) +
-                                       " is not within 0.." + std::to_string(most)).c_str());
-            if (!(std::abs(strengths[i]) <= 1000.0f))  // negated, so that NaN fails too
-                throw nb::value_error(("the strength in row " + std::to_string(i) +
-                                       " must be finite and at most 1000 in magnitude").c_str());
-        }
-    }
-
-    // Throws between `start` and `receive`. In batches of fewer than all, waits for the environments that are not in the last
-    // batch, so it is called without the GIL.
-    void check_idle(const std::vector<int>& environments) {
-        check_received(environments);
-        if (engine_->pending()) engine_->settle();
-    }
-
-    void check_received(const std::vector<int>& environments) const {
-        check_process(process_);
-        if (sent_) throw std::runtime_error("environments are being played; call recv() first");
-        for (int environment : environments)
-            if (environment < 0 || environment >= engine_->size())
-                throw nb::index_error(("there is no environment " + std::to_string(environment)).c_str());
-    }
-
-    const uint32_t process_ = process_generation;
-    nb::object current_;              // owns `target_`
-    const Batch* target_ = nullptr;   // what the threads write to: must outlive `engine_`
-    bool sent_ = false;               // whether a batch has been sent and not received
-    std::unique_ptr<VectorEngine> engine_;
-};
 
 template <typename T>
 T* rows_of(BoundBatch& batch, nb::object array, size_t size, const char* what) {
@@ -438,19 +141,10 @@ void make_engine(BoundEngine* self, const std::vector<const MemberSpec*>& member
     new (self) BoundEngine(std::move(engine));
 }
 
-template <auto draw>
-nb::object screen_of(BoundEngine& engine, int environment) {
-    const auto height = engine.get(environment, [](Environment& e) { return static_cast<size_t>(e.height()); });
-    auto* bytes = new uint8_t[height * kScreenWidth * 3];
-    nb::capsule owner(bytes, [](void* memory) noexcept { delete[] static_cast<uint8_t*>(memory); });
-    engine.get_slowly(environment, [&](Environment& e) { (e.*draw)(bytes); });
-    const size_t shape[3] = {height, kScreenWidth, 3};
-    return nb::cast(nb::ndarray<nb::numpy, uint8_t, nb::c_contig, nb::device::cpu>(bytes, 3, shape, owner));
-}
-
 }  // namespace
 
-void register_settings(nb::module_& m);  // binding_settings.cpp
+void register_settings(nb::module_& m);         // binding_settings.cpp
+void register_vector_ram(EngineClass& engine);  // binding_vector_ram.cpp
 
 #define ARRAY(type) "numpy.typing.NDArray[numpy." type "]"
 
@@ -507,9 +201,9 @@ void register_vector(nb::module_& m) {
         .def("__enter__", &VectorLock::enter)
         .def("__exit__", [](VectorLock& lock, nb::handle, nb::handle, nb::handle) { lock.exit(); }, "type"_a.none(),
              "value"_a.none(), "traceback"_a.none());
-    nb::class_<BoundEngine>(m, "VectorEngine",
-                            "Environments played by a pool of threads. Use it through atari.AtariVectorEnv.")
-        .def("__init__", &make_engine, "members"_a, "episode"_a, "observation"_a, "settings"_a)
+    EngineClass engine(m, "VectorEngine",
+                       "Environments played by a pool of threads. Use it through atari.AtariVectorEnv.");
+    engine.def("__init__", &make_engine, "members"_a, "episode"_a, "observation"_a, "settings"_a)
         .def("start", &BoundEngine::start, "actions"_a, "strengths"_a.none(), "batch"_a.none(),
              "environments"_a = nb::none(),
              nb::sig("def start(self, actions: " ARRAY("int64") ", strengths: " ARRAY("float32")
@@ -526,60 +220,16 @@ void register_vector(nb::module_& m) {
              "after a lost life.")
         .def("receive", &BoundEngine::receive, "batch"_a,
              "Wait for a batch of results; whether an episode or a game ended in it.")
+        .def_prop_ro("sent", &BoundEngine::sent, "Whether a batch has been sent and not received.")
         .def("snapshot", &BoundEngine::snapshot, "environments"_a)
         .def("restore", &BoundEngine::restore, "environments"_a, "states"_a)
         .def("fork", &BoundEngine::fork, "source"_a, "targets"_a)
         .def("save", &BoundEngine::save, "environment"_a, "The state of one environment as bytes.")
         .def("save_emulator", &BoundEngine::save_emulator, "environment"_a,
              "The state of one environment's emulator as bytes, for Emulator.load.")
-        .def("load", &BoundEngine::load, "environment"_a, "state"_a)
-        .def("screen_rgb", &screen_of<&Environment::screen_rgb>, "environment"_a,
-             nb::sig("def screen_rgb(self, environment: int) -> " ARRAY("uint8")))
-        .def("redraw", &screen_of<&Environment::redraw>, "environment"_a,
-             nb::sig("def redraw(self, environment: int) -> " ARRAY("uint8")))
-        .def("ram", [](BoundEngine& x, int i) {
-                 const auto ram = x.get(i, [](Environment& e) {
-                     return std::vector<uint8_t>(e.ram(), e.ram() + 128);
-                 });
-                 return nb::bytes(ram.data(), ram.size());
-             }, "environment"_a)
-        .def("copy_rams", [](BoundEngine& x, List<int64_t> environments, Rams out, VectorEngine::RamOf of) {
-                 if (out.shape(0) != environments.shape(0) || out.shape(1) != 128)
-                     throw nb::value_error("out must be of shape (environments, 128)");
-                 std::vector<int> numbers;
-                 for (size_t i = 0; i < environments.size(); ++i)
-                     numbers.push_back(static_cast<int>(std::clamp<int64_t>(environments(i), -1, INT32_MAX)));
-                 const std::vector<uint8_t> rams = x.rams(numbers, of);
-                 std::copy(rams.begin(), rams.end(), out.data());
-             }, "environments"_a, nb::arg("out").noconvert(), "of"_a,
-             nb::sig("def copy_rams(self, environments: " ARRAY("int64") ", out: " ARRAY("uint8")
-                     ", of: RamOf) -> None"),
-             "Copy the RAM of environments to the rows of `out`.")
-        .def("evaluate_labels",
-             [](BoundEngine& x, const Shared<Labels>& labels, List<int32_t> environments, Table<int32_t> values,
-                Table<bool> visible, VectorEngine::RamOf of) {
-                 const size_t count = labels.value->size(), rows = environments.size();
-                 if (values.shape(0) != count || values.shape(1) != rows || visible.shape(0) != count ||
-                     visible.shape(1) != rows)
-                     throw nb::value_error("values and visible must be of shape (labels, environments)");
-                 const std::vector<uint8_t> rams = x.rams({environments.data(), environments.data() + rows}, of);
-                 labels.value->evaluate(rams.data(), rows, values.data(), reinterpret_cast<uint8_t*>(visible.data()));
-             }, "labels"_a, "environments"_a, nb::arg("values").noconvert(), nb::arg("visible").noconvert(), "of"_a,
-             nb::sig("def evaluate_labels(self, labels: Labels, environments: " ARRAY("int32") ", values: " ARRAY("int32")
-                     ", visible: " ARRAY("bool") ", of: RamOf) -> None"),
-             "As `copy_rams`, then `labels.evaluate` with the copies.")
-        .def("set_ram", [](BoundEngine& x, int i, int index, int value) {
-                 x.get(i, [&](Environment& e) { e.set_ram(index & 127, value & 255); });
-             }, "environment"_a, "index"_a, "value"_a)
-        .def("add_write",
-             [](BoundEngine& x, int i, const Shared<Write>& write, bool now) {
-                 if (!x.get(i, [&](Environment& e) { return e.add_write(write.value, now); }))
-                     throw nb::value_error(kTooManyWrites);
-             }, "environment"_a, "write"_a, "now"_a = false, "As Emulator.add_write.")
-        .def("remove_write",
-             [](BoundEngine& x, int i, const Shared<Write>& write) {
-                 x.get(i, [&](Environment& e) { e.remove_write(write.value.get()); });
-             }, "environment"_a, "write"_a)
+        .def("load", &BoundEngine::load, "environment"_a, "state"_a);
+    register_vector_ram(engine);
+    engine
         .def("numbers", [](BoundEngine& x, int i) {
                  return x.get(i, [players = static_cast<int>(x.players())](Environment& e) {
                      std::vector<int> numbers{e.frame_number(), e.episode_frame_number()};

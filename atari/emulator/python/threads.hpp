@@ -96,6 +96,13 @@ class Exclusive {
         return work();
     }
 
+    // As `locked`, for threads that do not have the GIL.
+    template <typename Work>
+    auto natively(Work&& work) {
+        const std::lock_guard lock(lock_);
+        return work();
+    }
+
     // As `locked`, but keeps the GIL if no thread has the lock, for work that takes less time than releasing the GIL.
     template <typename Work>
     auto briefly(Work&& work) {

@@ -60,6 +60,8 @@ class VectorEngine {
 
     int size() const { return static_cast<int>(slots_.size()); }
     int batch_size() const { return settings_.batch_size; }
+    // Whether batches have final observations.
+    bool keeps_final() const { return settings_.autoreset == Autoreset::kSameStep; }
     // The number of environments whose results have not been received.
     int pending() const { return pool_->pending(); }
     // The environments of the last batch, by row. Before the first one, those with the lowest numbers.

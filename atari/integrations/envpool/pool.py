@@ -1,6 +1,7 @@
 """`EnvPool`: an `AtariVectorEnv` with the interface of EnvPool's Atari environments."""
 
 import sys
+from functools import partial
 from typing import Any
 
 import gymnasium
@@ -9,6 +10,7 @@ import numpy.typing as npt
 
 from atari._gymnasium import AutoresetMode, VectorEnv
 from atari.integrations.envpool.spec import EnvPoolSpec, make_spec, task_ids
+from atari.integrations.envpool.xla import xla
 from atari.vector import AtariVectorEnv
 from atari.vector.results import pick_rows
 from atari.vector.seeds import SEED_LIMIT
@@ -30,6 +32,13 @@ class EnvPool:
     Args:
         spec: from `make_spec`.
         returns_done: whether `step` returns four values, with `done`, and `reset` the observations alone.
+
+    Example:
+        >>> import atari.integrations.envpool as envpool
+        >>> envs = envpool.make("Pong-v5", env_type="gymnasium", num_envs=4, seed=1)
+        >>> observations, info = envs.reset()
+        >>> observations.shape, info["lives"].shape
+        ((4, 4, 84, 84), (4,))
     """
 
     is_vector_env = True
@@ -119,14 +128,14 @@ class EnvPool:
         self._seed = seed
 
     def xla(self) -> Any:
-        """`handle`, `recv`, `send` and `step` for functions compiled by JAX, see `atari.integrations.envpool.xla`.
+        """`handle`, `recv`, `send` and `step` for functions compiled by JAX, as `AtariVectorEnv.xla` returns them.
+
+        `recv` and `step` return a handle and what the methods of these names return.
 
         Raises:
-            gymnasium.error.DependencyNotInstalled: JAX is not installed.
+            gymnasium.error.DependencyNotInstalled: JAX is not installed, or is older than 0.5.0.
         """
-        from atari.integrations.envpool.xla import xla
-
-        return xla(self)
+        return xla(self.vector.xla(), partial(shown, returns_done=self.returns_done))
 
     def close(self, **_: Any) -> None:
         """Join the threads and release the environments."""
@@ -160,26 +169,37 @@ class EnvPool:
 
     def _shown(self, results: Any, reset: bool, return_info: bool = True) -> Any:
         """Results of the vector environment as EnvPool returns them."""
-        observation, reward, terminated, truncated, theirs = results
-        image = observation["image"]
-        if image.ndim == 5:
-            count, stack, height, width, colours = image.shape
-            image = image.transpose(0, 1, 4, 2, 3).reshape(count, stack * colours, height, width)
-        env_id = theirs["env_id"].copy()
-        info = {
-            "env_id": env_id,
-            "players": {"env_id": env_id.copy()},
-            "lives": theirs["lives"],
-            "reward": theirs["reward"].astype(np.float32),
-            "terminated": theirs["terminated"].astype(np.int32),
-            "ram": observation["ram"],
-            "elapsed_step": theirs["elapsed_step"],
-            "TimeLimit.truncated": truncated & ~terminated,
-        }
         if reset:
+            image, *_, info = shown(results, self.returns_done)
             return (image, info) if self._reset_returns_info and return_info else image
-        ends = (terminated | truncated,) if self.returns_done else (terminated, truncated)
-        return (image, reward.astype(np.float32), *ends, info)
+        return shown(results, self.returns_done)
+
+
+def shown(results: Any, returns_done: bool) -> tuple[Any, ...]:
+    """Results of the vector environment as EnvPool's `step` returns them, of NumPy's arrays or of JAX's.
+
+    Args:
+        results: what `AtariVectorEnv.step` returns.
+        returns_done: whether there is one array of ends, not two.
+    """
+    observation, reward, terminated, truncated, theirs = results
+    image = observation["image"]
+    if image.ndim == 5:
+        count, stack, height, width, colours = image.shape
+        image = image.transpose(0, 1, 4, 2, 3).reshape(count, stack * colours, height, width)
+    env_id = theirs["env_id"].copy()
+    info = {
+        "env_id": env_id,
+        "players": {"env_id": env_id.copy()},
+        "lives": theirs["lives"],
+        "reward": theirs["reward"].astype(np.float32),
+        "terminated": theirs["terminated"].astype(np.int32),
+        "ram": observation["ram"],
+        "elapsed_step": theirs["elapsed_step"],
+        "TimeLimit.truncated": truncated & ~terminated,
+    }
+    ends = (terminated | truncated,) if returns_done else (terminated, truncated)
+    return (image, reward.astype(np.float32), *ends, info)
 
 
 class GymnasiumEnvPool(EnvPool, VectorEnv, gymnasium.Env[Any, Any]):  # type: ignore[misc]

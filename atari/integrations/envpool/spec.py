@@ -55,6 +55,12 @@ class EnvPoolSpec:
 
     Attributes:
         config: every option of EnvPool's with its value, a named tuple.
+
+    Example:
+        >>> import atari.integrations.envpool as envpool
+        >>> spec = envpool.make_spec("Pong-v5", num_envs=4)
+        >>> spec.config.num_envs
+        4
     """
 
     config: Any

@@ -1,0 +1,440 @@
+// `BoundEngine`: the vector engine as threads share it, those of Python and those of compiled functions (binding_xla.cpp).
+#pragma once
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "ale/labels.hpp"
+#include "state.hpp"
+#include "threads.hpp"
+#include "vector/members.hpp"
+#include "vector_lock.hpp"
+
+namespace atari {
+
+namespace nb = nanobind;
+
+template <typename T>
+using Rows = nb::ndarray<T, nb::c_contig, nb::device::cpu>;
+template <typename T>
+using List = nb::ndarray<const T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+template <typename T>
+using Table = nb::ndarray<T, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using Seeds = nb::ndarray<const uint32_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
+inline SeedWords words_of(const Seeds& seeds, size_t i) {
+    SeedWords words;
+    for (size_t word = 0; word < words.size(); ++word) words[word] = seeds(i, word);
+    return words;
+}
+
+// Arrays for the results of a batch, with the pointers to their parts.
+struct BoundBatch {
+    Batch batch;
+    std::vector<nb::object> shown;   // arrays of observations, and weak references to them, see `prevent_resize`
+    std::vector<nb::object> arrays;  // the other arrays
+    size_t rows = 0, pixels = 0;     // bytes of pixels in an observation
+    size_t players = 1;
+};
+
+// A member's state in memory. After unpickling it consists of bytes, and `snapshot` is null.
+struct BoundSnapshot {
+    VectorEngine::Snapshot snapshot;
+    std::vector<uint8_t> bytes;
+    uint64_t image;
+
+    // Returns the snapshot for one environment; null if it does not fit.
+    VectorEngine::Snapshot within(VectorEngine& engine, int environment) const {
+        if (snapshot) return engine.fits(environment, *snapshot) ? snapshot : nullptr;
+        const bool same =
+            bytes.size() == engine.state_size(environment) && image == image_digest(engine.game(environment));
+        return same ? engine.parse(environment, bytes.data()) : nullptr;
+    }
+};
+
+// The engine as Python threads share it. The GIL is released while environments are played or waited for.
+class BoundEngine : Exclusive {
+  public:
+    explicit BoundEngine(std::unique_ptr<VectorEngine> engine) : engine_(std::move(engine)) {}
+
+    // Joins the threads, which may still write to `current_`.
+    ~BoundEngine() {
+        const GilRelease release;
+        engine_.reset();
+    }
+
+    void start(List<int64_t> actions, std::optional<List<float>> strengths, nb::object batch,
+               std::optional<List<int64_t>> environments) {
+        const std::vector<int64_t> indices(actions.data(), actions.data() + actions.size());
+        std::vector<int64_t> numbers;
+        if (environments) numbers.assign(environments->data(), environments->data() + environments->size());
+        std::vector<float> factors(indices.size(), 1.0f);
+        if (strengths && strengths->size() != factors.size())
+            throw nb::value_error("there must be a strength for each action");
+        if (strengths) std::copy_n(strengths->data(), factors.size(), factors.begin());
+        const Batch* const target = checked(batch);
+        locked([&] {
+            check_process(process_);
+            begin(indices, factors, environments ? &numbers : nullptr, target, [&] { std::swap(current_, batch); });
+        });
+    }
+
+    void reset(List<bool> mask, List<bool> seeded, Seeds seeds, nb::object batch, bool new_games) {
+        const auto size = static_cast<size_t>(engine_->size());
+        if (mask.shape(0) != size || seeded.shape(0) != size || seeds.shape(0) != size ||
+            seeds.shape(1) != SeedWords{}.size())
+            throw nb::value_error("there must be an entry for each environment");
+        std::vector<Seed> values(size);
+        std::vector<const Seed*> given(size);
+        std::vector<bool> which(size);
+        for (size_t i = 0; i < size; ++i) {
+            values[i] = seed_of(words_of(seeds, i));
+            given[i] = seeded(i) ? &values[i] : nullptr;
+            which[i] = mask(i);
+        }
+        const Batch* const target = checked(batch);
+        locked([&] {
+            check_process(process_);
+            engine_->drain();
+            std::swap(current_, batch);
+            target_ = target;
+            sent_ = true;
+            ready_ = failed_ = false;
+            order_.clear();
+            engine_->reset(which, given, target, new_games);
+        });
+    }
+
+    bool receive(const BoundBatch& batch) {
+        check_size(batch);
+        return locked([&] {
+            check_process(process_);
+            if (!sent_) throw std::runtime_error("no step has been started");
+            if (target_ && target_ != &batch.batch) throw nb::value_error("the step was started with another batch");
+            sent_ = ready_ = false;
+            const bool ended = engine_->receive(batch.batch);
+            ready_ = true;
+            return ended;
+        });
+    }
+
+    // Whether a batch has been sent and not received.
+    bool sent() const { return sent_; }
+
+    // The calls of compiled functions (binding_xla.cpp): of threads without the GIL, which never wait for it. All else
+    // waits until such a call has ended.
+    //
+    // Plays a step of the environments of the last batch.
+    void step_natively(const std::vector<int64_t>& actions, const Batch& batch) {
+        natively([&] {
+            check_ready();
+            begin(actions, std::vector<float>(actions.size(), 1.0f), nullptr, queued() ? nullptr : &batch, [] {});
+            finish(batch);
+        });
+    }
+
+    // Begins a step. A batch of all environments is written to `staging`, until it is received or forgotten.
+    void send_natively(const std::vector<int64_t>& actions, const std::vector<int64_t>* environments,
+                       const Batch& staging) {
+        natively([&] {
+            check_ready();
+            if (environments && environments->size() != rows())
+                throw nb::value_error("env_id must have as many rows as a batch");
+            begin(actions, std::vector<float>(actions.size(), 1.0f), environments, queued() ? nullptr : &staging, [] {});
+        });
+    }
+
+    // Waits for what a compiled function, or Python, has begun.
+    void receive_natively(const Batch& out) {
+        natively([&] {
+            check_process(process_);
+            if (!sent_) throw std::runtime_error("nothing has been sent; call send or envs.reset_async first");
+            if (!order_.empty() && order_.size() != rows())
+                throw std::runtime_error("a step of some environments was sent; receive it by envs.recv()");
+            const Batch* const written = target_;
+            finish(written ? *written : out);
+            if (written) copy_rows(*written, out);
+        });
+    }
+
+    // Waits until nothing is written to `staging`. Results that were not received are dropped.
+    void forget_natively(const Batch& staging) {
+        if (process_ != process_generation) return;  // The threads are in another process.
+        natively([&] {
+            if (target_ != &staging) return;
+            engine_->drain();
+            target_ = nullptr;
+            if (sent_) failed_ = true;
+            sent_ = false;
+        });
+    }
+
+    std::vector<BoundSnapshot> snapshot(const std::vector<int>& environments) {
+        return locked([&] {
+            check_idle(environments);
+            std::vector<BoundSnapshot> states;
+            for (int environment : environments) states.push_back({engine_->snapshot(environment), {}, 0});
+            return states;
+        });
+    }
+
+    void restore(const std::vector<int>& environments, const std::vector<const BoundSnapshot*>& states) {
+        if (environments.size() != states.size())
+            throw nb::value_error("there must be a snapshot for each environment");
+        std::vector<BoundSnapshot> copies;  // Another thread may drop the list.
+        for (const BoundSnapshot* state : states) copies.push_back(state ? *state : BoundSnapshot{});
+        locked([&] {
+            check_idle(environments);
+            std::vector<VectorEngine::Snapshot> snapshots;
+            for (size_t i = 0; i < copies.size(); ++i) {
+                snapshots.push_back(copies[i].within(*engine_, environments[i]));
+                if (!snapshots[i])
+                    throw nb::value_error(("snapshot " + std::to_string(i) + " is of another game than environment " +
+                                           std::to_string(environments[i]) +
+                                           ", or was taken with other options").c_str());
+            }
+            for (size_t i = 0; i < copies.size(); ++i) engine_->restore(environments[i], std::move(snapshots[i]));
+        });
+    }
+
+    void fork(int source, const std::vector<int>& targets) {
+        const BoundSnapshot state = snapshot({source})[0];
+        restore(targets, std::vector<const BoundSnapshot*>(targets.size(), &state));
+    }
+
+    nb::bytes save(int environment) {
+        const auto state = locked([&] {
+            check_idle({environment});
+            std::vector<uint8_t> bytes(engine_->state_size(environment));
+            engine_->save(environment, bytes.data());
+            return bytes;
+        });
+        return nb::bytes(state.data(), state.size());
+    }
+
+    nb::bytes save_emulator(int environment) {
+        const auto state = locked([&] {
+            check_idle({environment});
+            std::vector<uint8_t> bytes(engine_->emulator_state_size(environment));
+            engine_->save_emulator(environment, bytes.data());
+            return bytes;
+        });
+        return nb::bytes(state.data(), state.size());
+    }
+
+    void load(int environment, nb::bytes state) {
+        const auto* const bytes = static_cast<const uint8_t*>(state.data());
+        const size_t size = state.size();
+        const bool good = locked([&] {
+            check_idle({environment});
+            return size == engine_->state_size(environment) && (ready_ = engine_->load(environment, bytes));
+        });
+        if (!good) throw nb::value_error("the state is damaged, or of another game or version");
+    }
+
+    // Calls `get(environment)` while no environment is being played.
+    template <typename Get>
+    auto get(int environment, Get&& get) {
+        if (briefly([&] { return engine_->pending() > 0; })) return get_slowly(environment, get);
+        return briefly([&] {
+            check_received({environment});
+            return get(engine_->episode(environment).environment());
+        });
+    }
+
+    // As `get`, without the GIL.
+    template <typename Get>
+    auto get_slowly(int environment, Get&& get) {
+        return locked([&] {
+            check_idle({environment});
+            return get(engine_->episode(environment).environment());
+        });
+    }
+
+    // Copies the RAM of environments, 128 bytes each. Environments of the last batch are not being played.
+    std::vector<uint8_t> rams(const std::vector<int>& environments, VectorEngine::RamOf of) {
+        std::vector<uint8_t> rams(kRamSize * environments.size());
+        const auto copy = [&] {
+            uint8_t* out = rams.data();
+            for (int environment : environments) out = std::copy_n(engine_->ram(environment, of), kRamSize, out);
+        };
+        const std::vector<int>& recent = engine_->recent();
+        const bool received = briefly([&] {
+            return engine_->pending() == 0 || std::all_of(environments.begin(), environments.end(), [&](int environment) {
+                return std::find(recent.begin(), recent.end(), environment) != recent.end();
+            });
+        });
+        if (received) briefly([&] { check_received(environments); copy(); });
+        else locked([&] { check_idle(environments); copy(); });
+        return rams;
+    }
+
+    size_t rows() const { return static_cast<size_t>(engine_->batch_size()); }
+    size_t players() const { return static_cast<size_t>(engine_->players()); }
+    size_t pixels() const { return engine_->pixels(); }
+    bool keeps_final() const { return engine_->keeps_final(); }
+
+  private:
+    // The batch of an object, which threads write to; null for None, where results wait for `receive`.
+    const Batch* checked(nb::handle batch) const {
+        if (batch.is_none() && engine_->batch_size() < engine_->size()) return nullptr;
+        if (batch.is_none())
+            throw nb::value_error("a batch of all environments is written while they are played; give one");
+        BoundBatch* bound = nullptr;
+        if (!nb::try_cast(batch, bound) || !bound) throw nb::type_error("the batch must be a Batch of this engine");
+        check_size(*bound);
+        return &bound->batch;
+    }
+
+    void check_size(const BoundBatch& batch) const {
+        if (batch.rows != rows() || batch.pixels != pixels() || batch.players != players())
+            throw nb::value_error("the batch is of an engine with batches, observations or players of another number");
+    }
+
+    // What is below is done with the lock.
+    //
+    // Begins a step; nothing has changed if it throws. `keep()` keeps the memory of `target`.
+    template <typename Keep>
+    void begin(const std::vector<int64_t>& actions, const std::vector<float>& strengths,
+               const std::vector<int64_t>* environments, const Batch* target, Keep&& keep) {
+        if (sent_) throw std::runtime_error("a step has been started; receive it first");
+        if (failed_) throw std::runtime_error("a compiled function has failed in a step; reset all environments first");
+        std::vector<int> some;
+        if (environments) some = chosen(*environments);
+        const std::vector<int>& rows = environments ? some : engine_->recent();
+        check_actions(rows, actions, strengths);
+        keep();
+        target_ = target;
+        sent_ = true;
+        engine_->step(rows, actions.data(), strengths.data(), target);
+        order_ = queued() ? std::vector<int>() : std::move(some);
+    }
+
+    // Waits for the results. `batch` is not written after it has thrown either.
+    void finish(const Batch& batch) {
+        sent_ = ready_ = false;
+        try {
+            engine_->receive(batch);
+        } catch (...) {
+            failed_ = true;
+            engine_->drain();
+            target_ = nullptr;
+            throw;
+        }
+        target_ = nullptr;
+        ready_ = true;
+    }
+
+    void check_ready() const {
+        check_process(process_);
+        if (!ready_ && !sent_ && !failed_) throw std::runtime_error("call envs.reset() before the first step");
+    }
+
+    bool queued() const { return engine_->batch_size() < engine_->size(); }
+
+    // Copies the results of all environments, in the order in which a step has named them.
+    void copy_rows(const Batch& from, const Batch& to) const {
+        const auto copy = [this](const auto* values, auto* out, size_t width) {
+            if (!values || !out) return;
+            for (size_t row = 0; row < rows(); ++row) {
+                const size_t source = order_.empty() ? row : static_cast<size_t>(order_[row]);
+                std::copy_n(values + source * width, width, out + row * width);
+            }
+        };
+        const size_t each = players();
+        copy(from.observation.pixels, to.observation.pixels, pixels());
+        copy(from.observation.ram, to.observation.ram, kRamSize);
+        copy(from.final_observation.pixels, to.final_observation.pixels, pixels());
+        copy(from.final_observation.ram, to.final_observation.ram, kRamSize);
+        for (const auto part : {&Batch::reward, &Batch::game_reward}) copy(from.*part, to.*part, each);
+        for (const auto part : {&Batch::environment, &Batch::game_steps}) copy(from.*part, to.*part, 1);
+        for (const auto part : {&Batch::terminated, &Batch::truncated}) copy(from.*part, to.*part, each);
+        for (const auto part : {&Batch::ended, &Batch::game_over, &Batch::game_ended}) copy(from.*part, to.*part, 1);
+        for (const auto part : {&Batch::numbers, &Batch::final_numbers}) {
+            copy((from.*part).lives, (to.*part).lives, each);
+            copy((from.*part).frame, (to.*part).frame, 1);
+            copy((from.*part).episode_frame, (to.*part).episode_frame, 1);
+        }
+    }
+
+    // The environments of a step: some of all, or those of the last batch in any order if a batch has fewer than all.
+    std::vector<int> chosen(const std::vector<int64_t>& numbers) const {
+        std::vector<bool> available(static_cast<size_t>(engine_->size()));
+        for (int environment : engine_->recent()) available[static_cast<size_t>(environment)] = true;
+        std::vector<int> environments;
+        for (size_t i = 0; i < numbers.size(); ++i) {
+            const std::string which = "environment " + std::to_string(numbers[i]) + " in row " + std::to_string(i);
+            if (numbers[i] < 0 || numbers[i] >= engine_->size())
+                throw nb::index_error((which + " does not exist; env_id is within 0.." +
+                                       std::to_string(engine_->size() - 1)).c_str());
+            if (!available[static_cast<size_t>(numbers[i])])
+                throw nb::value_error((which + " is given twice, or is not of the last batch").c_str());
+            available[static_cast<size_t>(numbers[i])] = false;
+            environments.push_back(static_cast<int>(numbers[i]));
+        }
+        if (environments.empty()) throw nb::value_error("env_id must name at least one environment");
+        if (engine_->batch_size() < engine_->size() && environments.size() != engine_->recent().size())
+            throw nb::value_error(("with batch_size < num_envs, env_id must name all " +
+                                   std::to_string(engine_->recent().size()) +
+                                   " environments of the last batch").c_str());
+        return environments;
+    }
+
+    void check_actions(const std::vector<int>& environments, const std::vector<int64_t>& actions,
+                       const std::vector<float>& strengths) const {
+        const auto players = static_cast<size_t>(engine_->players());
+        if (actions.size() != environments.size() * players)
+            throw nb::value_error(players == 1 ? "there must be an action for each environment of the batch"
+                                               : "there must be an action for each player of each environment");
+        for (size_t i = 0; i < actions.size(); ++i) {
+            const int most = engine_->actions_of(environments[i / players]) - 1;
+            if (actions[i] < 0 || actions[i] > most)
+                throw nb::value_error(("action " + std::to_string(actions[i]) + " in row " +
+                                       std::to_string(i / players) +
+                                       " is not within 0.." + std::to_string(most)).c_str());
+            if (!(std::abs(strengths[i]) <= 1000.0f))  // negated, so that NaN fails too
+                throw nb::value_error(("the strength in row " + std::to_string(i) +
+                                       " must be finite and at most 1000 in magnitude").c_str());
+        }
+    }
+
+    // Throws between `start` and `receive`. In batches of fewer than all, waits for the environments that are not in the last
+    // batch, so it is called without the GIL.
+    void check_idle(const std::vector<int>& environments) {
+        check_received(environments);
+        if (engine_->pending()) engine_->settle();
+    }
+
+    void check_received(const std::vector<int>& environments) const {
+        check_process(process_);
+        if (sent_) throw std::runtime_error("environments are being played; call recv() first");
+        for (int environment : environments)
+            if (environment < 0 || environment >= engine_->size())
+                throw nb::index_error(("there is no environment " + std::to_string(environment)).c_str());
+    }
+
+    const uint32_t process_ = process_generation;
+    nb::object current_;              // owns `target_`
+    const Batch* target_ = nullptr;   // what the threads write to: must outlive `engine_`
+    std::atomic<bool> sent_ = false;  // whether a batch has been sent and not received
+    bool ready_ = false;              // whether a batch has been received, and nothing has been sent since
+    bool failed_ = false;             // whether a compiled function has failed since the last reset
+    std::vector<int> order_;          // the environments that a step of all has named
+    std::unique_ptr<VectorEngine> engine_;
+};
+
+using EngineClass = nb::class_<BoundEngine>;
+
+}  // namespace atari

@@ -1,0 +1,120 @@
+// What XLA and the functions that it calls give each other: as much of its foreign function interface ("typed FFI",
+// version 0) as binding_xla.cpp uses. It is a C ABI: structs that begin with their size, to which newer versions only add
+// at the end. So this needs no header of XLA's, and one wheel serves all versions of JAX that have it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace atari::xla {
+
+// Of a buffer's elements.
+enum DataType : int32_t {
+    kPred = 1,
+    kS8 = 2,
+    kS16 = 3,
+    kS32 = 4,
+    kS64 = 5,
+    kU8 = 6,
+    kU16 = 7,
+    kU32 = 8,
+    kU64 = 9,
+};
+
+enum ErrorCode : int32_t {
+    kInvalidArgument = 3,
+    kNotFound = 5,
+    kResourceExhausted = 8,
+    kFailedPrecondition = 9,
+    kInternal = 13,
+};
+
+constexpr int32_t kMetadata = 1;      // the type of an extension
+constexpr int32_t kExecute = 3;       // the stage in which a function does its work
+constexpr int32_t kBufferOperand = 1;  // the only kind of argument and of result used here
+
+struct Error;  // XLA's own
+
+struct Extension {
+    size_t struct_size;
+    int32_t type;
+    Extension* next;
+};
+
+struct ApiVersion {
+    size_t struct_size;
+    Extension* extensions;
+    int32_t major, minor;
+};
+
+struct ErrorCreateArguments {
+    size_t struct_size;
+    Extension* extensions;
+    const char* message;  // which XLA copies
+    ErrorCode code;
+};
+
+// XLA's functions, of which those after the first are left out.
+struct Api {
+    size_t struct_size;
+    Extension* extensions;
+    ApiVersion version;
+    const void* internal_api;
+    Error* (*create_error)(ErrorCreateArguments*);
+};
+
+struct Buffer {
+    size_t struct_size;
+    Extension* extensions;
+    DataType type;
+    void* data;
+    int64_t rank;
+    int64_t* dimensions;
+};
+
+// The arguments of a call, and its results, which are buffers that XLA has allocated.
+struct Operands {
+    size_t struct_size;
+    Extension* extensions;
+    int64_t size;
+    int32_t* kinds;
+    void** values;
+};
+
+struct Attributes {
+    size_t struct_size;
+    Extension* extensions;
+    int64_t size;
+    int32_t* kinds;
+    void** names;
+    void** values;
+};
+
+struct CallFrame {
+    size_t struct_size;
+    Extension* extensions;
+    const Api* api;
+    void* context;
+    int32_t stage;
+    Operands arguments, results;
+    Attributes attributes;
+    void* future;
+};
+
+// Of a function, for its registration: an extension of a call frame, to be filled in. Newer versions have
+// more members, which are zero.
+struct Metadata {
+    size_t struct_size;
+    ApiVersion version;
+    uint32_t traits;
+};
+
+struct MetadataExtension {
+    Extension extension;
+    Metadata* metadata;
+};
+
+// Success is null.
+using Handler = Error* (*)(CallFrame*);
+
+}  // namespace atari::xla

@@ -1,0 +1,9 @@
+"""Vector environments inside functions that JAX compiles: what `AtariVectorEnv.xla` returns.
+
+`functions.py` has the functions; `results.py`, what they return; `callback.py`, the way through Python for GPUs. JAX is
+imported when `xla` is called.
+"""
+
+from atari.integrations.jax.functions import XlaFunctions, xla
+
+__all__ = ["XlaFunctions", "xla"]

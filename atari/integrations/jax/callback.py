@@ -1,0 +1,79 @@
+"""`send` and `recv` by ordered callbacks, which run in Python on the host: for devices that are no CPU.
+
+Observations are written to page-locked memory where JAX's device has it, from which a GPU copies without help.
+"""
+
+import ctypes
+import weakref
+from collections.abc import Callable
+from itertools import cycle
+from typing import Any
+
+import jax
+import numpy as np
+from jax.experimental import io_callback
+
+from atari.integrations.jax.results import ResultParts
+
+
+def callbacks(envs: Any, parts: ResultParts) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """`send(handle, action, env_id=None)` and `recv(handle)`.
+
+    Args:
+        envs: the vector environment; compiled functions do not keep it alive.
+        parts: what `recv` returns.
+    """
+    # JAX may keep compiled functions, and what they refer to, until the process ends.
+    proxy = weakref.proxy(envs)
+    declared = [jax.ShapeDtypeStruct(shape, dtype) for _, shape, dtype in parts.declared()]
+    results = jax.eval_shape(parts.assemble, declared)
+    # In turn: the device may still be copying from the one while the environments write to the other.
+    arrays = pinned_arrays(results[0]) if parts.as_written else None
+    outs = cycle(arrays or [None])
+
+    def send_on_host(action: Any, *env_id: Any) -> None:
+        if env_id:
+            proxy.send(np.asarray(action), env_id=np.asarray(env_id[0]))
+        else:
+            proxy.send(np.asarray(action), out=next(outs))
+
+    def recv_on_host() -> Any:
+        return tuple(filled(part, wanted) for part, wanted in zip(proxy.recv(), results, strict=True))
+
+    def send(handle: Any, *arguments: Any) -> Any:
+        io_callback(send_on_host, None, *arguments, ordered=True)
+        return handle
+
+    def recv(handle: Any) -> tuple[Any, Any]:
+        return handle, io_callback(recv_on_host, results, ordered=True)
+
+    return send, recv
+
+
+def filled(value: Any, wanted: Any) -> Any:
+    """An array, or dict of arrays, as declared: what is absent is zero, and what is not declared is left out."""
+    if isinstance(wanted, dict):
+        return {name: filled((value or {}).get(name), part) for name, part in wanted.items()}
+    return np.zeros(wanted.shape, wanted.dtype) if value is None else np.asarray(value).astype(wanted.dtype, copy=False)
+
+
+def pinned_arrays(like: Any, count: int = 2) -> list[Any] | None:
+    """NumPy arrays in page-locked memory; None if the default device has none, or `like` is not of uint8.
+
+    Args:
+        like: what the arrays are like: its `shape` and `dtype`.
+        count: how many.
+    """
+    device = jax.devices()[0]
+    kinds = {memory.kind for memory in device.addressable_memories()}
+    if "pinned_host" not in kinds or like.dtype != np.uint8:
+        return None
+    memory = jax.sharding.SingleDeviceSharding(device, memory_kind="pinned_host")
+    return [_view(jax.device_put(np.zeros(like.shape, np.uint8), memory)) for _ in range(count)]
+
+
+def _view(array: Any) -> Any:
+    """The memory of a JAX array, which nothing else uses, as a writable NumPy array that keeps it."""
+    memory: Any = (ctypes.c_uint8 * int(np.prod(array.shape))).from_address(array.unsafe_buffer_pointer())
+    memory.kept = array
+    return np.frombuffer(memory, np.uint8).reshape(array.shape)

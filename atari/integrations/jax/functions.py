@@ -1,0 +1,132 @@
+"""`xla`: a vector environment's `handle`, `recv`, `send` and `step` for functions that JAX compiles."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import gymnasium
+import numpy as np
+
+from atari import _emulator
+from atari.integrations.jax.results import ResultParts
+
+_registered = False
+
+
+class XlaFunctions(NamedTuple):
+    """What `AtariVectorEnv.xla` returns; see there.
+
+    Example:
+        >>> import atari
+        >>> envs = atari.AtariVectorEnv("pong", 2)
+        >>> functions = envs.xla()
+        >>> functions._fields, functions.handle.shape
+        (('handle', 'recv', 'send', 'step'), (8,))
+    """
+
+    handle: Any
+    recv: Callable[..., Any]
+    send: Callable[..., Any]
+    step: Callable[..., Any]
+
+
+def xla(envs: Any, options: Any, port: _emulator.XlaPort, callback: bool | None) -> XlaFunctions:
+    """The functions of `envs`, see `AtariVectorEnv.xla`.
+
+    Args:
+        envs: the environment, for callbacks.
+        options: its options.
+        port: its engine, for XLA.
+        callback: whether to go through Python; None is what JAX's default device needs.
+
+    Raises:
+        gymnasium.error.DependencyNotInstalled: JAX is not installed, or is older than 0.5.0, without `jax.ffi`.
+        TypeError: `callback` is neither None nor a bool.
+        ValueError: the environments have actions or observations that compiled functions cannot have.
+    """
+    jax = _import_jax()
+    if callback is not None and not isinstance(callback, bool):
+        raise TypeError(f"callback must be True, False or None, got {callback!r}")
+    if options.continuous:
+        raise ValueError("xla() needs actions that are integers: leave continuous=True out")
+    if options.layout.indicators:
+        raise ValueError("xla() has no indicators: leave agent_indicator=True out")
+    parts = ResultParts(options)
+    rows = options.batch_size
+    shape = (rows,) if options.players == 1 else (rows, options.players)
+    handle = jax.numpy.asarray(np.frombuffer(port.handle, np.uint8))
+    if callback is None:
+        callback = jax.default_backend() != "cpu"
+    if callback:
+        from atari.integrations.jax.callback import callbacks
+
+        send, recv = callbacks(envs, parts)
+        step = None
+    else:
+        send, recv, step = _foreign_functions(jax, parts)
+    return XlaFunctions(handle, recv, *_checked(jax, shape, send, recv, step))
+
+
+def _import_jax() -> Any:
+    try:
+        import jax
+        import jax.ffi
+        import jax.numpy
+    except ImportError:
+        raise gymnasium.error.DependencyNotInstalled("xla() needs JAX 0.5.0 or newer: pip install jax") from None
+    return jax
+
+
+def _foreign_functions(jax: Any, parts: ResultParts) -> tuple[Callable[..., Any], ...]:
+    """`send`, `recv` and `step` by calls from XLA to the emulator, without Python."""
+    global _registered
+    if not _registered:
+        for name, target in _emulator.xla_targets().items():
+            jax.ffi.register_ffi_target(name, target, platform="cpu")
+        _registered = True
+    handle_like = jax.ShapeDtypeStruct((8,), np.uint8)
+    declared = [jax.ShapeDtypeStruct(shape, dtype) for _, shape, dtype in parts.declared()]
+
+    def function(name: str, results: list[Any]) -> Callable[..., Any]:
+        return jax.ffi.ffi_call(name, [handle_like, *results], has_side_effect=True, input_output_aliases={0: 0})  # type: ignore[no-any-return]
+
+    def send(handle: Any, *arguments: Any) -> Any:
+        return function("atari_send", [])(handle, *arguments)[0]
+
+    def results_of(name: str) -> Callable[..., Any]:
+        def call(handle: Any, *arguments: Any) -> tuple[Any, Any]:
+            handle, *arrays = function(name, declared)(handle, *arguments)
+            return handle, parts.assemble(arrays)
+
+        return call
+
+    return send, results_of("atari_recv"), results_of("atari_step")
+
+
+def _checked(
+    jax: Any, shape: tuple[int, ...], send: Callable[..., Any], recv: Callable[..., Any], step: Any
+) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """`send` and `step` that refuse actions of another kind while a function is traced."""
+
+    def check(action: Any, env_id: Any) -> list[Any]:
+        arrays = [_integers(jax, "actions", action, shape)]
+        return arrays if env_id is None else [*arrays, _integers(jax, "env_id", env_id, shape[:1])]
+
+    def checked_send(handle: Any, action: Any, env_id: Any = None) -> Any:
+        return send(handle, *check(action, env_id))
+
+    def checked_step(handle: Any, action: Any, env_id: Any = None) -> tuple[Any, Any]:
+        arrays = check(action, env_id)
+        if step is None or env_id is not None:
+            return recv(send(handle, *arrays))  # type: ignore[no-any-return]
+        return step(handle, *arrays)  # type: ignore[no-any-return]
+
+    return checked_send, checked_step
+
+
+def _integers(jax: Any, name: str, value: Any, shape: tuple[int, ...]) -> Any:
+    array = jax.numpy.asarray(value)
+    if not jax.numpy.issubdtype(array.dtype, jax.numpy.integer):
+        raise TypeError(f"{name} must be integers of shape {shape}, got {array.dtype}")
+    if array.shape != shape:
+        raise ValueError(f"{name} must have the shape {shape}, got {array.shape}")
+    return array

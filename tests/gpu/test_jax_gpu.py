@@ -1,0 +1,36 @@
+"""`envs.xla()` on a GPU: compiled functions call back to the host."""
+
+import numpy as np
+import pytest
+
+import atari
+
+jax = pytest.importorskip("jax", reason="needs JAX with CUDA")
+if jax.default_backend() != "gpu":
+    pytest.skip("needs a GPU that JAX can use", allow_module_level=True)
+
+
+@pytest.mark.parametrize("obs_type", ["grayscale", "ram", "dict"])
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
+def test_a_scan_is_as_many_steps(mode: str, obs_type: str) -> None:
+    options = {"obs_type": obs_type, "autoreset_mode": mode, "max_num_frames_per_episode": 60}
+    envs, twin = (atari.AtariVectorEnv("breakout", 8, **options) for _ in range(2))
+    handle, _, _, step = envs.xla()
+    actions = np.random.default_rng(0).integers(4, size=(200, 8))
+    for env in (envs, twin):
+        env.reset(seed=0)
+    _, results = jax.jit(lambda handle, actions: jax.lax.scan(step, handle, actions))(handle, actions)
+    for row, action in enumerate(actions):
+        observation, reward, terminated, truncated, _ = twin.step(action)
+        parts = observation if isinstance(observation, dict) else {"": observation}
+        got = results[0] if isinstance(observation, dict) else {"": results[0]}
+        for name, part in parts.items():
+            np.testing.assert_array_equal(got[name][row], part)
+        for array, expected in zip(results[1:4], (reward, terminated, truncated), strict=True):
+            np.testing.assert_array_equal(array[row], expected)
+
+
+def test_observations_are_written_to_page_locked_memory() -> None:
+    from atari.integrations.jax.callback import pinned_arrays
+
+    assert pinned_arrays(jax.ShapeDtypeStruct((8, 4, 84, 84), np.uint8)) is not None
