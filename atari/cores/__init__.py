@@ -14,5 +14,6 @@ from atari.cores.native import NativeCore, PlainCore
 CORES: Mapping[str, type[NativeCore] | type[AleCore]] = MappingProxyType(
     {"native": NativeCore, "ale": AleCore, "plain": PlainCore}
 )
+"""The class of each value of the option `core`."""
 
 __all__ = ["CORES", "AleCore", "ByteArray", "Core", "NativeCore", "PlainCore"]

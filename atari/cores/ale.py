@@ -109,6 +109,14 @@ class AleCore:
         TypeError, ValueError: an argument is wrong, or the ROM file is not of this game.
         FileNotFoundError: there is no ROM file.
         gymnasium.error.DependencyNotInstalled: the installed ale-py is older than `OLDEST_ALE_PY`.
+
+    Example:
+        >>> import atari
+        >>> core = atari.cores.AleCore("pong", seed=0)
+        >>> core.reset()
+        >>> reward = core.act(2)
+        >>> core.ram().shape
+        (128,)
     """
 
     name = "ale"

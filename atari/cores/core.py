@@ -12,6 +12,7 @@ import numpy.typing as npt
 from atari.games.game import Game
 
 ByteArray = npt.NDArray[np.uint8]
+"""An array of uint8, of any shape."""
 
 
 class Core(Protocol):
@@ -20,6 +21,14 @@ class Core(Protocol):
     A core is ready when constructed: the game is loaded, as after ALE's `loadROM`. Arrays are `uint8` and belong to
     the caller; with `out` (C-contiguous, same shape and dtype) that array is filled and returned instead of a new one,
     and another `out` is a ValueError.
+
+    Example:
+        >>> import atari
+        >>> def play(core: atari.cores.Core) -> int:
+        ...     core.reset()
+        ...     return sum(core.act(0) for _ in range(100))
+        >>> play(atari.cores.NativeCore("pong", seed=0)) == play(atari.cores.AleCore("pong", seed=0))
+        True
     """
 
     name: str

@@ -45,6 +45,16 @@ class NativeCore(_emulator.Emulator):
     The other arguments, and the errors, are those of `AleCore`. Python's global interpreter lock is released while
     frames are played. Several threads may use a core; their calls run one at a time. A core that another thread played
     when the process was forked raises RuntimeError in the child process.
+
+    Example:
+        >>> import atari
+        >>> core = atari.cores.NativeCore("pong", seed=0)
+        >>> core.reset()
+        >>> reward = core.act(2)
+        >>> core.ram().shape, core.screen_rgb().shape, core.episode_frame_number
+        ((128,), (210, 160, 3), 1)
+        >>> saved = core.snapshot()
+        >>> core.restore(saved)
     """
 
     name = "native"
@@ -133,7 +143,7 @@ class NativeCore(_emulator.Emulator):
         core = type(self)(
             self.game, rom=self._rom, interventions=self.interventions, **{**asdict(self._options), "sound": True}
         )
-        core.copy_writes(self)
+        core.writes = self.writes
         core.load(self.save())
         return core
 
@@ -173,6 +183,14 @@ class PlainCore(NativeCore):
     """The reference core: our emulator without the fast paths, one instruction and one pixel at a time.
 
     The fast paths of `NativeCore` are tested against it. Snapshots of either core can be restored by the other.
+
+    Example:
+        >>> import atari
+        >>> fast, plain = atari.cores.NativeCore("pong", seed=0), atari.cores.PlainCore("pong", seed=0)
+        >>> fast.reset()
+        >>> plain.reset()
+        >>> fast.ram().tolist() == plain.ram().tolist()
+        True
     """
 
     name = "plain"

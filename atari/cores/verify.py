@@ -57,7 +57,7 @@ class Run:
     def steps(self) -> Iterator["Step"]:
         """The action of each frame, and the RAM bytes to overwrite."""
         generator = np.random.default_rng(self.seed)
-        minimal = [int(action) for action in games[self.game].minimal_actions]
+        minimal = [int(action) for action in games.resolve(self.game).minimal_actions]
         action, strength, left = 0, 1.0, 0
         for _ in range(self.frames):
             if not left:

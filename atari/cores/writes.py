@@ -3,11 +3,23 @@
 import hashlib
 import json
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import MISSING, asdict, fields
+from typing import Any
 
 from atari import _emulator
 from atari.games.game import Game
 from atari.games.interventions import Intervention, WriteRule, compile_write
+
+_TYPES: dict[str, tuple[type[Any], ...]] = {
+    "to": (str, int),
+    "value": (str, int),
+    "when": (str, list),
+    "condition": (str,),
+    "mask": (int,),
+    "once": (bool,),
+    "paid": (bool,),
+}
+"""The types of a rule's attributes in JSON."""
 
 
 def make_write(game: Game, rule: WriteRule, where: str) -> _emulator.Write:
@@ -18,13 +30,35 @@ def make_write(game: Game, rule: WriteRule, where: str) -> _emulator.Write:
     """
     compiled = compile_write(game, rule, where)
     try:
-        write = _emulator.make_write(**asdict(compiled))
+        write = _emulator.make_write(**asdict(compiled), definition=_definition(rule))
     except ValueError as error:
         raise ValueError(f"{where}: an expression is too large to compile ({error})") from None
     values = set(write.label_values)
     if isinstance(rule.value, int) and values and rule.value not in values:
         raise ValueError(f"{where}, value: {rule.to} cannot be {rule.value}; {_possible(values)}")
     return write
+
+
+def write_of(game: Game, definition: str) -> _emulator.Write:
+    """The write of a `Write.definition`, which may come from a file.
+
+    Raises:
+        ValueError, TypeError: it is none.
+    """
+    try:
+        values = json.loads(definition)
+    except (ValueError, RecursionError):
+        values = None
+    if not isinstance(values, dict) or not {"to", "value"} <= values.keys() <= _TYPES.keys():
+        raise ValueError(f"a write needs a place and a value, got {definition[:60]!r}")
+    for name, value in values.items():
+        if type(value) not in _TYPES[name]:
+            raise TypeError(f"{name} of a write cannot be {value!r}")
+    when = values.get("when", "frame")
+    if isinstance(when, str) and when not in ("frame", "reset", "held"):
+        raise ValueError(f"a write cannot be applied at {when!r}")
+    rule = WriteRule(**{**values, "when": tuple(when) if isinstance(when, list) else when})
+    return make_write(game, rule, "a write")
 
 
 def make_writes(game: Game, interventions: Sequence[Intervention]) -> list[_emulator.Write]:
@@ -47,6 +81,13 @@ def fact(interventions: Sequence[Intervention]) -> str | None:
     text = json.dumps([intervention.definition() for intervention in interventions], sort_keys=True)
     digest = hashlib.blake2b(text.encode(), digest_size=4).hexdigest()
     return f"{', '.join(intervention.name for intervention in interventions)} ({digest})"
+
+
+def _definition(rule: WriteRule) -> str:
+    """The rule as JSON, without what has its default."""
+    rest = {field.name: getattr(rule, field.name) for field in fields(rule)}
+    defaults = {field.name: field.default for field in fields(rule) if field.default is not MISSING}
+    return json.dumps({name: value for name, value in rest.items() if name not in defaults or defaults[name] != value})
 
 
 def _possible(values: set[int]) -> str:

@@ -40,6 +40,7 @@ def write_dataset(
     frames: Literal["rgb", "grayscale"] = "rgb",
     labels: Sequence[str] | None = None,
     core: str = "native",
+    first_episode: int = 0,
     progress: Callable[[int], object] | None = None,
 ) -> dict[str, Any]:
     """Write the steps of replays as a data set: frames, RAM, values of labels, actions, rewards, ends.
@@ -63,6 +64,7 @@ def write_dataset(
         frames: the colours of the frames.
         labels: names of labels, None is all of the game.
         core: the core to play the replays on.
+        first_episode: the number of the first episode, in Parquet and HDF5.
         progress: called with the number of steps of each episode that was written.
 
     Returns:
@@ -87,7 +89,7 @@ def write_dataset(
     else:
         write = _write_parquet if format == "parquet" else _write_hdf5
         with _new_file(Path(output)) as file:
-            write(module, file, loaded[0], tally)
+            write(module, file, loaded[0], tally, first_episode)
             if not tally.scores:
                 raise ValueError(NO_STEPS)
     return {
@@ -101,10 +103,25 @@ def write_dataset(
 
 
 def check_output(output: str | os.PathLike[str], format: str | None = None) -> Format:
+    """The format of an output, as `output_format`, which must not exist.
+
+    Raises:
+        TypeError, ValueError: as `output_format`; or there is such a file or dataset.
+        gymnasium.error.DependencyNotInstalled: as `import_format`.
+    """
+    text, found = os.fspath(output), output_format(output, format)
+    if found == "minari":
+        check_new_dataset(import_minari(), text)
+    elif Path(text).exists():
+        raise ValueError(f"there is a file {text} already; delete it, or choose another name")
+    return found
+
+
+def output_format(output: str | os.PathLike[str], format: str | None = None) -> Format:
     """The format of an output: as given, or by its ending.
 
     Raises:
-        TypeError, ValueError: there is no such format, or the ending says none; or there is such a file or dataset.
+        TypeError, ValueError: there is no such format, or the ending says none.
         gymnasium.error.DependencyNotInstalled: as `import_format`.
     """
     text = os.fspath(output)
@@ -116,11 +133,7 @@ def check_output(output: str | os.PathLike[str], format: str | None = None) -> F
             f"the output {text!r} says no format: end it in {', '.join(ENDINGS)}, or in -v0 for a Minari dataset, or "
             f"name one of {', '.join(get_args(Format))}"
         )
-    module = import_format(found)
-    if found == "minari":
-        check_new_dataset(module, text)
-    elif Path(text).exists():
-        raise ValueError(f"there is a file {text} already; delete it, or choose another name")
+    import_format(found)
     return found
 
 
@@ -194,10 +207,10 @@ def _facts(replay: Replay, labels: Iterable[str]) -> dict[str, str]:
     }
 
 
-def _write_hdf5(h5py: Any, file: Path, replay: Replay, tally: _Tally) -> None:
+def _write_hdf5(h5py: Any, file: Path, replay: Replay, tally: _Tally, first: int) -> None:
     with h5py.File(file, "w") as root:
         root.attrs.update(_facts(replay, tally.names))
-        for number, (episode, values) in enumerate(tally):
+        for number, (episode, values) in enumerate(tally, first):
             group = root.create_group(f"episode_{number}")
             frames = episode.observations["image"]
             group.create_dataset(
@@ -212,11 +225,11 @@ def _write_hdf5(h5py: Any, file: Path, replay: Replay, tally: _Tally) -> None:
                     part.create_dataset(name, data=column, compression="gzip", compression_opts=1)
 
 
-def _write_parquet(parquet: Any, file: Path, replay: Replay, tally: _Tally) -> None:
+def _write_parquet(parquet: Any, file: Path, replay: Replay, tally: _Tally, first: int) -> None:
     pyarrow = import_module("pyarrow")
     writer = None
     try:
-        for number, (episode, values) in enumerate(tally):
+        for number, (episode, values) in enumerate(tally, first):
             columns = _columns(pyarrow, number, episode, values)
             table = pyarrow.table(columns)
             if writer is None:

@@ -16,6 +16,14 @@ class GameObject:
         kind: the name without numbers, such as "asteroid"; alike things have the same.
         x, y: column and row of its left upper corner, in pixels of the screen; None if the game has no label of it.
         width, height: in pixels; None if they are not known.
+
+    Example:
+        >>> import atari
+        >>> from atari.lab import Ram
+        >>> env = atari.make("pong")
+        >>> observation, info = env.reset(seed=0)
+        >>> sorted(thing.name for thing in Ram(env).objects())
+        ['player']
     """
 
     name: str

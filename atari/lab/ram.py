@@ -39,6 +39,18 @@ class Ram:
 
     All methods that read or write raise gymnasium.error.ClosedEnvironmentError after `close` of an environment or
     vector, and RuntimeError after `close` of a core, or between `send` and `recv` of a vector.
+
+    Example:
+        >>> import atari
+        >>> from atari.lab import Ram
+        >>> env = atari.make("breakout")
+        >>> observation, info = env.reset(seed=0)
+        >>> ram = Ram(env)
+        >>> ram["lives"]
+        5
+        >>> ram["player_x"] = 80
+        >>> ram["player_x"]
+        80
     """
 
     def __init__(self, target: Any, *, index: int | None = None) -> None:

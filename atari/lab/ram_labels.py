@@ -53,6 +53,13 @@ class RamLabels(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
         TypeError: the environment is another one.
         KeyError: the game has no label of a name; the message suggests the nearest.
         ValueError: the game has no labels, or AtariARI does not have the game.
+
+    Example:
+        >>> import atari
+        >>> from atari.lab import RamLabels
+        >>> env = RamLabels(atari.make("breakout"), ["lives", "player_x"])
+        >>> env.reset(seed=0)[1]["labels"]
+        {'lives': 5, 'player_x': 99}
     """
 
     def __new__(cls, env: Any = None, *args: Any, **kwargs: Any) -> Any:

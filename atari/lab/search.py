@@ -72,6 +72,20 @@ class Search:
     Raises:
         TypeError, ValueError, FileNotFoundError: it is none of these.
         IndexError: there is no such index.
+
+    Example:
+        >>> import atari
+        >>> from atari.lab import Search
+        >>> env = atari.make("breakout")
+        >>> observation, info = env.reset(seed=0)
+        >>> search = Search(env).equals(5)
+        >>> for _ in range(30):
+        ...     observation = env.step(0)[0]
+        >>> print(search.unchanged().table())
+        place  index  label        now
+        0xB9   57     lives  5  5  5
+        0xD8   88            5  5  5
+        2 candidates
     """
 
     def __init__(self, source: Any, *, index: int | None = None) -> None:

@@ -33,6 +33,15 @@ class Watch(Restorable, gymnasium.Wrapper[Any, Any, Any, Any]):
     Raises:
         TypeError: it is no `AtariEnv`, or a name is of the wrong kind.
         ValueError, KeyError: there is no such label or place, none is given, or `each` is something else.
+
+    Example:
+        >>> import atari
+        >>> from atari.lab import Watch
+        >>> env = Watch(atari.make("breakout"), "lives", 0xE3)
+        >>> observation, info = env.reset(seed=0)
+        >>> observation = env.step(1)[0]
+        >>> env.history["lives"].tolist()
+        [5, 5]
     """
 
     def __init__(
@@ -102,6 +111,16 @@ class WatchVector(VectorWrapper):
     Raises:
         TypeError, ValueError, KeyError: as `Watch`.
         IndexError: there is no such environment.
+
+    Example:
+        >>> import atari, numpy
+        >>> from atari.lab import WatchVector
+        >>> envs = WatchVector(atari.AtariVectorEnv("breakout", 2), "lives")
+        >>> observations, info = envs.reset(seed=0)
+        >>> observations = envs.step(numpy.ones(2, int))[0]
+        >>> envs.history["lives"].tolist()
+        [[5, 5], [5, 5]]
+        >>> envs.close()
     """
 
     def __init__(

@@ -18,7 +18,7 @@ import gymnasium
 from atari.lab.inspector import export, protocol
 from atari.lab.inspector.session import Session
 
-_MODULES = ("dom.js", "screen.js", "bytes.js", "panels.js", "inspector.js", "widget.js")
+_MODULES = ("dom.js", "screen.js", "bytes.js", "panels.js", "touch.js", "inspector.js", "widget.js")
 _SECONDS_A_FRAME = 1 / 60
 
 

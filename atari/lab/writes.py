@@ -28,6 +28,20 @@ class _Target(Protocol):
     def remove_write(self, write: _emulator.Write) -> None: ...
 
 
+class _Environment:
+    """The core of an environment may be replaced by another one, so it is read at each use."""
+
+    def __init__(self, env: AtariEnv) -> None:
+        self._env: Any = env
+        self.game = env.game
+
+    def add_write(self, write: _emulator.Write, now: bool = False) -> None:
+        self._env.core.add_write(write, now)
+
+    def remove_write(self, write: _emulator.Write) -> None:
+        self._env.core.remove_write(write)
+
+
 class _Held:
     """Writes that were added to cores, until `release`."""
 
@@ -77,7 +91,16 @@ class Freeze(_Held):
     Raises:
         TypeError: `env` is none of these.
         ValueError: there is no such label or place, or it cannot have the value; or the core is ale-py's.
-        RuntimeError: the environment is being recorded in a replay.
+
+    Example:
+        >>> import atari
+        >>> from atari.lab import Freeze, Ram
+        >>> env = atari.make("breakout")
+        >>> observation, info = env.reset(seed=0)
+        >>> with Freeze(env, lives=3):
+        ...     info = env.step(1)[4]
+        >>> info["lives"]
+        3
     """
 
     def __init__(
@@ -114,7 +137,16 @@ class Poke(_Held):
     fitting frame. A snapshot has which are done, so after `restore` of an earlier one they are done again.
 
     Raises:
-        TypeError, ValueError, RuntimeError: as `Freeze`; also for a condition that is wrong.
+        TypeError, ValueError: as `Freeze`; also for a condition that is wrong.
+
+    Example:
+        >>> import atari
+        >>> from atari.lab import Poke, Ram
+        >>> env = atari.AtariEnv("breakout", frameskip=1)
+        >>> observation, info = env.reset(seed=0)
+        >>> poke = Poke(env, {"lives": 2}, frame=3)
+        >>> [env.step(0)[4]["lives"] for _ in range(4)]
+        [5, 5, 2, 2]
     """
 
     def __init__(
@@ -150,7 +182,7 @@ def _targets(env: Any, index: int | None) -> list[_Target]:
     if not hasattr(core, "add_write"):
         kinds = "an AtariEnv, a core, an AtariVectorEnv or one of its members"
         raise TypeError(f"{kinds} is needed, got {type(env).__name__}")
-    return [core]
+    return [_Environment(inner) if isinstance(inner, AtariEnv) else core]
 
 
 def _spread(value: Any, count: int, place: Any) -> list[int | str]:

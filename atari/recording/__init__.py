@@ -1,6 +1,7 @@
 """Recorded gameplay: videos with sound, replays that reproduce a game exactly, and datasets made from replays."""
 
 from atari.recording.datasets import to_minari
+from atari.recording.replay.players import RecordMatch
 from atari.recording.replay.record_replay import RecordReplay
 from atari.recording.replay.record_vector_replay import RecordVectorReplay
 from atari.recording.replay.replay import Divergence, Episode, Frame, Replay, Verification
@@ -15,6 +16,7 @@ __all__ = [
     "Episode",
     "Format",
     "Frame",
+    "RecordMatch",
     "RecordReplay",
     "RecordVectorReplay",
     "RecordVectorVideo",

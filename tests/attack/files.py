@@ -11,7 +11,9 @@ from typing import Any
 import atari
 from atari import roms
 from atari.cores import snapshot
+from atari.lab import Freeze, Poke
 from atari.recording import RecordReplay, Replay
+from atari.recording.replay import file_format
 from attack.findings import ALLOWED, attempt
 
 
@@ -82,13 +84,31 @@ def attack_replays(source: random.Random, folder: Path) -> None:
     path = folder / "a.a26"
     env = RecordReplay(atari.AtariEnv("pong", obs_type="ram"), path)
     env.reset(seed=2)
-    for _ in range(20):
+    for _ in range(10):
         env.step(source.randrange(6))
+    with Freeze(env, {source.randrange(128): "old + random(0, 3)"}):
+        Poke(env, {source.randrange(128): source.randrange(256)}, frame=60)
+        for _ in range(10):
+            env.step(source.randrange(6))
     env.close()
     files = sorted(folder.rglob("*.a26"))
     assert files, "no replay was written"
-    files[0].write_bytes(damaged(source, files[0].read_bytes()))
-    attempt(lambda: [frame.reward for frame in Replay(files[0]).frames()])
+    if source.random() < 0.5:
+        forge_writes(source, files[0])
+    else:
+        files[0].write_bytes(damaged(source, files[0].read_bytes()))
+    attempt(lambda: [frame.reward for frame in Replay.load(files[0]).frames()])
+
+
+def forge_writes(source: random.Random, path: Path) -> None:
+    """Damage the definitions of a replay's writes; the checksums are right."""
+    content = file_format.read(path)
+    writer = file_format.ReplayFileWriter(path, content.header)
+    for definition in content.writes:
+        writer.write(damaged(source, definition.encode()).decode(errors="replace"))
+    for play in content.plays:
+        writer.play(play)
+    writer.close()
 
 
 def attack_definitions(source: random.Random, folder: Path) -> None:

@@ -265,6 +265,34 @@ def test_a_second_tab_is_told(page: Any, url: str) -> None:
     page.wait_for_timeout(200)
 
 
+def test_the_touch_stick_of_a_phone(page: Any) -> None:
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.evaluate(
+        """() => { const { atariLab } = document.querySelector('main'), { send } = atariLab; window.sent = [];
+        atariLab.send = (message) => { sent.push(message); send(message); }; }"""
+    )
+    pad, fire = page.locator(".touch .pad"), page.locator(".touch .fire")
+    expect(pad).to_be_visible()
+    pad.scroll_into_view_if_needed()
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    box = pad.bounding_box()
+    middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(*middle)
+    page.mouse.down()
+    around = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)]
+    for right, up in around:
+        page.mouse.move(middle[0] + 40 * right, middle[1] - 40 * up)
+    page.mouse.move(middle[0] + 300, middle[1])  # the stick follows a finger that leaves it
+    page.mouse.up()
+    fire.hover()
+    page.mouse.down()
+    page.mouse.up()
+    sent = page.evaluate("sent.filter((message) => message.do === 'hold')")
+    moves = [(message["horizontal"], message["vertical"]) for message in sent]
+    assert moves == [*around, (1, 0), (0, 0), (0, 0), (0, 0)]
+    assert [message["fire"] for message in sent] == [False] * 10 + [True, False]
+
+
 def test_the_token_is_needed(page: Any, url: str) -> None:
     context = page.context.browser.new_context()
     response = context.new_page().goto(re.sub(r"(:\d+/).*", r"\1another/", url))

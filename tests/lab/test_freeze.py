@@ -10,7 +10,6 @@ import pytest
 import atari
 from atari.cores import AleCore, NativeCore, PlainCore
 from atari.lab import Freeze
-from atari.recording.replay.record_replay import RecordReplay
 
 RIGHT, BALL_X, PLAYER_Y, SCORE = 2, 49, 51, 14
 
@@ -150,6 +149,21 @@ def test_lanes_of_a_vector() -> None:
     assert envs.members[2].ram()[BALL_X] != 120
 
 
+def test_a_vector_that_is_closed_and_reset_is_still_frozen() -> None:
+    envs = atari.AtariVectorEnv("pong", 2)
+    envs.reset(seed=0)
+    freeze = Freeze(envs, {BALL_X: 100}, index=1)
+    for _ in range(2):
+        envs.close()
+        envs.reset()
+        envs.step(np.full(2, RIGHT))
+        assert (envs.ram()[:, BALL_X] == 100).tolist() == [False, True]
+    freeze.release()
+    envs.members[1].set_ram(BALL_X, 60)
+    envs.step(np.full(2, RIGHT))
+    assert envs.ram()[1, BALL_X] != 100
+
+
 def test_a_snapshot_does_not_end_it_and_a_restore_does_not_begin_it() -> None:
     env = playing()
     before = env.snapshot()
@@ -224,11 +238,3 @@ def test_an_expression_that_needs_too_deep_a_stack() -> None:
     deep = "1" + "+ (1" * 40 + ")" * 40
     with pytest.raises(ValueError, match="an expression is too large to compile"):
         Freeze(playing(), {3: deep})
-
-
-def test_a_recorded_environment_refuses_it(tmp_path: Any) -> None:
-    env = RecordReplay(atari.AtariEnv("pong"), tmp_path / "x.a26")
-    env.reset()
-    with pytest.raises(RuntimeError, match="cannot be recorded in a replay"):
-        Freeze(env, {3: 1})
-    env.close()

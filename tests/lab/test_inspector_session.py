@@ -23,7 +23,7 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-LIVES, PADDLE = 57, 72
+LIVES, PADDLE, SCORE = 57, 72, 77
 
 
 def new_session(game: str = "breakout") -> Session:
@@ -294,6 +294,24 @@ def test_search_finds_the_lives() -> None:
     assert len(session.search.candidates) > 1
     with pytest.raises(ValueError, match="filter must be one of 'changed'"):
         session.filter("chnged")
+
+
+def test_search_finds_what_follows_the_score() -> None:
+    session = new_session()
+    session.new_search()
+    with pytest.raises(ValueError, match="the score has not changed since the search began"):
+        session.filter("correlates")
+    for points in (3, 1, 4):
+        session.poke(SCORE, session.main.score + points)  # a written score is rewarded
+        play(session, 5)
+        session.filter("correlates")
+    assert SCORE in session.search.candidates
+    assert LIVES not in session.search.candidates
+    session.undo_filter()
+    session.poke(SCORE, 9)
+    play(session, 1)
+    session.filter("correlates")
+    assert SCORE in session.search.candidates
 
 
 def test_causes_in_a_state() -> None:

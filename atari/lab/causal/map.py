@@ -20,6 +20,12 @@ class ByteCauses:
     bytes that differ after a change, the most frequent first. `pixels` is a bool array of the screen, (height, 160):
     the pixels that a change of the byte changed. `box` is the box around most of them, (left, top, width, height), or
     None.
+
+    Example:
+        >>> from atari.lab import shipped_causes
+        >>> byte = shipped_causes("pong").bytes[0x31]
+        >>> byte.index, byte.derived, byte.box
+        (49, False, (16, 36, 142, 158))
     """
 
     index: int
@@ -45,6 +51,12 @@ class CausalMap:
     (128, height, 160) uint16, the number of forks that changed a pixel; `effects`, a row for each fork with an effect
     that has the columns `atari.lab.causal.fit.COLUMNS`; `ram`
     (states, 128) uint8, the RAM of the states; `screen` (height, 160, 3) uint8, the screen of one of them.
+
+    Example:
+        >>> from atari.lab import shipped_causes
+        >>> causes = shipped_causes("pong")
+        >>> causes.game, len(causes.bytes), causes.height
+        ('pong', 128, 210)
     """
 
     game: str

@@ -14,6 +14,12 @@ class Suggestion:
     moves, or None. `support` is the number of forks that agree or not, and `share` the part of them that agree, 0..1.
     `width` and `height` are the size of what moves, in pixels, and None for the other kinds. `weight` is what one unit
     of a score byte is worth, and `encoding` "bcd" or "plain".
+
+    Example:
+        >>> from atari.lab import shipped_causes
+        >>> suggestion = shipped_causes("pong").suggestions[0]
+        >>> suggestion.index, suggestion.kind, suggestion.transform
+        (13, 'score', None)
     """
 
     index: int

@@ -1,16 +1,12 @@
 """What a session exports: labels and interventions as TOML, what was played as a replay, a part of it as a video."""
 
 import copy
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from atari.env import AtariEnv
 from atari.lab.inspector.session import Session
 from atari.lab.inspector.timeline import Timeline
 from atari.recording import RecordReplay, VideoWriter, frame_rate
-from atari.recording.replay.events import NO_VALUE, Kind
-from atari.recording.replay.recorder import ReplayRecorder
 
 MOST_CLIP_FRAMES = 3600
 """A minute."""
@@ -82,7 +78,7 @@ def write_replay(session: Session, path: Path) -> Path:
     env = _at_first_frame(session)
     recording = RecordReplay(env, path)
     try:
-        recorded = _RecordedTimeline(env.core, recording.recorder)
+        recorded = Timeline(env.core)
         for frame in timeline.frames(timeline.first, timeline.at):
             recording.recorder.begin_step()
             recorded.play(frame)
@@ -124,26 +120,6 @@ def _at_first_frame(session: Session) -> AtariEnv:
     env = copy.deepcopy(session.env)
     env.restore_state(session.main.first_state)
     return env
-
-
-class _RecordedTimeline(Timeline):
-    """A timeline on a core that is recorded; the recorder refuses a `Freeze`, so what is held is recorded here."""
-
-    def __init__(self, core: Any, recorder: ReplayRecorder) -> None:
-        super().__init__(core)
-        self._recorder = recorder
-
-    def _hold(self, values: Mapping[int, int]) -> None:
-        before = dict(self._holds.keys())
-        recorded: Any = self.core  # a core whose calls are recorded
-        self.core = recorded.inner
-        try:
-            super()._hold(values)
-        finally:
-            self.core = recorded
-        for index in sorted(before.keys() | values.keys()):
-            if before.get(index) != values.get(index):
-                self._recorder.record(Kind.HOLD, (index, values.get(index, NO_VALUE)))
 
 
 def _name(session: Session, index: int) -> str:

@@ -26,7 +26,16 @@ _MOST_LAG = 0.25  # seconds; after a longer delay the lost time is dropped
 _ACTIONS = {(action.vertical, action.horizontal, action.fire): action for action in PLAYER_ACTIONS}
 
 
-FILTERS = {"changed": 0, "unchanged": 0, "increased": 0, "decreased": 0, "equals": 1, "between": 2, "bcd": 1}
+FILTERS = {
+    "changed": 0,
+    "unchanged": 0,
+    "increased": 0,
+    "decreased": 0,
+    "equals": 1,
+    "between": 2,
+    "bcd": 1,
+    "correlates": 0,
+}
 """The filters of the search, which are methods of `atari.lab.Search`, with how many numbers each takes."""
 
 
@@ -120,6 +129,8 @@ class Session:
         self.changes: list[Change] = []
         """The changes that can be undone."""
         self.search = Search(_Shown(self))
+        self.search_scores = [0]
+        """The score at the start of the search and at each filter."""
         self.searched = self.ram()
         """The RAM at the last filter."""
         self.readings = Readings(self.game)
@@ -391,6 +402,7 @@ class Session:
     def new_search(self) -> None:
         """Begin a search over all bytes."""
         self.search, self.searched = Search(_Shown(self)), self.ram()
+        self.search_scores = [self.shown.score]
         self.version += 1
 
     def filter(self, name: str, low: int = 0, high: int = 0) -> None:
@@ -401,7 +413,15 @@ class Session:
         """
         count = FILTERS[check_name("filter", name, FILTERS)]
         numbers = (check_integer("the number", low, 0, 99_999_999), check_integer("the second number", high, 0, 255))
-        getattr(self.search, name)(*numbers[:count])
+        if name == "correlates":  # this RAM and score are part of the history that is compared
+            scores = [*self.search_scores, self.shown.score]
+            if len(set(scores)) < 2:
+                raise ValueError("the score has not changed since the search began; play on until it has")
+            self.search.keep().correlates(scores)
+            self.search_scores = scores
+        else:
+            getattr(self.search, name)(*numbers[:count])
+        self.search_scores.append(self.shown.score)
         self.searched = self.ram()
         self.version += 1
 
@@ -412,6 +432,7 @@ class Session:
             ValueError: there is none.
         """
         self.search.undo()
+        del self.search_scores[len(self.search.history) :]
         self.version += 1
 
     def pixels_of(self, index: int) -> tuple[np.ndarray[Any, Any], str]:

@@ -10,7 +10,7 @@ from atari.games.catalog import games
 from atari.lab.inspector.session import Agent, Session
 from atari.lab.inspector.timeline import MOST_FRAMES, NEW_GAME, Frame, Timeline
 from atari.recording import Replay
-from atari.recording.replay.events import NO_VALUE, Kind
+from atari.recording.replay.events import Kind
 from atari.validation import check_file
 
 _MOST_BYTES = 64 << 20
@@ -38,24 +38,22 @@ def _frames_of(replay: Replay) -> Callable[[Timeline], None]:
     def fill(timeline: Timeline) -> None:
         core = timeline.core
         writes: dict[int, int] = {}
-        held: dict[int, int] = {}
         state: Any = None
+        slots: tuple[Any, ...] | None = None
         for event, calls in replay.walk(core):
             for call in calls:
                 if event.kind == Kind.POKE:
                     index, value = event.numbers
                     writes[index] = value
-                elif event.kind == Kind.HOLD:
-                    index, value = event.numbers
-                    held = {**held, index: value}
-                    if value == NO_VALUE:
-                        del held[index]
+                elif event.kind in (Kind.ADD_WRITE, Kind.REMOVE_WRITE):
+                    slots = tuple(core.writes)  # type: ignore[attr-defined]
+                    writes, state = {}, core.clone_state(include_rng=True)
                 elif event.kind in (Kind.SEED, Kind.RESTORE, Kind.LOAD, Kind.MODE, Kind.DIFFICULTY):
                     writes, state = {}, core.clone_state(include_rng=True)
                 elif event.kind == Kind.RESET or (event.kind == Kind.ACT and call.played):
                     action = NEW_GAME if event.kind == Kind.RESET else event.numbers[0]
                     strength = event.floats[0] if event.floats else 1.0
-                    frame = Frame(action, tuple(writes.items()), tuple(held.items()), strength, state)
+                    frame = Frame(action, tuple(writes.items()), (), strength, state, slots)
                     writes, state = {}, None
                     if not timeline.append(frame, call.reward):
                         return

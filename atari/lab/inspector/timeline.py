@@ -25,7 +25,8 @@ NEW_GAME = -1
 class Frame(NamedTuple):
     """The inputs of a frame: the action, bytes written before it, and frozen bytes, held before and after it.
 
-    If `state` is not None, it is restored first. The rules of the game see frozen bytes as they are held.
+    If `state` is not None, it is restored first. `slots` are the writes of the core, None for those of its
+    interventions. The rules of the game see frozen bytes as they are held.
     """
 
     action: int
@@ -33,6 +34,7 @@ class Frame(NamedTuple):
     held: tuple[tuple[int, int], ...] = ()
     strength: float = 1.0
     state: Any = None
+    slots: tuple[Any, ...] | None = None
 
 
 class Timeline:
@@ -56,6 +58,8 @@ class Timeline:
         self.frozen: dict[int, int] = {}
         """Bytes that new frames hold."""
         self._holds: dict[tuple[int, int], Freeze] = {}
+        self._own_slots = tuple(getattr(core, "writes", ()))
+        self._slots: tuple[Any, ...] | None = None
         self._frames: list[Frame] = []
         self._states = [core.clone_state(include_rng=True)]
         self._ram: ByteArray = np.zeros((4096, 128), np.uint8)
@@ -164,7 +168,11 @@ class Timeline:
 
     def _make(self, frame: Frame) -> None:
         """Play a frame and keep its results."""
-        core = self.core
+        core: Any = self.core
+        if frame.slots is not self._slots:
+            self._hold({})
+            core.writes = self._own_slots if frame.slots is None else frame.slots
+            self._slots = frame.slots
         if frame.state is not None:
             core.restore_state(frame.state)
         self._write(dict(frame.before))

@@ -35,6 +35,12 @@ class CheckResult:
         expression: what was measured.
         with_it, without: the share of the frames on which the expression is true, for "holds"; else its mean.
         first_failure: for "holds", the first frame on which it is false with the intervention, or None.
+
+    Example:
+        >>> from atari.lab.interventions import check
+        >>> result = check("pong", "lazy_enemy")
+        >>> result.passed, result.expression
+        (True, 'enemy_y == first(enemy_y)')
     """
 
     game: str

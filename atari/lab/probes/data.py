@@ -24,7 +24,14 @@ ENTROPY = 0.6
 
 @dataclass(frozen=True)
 class Episode:
-    """The states of an episode: `observations` (t, ...) uint8 and `ram` (t, 128) uint8."""
+    """The states of an episode: `observations` (t, ...) uint8 and `ram` (t, 128) uint8.
+
+    Example:
+        >>> from atari.lab.probes import majority, play_episodes, split_episodes
+        >>> episodes = play_episodes("breakout", 3000, img_height=42, img_width=42, stack_num=1)
+        >>> episodes[0].observations.shape[1:], episodes[0].ram.shape[1:]
+        ((1, 42, 42), (128,))
+    """
 
     observations: ByteArray
     ram: ByteArray
@@ -32,7 +39,15 @@ class Episode:
 
 @dataclass(frozen=True)
 class Split:
-    """States: `observations` (n, ...) uint8 and `labels` (n, number of labels) uint8."""
+    """States: `observations` (n, ...) uint8 and `labels` (n, number of labels) uint8.
+
+    Example:
+        >>> from atari.lab.probes import majority, play_episodes, split_episodes
+        >>> episodes = play_episodes("breakout", 3000, img_height=42, img_width=42, stack_num=1)
+        >>> train = split_episodes(episodes, "breakout").train
+        >>> len(train.observations) == len(train.labels)
+        True
+    """
 
     observations: ByteArray
     labels: ByteArray
@@ -47,6 +62,13 @@ class ProbeData:
 
     `names` are the labels that are left, `entropies` has all, in nats. `duplicates` is the number of test states that
     were removed because training or validation has the same observation.
+
+    Example:
+        >>> from atari.lab.probes import majority, play_episodes, split_episodes
+        >>> episodes = play_episodes("breakout", 3000, img_height=42, img_width=42, stack_num=1)
+        >>> data = split_episodes(episodes, "breakout")
+        >>> data.names[:2], data.train.observations.shape[1:]
+        (('ball_x', 'ball_y'), (1, 42, 42))
     """
 
     train: Split

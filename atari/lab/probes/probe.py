@@ -23,7 +23,15 @@ _BATCH = 256
 
 @dataclass(frozen=True)
 class ProbeResult:
-    """The scores on the test states by label, weighted over its values: `f1` and `accuracy`, 0..1."""
+    """The scores on the test states by label, weighted over its values: `f1` and `accuracy`, 0..1.
+
+    Example:
+        >>> from atari.lab.probes import majority, play_episodes, split_episodes
+        >>> episodes = play_episodes("breakout", 3000, img_height=42, img_width=42, stack_num=1)
+        >>> result = majority(split_episodes(episodes, "breakout"))
+        >>> 0 <= result.mean_f1 <= 1
+        True
+    """
 
     f1: Mapping[str, float]
     accuracy: Mapping[str, float]

@@ -19,7 +19,9 @@ The codes of all events come first and all arguments after them, which compresse
     0x86, 0x87   number                    set the game's mode, or difficulty
     0x88         radius, angle, fire       the continuous action (three float32) that the following actions come from
     0x89         -                         the end of a step whose last event is not an action
-    0x8A         index, value              hold a byte of RAM at a value after every frame; 256 ends it
+    0x8A         number, now               add the write of that number; if `now` is 1, apply it at once too
+    0x8B         slot                      remove the write in that slot
+    0x90         actions, frames           the actions of several players, digits in base 18, the first player's lowest
 
 Whole numbers are in base 128, the lowest digit first, with 128 added to all digits but the last. The number of codes is
 such a number and comes first. All is compressed with raw DEFLATE.
@@ -37,8 +39,6 @@ ACTS_PER_CHUNK = 4096
 """The most frames of actions in one chunk."""
 
 _GOES_ON, _STRENGTH = 0x20, 0x40
-NO_VALUE = 256
-"""In HOLD, in place of a value: the byte is held no longer."""
 _FLOAT, _FLOATS = struct.Struct("<f"), struct.Struct("<3f")
 _MAX_EVENTS_SIZE = 1 << 20
 
@@ -57,7 +57,9 @@ class Kind(IntEnum):
     DIFFICULTY = 0x87
     CONTINUOUS_ACTION = 0x88
     STEP = 0x89
-    HOLD = 0x8A
+    ADD_WRITE = 0x8A
+    REMOVE_WRITE = 0x8B
+    ACTIONS = 0x90
 
 
 _NUMBERS = {
@@ -70,7 +72,9 @@ _NUMBERS = {
     Kind.MODE: 1,
     Kind.DIFFICULTY: 1,
     Kind.STEP: 0,
-    Kind.HOLD: 2,
+    Kind.ADD_WRITE: 2,
+    Kind.REMOVE_WRITE: 1,
+    Kind.ACTIONS: 2,
 }
 """The number of integer arguments of each kind."""
 
@@ -135,7 +139,11 @@ def _events(text: bytes) -> Iterator[Event]:
             yield Event(Kind.CONTINUOUS_ACTION, (), arguments.continuous_action())
         else:
             kind = Kind(code)
-            yield Event(kind, tuple(arguments.next() for _ in range(_NUMBERS[kind])))
+            numbers = tuple(arguments.next() for _ in range(_NUMBERS[kind]))
+            acts += numbers[1] if kind == Kind.ACTIONS else 0
+            if acts > ACTS_PER_CHUNK:
+                raise ValueError(f"there are more than {ACTS_PER_CHUNK} actions")
+            yield Event(kind, numbers)
     if arguments.offset != len(text):
         raise ValueError("the events end before their arguments")
 

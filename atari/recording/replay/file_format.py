@@ -15,8 +15,10 @@ integers are little-endian:
     11      n     payload
 
     kind  payload
-    H     header, JSON in UTF-8: "format" is the version of this format. The first chunk, only once
+    H     header, JSON in UTF-8: "format" is the version of this format, 1, or 2 in a replay of several players, whose
+          header has "players". The first chunk, only once
     S     snapshot of the recording core, to which events refer by number, counted from 0
+    W     a write to RAM, JSON, as `atari.cores.writes.write_of` takes it; events refer to it by number, from 0
     P     play: the events (see `events`) and the hashes of the frames they played:
           0   4   frames before this chunk
           4   2   frames of this chunk, f
@@ -35,16 +37,15 @@ import json
 import struct
 import zlib
 from binascii import crc_hqx
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
-from atari.cores import Core
 from atari.validation import check_file
 
-FORMAT = 1
+FORMAT, FORMAT_OF_PLAYERS = 1, 2
 SUFFIX = ".a26"
 FRAMES_PER_FULL_HASH = 60
 FRAMES_PER_CHUNK = 240
@@ -61,21 +62,30 @@ class Corrupt(ValueError):
     """A file that is not a replay, or is damaged. The message has the offset of the damage."""
 
 
-def short_hash(core: Core) -> int:
+def short_hash(core: Any) -> int:
     """Return two bits of a hash of the RAM and of the end of the game."""
     return zlib.crc32(core.ram().data, core.game_over << 1 | core.truncated) & 3
 
 
-def full_hash(core: Core, score: int) -> int:
+class Scores(list[int]):
+    """The scores of several players. `+=` adds the rewards of a frame, and makes a new object."""
+
+    def __iadd__(self, rewards: Iterable[int]) -> "Scores":  # type: ignore[override, misc]
+        return Scores(score + reward for score, reward in zip(self, rewards, strict=True))
+
+
+def full_hash(core: Any, score: int | Scores) -> int:
     """Return a hash of RAM, screen, score, lives, end of game and truncation."""
-    text = f"{score} {core.lives} {core.game_over} {core.truncated}".encode()
+    lives = core.player_lives if isinstance(score, Scores) else core.lives
+    text = f"{score} {lives} {core.game_over} {core.truncated}".encode()
     return zlib.crc32(text, zlib.crc32(core.screen().data, zlib.crc32(core.ram().data)))
 
 
-def episode_summary(core: Core, score: int) -> dict[str, Any]:
+def episode_summary(core: Any, score: int | Scores) -> dict[str, Any]:
     """Return the summary of the core's current episode, for the end chunk."""
     end = "game over" if core.game_over else "truncated" if core.truncated else "open"
-    return {"frames": core.episode_frame_number, "score": score, "end": end}
+    summary = {"frames": core.episode_frame_number, "score": score, "end": end}
+    return {**summary, "score": score[0], "scores": list(score)} if isinstance(score, Scores) else summary
 
 
 class PlayChunk(NamedTuple):
@@ -127,6 +137,7 @@ class ReplayContent:
     snapshots: tuple[bytes, ...]
     end: dict[str, Any] | None
     size: int
+    writes: tuple[str, ...] = ()
 
     @property
     def frames(self) -> int:
@@ -164,6 +175,10 @@ class ReplayFileWriter:
             raise ValueError(f"a replay holds snapshots of up to {_MAX_PAYLOAD_SIZE:,} bytes, got {len(data):,}")
         self._put(_chunk(b"S", data))
 
+    def write(self, definition: str) -> None:
+        """Append a write."""
+        self._put(_chunk(b"W", definition.encode()))
+
     def end(self, facts: Mapping[str, Any]) -> None:
         """Append the end chunk and close the file."""
         try:
@@ -198,6 +213,7 @@ def read(path: str | PathLike[str]) -> ReplayContent:
     header: dict[str, Any] | None = None
     plays: list[PlayChunk] = []
     snapshots: list[bytes] = []
+    writes: list[str] = []
     end: dict[str, Any] | None = None
     frames, size = 0, len(_MAGIC)
     for offset, kind, payload in _chunks(Path(path)):
@@ -207,14 +223,17 @@ def read(path: str | PathLike[str]) -> ReplayContent:
             raise _corrupt(offset, "there is a chunk after the end")
         if kind == b"H":
             header = _object(payload, offset)
-            if header.get("format") != FORMAT:
+            reads = FORMAT_OF_PLAYERS if "players" in header else FORMAT
+            if header.get("format") != reads:
                 found = header.get("format")
-                raise _corrupt(offset, f"the format is {found!r}, and this release of atari-envs reads {FORMAT}")
+                raise _corrupt(offset, f"the format is {found!r}, and this release of atari-envs reads {reads}")
         elif kind == b"P":
             plays.append(PlayChunk.unpack(payload, offset, frames))
             frames += len(plays[-1].short_hashes)
         elif kind == b"S":
             snapshots.append(payload)
+        elif kind == b"W":
+            writes.append(payload.decode(errors="replace"))
         elif kind == b"E":
             end = _object(payload, offset)
         else:
@@ -222,7 +241,7 @@ def read(path: str | PathLike[str]) -> ReplayContent:
         size = offset + _HEAD_SIZE + len(payload)
     if header is None:
         raise _corrupt(size, "the file ends within its header, and holds nothing")
-    return ReplayContent(header, tuple(plays), tuple(snapshots), end, size)
+    return ReplayContent(header, tuple(plays), tuple(snapshots), end, size, tuple(writes))
 
 
 def _chunks(path: Path) -> Iterator[tuple[int, bytes, bytes]]:

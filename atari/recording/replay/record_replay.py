@@ -18,9 +18,9 @@ from atari.restorable import Restorable
 class RecordReplay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """Record everything that is played, by any wrapper, in one replay.
 
-    The replay has the calls of the core: no-op resets, the frames of a frame skip, sticky actions, `set_ram`, `restore`
-    and seeds. `Replay.load` reads the file. Close the environment to complete it. If the process is killed, the file
-    holds everything but the last seconds.
+    The replay has the calls of the core: no-op resets, the frames of a frame skip, sticky actions, `set_ram`,
+    `restore`, seeds, and the writes of `atari.lab.Freeze` and `Poke`. `Replay.load` reads the file. Close the
+    environment to complete it. If the process is killed, the file holds everything but the last seconds.
 
     If the environment was not reset before, it gets a random seed, which the file holds. If the recording begins in
     the middle of a game, the file begins with a snapshot, and the replay plays only on the same core. The same holds
@@ -40,6 +40,17 @@ class RecordReplay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
     If the file cannot be written any more, for example because the disk is full, the recording ends. The error is
     deferred: the next call of `step`, `reset` or `close` raises it as an `OSError` before it changes anything. The
     environment can continue from there.
+
+    Example:
+        >>> import atari
+        >>> from atari.recording import RecordReplay, Replay
+        >>> env = RecordReplay(atari.make("pong"), "game.a26")
+        >>> observation, info = env.reset(seed=0)
+        >>> for _ in range(20):
+        ...     observation, reward, terminated, truncated, info = env.step(2)
+        >>> env.close()
+        >>> Replay.load("game.a26").frames_total
+        80
     """
 
     def __init__(self, env: gymnasium.Env[Any, Any], path: str | PathLike[str]) -> None:
@@ -57,6 +68,7 @@ class RecordReplay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
         self._finalizer = weakref.finalize(self, self._recorder.close)  # without a call of close
         self.path = self._recorder.path
         core = RecordedCore(inner.core, self._recorder)
+        core.record_writes()
         if started is not None:
             self._recorder.record_restore(started)
         else:

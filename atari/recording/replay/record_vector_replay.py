@@ -27,8 +27,8 @@ class RecordVectorReplay(VectorWrapper):
     """Record one environment of an `AtariVectorEnv` in a replay.
 
     If the first `reset` has no seed, all environments get random seeds, because the replay needs the seed of its
-    environment. If the mode, difficulty, RAM or state of the environment is set from outside, the recording ends with
-    an error.
+    environment. Bytes of RAM that are set and the writes of `atari.lab.Freeze` and `Poke` are recorded. If the mode,
+    difficulty or state of the environment is set from outside, the recording ends with an error.
 
     Args:
         envs: an `AtariVectorEnv` with batches of all environments.
@@ -37,8 +37,20 @@ class RecordVectorReplay(VectorWrapper):
 
     Raises:
         TypeError: `envs` is not an `AtariVectorEnv`.
-        ValueError: there is no such environment, or the vector cannot be recorded.
+        ValueError: there is no such environment, the vector cannot be recorded, or the environment has a `Freeze` or a
+            `Poke` already.
         OSError: the file cannot be written. Later errors are deferred, see `RecordReplay`.
+
+    Example:
+        >>> import atari, numpy
+        >>> from atari.recording import RecordVectorReplay, Replay
+        >>> envs = RecordVectorReplay(atari.AtariVectorEnv("pong", 4), "game.a26", index=2)
+        >>> observations, info = envs.reset(seed=0)
+        >>> for _ in range(10):
+        ...     observations = envs.step(numpy.zeros(4, int))[0]
+        >>> envs.close()
+        >>> Replay.load("game.a26").frames_total > 0
+        True
     """
 
     def __init__(self, envs: VectorEnv, path: str | PathLike[str], index: int = 0) -> None:
@@ -50,10 +62,15 @@ class RecordVectorReplay(VectorWrapper):
         super().__init__(envs)
         self._vector = inner
         self._index = check_integer("index", index, 0, inner.num_envs - 1)
+        self._added = inner.members[self._index].added
+        if self._added.writes:
+            raise ValueError("the environment has a Freeze or a Poke; release it, and make it after RecordVectorReplay")
         self._seeded = inner._phase == "new"
         self._shadow = _make_shadow(inner, self._index, path)
         self._recorder = self._shadow.env.recorder
         self.path = self._recorder.path
+        self._core = self._shadow.env.unwrapped.core
+        self._added.shadows.append(self._core)
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset environments; if the recorded one is among them, reset its shadow.
@@ -97,6 +114,7 @@ class RecordVectorReplay(VectorWrapper):
 
     def stop(self) -> None:
         """Complete the file; the environments can continue without a recording."""
+        self._added.shadows = [each for each in self._added.shadows if each is not self._core]
         self._shadow.env.close()
 
     def close(self, **kwargs: Any) -> None:
@@ -109,7 +127,7 @@ class RecordVectorReplay(VectorWrapper):
         if core.frame_number != member.frame_number or core.ram().tobytes() != member.ram().tobytes():
             self.stop()
             raise RuntimeError(
-                f"environment {self._index} differs from its recording; was its RAM, mode or state set from outside, "
+                f"environment {self._index} differs from its recording; was its mode or state set from outside, "
                 f"or its action changed by a wrapper inside this one? {self.path} ends before this step"
             )
 

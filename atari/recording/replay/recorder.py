@@ -3,11 +3,11 @@
 import hashlib
 import operator
 import struct
+from collections.abc import Sequence
 from os import PathLike
 from typing import Any
 
 import atari
-from atari.cores import Core
 from atari.env import AtariEnv
 from atari.games.game import Game
 from atari.recording.deferred_error import DeferredErrorMixin
@@ -44,7 +44,7 @@ def header_of(env: AtariEnv, source: str) -> dict[str, Any]:
         "core": env.core.name,
         "source": source,
         "id": env.spec.id if env.spec else None,
-        "options": {name: _plain(value) for name, value in options.items()},
+        "options": {name: plain(value) for name, value in options.items()},
         "package": atari.__version__,
     }
 
@@ -60,21 +60,22 @@ class ReplayRecorder(DeferredErrorMixin):
         OSError: the file cannot be written.
     """
 
-    def __init__(self, path: str | PathLike[str], header: dict[str, Any], core: Core) -> None:
+    def __init__(self, path: str | PathLike[str], header: dict[str, Any], core: Any) -> None:
         self._writer: ReplayFileWriter | None = ReplayFileWriter(path, header)
         self.path = self._writer.path
         self.frames = 0
         """Frames played so far."""
-        self.score = 0
-        """The sum of rewards since the last reset."""
         self.core = core
         """The recorded core."""
+        self.score: Any = self._no_score()
+        """The sum of rewards since the last reset."""
         self._episodes: list[dict[str, Any]] = []
         self._in_episode = False
-        self._held: tuple[int, float] = (0, 1.0)
+        self._held: tuple[int, float] = (0, 1.0)  # the action and the strength
         self._held_for = 0
         self._saved: dict[bytes, tuple[int, int]] = {}  # by digest: number of the snapshot, and the score then
         self._saves = self._loads = 0
+        self._writes: dict[str, int] = {}  # by definition: its number
         self._start_chunk()
 
     @property
@@ -82,7 +83,7 @@ class ReplayRecorder(DeferredErrorMixin):
         """Whether the recording goes on: neither closed nor ended by an error."""
         return self._writer is not None
 
-    def record_act(self, action: int, strength: float, reward: int, played: bool) -> None:
+    def record_act(self, action: int, strength: float, reward: Any, played: bool) -> None:
         """Record a call of `act`; `played` is False if it played no frame, as after the end of a game."""
         if self._writer is None:
             return
@@ -125,7 +126,7 @@ class ReplayRecorder(DeferredErrorMixin):
         """Record a reset. Call it before the core resets, because it stores the last episode's summary."""
         self.end_episode()
         self.record(Kind.RESET)
-        self.score = 0
+        self.score = self._no_score()
         self._in_episode = True
 
     def record_snapshot(self, data: bytes) -> None:
@@ -149,8 +150,15 @@ class ReplayRecorder(DeferredErrorMixin):
             self._write("snapshot", data)
             self.record(Kind.LOAD, (self._loads,))
             self._loads += 1
-            self.score = 0
+            self.score = self._no_score()
         self._in_episode = True
+
+    def record_write(self, definition: str, *, now: bool = False) -> None:
+        """Record that a write was added."""
+        if definition not in self._writes:
+            self._writes[definition] = len(self._writes)
+            self._write("write", definition)
+        self.record(Kind.ADD_WRITE, (self._writes[definition], int(now)))
 
     def flush_if_full(self) -> None:
         """Write a chunk if there are enough frames or events for one."""
@@ -188,11 +196,17 @@ class ReplayRecorder(DeferredErrorMixin):
     def _flush_held(self, *, ends_step: bool) -> bool:
         if not self._held_for:
             return False
-        action, strength = self._held
-        floats = () if strength == 1.0 else (strength,)
-        self._events.append(Event(Kind.ACT, (action, self._held_for), floats, ends_step))
+        self._events.append(self._held_event(ends_step))
         self._held_for = 0
         return True
+
+    def _held_event(self, ends_step: bool) -> Event:
+        action, strength = self._held
+        floats = () if strength == 1.0 else (strength,)
+        return Event(Kind.ACT, (action, self._held_for), floats, ends_step)
+
+    def _no_score(self) -> Any:
+        return 0
 
     def end_episode(self) -> None:
         """Keep the summary of the present episode. Call it before the core forgets the episode."""
@@ -213,7 +227,7 @@ class ReplayRecorder(DeferredErrorMixin):
 class RecordedCore:
     """A core whose calls are recorded. See `Core` for the methods."""
 
-    def __init__(self, core: Core, recorder: ReplayRecorder) -> None:
+    def __init__(self, core: Any, recorder: ReplayRecorder) -> None:
         self.inner: Any = core
         self._recorder = recorder
 
@@ -245,15 +259,41 @@ class RecordedCore:
         self._recorder.record(Kind.POKE, (operator.index(index), operator.index(value)))
 
     def add_write(self, write: Any, now: bool = False) -> None:
-        """Not possible: a replay holds no writes but those of interventions.
+        """Apply a write at each frame from here on."""
+        self.inner.add_write(write, now)
+        self._recorder.record_write(write.definition, now=now)
 
-        Raises:
-            RuntimeError: always.
-        """
-        raise RuntimeError(
-            "Freeze and Poke cannot be recorded in a replay; close the recorder first, or make the environment with "
-            "interventions=[...]"
-        )
+    def remove_write(self, write: Any) -> int:
+        """End a write; return the slot that it had, or -1."""
+        slot: int = self.inner.remove_write(write)
+        if slot >= 0:
+            self._recorder.record(Kind.REMOVE_WRITE, (slot,))
+        return slot
+
+    @property
+    def writes(self) -> list[Any]:
+        """The writes by slot, None where one has ended."""
+        slots: list[Any] = self.inner.writes
+        return slots
+
+    @writes.setter
+    def writes(self, slots: Sequence[Any]) -> None:
+        ended = list(enumerate(self.inner.writes))[own_writes(self.inner) :]
+        self.inner.writes = slots
+        for slot, write in ended:
+            if write is not None:
+                self._recorder.record(Kind.REMOVE_WRITE, (slot,))
+        self.record_writes()
+
+    def record_writes(self) -> None:
+        """Record the writes that the core has beside those of its interventions."""
+        first = own_writes(self.inner)
+        slots = getattr(self.inner, "writes", [])[first:]
+        for write in slots:
+            self._recorder.record_write((write or slots[-1]).definition)
+        for slot, write in enumerate(slots, first):
+            if write is None:
+                self._recorder.record(Kind.REMOVE_WRITE, (slot,))
 
     def set_mode(self, mode: int) -> None:
         """Set the game's mode; played from the next reset on."""
@@ -296,6 +336,11 @@ class RecordedCore:
         self._recorder.record_restore(self.inner.snapshot())
 
 
+def own_writes(core: Any) -> int:
+    """The number of slots that the writes of a core's interventions have, which come first."""
+    return sum(len(intervention.writes) for intervention in getattr(core, "interventions", ()))
+
+
 def _as_float32(strength: float) -> float:
     return 1.0 if strength == 1.0 else float(struct.unpack("<f", struct.pack("<f", strength))[0])
 
@@ -304,8 +349,10 @@ def _digest(data: bytes) -> bytes:
     return hashlib.blake2b(data, digest_size=16).digest()
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """Convert an option's value to a type of JSON."""
+    if isinstance(value, dict):
+        return {name: plain(item) for name, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     return value.item() if hasattr(value, "item") else value

@@ -23,6 +23,7 @@ from atari.games.interventions import resolve
 from atari.recording.replay import file_format
 from atari.recording.replay.events import Event, Kind, unpack
 from atari.recording.replay.file_format import FRAMES_PER_FULL_HASH, Corrupt
+from atari.recording.replay.players import PlayersRunner, actions_of, make_core
 from atari.recording.replay.recorder import UNRECORDED_OPTIONS, rom_md5
 from atari.recording.replay.runner import Call, Checkpoint, ReplayRunner
 from atari.recording.video.formats import has_sound
@@ -40,7 +41,18 @@ class Frame:
     `index` counts from 0 over all episodes, `episode` from 0. `action` is ALE's number 0..17 and `strength` the
     paddle's; with sticky actions the core may have repeated the previous action. `ends_step` is True for the last
     frame of a step of the environment. `ram` is (128,) and `screen` (height, 160, 3), uint8. `audio` is (512,) uint8
-    samples, all zero without sound=True.
+    samples, all zero without sound=True. `actions`, `rewards` and `all_lives` have a number of each player; `action`,
+    `reward` and `lives` are the first player's.
+
+    Example:
+        >>> import atari
+        >>> from atari.recording import RecordReplay, Replay
+        >>> with RecordReplay(atari.make("pong"), "game.a26") as env:
+        ...     observation, info = env.reset(seed=0)
+        ...     observation = env.step(2)[0]
+        >>> frame = next(Replay.load("game.a26").frames())
+        >>> frame.index, frame.action, frame.ram.shape, frame.screen.shape
+        (0, 3, (128,), (210, 160, 3))
     """
 
     index: int
@@ -55,15 +67,32 @@ class Frame:
     ram: ByteArray
     screen: ByteArray
     audio: ByteArray
+    actions: tuple[int, ...]
+    rewards: tuple[int, ...]
+    all_lives: tuple[int, ...]
 
 
 @dataclass(frozen=True)
 class Episode:
-    """Frames and score of an episode, and how it ended: "game over", "truncated", or "open" if it did not."""
+    """Frames and score of an episode, and how it ended: "game over", "truncated", or "open" if it did not.
+
+    With several players, `scores` has the score of each, and `score` is the first one's.
+
+    Example:
+        >>> import atari
+        >>> from atari.recording import RecordReplay, Replay
+        >>> with RecordReplay(atari.make("pong"), "game.a26") as env:
+        ...     observation, info = env.reset(seed=0)
+        ...     observation = env.step(2)[0]
+        >>> [episode] = Replay.load("game.a26").episodes
+        >>> episode
+        Episode(frames=4, score=0, end='open', scores=None)
+    """
 
     frames: int
     score: int
     end: str
+    scores: list[int] | None = None
 
 
 @dataclass(frozen=True)
@@ -72,6 +101,15 @@ class Divergence:
 
     `frame` is the first frame whose hashes differ, counted from 0. The frames before `since` are equal. A difference in
     RAM changes the hash of its frame with a probability of 3/4; otherwise a later frame reports it.
+
+    Example:
+        >>> import atari
+        >>> from atari.recording import RecordReplay, Replay
+        >>> with RecordReplay(atari.make("pong"), "game.a26") as env:
+        ...     observation, info = env.reset(seed=0)
+        ...     observation = env.step(2)[0]
+        >>> Replay.load("game.a26").verify().divergence is None
+        True
     """
 
     frame: int
@@ -85,7 +123,18 @@ class Divergence:
 
 @dataclass(frozen=True)
 class Verification:
-    """The result of `Replay.verify`: the core, the number of compared frames, and the divergence, or None."""
+    """The result of `Replay.verify`: the core, the number of compared frames, and the divergence, or None.
+
+    Example:
+        >>> import atari
+        >>> from atari.recording import RecordReplay, Replay
+        >>> with RecordReplay(atari.make("pong"), "game.a26") as env:
+        ...     observation, info = env.reset(seed=0)
+        ...     observation = env.step(2)[0]
+        >>> result = Replay.load("game.a26").verify()
+        >>> bool(result)
+        True
+    """
 
     core: str
     frames: int
@@ -105,6 +154,19 @@ class Replay:
         seeds: the seeds of the core, in order.
         complete: whether the recording was closed. If not, the replay has the chunks that were written.
         frames_total: emulated frames.
+        players: the number of players; replays of several run on core "native".
+
+    Example:
+        >>> import atari
+        >>> from atari.recording import RecordReplay, Replay
+        >>> with RecordReplay(atari.make("pong"), "game.a26") as env:
+        ...     observation, info = env.reset(seed=0)
+        ...     observation = env.step(2)[0]
+        >>> replay = Replay.load("game.a26")
+        >>> [frame.action for frame in replay.frames()]
+        [3, 3, 3, 3]
+        >>> bool(replay.verify())
+        True
     """
 
     def __init__(
@@ -115,10 +177,11 @@ class Replay:
         self.game = game
         self.complete = content.end is not None
         self.frames_total = content.frames
+        self.players = int(self.header.get("players", 1))
         self._content = content
         self.rom = rom
         self._uses: Counter[int] = Counter()  # by snapshot: how often it is restored
-        seeds = []
+        seeds = [self.header["options"]["seed"]] if self.players > 1 else []
         for event in chain.from_iterable(map(self._events, range(len(content.plays)))):  # raises now if one is damaged
             if event.kind == Kind.RESTORE:
                 self._uses[event.numbers[0]] += 1
@@ -135,7 +198,7 @@ class Replay:
         game: "str | PathLike[str] | Game | None" = None,
         rom: str | PathLike[str] | None = None,
     ) -> "Replay":
-        """Read a file that `RecordReplay` wrote. If the file was cut, return its complete chunks and warn.
+        """Read a file of `RecordReplay` or `RecordMatch`. If the file was cut, return its complete chunks and warn.
 
         Args:
             path: the file.
@@ -154,14 +217,18 @@ class Replay:
             raise Corrupt("the replay is damaged: its header has no game, or no options")
         if game is None and header["game"] not in games:  # never a path: a replay must not choose files to read
             raise ValueError(f"{games.unknown(header['game'])}; pass the game file of a game of your own as game=")
-        found = games.find(header["game"] if game is None else game)
-        _check_header(header, found)
+        find = games.resolve if "players" in header else games.find
+        found = find(header["game"] if game is None else game)
+        if "players" not in header:
+            _check_header(header, found)
         md5 = rom_md5(found, rom)
         if md5 != header.get("rom"):
             raise ValueError(
                 f"the replay was recorded with a ROM of MD5 {header.get('rom')}, but the one of {found.id} here has "
                 f"{md5}; pass the right one as rom="
             )
+        if "players" in header:
+            make_core(header, found, rom)
         if content.end is None:
             warnings.warn(
                 f"{path} was cut while it was recorded; its first {content.frames:,} frames are whole", stacklevel=2
@@ -184,11 +251,19 @@ class Replay:
         end = self._content.end
         try:
             episodes = [Episode(**episode) for episode in (end["episodes"] if end else self._play_for_episodes())]
-            if all((type(x.frames), type(x.score), type(x.end)) == (int, int, str) for x in episodes):
+            if all(self._is_episode(episode) for episode in episodes):
                 return tuple(episodes)
             raise TypeError
         except (KeyError, TypeError):
             raise Corrupt(f"the replay is damaged: the end of {self.path} has no episodes") from None
+
+    def _is_episode(self, episode: Episode) -> bool:
+        if (type(episode.frames), type(episode.score), type(episode.end)) != (int, int, str):
+            return False
+        if self.players == 1:
+            return episode.scores is None
+        scores = episode.scores
+        return isinstance(scores, list) and [type(score) for score in scores] == [int] * self.players
 
     def __repr__(self) -> str:
         cut = "" if self.complete else ", cut"
@@ -308,6 +383,7 @@ class Replay:
             TypeError, ValueError: see `AtariEnv`.
         """
         check_name("core", core, CORES)
+        self._require_one_player("AtariEnv")
         return AtariEnv(self.game, **{**self.options, **options}, core=core, rom=self.rom)
 
     def walk(self, core: Core) -> Iterator[tuple[Event, Iterator[Call]]]:
@@ -316,13 +392,18 @@ class Replay:
         Raises:
             ValueError: an event is not possible on this core.
         """
-        runner = ReplayRunner(core, self._content.snapshots, self._uses)
+        self._require_one_player("this core")
+        runner = ReplayRunner(core, self._content.snapshots, self._content.writes, self._uses)
         try:
             for number in range(len(self._content.plays)):
                 for event in self._events(number):
                     yield event, runner.run(event)
         finally:
             runner.release()
+
+    def _require_one_player(self, what: str) -> None:
+        if self.players > 1:
+            raise ValueError(f"{self.path} is of {self.players} players, and {what} is for one; use frames() or seek()")
 
     def _events(self, number: int) -> list[Event]:
         play = self._content.plays[number]
@@ -333,6 +414,11 @@ class Replay:
 
     def _new_runner(self, core: str, *, sound: bool) -> ReplayRunner:
         check_name("core", core, CORES)
+        if self.players > 1:
+            if core != "native":
+                raise ValueError(f"a replay of several players runs on core 'native' only, got {core!r}")
+            made_for_players = make_core(self.header, self.game, self.rom, sound)
+            return PlayersRunner(made_for_players, self._content.snapshots, self._content.writes, self._uses)
         options = self.options
         if core == "ale" and self._content.snapshots:  # they need the sound setting of the recorded core
             sound = bool(snapshot.unpack(self._content.snapshots[0])[0].get("sound"))
@@ -345,7 +431,7 @@ class Replay:
             interventions=resolve(self.game, options.get("interventions")),
             **{name: options[name] for name in names if name in options},
         )
-        return ReplayRunner(made, self._content.snapshots, self._uses)
+        return ReplayRunner(made, self._content.snapshots, self._content.writes, self._uses)
 
     def _runner_at(self, core: str, *, sound: bool, start: int) -> tuple[ReplayRunner, Iterator[Call]]:
         runner = self._new_runner(core, sound=sound)
@@ -429,20 +515,27 @@ def _check_interventions(definitions: Any, game: Game) -> None:
 
 
 def _frame(runner: ReplayRunner, call: Call) -> Frame:
-    core, (_, numbers, floats, ends_step) = runner.core, call.event
+    core, (kind, numbers, floats, ends_step) = runner.core, call.event
+    several = kind == Kind.ACTIONS
+    actions = actions_of(numbers[0], core.players) if several else [numbers[0]]
+    rewards = call.reward if several else [call.reward]
+    lives = core.player_lives if several else [core.lives]
     return Frame(
         index=runner.frame - 1,
         episode=runner.episode,
-        action=numbers[0],
+        action=actions[0],
         strength=floats[0] if floats else 1.0,
         ends_step=ends_step,
-        reward=call.reward,
-        lives=core.lives,
+        reward=rewards[0],
+        lives=lives[0],
         terminated=core.game_over,
         truncated=core.truncated,
         ram=core.ram(),
         screen=core.screen_rgb(),
         audio=core.audio(),
+        actions=tuple(actions),
+        rewards=tuple(rewards),
+        all_lives=tuple(lives),
     )
 
 

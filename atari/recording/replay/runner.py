@@ -1,22 +1,25 @@
 """`ReplayRunner`: feeds the events of a replay to a core."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from atari.cores import Core, snapshot
-from atari.cores.writes import make_write
-from atari.games.interventions import WriteRule
+from atari.cores import snapshot
+from atari.cores.writes import write_of
 from atari.recording.replay import file_format
-from atari.recording.replay.events import NO_VALUE, Event, Kind
+from atari.recording.replay.events import Event, Kind
+from atari.recording.replay.recorder import own_writes
 
 
 class Call(NamedTuple):
-    """One call of a core: an event, or one frame of an action, with its reward and whether it played a frame."""
+    """One call of a core: an event, or one frame of an action, with its reward and whether it played a frame.
+
+    With several players, `reward` is the `Scores` of the frame.
+    """
 
     event: Event
-    reward: int = 0
+    reward: Any = 0
     played: bool = False
 
 
@@ -28,12 +31,12 @@ class Checkpoint:
     saved: int
     frame: int
     episode: int
-    score: int
+    score: Any
     in_episode: bool
     core: bytes
     saves: Mapping[int, tuple[bytes, int]]
     uses: Counter[int]
-    held: Mapping[int, int]
+    writes: Sequence[Any]
 
 
 class ReplayRunner:
@@ -42,17 +45,20 @@ class ReplayRunner:
     Args:
         core: a new core.
         snapshots: the snapshots stored in the file.
+        writes: the definitions of the writes in the file.
         uses: the number of times that the replay restores each snapshot taken during the recording.
     """
 
-    def __init__(self, core: Core, snapshots: tuple[bytes, ...], uses: Counter[int]) -> None:
+    _plays = Kind.ACT
+
+    def __init__(self, core: Any, snapshots: tuple[bytes, ...], writes: tuple[str, ...], uses: Counter[int]) -> None:
         self.core: Any = core
         self.chunk = 0
         """Chunks played so far."""
         self.frame = 0
         """Frames played so far."""
         self.episode = -1
-        self.score = 0
+        self.score: Any = self._no_score()
         self.episodes: list[dict[str, Any]] = []
         """The summaries of the episodes that have ended."""
         self._snapshots = snapshots
@@ -60,7 +66,7 @@ class ReplayRunner:
         self._saves: dict[int, tuple[bytes, int]] = {}
         self._saved = 0
         self._in_episode = False
-        self._held: dict[int, tuple[int, Any]] = {}  # by byte: the value, and the write
+        self._writes = writes
 
     def run(self, event: Event) -> Iterator[Call]:
         """Return an iterator that makes the calls of an event, one at each `next`.
@@ -68,7 +74,7 @@ class ReplayRunner:
         Raises:
             ValueError: the event is not possible on this core.
         """
-        if event.kind == Kind.ACT:
+        if event.kind == self._plays:
             yield from self._act(event)
             return
         try:
@@ -91,31 +97,22 @@ class ReplayRunner:
         saves, uses = dict(self._saves), Counter(self._uses)
         core = self.core.snapshot()
         numbers = self.chunk, self._saved, self.frame, self.episode, self.score
-        held = {index: value for index, (value, _) in self._held.items()}
-        return Checkpoint(*numbers, self._in_episode, core, saves, uses, held)
+        return Checkpoint(*numbers, self._in_episode, core, saves, uses, getattr(self.core, "writes", ()))
 
     def resume(self, checkpoint: Checkpoint) -> None:
         """Continue from a checkpoint."""
+        if checkpoint.writes:
+            self.core.writes = checkpoint.writes
         self.core.restore(checkpoint.core)
         self.chunk, self._saved, self.frame = checkpoint.chunk, checkpoint.saved, checkpoint.frame
         self.episode, self.score, self._in_episode = checkpoint.episode, checkpoint.score, checkpoint.in_episode
         self._saves, self._uses = dict(checkpoint.saves), Counter(checkpoint.uses)
-        self.release()
-        for index, value in checkpoint.held.items():
-            self._hold(index, value)
 
     def release(self) -> None:
-        """Hold no byte any longer."""
-        for index in list(self._held):
-            self._hold(index, NO_VALUE)
-
-    def _hold(self, index: int, value: int) -> None:
-        if index in self._held:
-            self.core.remove_write(self._held.pop(index)[1])
-        if value != NO_VALUE:
-            write = make_write(self.core.game, WriteRule(index, value, when="held"), "HOLD")
-            self.core.add_write(write)
-            self._held[index] = value, write
+        """End the writes of the replay."""
+        for write in getattr(self.core, "writes", [])[own_writes(self.core) :]:
+            if write is not None:
+                self.core.remove_write(write)
 
     def _act(self, event: Event) -> Iterator[Call]:
         core = self.core
@@ -130,6 +127,9 @@ class ReplayRunner:
                 self.score += reward
             yield Call(Event(Kind.ACT, (action, 1), event.floats, event.ends_step and not left), reward, played)
 
+    def _no_score(self) -> Any:
+        return 0
+
     def _do(self, kind: Kind, first: int = 0, second: int = 0) -> None:
         core = self.core
         if kind == Kind.RESET:
@@ -137,14 +137,14 @@ class ReplayRunner:
             core.reset()
             self._in_episode = True
             self.episode += 1
-            self.score = 0
+            self.score = self._no_score()
         elif kind == Kind.SEED:
             self.end_episode()  # the core forgets the episode
             core.seed(first)
         elif kind == Kind.POKE:
             core.set_ram(first, second)
-        elif kind == Kind.HOLD:
-            self._hold(first, second)
+        elif kind in (Kind.ADD_WRITE, Kind.REMOVE_WRITE):
+            self._do_write(kind, first, bool(second))
         elif kind == Kind.SAVE:
             if self._uses[self._saved]:
                 self._saves[self._saved] = core.snapshot(), self.score
@@ -159,9 +159,22 @@ class ReplayRunner:
         elif kind == Kind.LOAD:
             self._in_episode = True
             core.restore(snapshot.with_options(self._snapshots[first], sound=core.sound))
-            self.score = 0
+            self.score = self._no_score()
         elif kind in (Kind.MODE, Kind.DIFFICULTY):
             choices = core.game.modes if kind == Kind.MODE else core.game.difficulties
             if first not in choices:
                 raise ValueError(f"{core.game.id} has {kind.name.lower()} {', '.join(map(str, choices))}")
             (core.set_mode if kind == Kind.MODE else core.set_difficulty)(first)
+        elif kind in (Kind.ACT, Kind.ACTIONS):
+            raise ValueError("it is an action for another number of players")
+
+    def _do_write(self, kind: Kind, number: int, now: bool) -> None:
+        core = self.core
+        if not hasattr(core, "writes"):
+            raise ValueError("this core cannot write RAM within a step; use core='native'")
+        if kind == Kind.ADD_WRITE:
+            core.add_write(write_of(core.game, self._writes[number]), now)
+        elif (write := core.writes[number]) is not None:
+            core.remove_write(write)
+        else:
+            raise ValueError(f"there is no write in slot {number}")

@@ -22,6 +22,11 @@ class Format:
     codec and `sound_rate` its sample rate; None keeps the console's samples unchanged. With `fades_in`, packets before
     time 0 are dropped, and the first 20 milliseconds of sound fade in. `max_rate` is the greatest frame rate; from a
     higher one frames are dropped.
+
+    Example:
+        >>> from atari.recording import FORMATS
+        >>> sorted(FORMATS), FORMATS[".mkv"].codec
+        (['.gif', '.mkv', '.mp4', '.png', '.webm'], 'ffv1')
     """
 
     name: str

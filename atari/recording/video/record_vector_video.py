@@ -48,6 +48,19 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
         ValueError: an argument is out of range, or batches are smaller than the number of environments.
         OSError: the folder cannot be created or written to.
         RuntimeError: raised by `step` if a wrapper inside this one has changed the actions.
+
+    Example:
+        >>> import os
+        >>> import atari, numpy
+        >>> from atari.recording import RecordVectorVideo
+        >>> envs = atari.AtariVectorEnv("pong", 4)
+        >>> envs = RecordVectorVideo(envs, "videos", step_trigger=lambda step: step == 0, video_length=5)
+        >>> observations, info = envs.reset(seed=0)
+        >>> for _ in range(6):
+        ...     observations = envs.step(numpy.zeros(4, int))[0]
+        >>> envs.close()
+        >>> os.listdir("videos")
+        ['rl-video-step-0.mp4']
     """
 
     def __init__(

@@ -51,6 +51,17 @@ class RecordVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, Any, 
     If a video cannot be written any more, for example because the disk is full, the video ends. The error is deferred:
     the *next* call of `step`, `reset` or `close` raises it as an `OSError` before it changes anything. The environment
     can continue from there.
+
+    Example:
+        >>> import os
+        >>> import atari
+        >>> from atari.recording import RecordVideo
+        >>> with RecordVideo(atari.make("pong"), "videos", episode_trigger=lambda episode: episode == 0) as env:
+        ...     observation, info = env.reset(seed=0)
+        ...     for _ in range(10):
+        ...         observation = env.step(0)[0]
+        >>> os.listdir("videos")
+        ['rl-video-episode-0.mp4']
     """
 
     def __init__(

@@ -76,6 +76,18 @@ class VideoWriter:
         TypeError, ValueError: an argument has the wrong type or is out of range.
         OSError: the file cannot be written.
         gymnasium.error.DependencyNotInstalled: PyAV is not installed.
+
+    Example:
+        >>> import atari
+        >>> from atari.recording import VideoWriter, frame_rate
+        >>> core = atari.cores.NativeCore("pong", seed=0)
+        >>> core.reset()
+        >>> with VideoWriter("pong.gif", (210, 160), frame_rate(core.game)) as writer:
+        ...     for _ in range(10):
+        ...         reward = core.act(2)
+        ...         writer.write(core.screen_rgb())
+        >>> writer.frames
+        10
     """
 
     frames: int = 0

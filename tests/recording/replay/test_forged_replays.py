@@ -24,6 +24,31 @@ VALUES: list[Any] = [
 ]  # fmt: skip
 
 
+_DEFINITIONS = [
+    b'{"to": 3, "value": "old + random(0, 3)"}',
+    b"",
+    b"?",
+    b"[]",
+    b"{}",
+    b"[" * 100_000,
+    b'{"to": 3}',
+    b'{"to": 3, "value": 1, "where": 2}',
+    b'{"to": 256, "value": 1}',
+    b'{"to": "ball_q", "value": 1}',
+    b'{"to": 3, "value": null}',
+    b'{"to": 3, "value": "print(1)"}',
+    b'{"to": 3, "value": 1, "mask": 0}',
+    b'{"to": 3, "value": 1, "mask": true}',
+    b'{"to": 3, "value": 1, "when": "never"}',
+    b'{"to": 3, "value": 1, "when": [-1]}',
+    b'{"to": 3, "value": 1, "when": [0.5]}',
+    b'{"to": 3, "value": 1, "once": 1}',
+    b'{"to": 3, "value": 1, "condition": "ram[256]"}',
+    b'{"to": 3, "value": "' + b"-" * 5000 + b'1"}',
+]
+"""Writes of replays; all but the first are wrong."""
+
+
 def write(path: Path, *chunks: tuple[bytes, bytes]) -> Path:
     path.write_bytes(b"ATARIRPL" + b"".join(file_format._chunk(*chunk) for chunk in chunks))
     return path
@@ -84,11 +109,21 @@ def test_events(tmp_path: Path, core: str) -> None:
         for _ in range(rng.randint(1, 6)):
             kind = rng.choice([kind for kind in Kind if kind not in (Kind.ACT, Kind.CONTINUOUS_ACTION)])
             numbers = tuple(rng.choice([0, 1, 127, 128, 2**32 - 1, 2**34]) for _ in range(2))
-            count = {Kind.POKE: 2, Kind.RESET: 0, Kind.SAVE: 0, Kind.STEP: 0}.get(kind, 1)
+            count = {Kind.POKE: 2, Kind.ADD_WRITE: 2, Kind.RESET: 0, Kind.SAVE: 0, Kind.STEP: 0}.get(kind, 1)
             strength = (rng.choice([float("nan"), float("inf"), 1e30, -0.5]),)
             events += [Event(kind, numbers[:count]), Event(Kind.ACT, (rng.randrange(18), 2), strength)]
         play = file_format.PlayChunk(0, bytes(12), (), pack(events)).pack()
-        use(write(tmp_path / "b.a26", header, (b"P", play)), core)
+        definition = rng.choice(_DEFINITIONS)
+        use(write(tmp_path / "b.a26", header, (b"W", definition), (b"P", play)), core)
+
+
+@pytest.mark.parametrize("definition", _DEFINITIONS[1:])
+def test_a_forged_write_is_refused(definition: bytes, tmp_path: Path) -> None:
+    content = file_format.read(record(tmp_path / "a.a26", steps=3))
+    header = (b"H", json.dumps(content.header).encode())
+    for events, good in (([Event(Kind.RESET)], True), ([Event(Kind.ADD_WRITE, (0, 1))], False)):
+        play = file_format.PlayChunk(0, b"", (), pack(events)).pack()
+        assert use(write(tmp_path / "b.a26", header, (b"W", definition), (b"P", play))) == good
 
 
 def test_snapshots(tmp_path: Path) -> None:

@@ -116,7 +116,7 @@ def test_results_are_those_of_the_vector(tmp_path: Path) -> None:
 def test_what_is_changed_from_outside_ends_the_recording(tmp_path: Path) -> None:
     envs: Any = RecordVectorReplay(atari.AtariVectorEnv("breakout", 2, num_threads=1), tmp_path / "a.a26")
     play(envs, 10, 0)
-    envs.unwrapped.members[0].set_ram(0, 0)
+    envs.unwrapped.fork(1, [0])
     with pytest.raises(RuntimeError, match="environment 0 differs from its recording"):
         envs.step(np.array([1, 1]))
     envs.step(np.array([1, 1]))

@@ -4,6 +4,7 @@ import { BytePanel, Grid } from "./bytes.js";
 import { button, h, setText } from "./dom.js";
 import { ChangesPanel, ExportPanel, helpDialog, SearchPanel, Tabs, WatchPanel } from "./panels.js";
 import { bytesOf, paletteOf, parse, Screen } from "./screen.js";
+import { TouchStick } from "./touch.js";
 
 const MOST_QUEUED = 3; // frames that came while the page drew none; older ones are left out
 const LIT_MILLISECONDS = 100; // until the pixels that light up are computed again
@@ -111,7 +112,8 @@ class Inspector {
     this.forkButton = button("What if …", "fork: play on in two copies; changes go to the second (V)", () => this.#toggleFork());
     this.keepButton = button("Keep the fork", "go on with the fork", () => send({ do: "close_fork", keep: true }), { hidden: true });
     this.differ = h("span", { class: "dim" });
-    this.playCard = h("section", { class: "card play-card", "aria-label": "Screen" }, this.stage,
+    this.touch = new TouchStick(() => this.#stick());
+    this.playCard = h("section", { class: "card play-card", "aria-label": "Screen" }, this.stage, this.touch.element,
       h("div", { class: "timeline" }, this.slider, this.position),
       h("div", { class: "line transport" },
         step(-60, "◀◀", "a second back ([)"), step(-1, "❙◀", "a frame back (,)"), this.playButton, step(1, "▶❙", "a frame on (.)"), step(60, "▶▶", "a second on (])"),
@@ -302,9 +304,10 @@ class Inspector {
 
   #stick() {
     const on = (...names) => names.some((name) => this.held.has(name));
-    const vertical = on("w", "arrowup") - on("s", "arrowdown");
-    const horizontal = on("d", "arrowright") - on("a", "arrowleft");
-    const message = { do: "hold", vertical, horizontal, fire: on("f", " ") };
+    const { touch } = this;
+    const vertical = on("w", "arrowup") - on("s", "arrowdown") || touch.vertical;
+    const horizontal = on("d", "arrowright") - on("a", "arrowleft") || touch.horizontal;
+    const message = { do: "hold", vertical, horizontal, fire: on("f", " ") || touch.fire };
     const key = JSON.stringify(message);
     if (key !== this.stick) this.send(message);
     this.stick = key;

@@ -65,6 +65,7 @@ export class SearchPanel {
         button("BCD", "keep the decimal numbers that are this one, such as a score, in one or more bytes", filter("bcd", this.number), { "data-filter": "bcd" }),
         button("between", "keep the bytes from the first to the second number", filter("between", this.number, this.upper), { "data-filter": "between" }),
         this.upper,
+        button("follows score", "keep the bytes that have followed the score over the filters so far, up or down", filter("correlates"), { "data-filter": "correlates" }),
         this.undo,
         button("New search", "all 128 bytes again", () => send({ do: "new_search" }), { "data-filter": "new" })),
       this.status, h("div", { class: "scroll" }, this.table));

@@ -1,0 +1,193 @@
+"""Replays of several players: `RecordMatch`, a `MultiplayerCore` whose calls are recorded, and how they are played."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from os import PathLike
+from types import TracebackType
+from typing import Any
+
+import atari
+from atari.games.game import Game
+from atari.multiplayer.core import MultiplayerCore
+from atari.recording.replay.events import Event, Kind
+from atari.recording.replay.file_format import FORMAT_OF_PLAYERS, Corrupt, Scores
+from atari.recording.replay.recorder import RecordedCore, ReplayRecorder, plain
+from atari.recording.replay.runner import Call, ReplayRunner
+
+_ACTIONS = 18
+
+
+class RecordMatch(RecordedCore):
+    """A `MultiplayerCore` whose calls are recorded in a replay: its seeds, resets, actions and snapshots, the bytes of
+    RAM that are set, and the writes of `atari.lab.Freeze` and `Poke`.
+
+    It has the methods of the core. `Replay.load` reads the file. A recording that begins in the middle of a game
+    contains a snapshot, which only releases with the same version of the emulator's state restore.
+
+    Args:
+        core: the core, with frame_skip=1.
+        path: the file, with the suffix ".a26". Its folder is created, and a file of this name replaced.
+
+    Raises:
+        ValueError: the name has another suffix, or the core has a frame skip.
+        OSError: the file cannot be written. During the game, the error is raised by the next call of `act_players`,
+            `reset` or `close`, before it does anything; the game can continue without a recording.
+
+    Example:
+        >>> from atari.multiplayer import MultiplayerCore
+        >>> from atari.recording import RecordMatch, Replay
+        >>> with RecordMatch(MultiplayerCore("pong"), "match.a26") as match:
+        ...     match.reset()
+        ...     rewards = [match.act_players([1, 2]) for _ in range(60)]
+        >>> replay = Replay.load("match.a26")
+        >>> replay.players, replay.frames_total, bool(replay.verify())
+        (2, 60, True)
+    """
+
+    def __init__(self, core: MultiplayerCore, path: str | PathLike[str]) -> None:
+        if core.frame_skip != 1:
+            raise ValueError(f"a replay needs each frame: make the core with frame_skip=1, got {core.frame_skip}")
+        header = {
+            "format": FORMAT_OF_PLAYERS,
+            "game": core.game.id,
+            "rom": core._rom_md5,
+            "core": core.name,
+            "source": type(core).__name__,
+            "players": core.players,
+            "options": {name: plain(value) for name, value in core.options.items()},
+            "package": atari.__version__,
+        }
+        recorder = _Recorder(path, header, core)
+        super().__init__(core, recorder)
+        self.path = recorder.path
+        self.record_writes()
+        if core.save() != MultiplayerCore(core.game, rom=core.rom, **core.options).save():
+            recorder.record_restore(core.snapshot())
+
+    def reset(self) -> None:
+        """Begin a new game."""
+        self._recorder.raise_deferred_error()
+        super().reset()
+        self._recorder.flush_if_full()
+
+    def act_players(self, actions: Sequence[int]) -> list[int]:
+        """Play a frame with an action of each player; a reward for each. See `MultiplayerCore.act_players`."""
+        self._recorder.raise_deferred_error()
+        core = self.inner
+        before = core.frame_number
+        rewards: list[int] = core.act_players(actions)
+        word = sum(int(action) * _ACTIONS**player for player, action in enumerate(actions))
+        self._recorder.record_act(word, 1.0, rewards, core.frame_number != before)
+        self._recorder.flush_if_full()
+        return rewards
+
+    def act(self, action: int, strength: float = 1.0) -> int:
+        """Not possible: several players act.
+
+        Raises:
+            RuntimeError: always.
+        """
+        raise RuntimeError("this is a game of several players; call act_players")
+
+    def set_mode(self, mode: int) -> None:
+        """Not possible: the file has the mode of the core.
+
+        Raises:
+            RuntimeError: always.
+        """
+        raise RuntimeError("the mode is part of the replay; make the core with the mode, then record it")
+
+    def set_difficulty(self, difficulty: int) -> None:
+        """Not possible: the file has the difficulty of the core.
+
+        Raises:
+            RuntimeError: always.
+        """
+        raise RuntimeError("the difficulty is part of the replay; make the core with the difficulty, then record it")
+
+    def close(self) -> None:
+        """Complete the file. A second call does nothing."""
+        self._recorder.close()
+
+    def __enter__(self) -> "RecordMatch":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+class _Recorder(ReplayRecorder):
+    """The recorder of several players. An action is a number with a digit in base 18 for each player."""
+
+    def _held_event(self, ends_step: bool) -> Event:
+        return Event(Kind.ACTIONS, (self._held[0], self._held_for))
+
+    def _no_score(self) -> Scores:
+        return Scores([0] * self.core.players)
+
+
+class PlayersRunner(ReplayRunner):
+    """Feeds the events of a replay of several players to a `MultiplayerCore`."""
+
+    core: MultiplayerCore
+    _plays = Kind.ACTIONS
+
+    def _act(self, event: Event) -> Iterator[Call]:
+        core = self.core
+        word, frames = event.numbers
+        actions = actions_of(word, core.players)
+        for _ in range(frames):
+            before = core.frame_number
+            rewards = Scores(core.act_players(actions))
+            played = core.frame_number != before
+            if played:
+                self.frame += 1
+                self.score += rewards
+            yield Call(Event(Kind.ACTIONS, (word, 1)), rewards, played)
+
+    def _do(self, kind: Kind, first: int = 0, second: int = 0) -> None:
+        if kind in (Kind.MODE, Kind.DIFFICULTY, Kind.CONTINUOUS_ACTION):
+            raise ValueError("replays of several players have no such event")
+        super()._do(kind, first, second)
+
+    def _no_score(self) -> Scores:
+        return Scores([0] * self.core.players)
+
+
+def actions_of(word: int, players: int) -> list[int]:
+    """The action of each player.
+
+    Raises:
+        ValueError: the word has more digits.
+    """
+    actions = []
+    for _ in range(players):
+        word, action = divmod(word, _ACTIONS)
+        actions.append(action)
+    if word:
+        raise ValueError(f"the replay has actions of more than {players} players")
+    return actions
+
+
+def make_core(
+    header: Mapping[str, Any], game: Game, rom: str | PathLike[str] | None, sound: bool = False
+) -> MultiplayerCore:
+    """The core that a header describes.
+
+    Raises:
+        Corrupt: an option is wrong, or not one of `MultiplayerCore`'s.
+    """
+    try:
+        for name, value in header.items():
+            if name != "options" and not isinstance(value, (str, int, type(None))):
+                raise TypeError(f"{name} is a {type(value).__name__}")
+        odd = header["options"].keys() ^ MultiplayerCore.OPTIONS
+        if odd:
+            raise ValueError(f"the option {min(odd)!r} is missing, or none")
+        core = MultiplayerCore(game, rom=rom, sound=sound, **header["options"])
+        if core.players != header["players"]:
+            raise ValueError(f"the game is for {core.players} players, and not for {header['players']!r}")
+    except (TypeError, ValueError, AttributeError, OverflowError) as error:
+        raise Corrupt(f"the replay is damaged: its header is wrong ({error})") from None
+    return core
