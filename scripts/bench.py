@@ -19,6 +19,8 @@ Suites:
     multiplayer  one step of one game of two players with DQN preprocessing, resets counted, on one thread:
             `AtariVectorEnv` with `players=2` beside PettingZoo with SuperSuit, which must be installed; games have
             PettingZoo's names
+    ray     one step of one environment of RLlib's env runner, in CPU time, by parts: `AtariVectorEnv` beside RLlib's
+            own wrappers of ale-py; needs the extra `ray`
 
 Each number is the median over the rounds; in each round every contestant runs once, in turn, so that a slow phase of
 the machine affects all of them. All play the same actions. The ratio is that of the medians. `raw` over all games takes
@@ -52,7 +54,7 @@ GAMES = ["breakout", "pong", "ms_pacman", "seaquest", "space_invaders", "montezu
 PACKAGES = (
     *("atari-envs", "ale-py", "envpool", "gymnasium", "numpy"),
     *("stable-baselines3", "torchrl", "cpprb", "dopamine-rl", "torch"),
-    *("pettingzoo", "supersuit", "multi-agent-ale-py"),
+    *("pettingzoo", "supersuit", "multi-agent-ale-py", "ray"),
 )
 
 
@@ -164,7 +166,7 @@ def default_games(suite: str) -> list[str]:
     """The games that a suite measures."""
     if suite == "multiplayer":
         return bench_multiplayer.GAMES
-    return GAMES[:1] if suite in ("sizes", "memory") else GAMES
+    return GAMES[:1] if suite in ("sizes", "memory", "ray") else GAMES
 
 
 def main() -> None:

@@ -19,6 +19,7 @@ import atari
 sys.path.insert(0, str(Path(__file__).parent))  # PYTHONSAFEPATH leaves it out
 import bench_memory
 import bench_multiplayer
+import bench_ray
 
 Run = Callable[[int], float]
 """Takes a number of steps and returns the seconds they took."""
@@ -130,6 +131,12 @@ def multiplayer() -> Iterator[Comparison]:
     yield Comparison(f"{bench_multiplayer.COUNT} x 84x84 gray, two players, one thread", sides)
 
 
+def ray() -> Iterator[Comparison]:
+    """One step of one environment of RLlib's env runner; needs the extra `ray`."""
+    for name, sides in bench_ray.contestants():
+        yield Comparison(name, [Contestant(*side) for side in sides])
+
+
 SUITES: dict[str, Callable[..., Iterator[Comparison]]] = {
     "raw": raw,
     "state": state,
@@ -139,6 +146,7 @@ SUITES: dict[str, Callable[..., Iterator[Comparison]]] = {
     "sizes": sizes,
     "memory": memory,
     "multiplayer": multiplayer,
+    "ray": ray,
 }
 
 

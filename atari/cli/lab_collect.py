@@ -1,15 +1,8 @@
-"""`atari lab collect`: a policy plays a game, and the frames, RAM, labels, actions and rewards become a data set."""
+"""`atari lab collect`: another name of `atari collect`."""
 
-import argparse
-import tempfile
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from tqdm import tqdm
-
-from atari.cli.arguments import add_command, find_game, number
-from atari.cli.output import print_json
-from atari.recording import Replay
+from atari.cli import collect
 
 if TYPE_CHECKING:
     from atari.cli.arguments import Commands
@@ -17,70 +10,4 @@ if TYPE_CHECKING:
 
 def register(commands: "Commands") -> None:
     """Add `atari lab collect`."""
-    parser = add_command(commands, "lab collect", _collect, "let a policy play a game, and write what happens as data")
-    parser.epilog = "Example: atari lab collect pong --policy random --episodes 3 -o pong.h5"
-    parser.add_argument("game", metavar="GAME", help="a game, such as breakout")
-    parser.add_argument(
-        "--policy",
-        default="random",
-        metavar="POLICY",
-        help="random, noop, MODULE:FUNCTION, a run folder of `atari train`, an SB3 zip, a TorchScript or ONNX file, or "
-        "a replay, such as game.a26 (default: random)",
-    )
-    parser.add_argument("--episodes", type=number(int, 1), default=1, metavar="N", help="number of games (default: 1)")
-    parser.add_argument(
-        "--seed", type=number(int, 0), default=0, metavar="N", help="seed of games and policy (default: 0)"
-    )
-    parser.add_argument(
-        "-o",
-        "--output",
-        required=True,
-        metavar="OUTPUT",
-        help="a file (.h5, .hdf5, .parquet), or the ID of a Minari dataset, such as atari/pong/random-v0",
-    )
-    parser.add_argument("--format", choices=("minari", "parquet", "hdf5"), help="the format (default: by the output)")
-    parser.add_argument("--frames", choices=("rgb", "grayscale"), default="rgb", help="their colours (default: rgb)")
-    parser.add_argument("--labels", metavar="NAMES", help="names of labels, with commas between (default: all)")
-
-
-def _collect(args: argparse.Namespace) -> int:
-    from atari.lab.collect import check_output, write_dataset
-
-    game = find_game(args.game)
-    format = check_output(args.output, args.format)  # before the games are played
-    labels = None if args.labels is None else [name for name in args.labels.split(",") if name]
-    options: dict[str, Any] = {"format": format, "frames": args.frames, "labels": labels}
-    with tempfile.TemporaryDirectory() as folder:
-        if args.policy.endswith(".a26"):
-            replay = Replay.load(args.policy)
-            if replay.game != game:
-                raise ValueError(f"{args.policy} is a replay of {replay.game.id}, not of {game.id}")
-        else:
-            replay = _play(args, game, Path(folder, "games.a26"))
-        with tqdm(unit=" steps", disable=None) as bar:
-            result = write_dataset(replay, args.output, progress=bar.update, **options)
-    result = {"game": game.id, "policy": args.policy, "seed": args.seed, **result}
-    print_json(result) if args.json else print(_summary(result))
-    return 0
-
-
-def _play(args: argparse.Namespace, game: Any, path: Path) -> Replay:
-    from atari.learning import load_policy, record_games
-
-    policy = load_policy(args.policy)
-    seeds = range(args.seed, args.seed + args.episodes)
-    record_games(policy, game, getattr(policy, "protocol", "baselines"), seeds, path)
-    return Replay.load(path)
-
-
-def _summary(result: dict[str, Any]) -> str:
-    scores = ", ".join(f"{score:,.0f}" for score in result["scores"])
-    return "\n".join(
-        [
-            f"{result['game']}: policy {result['policy']}, seed {result['seed']}",
-            f"  episodes  {result['episodes']}, {result['steps']:,} steps",
-            f"  scores    {scores}",
-            f"  labels    {', '.join(result['labels']) or 'none'}",
-            f"  data      {result['output']} ({result['format']})",
-        ]
-    )
+    collect.register(commands, "lab collect")

@@ -9,6 +9,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+import gymnasium
 from tqdm import tqdm
 
 from atari._interrupt import ctrl_c_as_event
@@ -16,6 +17,7 @@ from atari.learning.agents import find_agent
 from atari.learning.options import TrainingOptions, descriptions, parse
 from atari.learning.run import RunFolder
 from atari.learning.training import Training
+from atari.registration import resolve
 
 
 def train(agent: str, argv: Sequence[str], prog: str) -> Path:
@@ -30,7 +32,7 @@ def train(agent: str, argv: Sequence[str], prog: str) -> Path:
     given = {**measured, **given}
     try:
         options = found.options_class(**given)
-        folder = args.run or _new_folder(f"{options.game}-{agent}-{options.obs}-seed{options.seed}")
+        folder = args.run or _new_folder(f"{Path(options.game).stem}-{agent}-{options.obs}-seed{options.seed}")
         training = Training.begin(agent, options, folder)
     except (ValueError, FileExistsError) as error:
         parser.error(str(error))
@@ -80,7 +82,7 @@ def _parser(agent: Any, prog: str) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog=prog, usage=f"{prog} GAME [options]", description=f"Train {agent.__name__}.", allow_abbrev=False
     )
-    parser.add_argument("game", metavar="GAME", help="a game, such as pong")
+    parser.add_argument("game", metavar="GAME", type=_game, help="a game, such as pong, an ID or a game definition")
     parser.add_argument("-o", "--run", type=Path, metavar="RUN", help="the new run folder (default: in runs/)")
     parser.add_argument("--fast", action="store_true", help="use the options of the list below, found by measurement")
     texts = descriptions(agent.options_class)
@@ -92,6 +94,16 @@ def _parser(agent: Any, prog: str) -> argparse.ArgumentParser:
             parser.add_argument(flag, type=kind, default=argparse.SUPPRESS, metavar="X", help=text)
     parser.epilog = "--fast: " + ", ".join(f"{name} {_shown(value)}" for name, value in agent.fast.items())
     return parser
+
+
+def _game(name: str) -> str:
+    """The option `game` of an argument: a game, an ID's game, or the path of a game definition from any folder."""
+    try:
+        if name.endswith(".toml"):
+            return str(Path(name).absolute())
+        return resolve(name)[1] if "-v" in name or "/" in name else name
+    except gymnasium.error.NameNotFound as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def _option_type(options: type[TrainingOptions], name: str) -> Any:

@@ -25,6 +25,13 @@ class Policy(Protocol):
       `game` is the game's id, `actions` the names of all its actions in the order of indices, `lanes` (n,) int64,
       `seeds` (n,) int64. A policy that draws numbers or has a memory sets them up here for these lanes; then results
       do not depend on the number of lanes.
+
+    Example:
+        >>> from atari.learning import evaluate
+        >>> def fire(observations):
+        ...     return [1] * len(observations)
+        >>> evaluate(fire, "breakout", "dopamine", episodes=1, seed=0)["breakout"].scores
+        (0.0,)
     """
 
     def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Any:
@@ -76,6 +83,13 @@ class ScoresPolicy:
         sample: whether actions are drawn with the probabilities softmax(scores), with a generator for each game;
             otherwise the action with the highest score is taken.
         name, environment, training_frames, game: as of `Policy`.
+
+    Example:
+        >>> import numpy as np
+        >>> from atari.learning import ScoresPolicy, evaluate
+        >>> policy = ScoresPolicy(lambda observations: np.eye(4)[[1] * len(observations)], name="fire")
+        >>> evaluate(policy, "breakout", "dopamine", episodes=1, seed=0)["breakout"].scores
+        (0.0,)
     """
 
     def __init__(

@@ -61,6 +61,13 @@ class Comparison:
         references: by game, the score of random play and of a human, which are 0 and 1 of normalised scores.
         mixed: whether agents of different protocols or budgets are compared nevertheless.
         notes: what a reader must know.
+
+    Example:
+        >>> from atari.learning import compare, evaluate
+        >>> result = evaluate("random", "pong", "dopamine", episodes=2, seed=0)
+        >>> comparison = compare(result, "dopamine/rainbow", frames=10_000_000, repetitions=50)
+        >>> [row.name for row in comparison.rows]
+        ['random', 'dopamine/rainbow']
     """
 
     rows: tuple[Row, ...]

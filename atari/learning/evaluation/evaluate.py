@@ -3,6 +3,8 @@
 import zlib
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
+from dataclasses import dataclass
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +15,7 @@ from atari.games.game import Game
 from atari.learning.evaluation.player import IntArray, Player
 from atari.learning.evaluation.protocols import MAX_EPISODES, EvaluationProtocol, find_games, find_protocol
 from atari.learning.evaluation.results import GameResult, Result, versions
+from atari.learning.evaluation.workers import Workers, find_workers
 from atari.learning.policies import load_policy
 from atari.learning.policy import Policy, as_policy
 from atari.recording import RecordVectorReplay
@@ -34,6 +37,8 @@ def evaluate(
     num_envs: int | None = None,
     num_threads: int = 0,
     progress: Progress | None = None,
+    workers: str | Workers | None = None,
+    parts: int = 1,
 ) -> Result:
     """Let a policy play whole games, and return their scores: the game's own, not clipped, over all lives.
 
@@ -46,7 +51,10 @@ def evaluate(
     `num_envs` and `num_threads`, and the first 50 of 100 games are those of an evaluation of 50; provided that a
     policy's action depends neither on the other rows of its batch nor on generators that all lanes share. Networks on
     batches of another size may round differently, and choose another action where two are nearly equal; with equal
-    `num_envs` they give the same scores.
+    `num_envs` and `parts` they give the same scores.
+
+    `workers` changes no score: with them, the same batches of the same environments are played in other processes. Each
+    task there is a game of `games`, or with `parts` a part of its episodes, and begins with a copy of the policy.
 
     Args:
         policy: a `Policy`; a function of observations (n, ...) that returns actions (n,); a source for `load_policy`,
@@ -59,8 +67,14 @@ def evaluate(
         episodes: whole games of each game; None is as the protocol says.
         seed: of all games, 0 or more.
         num_envs: games that are played at a time; None is up to 64.
-        num_threads: of the vector environment; 0 is as many as the machine has cores.
-        progress: called with the number of games that have ended and the number of all, after each that ends.
+        num_threads: of the vector environment; 0 is as many as the machine has cores, with `workers` one.
+        progress: called with the number of games that have ended and the number of all, after each that ends; with
+            `workers` after each task.
+        workers: "ray", the cluster of Ray that this process is connected to; or what has a method
+            `map(function, tasks)`, such as `concurrent.futures.ProcessPoolExecutor`; None is this process. Workers must
+            be able to import the policy's modules, and to read the files of its source.
+        parts: of each game's episodes, which are played apart: part i has the episodes i, i + parts, ..., of which
+            `num_envs` are played at a time. More parts than one let several workers play one game.
 
     Raises:
         TypeError, ValueError: an argument is of the wrong kind or out of range, the policy does not fit the protocol,
@@ -71,18 +85,23 @@ def evaluate(
     chosen = find_games(games)
     episodes = check_integer("episodes", protocol.episodes if episodes is None else episodes, 1, MAX_EPISODES)
     seed = check_integer("seed", seed, 0, 2**63 - 1)
-    if num_envs is None:
-        rounds = -(-episodes // _MOST_LANES)
-        num_envs = -(-episodes // rounds)
-    lanes = min(check_integer("num_envs", num_envs, 1, 100_000), episodes)
+    parts = check_integer("parts", parts, 1, episodes)
+    lanes = _lanes(num_envs, -(-episodes // parts))
+    elsewhere = None if workers is None else find_workers(workers)
     loaded: dict[str, Policy] = {}
     policies = [_policy(policy, game, loaded) for game in chosen]
     players = [Player(one, protocol, game) for one, game in zip(policies, chosen, strict=True)]
-    played = []
-    for number, (game, player) in enumerate(zip(chosen, players, strict=True)):
-        report = _report(progress, number * episodes, len(chosen) * episodes)
-        seeds = np.array([episode_seed(seed, game.id, episode) for episode in range(episodes)], np.int64)
-        played.append(_play(game, player, seeds, lanes, num_threads, report))
+    seeds = [tuple(episode_seed(seed, game.id, episode) for episode in range(episodes)) for game in chosen]
+    tasks = [
+        _Task(_source(policy, game), game, protocol, of_game[part::parts], lanes, num_threads)
+        for game, of_game in zip(chosen, seeds, strict=True)
+        for part in range(parts)
+    ]
+    if elsewhere is None:
+        done = _play_here(tasks, [player for player in players for _ in range(parts)], progress)
+    else:
+        done = _play_elsewhere(tasks, elsewhere, progress)
+    played = [_joined(done[start : start + parts]) for start in range(0, len(done), parts)]
     frames = {getattr(one, "training_frames", None) for one in policies}
     return Result(
         policy=_name(policy, policies),
@@ -151,16 +170,87 @@ def _report(progress: Progress | None, before: int, total: int) -> Callable[[int
     return lambda done: progress(before + done, total) if progress else None
 
 
-def _play(
-    game: Game, player: Player, seeds: IntArray, lanes: int, num_threads: int, report: Callable[[int], Any]
-) -> GameResult:
+def _lanes(num_envs: int | None, episodes: int) -> int:
+    """How many of the episodes of a part are played at a time."""
+    if num_envs is None:
+        rounds = -(-episodes // _MOST_LANES)
+        return -(-episodes // rounds)
+    return min(check_integer("num_envs", num_envs, 1, 100_000), episodes)
+
+
+@dataclass(frozen=True)
+class _Task:
+    """Episodes of one game, which one worker plays. `policy` is a policy or its source; it can be pickled."""
+
+    policy: Any
+    game: Game
+    protocol: EvaluationProtocol
+    seeds: tuple[int, ...]
+    lanes: int
+    num_threads: int
+    version: str = version("atari-envs")
+
+
+def _source(policy: Any, game: Game) -> Any:
+    """What a worker makes the policy of a game from."""
+    if isinstance(policy, Mapping):
+        policy = policy[game.id]
+    return str(policy).replace("{game}", game.id) if isinstance(policy, (str, Path)) else policy
+
+
+def _play_here(tasks: Sequence[_Task], players: Sequence[Player], progress: Progress | None) -> list[GameResult]:
+    """Do the tasks in this process, with players that exist."""
+    results: list[GameResult] = []
+    total, before = sum(len(task.seeds) for task in tasks), 0
+    for task, player in zip(tasks, players, strict=True):
+        results.append(_play(task, player, task.num_threads, _report(progress, before, total)))
+        before += len(task.seeds)
+    return results
+
+
+def _play_elsewhere(tasks: Sequence[_Task], workers: Workers, progress: Progress | None) -> list[GameResult]:
+    """Have the tasks done by workers."""
+    results: list[GameResult] = []
+    total, before = sum(len(task.seeds) for task in tasks), 0
+    for task, result in zip(tasks, workers.map(_play_task, tasks), strict=True):
+        results.append(result)
+        before += len(task.seeds)
+        _report(progress, 0, total)(before)
+    return results
+
+
+def _play_task(task: _Task) -> GameResult:
+    """Do a task, in a worker.
+
+    Raises:
+        RuntimeError: the worker has another version of this package.
+    """
+    if (own := version("atari-envs")) != task.version:
+        raise RuntimeError(f"a worker has atari-envs {own}, and the evaluation was begun with {task.version}")
+    player = Player(_policy(task.policy, task.game, {}), task.protocol, task.game)
+    return _play(task, player, task.num_threads or 1, lambda done: None)
+
+
+def _joined(parts: Sequence[GameResult]) -> GameResult:
+    """The results of a game of those of its parts: part i has the episodes i, i + parts, ..."""
+
+    def joined(name: str) -> tuple[Any, ...]:
+        columns = [getattr(part, name) for part in parts]
+        return tuple(columns[episode % len(parts)][episode // len(parts)] for episode in range(sum(map(len, columns))))
+
+    scores, frames, truncated, seeds = map(joined, ("scores", "frames", "truncated", "seeds"))
+    return GameResult(parts[0].game, scores, frames, truncated, seeds, parts[0].observation)
+
+
+def _play(task: _Task, player: Player, num_threads: int, report: Callable[[int], Any]) -> GameResult:
     """Play a game for each seed and return the results in the order of the seeds."""
+    lanes = min(task.lanes, len(task.seeds))
     with closing(player.make(lanes, num_threads)) as envs:
-        games = _Games(envs, player, seeds, report)
+        games = _Games(envs, player, np.array(task.seeds, np.int64), report)
         while games.active.any():
             games.step()
     scores, frames, truncated = zip(*filter(None, games.ended), strict=True)
-    return GameResult(game.id, scores, frames, truncated, tuple(seeds.tolist()), observation_facts(player.options))
+    return GameResult(task.game.id, scores, frames, truncated, task.seeds, observation_facts(player.options))
 
 
 class _Games:

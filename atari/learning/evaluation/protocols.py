@@ -33,6 +33,13 @@ class EvaluationProtocol:
         lives: "continue": a lost life is not an event, the game goes on. "fire": as the wrappers of OpenAI's Baselines,
             with FIRE and the action of index 2 at the start and after each lost life.
         frame_skip: frames for each action.
+
+    Example:
+        >>> from dataclasses import replace
+        >>> from atari.learning import PROTOCOLS
+        >>> protocol = replace(PROTOCOLS["dopamine"], name="mine", epsilon=0.0)
+        >>> protocol.name, protocol.epsilon
+        ('mine', 0.0)
     """
 
     name: str

@@ -24,6 +24,12 @@ class Curve:
         frames: (n,) int64, emulator frames of the training at the right end of each interval.
         mean: (n,) float64, mean score over seeds of the games that ended in the interval; NaN where none did.
         std: (n,) float64, standard deviation over seeds (of the population); NaN where it is not known.
+
+    Example:
+        >>> from atari.learning import published
+        >>> curve = published("dopamine/rainbow").curve("pong")
+        >>> int(curve.frames[-1]), round(float(curve.mean[-1]), 1)
+        (199000000, 20.2)
     """
 
     frames: npt.NDArray[np.int64]
@@ -44,6 +50,12 @@ class Published:
             scores are.
         games: that there are scores of.
         final_frames: emulator frames of the whole training; None is not stated.
+
+    Example:
+        >>> from atari.learning import published
+        >>> rainbow = published("dopamine/rainbow")
+        >>> rainbow.title, len(rainbow.games), rainbow.has_curves
+        ('Rainbow', 60, True)
     """
 
     name: str

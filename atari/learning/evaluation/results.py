@@ -30,6 +30,13 @@ class GameResult:
         truncated: whether each game was stopped by the protocol's limit of frames.
         seeds: of each game.
         observation: what the policy was shown.
+
+    Example:
+        >>> from atari.learning import evaluate
+        >>> result = evaluate("random", ["pong", "breakout"], "dopamine", episodes=2, seed=0)
+        >>> game = result["pong"]
+        >>> game.game, game.mean, len(game.seeds)
+        ('pong', -20.0, 2)
     """
 
     game: str
@@ -71,6 +78,13 @@ class Result:
         games: what was played of each game.
         training_frames: emulator frames of the policy's training; None is not known.
         versions: of packages, by name.
+
+    Example:
+        >>> from atari.learning import evaluate
+        >>> result = evaluate("random", ["pong", "breakout"], "dopamine", episodes=2, seed=0)
+        >>> print(result["pong"].scores)
+        (-20.0, -20.0)
+        >>> result.save("result.json")
     """
 
     policy: str

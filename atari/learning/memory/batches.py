@@ -31,6 +31,22 @@ class Batch:
         weights: float32 (batch,), importance weights, divided by their maximum; 1 if sampling was uniform.
         frames: uint8 (batch, stack_num + 1, ...), or a dict of these, if `make_batch` was called with `share=True`:
             the one array of which `observations` and `next_observations` are views. None if they are two.
+
+    Example:
+        >>> import atari, numpy
+        >>> from atari.learning import ReplayMemory
+        >>> envs = atari.AtariVectorEnv("breakout", 2, stack_num=1, preset="dqn2015")
+        >>> memory = ReplayMemory.for_env(envs, 1000, seed=0)
+        >>> observations, info = envs.reset(seed=0)
+        >>> memory.reset(observations)
+        >>> fire = numpy.ones(2, int)
+        >>> for _ in range(20):
+        ...     _, rewards, terminations, truncations, info = envs.step(fire, out=memory.frames())
+        ...     memory.add(fire, rewards, terminations, truncations, info)
+        >>> batch = memory.sample(8)
+        >>> batch.observations.shape, batch.next_observations.shape, batch.discounts.shape
+        ((8, 4, 84, 84), (8, 4, 84, 84), (8,))
+        >>> envs.close()
     """
 
     observations: Any
@@ -57,6 +73,22 @@ class Sequences:
         terminations, truncations: bool (batch, length).
         mask: bool (batch, length), whether there is such a step. After the end of an episode all is 0.
         indices: int64 (batch,), the numbers of the first steps.
+
+    Example:
+        >>> import atari, numpy
+        >>> from atari.learning import ReplayMemory
+        >>> envs = atari.AtariVectorEnv("breakout", 2, stack_num=1, preset="dqn2015")
+        >>> memory = ReplayMemory.for_env(envs, 1000, seed=0)
+        >>> observations, info = envs.reset(seed=0)
+        >>> memory.reset(observations)
+        >>> fire = numpy.ones(2, int)
+        >>> for _ in range(20):
+        ...     _, rewards, terminations, truncations, info = envs.step(fire, out=memory.frames())
+        ...     memory.add(fire, rewards, terminations, truncations, info)
+        >>> sequences = memory.sample_sequences(4, 8)
+        >>> sequences.rewards.shape
+        (4, 8)
+        >>> envs.close()
     """
 
     observations: Any

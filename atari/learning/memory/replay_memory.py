@@ -74,6 +74,22 @@ class ReplayMemory:
         MemoryError: the machine has not so much memory available.
         FileExistsError: there is a file already; `open` continues it.
         OSError: the file cannot be made, or the disk has no space for it.
+
+    Example:
+        >>> import atari, numpy
+        >>> from atari.learning import ReplayMemory
+        >>> envs = atari.AtariVectorEnv("breakout", 2, stack_num=1, preset="dqn2015")
+        >>> memory = ReplayMemory.for_env(envs, 1000, seed=0)
+        >>> observations, info = envs.reset(seed=0)
+        >>> memory.reset(observations)
+        >>> fire = numpy.ones(2, int)
+        >>> for _ in range(20):
+        ...     _, rewards, terminations, truncations, info = envs.step(fire, out=memory.frames())
+        ...     memory.add(fire, rewards, terminations, truncations, info)
+        >>> batch = memory.sample(8, n=3, gamma=0.99)
+        >>> batch.observations.shape, batch.rewards.shape
+        ((8, 4, 84, 84), (8,))
+        >>> envs.close()
     """
 
     def __init__(

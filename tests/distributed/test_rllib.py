@@ -1,8 +1,6 @@
-"""RLlib trains on vector environments and on single ones; its workers import the package because of `atari:`."""
+"""RLlib trains on vector environments by ID and on single ones; its workers import the package because of `atari:`."""
 
-import secrets
 import sys
-from collections.abc import Iterator
 from typing import Any
 
 import gymnasium
@@ -12,25 +10,11 @@ from documents import blocks
 
 import atari
 
-pytest.importorskip("ray", reason="Ray requires a Gymnasium of its own; run ./scripts/test --peer rllib")
-pytestmark = pytest.mark.peers
+pytest.importorskip("ray", reason="Ray requires a Gymnasium of its own; run ./scripts/test --ray")
+pytestmark = [pytest.mark.ray, pytest.mark.usefixtures("cluster")]
 
-BLOCKS = blocks("rllib")
+BLOCKS = blocks("ray")
 PIXELS = {"channels_last": True, "dtype": "float32"}
-
-
-@pytest.fixture(scope="module", autouse=True)
-def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Workers on this machine, which keep nothing in the user's home folder and report nothing."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("HOME", str(tmp_path_factory.mktemp("home")))  # for ~/ray_results
-        patch.setenv("RAY_USAGE_STATS_ENABLED", "0")
-        patch.setenv("RAY_AUTH_TOKEN", secrets.token_hex(32))
-        import ray
-
-        ray.init(num_cpus=2, include_dashboard=False)
-        yield
-        ray.shutdown()
 
 
 def configuration(algorithm: str, env_id: str, workers: int, **options: Any) -> Any:
@@ -52,8 +36,10 @@ def configuration(algorithm: str, env_id: str, workers: int, **options: Any) -> 
     return config.reporting(min_sample_timesteps_per_iteration=50)
 
 
-@pytest.mark.parametrize("options", [{"max_num_frames_per_episode": 400}, {"preset": "baselines"}])
-@pytest.mark.parametrize(("algorithm", "workers"), [("ppo", 0), ("ppo", 1), ("dqn", 0), ("dqn", 1)])
+@pytest.mark.parametrize(
+    ("algorithm", "workers", "options"),
+    [("ppo", 0, {"max_num_frames_per_episode": 400}), ("dqn", 1, {"preset": "baselines"})],
+)
 def test_an_algorithm_trains_on_a_vector(algorithm: str, workers: int, options: dict[str, Any]) -> None:
     algo = configuration(algorithm, "atari:ALE/Pong-v5", workers, **PIXELS, **options).build_algo()
     try:

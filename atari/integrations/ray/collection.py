@@ -1,0 +1,226 @@
+"""`collect`: data sets of many games, played by workers of a cluster; a run that was stopped goes on."""
+
+import json
+import os
+import shutil
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Literal
+
+import ray
+
+from atari.games.catalog import games
+from atari.lab.collect import Format, check_output, output_format, write_dataset
+from atari.lab.labels import Labels
+from atari.learning import load_policy, record_games
+from atari.validation import check_integer, check_name
+
+_MANIFEST = "_manifest.jsonl"
+_SEEDS = 2**31
+"""Seeds are below it: they are the episodes' numbers, int32."""
+
+
+@dataclass(frozen=True)
+class _Task:
+    """A game that a worker plays, and what it makes of it."""
+
+    seed: int
+    game: str
+    policy: str
+    format: Format
+    frames: Literal["rgb", "grayscale"]
+    labels: tuple[str, ...]
+    version: str
+
+
+@dataclass(frozen=True)
+class _Part:
+    """The file of a game, and the line of the manifest about it."""
+
+    seed: int
+    data: bytes
+    facts: dict[str, Any]
+
+
+def collect(
+    game: Any,
+    output: str | os.PathLike[str],
+    *,
+    policy: str = "random",
+    seeds: Iterable[int] = range(1),
+    format: Format | None = None,
+    frames: Literal["rgb", "grayscale"] = "rgb",
+    labels: Sequence[str] | None = None,
+    progress: Callable[[int], object] | None = None,
+) -> dict[str, Any]:
+    """Let workers of Ray play a game for each seed, and write a data set, with columns as of `write_dataset`.
+
+    The cluster is the one that this process is connected to. Without one, `ray.init()` connects it, or starts Ray on
+    this machine.
+    Games come to this process through the object store, so workers need no common file system. At most two games for
+    each CPU of the cluster are under way.
+
+    - "parquet": `output` is a folder with a file for each seed, `seed-0000000003.parquet`. The number of an episode is
+      its seed. `pyarrow.parquet.read_table(output)` and `ray.data.read_parquet(output)` read the folder. The workers
+      play, render and compress.
+    - "hdf5", "minari": the workers play, and return replays, which are kept in the folder `OUTPUT.parts` ("/" becomes
+      "-"). When all are there, this process renders and writes the output, because these formats have one writer, and
+      deletes the folder. The output is that of `write_dataset` with the replays in the order of the seeds.
+
+    The folder has a manifest of the finished seeds. The same call goes on where a killed one stopped, and more seeds
+    add to a Parquet folder; seeds that are finished are not played again. The rows are the same to the bit for any
+    number of workers, provided that the policy's actions depend only on its observations and seeds.
+
+    Args:
+        game: a game.
+        output: the folder (.parquet), the file (.h5, .hdf5) or the ID of the Minari dataset. The latter two must not
+            exist.
+        policy: a source for `load_policy`, which the workers load.
+        seeds: of the games, 0..2**31 - 1; one that comes twice counts once.
+        format, frames, labels: as of `write_dataset`.
+        progress: called with the number of games that are finished, once at the start and after each.
+
+    Returns:
+        As `write_dataset`, with the number `played` of games that this call has played.
+
+    Raises:
+        TypeError, ValueError: as `write_dataset`; or the folder has data of another game or other options.
+        KeyError: the game has no such label.
+        RuntimeError: a worker has another version of this package.
+        gymnasium.error.DependencyNotInstalled: the package of the format is not installed.
+
+    Example:
+        >>> collect("pong", "pong.parquet", seeds=range(1000), frames="grayscale")  # doctest: +SKIP
+    """
+    game = games.resolve(game)
+    check_name("frames", frames, ("rgb", "grayscale"))
+    wanted = sorted({check_integer("a seed", seed, 0, _SEEDS - 1) for seed in seeds})
+    if not wanted:
+        raise ValueError("a data set needs at least one seed")
+    format = output_format(output, format)
+    if format != "parquet":
+        check_output(output, format)
+    names = Labels(game, labels).names
+    facts = {"game": game.id, "policy": policy, "format": format, "frames": frames, "labels": list(names)}
+    folder = Path(output) if format == "parquet" else Path(os.fspath(output).replace("/", "-") + ".parts")
+    load_policy(policy)  # so that errors are raised before anything is written
+    manifest = _Manifest(folder, {**facts, "version": version("atari-envs")})
+    missing = [seed for seed in wanted if seed not in manifest.finished]
+    if progress is not None:
+        progress(len(wanted) - len(missing))
+    tasks = [_Task(seed, game.id, policy, format, frames, names, version("atari-envs")) for seed in missing]
+    for part in _played(tasks):
+        manifest.add(part)
+        if progress is not None:
+            progress(1)
+    lines = [manifest.finished[seed] for seed in wanted]
+    if format == "parquet":
+        sums = {"episodes": len(lines), "steps": sum(line["steps"] for line in lines)}
+        scores = [line["score"] for line in lines]
+        return {
+            "output": os.fspath(output), "format": format, **sums, "scores": scores, "labels": list(names),
+            "played": len(missing),
+        }  # fmt: skip
+    replays = [folder / line["file"] for line in lines]
+    result = write_dataset(replays, output, format=format, frames=frames, labels=labels)
+    shutil.rmtree(folder)
+    return {**result, "played": len(missing)}
+
+
+def _played(tasks: Sequence[_Task]) -> Iterator[_Part]:
+    """What the workers return, in any order. An error cancels what is under way."""
+    if not ray.is_initialized():
+        ray.init()
+    cluster: Any = ray  # whose functions have no types
+    limit = max(2, 2 * int(cluster.cluster_resources().get("CPU", 1)))
+    play = ray.remote(_play).options(num_cpus=1)
+    waiting = iter(tasks)
+    pending: list[Any] = [play.remote(task) for task, _ in zip(waiting, range(limit), strict=False)]
+    try:
+        while pending:
+            (done,), pending = ray.wait(pending, num_returns=1)
+            yield ray.get(done)
+            pending.extend(play.remote(task) for task, _ in zip(waiting, range(1), strict=False))
+    finally:
+        for result in pending:
+            ray.cancel(result)
+
+
+def _play(task: _Task) -> _Part:
+    """Play the game of a seed, in a worker.
+
+    Raises:
+        RuntimeError: the worker has another version of this package.
+    """
+    if (own := version("atari-envs")) != task.version:
+        raise RuntimeError(f"a worker has atari-envs {own}, and the collection was begun with {task.version}")
+    policy = load_policy(task.policy)
+    with TemporaryDirectory() as folder:
+        replay = Path(folder, "game.a26")
+        ((score, length),) = record_games(
+            policy, task.game, getattr(policy, "protocol", "baselines"), [task.seed], replay
+        )
+        if task.format != "parquet":
+            return _Part(task.seed, replay.read_bytes(), {"score": score, "frames": length})
+        rows = Path(folder, "rows.parquet")
+        result = write_dataset(replay, rows, frames=task.frames, labels=task.labels, first_episode=task.seed)
+        return _Part(task.seed, rows.read_bytes(), {"score": score, "steps": result["steps"]})
+
+
+class _Manifest:
+    """The finished seeds of a folder: lines of JSON, first the facts of the data set, then one for each seed.
+
+    A file gets its name before its line is written. A line that a killed process has not finished is dropped.
+
+    Raises:
+        ValueError: the folder has other files, or data of another game or other options.
+    """
+
+    def __init__(self, folder: Path, facts: dict[str, Any]) -> None:
+        self._folder, self._path = folder, folder / _MANIFEST
+        self.finished: dict[int, dict[str, Any]] = {}
+        """The line of each seed whose file is there."""
+        if folder.is_file() or (folder.is_dir() and not self._path.exists() and any(folder.iterdir())):
+            raise ValueError(f"{folder} is there already, without a manifest; delete it, or choose another name")
+        folder.mkdir(parents=True, exist_ok=True)
+        data = self._path.read_bytes() if self._path.exists() else b""
+        whole = data[: data.rfind(b"\n") + 1]
+        if not whole:
+            self._path.write_text(json.dumps(facts) + "\n")
+            return
+        if whole != data:
+            os.truncate(self._path, len(whole))
+        first, *lines = map(self._parse, whole.splitlines())
+        if first != facts:
+            other = ", ".join(f"{name} {first.get(name)!r}" for name in facts if first.get(name) != facts[name])
+            raise ValueError(f"{folder} has data of {other or 'another kind'}; choose another name")
+        for line in lines:
+            if self._is_whole(line):
+                self.finished[line["seed"]] = line
+
+    def add(self, part: _Part) -> None:
+        """Write the file of a seed, and its line."""
+        file = f"seed-{part.seed:010}" + (".parquet" if "steps" in part.facts else ".a26")
+        new = self._folder / f"_{file}.part"  # readers of a folder skip names that begin with _
+        new.write_bytes(part.data)
+        new.replace(self._folder / file)
+        line = {"seed": part.seed, "file": file, "bytes": len(part.data), **part.facts}
+        with self._path.open("a") as manifest:
+            manifest.write(json.dumps(line) + "\n")
+        self.finished[part.seed] = line
+
+    def _parse(self, line: bytes) -> dict[str, Any]:
+        try:
+            read = json.loads(line)
+        except ValueError:
+            read = None
+        if not isinstance(read, dict):
+            raise ValueError(f"{self._path} is damaged at {line[:40]!r}; delete the line, or the folder")
+        return read
+
+    def _is_whole(self, line: dict[str, Any]) -> bool:
+        file = self._folder / str(line.get("file"))
+        return file.is_file() and file.stat().st_size == line.get("bytes")

@@ -1,0 +1,242 @@
+"""`RolloutWorker`: environments and a policy, which an actor of `RolloutActors` plays. Needs no Ray."""
+
+import pickle
+import zlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from atari._gymnasium import AutoresetMode
+from atari.integrations.ray.rollout import Frames, Rollout
+from atari.vector import AtariVectorEnv
+
+PolicyMaker = Callable[[], Any]
+
+
+@dataclass(frozen=True)
+class WorkerSettings:
+    """What the workers of a run have in common.
+
+    Attributes:
+        game: of the environments, or one for each.
+        num_envs: environments of a worker.
+        steps: of each environment in a rollout.
+        seed: of all workers: environment j of worker i has seed + i * num_envs + j.
+        unstacked: whether frames are stored once.
+        options: of `AtariVectorEnv`.
+    """
+
+    game: Any
+    num_envs: int
+    steps: int
+    seed: int
+    unstacked: bool
+    options: Mapping[str, Any]
+
+    def make(self) -> AtariVectorEnv:
+        """The environments of a worker.
+
+        Raises:
+            TypeError, ValueError, FileNotFoundError: as `AtariVectorEnv`; or observations would not be written straight
+                into a rollout.
+        """
+        envs = AtariVectorEnv(self.game, self.num_envs, **{"num_threads": 1, **self.options})
+        refused = {
+            "channels_last=True or dtype='float32'": not envs._options.layout.is_engines,
+            "obs_type='dict'": envs._options.obs_type == "dict",
+            f"autoreset_mode={envs.autoreset_mode.value!r}": envs.autoreset_mode != AutoresetMode.NEXT_STEP,
+            f"batch_size={envs.batch_size}": envs.batch_size != envs.num_envs,
+            f"players={envs._options.players}": envs._options.players > 1,
+            "life_loss_info=True": envs._options.protocol.life_loss_info,
+        }
+        for what, is_so in refused.items():
+            if is_so:
+                envs.close()
+                raise ValueError(f"RolloutActors cannot have {what}; leave it out")
+        return envs
+
+
+@dataclass(frozen=True)
+class Position:
+    """Where a worker is after a rollout: all that the next one depends on, but the weights.
+
+    Attributes:
+        number: of the next rollout.
+        environments: snapshots of the environments after rollout `snapshot_number - 1`, packed; None is their reset.
+        actions: those played since the snapshot, (steps, num_envs, ...) for each rollout.
+        policy: the state of the generator and of the policy after the last rollout, pickled; None is the beginning.
+    """
+
+    number: int = 0
+    environments: bytes | None = None
+    actions: tuple[npt.NDArray[Any], ...] = ()
+    policy: bytes | None = None
+
+
+@dataclass(frozen=True)
+class Played:
+    """What `RolloutWorker.play` returns.
+
+    Attributes:
+        rollout: the steps.
+        environments: snapshots after it, packed, where they were to be taken.
+        policy: as of `Position`.
+    """
+
+    rollout: Rollout
+    environments: bytes | None
+    policy: bytes
+
+
+class RolloutWorker:
+    """Plays rollouts one after another.
+
+    Args:
+        settings: of all workers.
+        index: of this one.
+        make_policy: returns the policy, see `RolloutActors`.
+        position: where to go on.
+    """
+
+    def __init__(self, settings: WorkerSettings, index: int, make_policy: PolicyMaker, position: Position) -> None:
+        self._index, self._steps = index, settings.steps
+        self._random = np.random.default_rng([settings.seed, index])
+        self._policy = make_policy()
+        self._envs = settings.make()
+        self._number = position.number
+        self._observations, _ = self._envs.reset(seed=settings.seed + index * settings.num_envs)
+        self._ended = np.zeros(settings.num_envs, np.bool_)  # whose next step begins an episode
+        shape = self._observations.shape
+        stacked = settings.unstacked and len(shape) > 3 and shape[1] > 1
+        self._frames = Frames(settings.steps, shape) if stacked else None
+        self._table: npt.NDArray[np.uint8] | None = None
+        self._continue(position)
+
+    def play(self, weights: Any, version: int, take_snapshot: bool) -> Played:
+        """Play a rollout. The next one writes to the memory of its observations again.
+
+        Args:
+            weights: for the policy's `load`, before the first step; None leaves them.
+            version: of the weights, with which the rollout is marked.
+            take_snapshot: whether to return the state of the environments after it.
+
+        Raises:
+            ValueError: the policy returns no actions for the environments, or other extras than before.
+        """
+        if weights is not None:
+            self._policy.load(weights)
+        rows = _Rows(self._steps)
+        table = self._begin()
+        for step in range(self._steps):
+            actions, extras = _answer(self._policy(self._observations, self._random))
+            valid = ~self._ended
+            out = None if self._frames else table[step + 1]
+            self._observations, rewards, terminations, truncations, info = self._envs.step(actions, out=out)
+            if self._frames:
+                self._frames.add(step + 1, self._observations, self._ended)
+            self._ended = terminations | truncations
+            rows.add(step, actions, rewards, terminations, truncations, valid, extras)
+            rows.add_games(info)
+        index = self._frames.index if self._frames else None
+        table = self._frames.table if self._frames else table
+        rollout = rows.rollout(self._index, self._number, version, table, index)
+        self._number += 1
+        return Played(rollout, self._snapshot() if take_snapshot else None, self._policy_state())
+
+    def _begin(self) -> npt.NDArray[np.uint8]:
+        """Begin a rollout with the last observations; returns where whole observations are written."""
+        if self._frames:
+            self._frames.begin(self._observations)
+            return np.zeros(0, np.uint8)
+        if self._table is None:
+            self._table = np.empty((self._steps + 1, *self._observations.shape), np.uint8)
+        self._table[0] = self._observations
+        return self._table
+
+    def _snapshot(self) -> bytes:
+        return zlib.compress(pickle.dumps((self._envs.snapshot(), self._ended), 5), 1)
+
+    def _policy_state(self) -> bytes:
+        state = self._policy.state() if hasattr(self._policy, "state") else None
+        return pickle.dumps((self._random.bit_generator.state, state), 5)
+
+    def _continue(self, position: Position) -> None:
+        if position.environments is not None:
+            snapshots, self._ended = pickle.loads(zlib.decompress(position.environments))
+            self._envs.restore(None, snapshots)
+            self._observations, _ = self._envs.observe()
+        for actions in position.actions:
+            for row in actions:
+                self._observations, _, terminations, truncations, _ = self._envs.step(row)
+                self._ended = terminations | truncations
+        if position.policy is not None:
+            self._random.bit_generator.state, state = pickle.loads(position.policy)
+            if state is not None:
+                self._policy.restore(state)
+
+
+class _Rows:
+    """The arrays of a rollout but its observations, filled row by row; made as the first row needs them."""
+
+    def __init__(self, steps: int) -> None:
+        self._steps = steps
+        self._columns: list[npt.NDArray[Any]] = []
+        self._extras: dict[str, npt.NDArray[Any]] = {}
+        self._games: list[tuple[float, int]] = []
+
+    def add(self, row: int, *parts: Any) -> None:
+        """Write a row: actions, rewards, terminations, truncations, valid, and extras by name."""
+        *columns, extras = parts
+        if not row:
+            self._columns = [np.zeros((self._steps, *part.shape), part.dtype) for part in columns]
+            self._extras = {name: np.zeros((self._steps, *part.shape), part.dtype) for name, part in extras.items()}
+        for target, part in zip(self._columns, columns, strict=True):
+            target[row] = part
+        if extras.keys() != self._extras.keys():
+            raise ValueError(f"the policy returned {sorted(extras)} beside actions, and {sorted(self._extras)} before")
+        for name, part in extras.items():
+            column = self._extras[name]
+            if part.shape != column.shape[1:] or not np.can_cast(part.dtype, column.dtype):
+                raise ValueError(
+                    f"the policy returned {name!r} as {part.dtype} {part.shape}, and before as {column.dtype} "
+                    f"{column.shape[1:]}"
+                )
+            column[row] = part
+
+    def add_games(self, info: Mapping[str, Any]) -> None:
+        """Add the games that ended."""
+        if "episode" in info:
+            for lane in np.flatnonzero(info["_episode"]).tolist():
+                self._games.append((float(info["episode"]["r"][lane]), int(info["episode"]["l"][lane])))
+
+    def rollout(self, index: int, number: int, version: int, table: Any, table_index: Any) -> Rollout:
+        """All of it."""
+        scores = np.array([score for score, _ in self._games], np.float64)
+        lengths = np.array([length for _, length in self._games], np.int64)
+        actions, rewards, terminations, truncations, valid = self._columns
+        return Rollout(
+            actor=index,
+            number=number,
+            version=version,
+            observations_table=table,
+            observations_index=table_index,
+            actions=actions,
+            rewards=rewards,
+            terminations=terminations,
+            truncations=truncations,
+            valid=valid,
+            extras=self._extras,
+            scores=scores,
+            lengths=lengths,
+        )
+
+
+def _answer(returned: Any) -> tuple[npt.NDArray[Any], dict[str, npt.NDArray[Any]]]:
+    """Actions and extras of what a policy returned."""
+    actions, extras = returned if isinstance(returned, tuple) else (returned, {})
+    if not isinstance(extras, Mapping):
+        raise ValueError(f"a policy returns actions, or (actions, extras) with a mapping of arrays, got {extras!r:.80}")
+    return np.asarray(actions), {name: np.asarray(part) for name, part in extras.items()}

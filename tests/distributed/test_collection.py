@@ -1,0 +1,146 @@
+"""`collect`: the same rows for any number of workers, and a run that was stopped goes on."""
+
+import hashlib
+import json
+import os
+import signal
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from atari.cli import main
+from atari.lab import write_dataset
+from atari.learning import load_policy, record_games
+
+ray = pytest.importorskip("ray", reason="Ray requires a Gymnasium of its own; run ./scripts/test --ray")
+parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed")
+pytestmark = pytest.mark.ray
+
+from atari.integrations.ray import collect  # noqa: E402 - it needs Ray
+
+GAME, SEEDS = "breakout", [3, 4, 6]
+OPTIONS: dict[str, Any] = {"frames": "grayscale", "labels": ["ball_x"]}
+
+
+def digests(folder: Path) -> dict[str, str]:
+    """By file, the hash of its content."""
+    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in sorted(folder.glob("*.parquet"))}
+
+
+@pytest.fixture(scope="module")
+def dataset(cluster: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A data set of three games."""
+    folder = tmp_path_factory.mktemp("data") / "games.parquet"
+    done: list[int] = []
+    result = collect(GAME, folder, seeds=[*SEEDS, 4], progress=done.append, **OPTIONS)
+    assert (result["episodes"], result["played"], done) == (3, 3, [0, 1, 1, 1])
+    assert len(result["scores"]) == 3
+    return folder
+
+
+def test_the_rows_are_those_of_one_process(dataset: Path, tmp_path: Path) -> None:
+    record_games(load_policy("random"), GAME, "baselines", SEEDS, tmp_path / "games.a26")
+    here = write_dataset(tmp_path / "games.a26", tmp_path / "here.parquet", **OPTIONS)
+    expected, rows = parquet.read_table(tmp_path / "here.parquet"), parquet.read_table(dataset)
+    assert rows.drop_columns("episode").equals(expected.drop_columns("episode"))
+    assert rows["episode"].to_pylist() == [SEEDS[number] for number in expected["episode"].to_pylist()]
+    assert here["steps"] == rows.num_rows - len(SEEDS)
+    assert rows.schema.metadata == expected.schema.metadata
+
+
+def test_a_stopped_run_goes_on(dataset: Path, tmp_path: Path) -> None:
+    """The last line of the manifest is torn, a file is cut, a part is left over; another file was moved."""
+    folder = tmp_path / "games.parquet"
+    assert collect(GAME, folder, seeds=SEEDS[1:], **OPTIONS)["played"] == 2
+    manifest = folder / "_manifest.jsonl"
+    manifest.write_text(manifest.read_text()[:-20])
+    (folder / "_seed-0000000003.parquet.part").write_bytes(b"torn")
+    result = collect(GAME, folder, seeds=SEEDS, **OPTIONS)
+    assert (result["played"], result["episodes"]) == (2, 3)
+    assert digests(folder) == digests(dataset)
+    file = folder / "seed-0000000006.parquet"
+    file.write_bytes(file.read_bytes()[:-1])
+    assert collect(GAME, folder, seeds=SEEDS, **OPTIONS)["played"] == 1
+    assert collect(GAME, folder, seeds=SEEDS, **OPTIONS)["played"] == 0
+    assert digests(folder) == digests(dataset)
+
+
+def test_a_killed_worker_changes_nothing(
+    dataset: Path, cluster: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from atari.integrations.ray import collection
+
+    play, driver = collection._play, os.getpid()
+
+    def deadly(task: Any) -> Any:
+        if not (tmp_path / "killed").exists() and os.getpid() != driver:
+            (tmp_path / "killed").touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        return play(task)
+
+    monkeypatch.setattr(collection, "_play", deadly)
+    collect(GAME, tmp_path / "games.parquet", seeds=SEEDS, **OPTIONS)
+    assert (tmp_path / "killed").exists()
+    assert digests(tmp_path / "games.parquet") == digests(dataset)
+
+
+def test_ray_data_reads_the_folder(dataset: Path) -> None:
+    data = pytest.importorskip("ray.data")
+    assert data.read_parquet(str(dataset)).count() == parquet.read_table(dataset).num_rows
+
+
+def test_one_file_is_that_of_one_process(cluster: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    h5py = pytest.importorskip("h5py", reason="h5py is not installed")
+    monkeypatch.chdir(tmp_path)
+    result = collect(GAME, "games.h5", seeds=range(2), **OPTIONS)
+    assert (
+        main(["collect", GAME, "--episodes", "2", "-o", "here.h5", "--frames", "grayscale", "--labels", "ball_x"]) == 0
+    )
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["games.h5", "here.h5"]
+    with h5py.File("games.h5") as games, h5py.File("here.h5") as here:
+        assert games["episode_1/frames"][:].tobytes() == here["episode_1/frames"][:].tobytes()
+        assert games["episode_0/ram"][:].tobytes() == here["episode_0/ram"][:].tobytes()
+    assert (result["episodes"], result["played"]) == (2, 2)
+
+
+@pytest.mark.parametrize(
+    ("changes", "error", "text"),
+    [
+        ({"policy": "noop"}, ValueError, "has data of policy 'random'"),
+        ({"labels": []}, ValueError, "has data of labels"),
+        ({"seeds": []}, ValueError, "at least one seed"),
+        ({"seeds": [-1]}, ValueError, "a seed must be"),
+        ({"frames": "ram"}, ValueError, "frames must be one of"),
+        ({"labels": ["balls_x"]}, KeyError, "ball_x"),
+        ({"policy": "nothing.zip"}, FileNotFoundError, "nothing.zip"),
+    ],
+)
+def test_what_is_refused_changes_nothing(
+    changes: dict[str, Any], error: type[Exception], text: str, dataset: Path
+) -> None:
+    before = digests(dataset)
+    with pytest.raises(error, match=text):
+        collect(GAME, dataset, **{"seeds": SEEDS, **OPTIONS, **changes})
+    assert digests(dataset) == before
+
+
+def test_another_folder_stays(cluster: Any, tmp_path: Path) -> None:
+    (tmp_path / "own.parquet").mkdir()
+    (tmp_path / "own.parquet" / "mine").touch()
+    with pytest.raises(ValueError, match="without a manifest"):
+        collect(GAME, tmp_path / "own.parquet")
+
+
+def test_the_command(cluster: Any, dataset: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
+    monkeypatch.chdir(tmp_path)
+    words = ["collect", GAME, "--seed", "3", "--episodes", "2", "--frames", "grayscale", "--labels", "ball_x"]
+    words += ["--ray", cluster.address, "-o", "games.parquet", "--json"]
+    assert main(words) == 0
+    assert json.loads(capsys.readouterr().out)["played"] == 2
+    assert main(["lab", *words]) == 0
+    assert json.loads(capsys.readouterr().out)["played"] == 0
+    expected = digests(dataset)
+    assert digests(Path("games.parquet")) == {name: expected[name] for name in list(expected)[:2]}
+    assert main([*words, "--policy", "a.a26"]) == 1
+    assert "leave out --ray" in capsys.readouterr().err

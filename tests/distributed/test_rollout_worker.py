@@ -1,0 +1,164 @@
+"""What a worker of `RolloutActors` plays, without Ray: its observations, and that positions continue it to the bit."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import atari
+
+pytest.importorskip("ray", reason="Ray requires a Gymnasium of its own; run ./scripts/test --ray")
+pytestmark = pytest.mark.ray
+
+from atari.integrations.ray.rollout import Rollout  # noqa: E402
+from atari.integrations.ray.rollout_worker import Played, Position, RolloutWorker, WorkerSettings  # noqa: E402
+
+
+class Drawn:
+    """Random actions, with a counter as its state and as an extra, and weights that are added to it."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+    def __call__(self, observations: Any, random: np.random.Generator) -> Any:
+        self.count += 1
+        return random.integers(3, size=len(observations)), {"count": np.full(len(observations), self.count)}
+
+    def load(self, weights: int) -> None:
+        self.count += weights
+
+    def state(self) -> int:
+        return self.count
+
+    def restore(self, state: int) -> None:
+        self.count = state
+
+
+def settings(**changes: Any) -> WorkerSettings:
+    options = {
+        "game": "breakout", "num_envs": 3, "steps": 100, "seed": 5, "unstacked": True, "options": {"preset": "dqn2015"},
+    }  # fmt: skip
+    return WorkerSettings(**{**options, **changes})
+
+
+def copied(played: Played) -> Rollout:
+    rollout = played.rollout
+    values = {name: value.copy() if value is not None else None for name, value in vars(rollout).items()
+              if isinstance(value, np.ndarray)}  # fmt: skip
+    return Rollout(**{**vars(rollout), **values})
+
+
+def same(a: Rollout, b: Rollout) -> bool:
+    return all(
+        np.array_equal(getattr(a, name), getattr(b, name))
+        for name in ("observations", "actions", "rewards", "terminations", "truncations", "valid", "scores", "lengths")
+    ) and all(np.array_equal(a.extras[name], b.extras[name]) for name in ("count",))
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"preset": "dqn2015"},  # lost lives end episodes
+        {"preset": "baselines"},
+        {"max_num_frames_per_episode": 100, "frameskip": 2},
+        {"grayscale": False, "img_height": 42, "img_width": 42},
+        {"obs_type": "ram"},
+        {"stack_num": 1},
+    ],
+)
+@pytest.mark.parametrize("unstacked", [True, False])
+def test_a_rollout_has_what_the_environments_show(options: Any, unstacked: bool) -> None:
+    worker = RolloutWorker(settings(options=options, unstacked=unstacked), 1, Drawn, Position())
+    envs = atari.AtariVectorEnv("breakout", 3, **options)
+    observations, _ = envs.reset(seed=5 + 3)
+    ended = np.zeros(3, bool)
+    ends = 0
+    for number in range(3):
+        rollout = worker.play(None, 0, False).rollout
+        assert (rollout.actor, rollout.number) == (1, number)
+        seen = rollout.observations
+        for step in range(100):
+            np.testing.assert_array_equal(seen[step], observations)
+            assert (rollout.valid[step] == ~ended).all()
+            observations, rewards, terminations, truncations, _ = envs.step(rollout.actions[step])
+            assert (rollout.rewards[step] == rewards).all()
+            assert (rollout.terminations[step] == terminations).all()
+            assert (rollout.truncations[step] == truncations).all()
+            ended = terminations | truncations
+            ends += ended.sum()
+        np.testing.assert_array_equal(seen[100], observations)
+        rows = np.nonzero(rollout.valid)
+        np.testing.assert_array_equal(rollout.observations_at(*rows), seen[:-1][rows])
+    assert ends or "preset" not in options
+
+
+def test_single_frames_take_a_quarter() -> None:
+    sizes = [
+        RolloutWorker(settings(unstacked=unstacked), 0, Drawn, Position()).play(None, 0, False).rollout.nbytes
+        for unstacked in (True, False)
+    ]
+    assert sizes[0] < 0.3 * sizes[1]
+
+
+@pytest.mark.parametrize("played_before", [0, 1, 2])
+def test_a_position_continues_to_the_bit(played_before: int) -> None:
+    """From a snapshot, from a snapshot and actions after it, and from actions alone."""
+    worker = RolloutWorker(settings(), 2, Drawn, Position())
+    played, rollouts = [], []
+    for number in range(4):
+        one = worker.play(3 if number == 1 else None, 0, number == 0)
+        played.append(one)
+        rollouts.append(copied(one))
+    position = [
+        Position(),
+        Position(1, played[0].environments, (), played[0].policy),
+        Position(2, played[0].environments, (rollouts[1].actions,), played[1].policy),
+    ][played_before]
+    other = RolloutWorker(settings(), 2, Drawn, position)
+    for number in range(played_before, 4):
+        again = other.play(3 if number == 1 else None, 0, False).rollout
+        assert again.number == number
+        assert same(again, rollouts[number])
+
+
+def test_actions_alone_continue_from_the_reset() -> None:
+    worker = RolloutWorker(settings(), 0, Drawn, Position())
+    first = worker.play(None, 0, False)
+    actions = first.rollout.actions.copy()
+    second = copied(worker.play(None, 0, False))
+    other = RolloutWorker(settings(), 0, Drawn, Position(1, None, (actions,), first.policy))
+    assert same(other.play(None, 0, False).rollout, second)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"dtype": "float32"}, {"channels_last": True}, {"obs_type": "dict"}, {"autoreset_mode": "SameStep"},
+        {"batch_size": 2}, {"life_loss_info": True},
+    ],
+)  # fmt: skip
+def test_options_that_rollouts_do_not_have_are_refused(options: Any) -> None:
+    with pytest.raises(ValueError, match="leave it out"):
+        settings(options=options).make()
+
+
+def test_a_policy_that_returns_nonsense_is_refused() -> None:
+    def make(answer: Any) -> Any:
+        return lambda: lambda observations, random: answer
+
+    for answer in (np.zeros(2, int), (np.zeros(3, int), [1]), np.full(3, 99)):
+        with pytest.raises(ValueError):  # noqa: PT011
+            RolloutWorker(settings(), 0, make(answer), Position()).play(None, 0, False)
+
+
+@pytest.mark.parametrize(
+    "later", [np.full(3, 0.5), np.zeros((3, 2), int), np.zeros((), int)], ids=["float", "wide", "one"]
+)
+def test_extras_keep_their_shape_and_type(later: Any) -> None:
+    answers = iter([np.zeros(3, int)])
+
+    def policy(observations: Any, random: Any) -> Any:
+        return np.zeros(3, int), {"value": next(answers, later)}
+
+    with pytest.raises(ValueError, match="and before as int64"):
+        RolloutWorker(settings(), 0, lambda: policy, Position()).play(None, 0, False)
