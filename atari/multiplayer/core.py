@@ -1,11 +1,12 @@
 """`MultiplayerCore`: a game of two to four players on the native emulator, without an environment around it."""
 
+import operator
 import zlib
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 from os import PathLike
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -23,6 +24,8 @@ from atari.validation import check_integer, check_name, check_poke, check_probab
 
 Reference = Literal["multi_agent_ale", "ale_py"]
 REFERENCES: tuple[Reference, ...] = ("multi_agent_ale", "ale_py")
+_RESTORED = ("repeat_action_probability", "parameters", "corrected_scores", "end_of_reset", "random_words")
+"""Options that a snapshot does not contain, and in which two cores must agree to go on alike."""
 
 
 class MultiplayerCore(_emulator.Emulator):
@@ -63,6 +66,13 @@ class MultiplayerCore(_emulator.Emulator):
         ((128,), [0, 0])
     """
 
+    name = "multiplayer"
+    OPTIONS: ClassVar[frozenset[str]] = frozenset(
+        "mode players seed repeat_action_probability difficulty max_num_frames_per_episode parameters corrected_scores "
+        "mode_numbers end_of_reset random_words".split()
+    )
+    """The options that decide the game, frame by frame."""
+
     def __init__(
         self,
         game: str | Game,
@@ -82,7 +92,9 @@ class MultiplayerCore(_emulator.Emulator):
         sound: bool = False,
         rom: str | PathLike[str] | None = None,
     ) -> None:
+        given = dict(locals())
         self.game: Game = games.resolve(game)
+        self.rom = rom
         self.rules = rules_of(self.game)
         for name, value in (
             ("mode_numbers", mode_numbers),
@@ -95,6 +107,15 @@ class MultiplayerCore(_emulator.Emulator):
         self.sound = sound
         self.frame_skip = check_integer("frame_skip", frame_skip, 1, 10_000)
         probabilities = _probabilities(repeat_action_probability, self.players)
+        self.options: dict[str, Any] = {
+            **{option: given[option] for option in sorted(self.OPTIONS)},
+            "mode": self.mode + self._offset,
+            "players": self.players,
+            "seed": operator.index(seed),
+            "repeat_action_probability": probabilities,
+            "parameters": dict(parameters or {}),
+        }
+        """What `OPTIONS` names, with the defaults filled in, in types of JSON."""
         image = rom_image.read_image(find(self.game, rom))
         self._rom_md5 = rom_image.md5(image)
         super().__init__(
@@ -137,6 +158,9 @@ class MultiplayerCore(_emulator.Emulator):
         """Write one byte of RAM."""
         super().set_ram(*check_poke(index, value))
 
+    def close(self) -> None:
+        """Do nothing: the core holds no files."""
+
     def snapshot(self) -> bytes:
         """The whole state as portable bytes."""
         return snapshot.pack(self._facts(), {"state": zlib.compress(self.save(), 1)})
@@ -145,7 +169,8 @@ class MultiplayerCore(_emulator.Emulator):
         """Continue from a snapshot.
 
         Raises:
-            TypeError, ValueError: not a snapshot, damaged, or of another game, version or mode.
+            TypeError, ValueError: not a snapshot, damaged, or of another game, version or mode, or other sticky
+                actions or rules.
         """
         facts, blobs = snapshot.unpack(data)
         snapshot.require(facts, self._facts())
@@ -158,11 +183,12 @@ class MultiplayerCore(_emulator.Emulator):
 
     def _facts(self) -> dict[str, Any]:
         return {
-            "core": "multiplayer",
+            "core": self.name,
             "game": self.game.id,
             "rom": self._rom_md5,
             "state version": STATE_VERSION,
             "mode": self.mode,
+            **{option: self.options[option] for option in _RESTORED},
         }
 
 

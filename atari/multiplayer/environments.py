@@ -29,6 +29,11 @@ class Environment:
         game: id of the game.
         defaults: its own parameters.
         mode: from its parameters to the mode, in Multi-Agent-ALE's numbering; raises ValueError for a wrong one.
+
+    Example:
+        >>> from atari.multiplayer import ENVIRONMENTS
+        >>> ENVIRONMENTS["pong"].version, ENVIRONMENTS["pong"].defaults["num_players"]
+        (3, 2)
     """
 
     name: str

@@ -1,10 +1,14 @@
-"""`record_game`: a video with sound of a game of several players."""
+"""`record_game`: a video with sound of a game of several players, or a replay."""
 
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from os import PathLike
+from pathlib import Path
+from typing import Any
 
 from atari.multiplayer.core import MultiplayerCore
-from atari.recording import VideoWriter, frame_rate
+from atari.recording import RecordMatch, VideoWriter, frame_rate
+from atari.recording.replay.file_format import SUFFIX
 
 
 def record_game(
@@ -13,10 +17,10 @@ def record_game(
     policy: Callable[[MultiplayerCore], Sequence[int]],
     frames: int = 3600,
 ) -> list[int]:
-    """Play a game from a reset to its end, and write each frame with its sound to a video.
+    """Play a game from a reset to its end, and write each frame with its sound to a video, or the calls to a replay.
 
     Args:
-        path: the file, in a format of `VideoWriter`.
+        path: the file, in a format of `VideoWriter`, or ".a26" for a replay (see `RecordMatch`).
         core: the game, with frame_skip=1, and with sound=True unless the video is to be silent.
         policy: gives the action of each player, ALE's numbers, for the core in its present state.
         frames: the most frames that are played.
@@ -30,11 +34,21 @@ def record_game(
     """
     if core.frame_skip != 1:
         raise ValueError(f"a video needs each frame: make the core with frame_skip=1, got {core.frame_skip}")
-    core.reset()
-    totals = [0] * core.players
-    with VideoWriter(path, core.game.screen.shape, frame_rate(core.game), sound=core.sound) as video:
-        while not (core.game_over or core.truncated) and video.frames < frames:
-            rewards = core.act_players(policy(core))
+    with ExitStack() as stack:
+        game: Any = core
+        video = None
+        if Path(path).suffix.lower() == SUFFIX:
+            game = stack.enter_context(RecordMatch(core, path))
+        game.reset()
+        totals, played = [0] * core.players, 0
+        if game is core:
+            video = stack.enter_context(
+                VideoWriter(path, core.game.screen.shape, frame_rate(core.game), sound=core.sound)
+            )
+        while not (core.game_over or core.truncated) and played < frames:
+            rewards = game.act_players(policy(core))
             totals = [total + reward for total, reward in zip(totals, rewards, strict=True)]
-            video.write(core.screen_rgb(), core.audio() if core.sound else None)
+            played += 1
+            if video is not None:
+                video.write(core.screen_rgb(), core.audio() if core.sound else None)
     return totals

@@ -12,6 +12,7 @@ from atari.cores.options import SEED_LIMIT
 from atari.games.game import Game
 from atari.multiplayer import MultiplayerCore
 from atari.play.base import BaseSession
+from atari.recording import RecordMatch
 from atari.validation import check_name
 
 Policy = Callable[[ByteArray, dict[str, Any]], Any]
@@ -38,11 +39,18 @@ class MultiplayerSession(BaseSession):
         obs_type: of the policies' observations, all uint8: "rgb" (height, 160, 3), "grayscale" (height, 160) or "ram"
             (128,). All players see the same.
         state: the file of the saved state.
+        replay: the replay file, with the suffix ".a26"; None writes no replay.
         videos: the folder of the videos.
         scale: a pixel becomes `2 * scale` x `scale` pixels of a video.
 
     Raises:
         TypeError, ValueError: see `MultiplayerCore`; or a policy is of a player that the game does not have.
+
+    Example:
+        >>> from atari.play import MultiplayerSession
+        >>> session = MultiplayerSession("combat")
+        >>> session.over, len(session.legal_actions)
+        (False, 18)
     """
 
     _saved_as: ClassVar[str] = "play of several players"
@@ -60,6 +68,7 @@ class MultiplayerSession(BaseSession):
         policies: Mapping[int, Policy] | None = None,
         obs_type: Observation = "rgb",
         state: Path = Path("game.state"),
+        replay: Path | None = None,
         videos: Path = Path("videos"),
         scale: int = 2,
     ) -> None:
@@ -73,6 +82,7 @@ class MultiplayerSession(BaseSession):
         for player in self.policies:
             if player not in range(self.core.players):
                 raise ValueError(f"there is no player {player + 1} in a game of {self.core.players} players")
+        self._recorded: Any = self.core if replay is None else RecordMatch(self.core, replay)
         super().__init__(self.core.game, self.core.players, state, videos, scale)
         self.humans = tuple(player for player in range(self.core.players) if player not in self.policies)
         """The players that are no policies; 0 is the first."""
@@ -105,13 +115,25 @@ class MultiplayerSession(BaseSession):
             [self.game.title, *(f"player {player}: {score:,}" for player, score in enumerate(self.scores, 1))]
         )
 
+    def close(self) -> None:
+        """Complete the replay and the video.
+
+        Raises:
+            OSError: a file cannot be written.
+        """
+        try:
+            super().close()
+        finally:
+            self._recorded.close()
+
     def _step(self, actions: tuple[Action, ...]) -> list[int]:
         chosen = dict(zip(self.humans, map(int, actions), strict=True))
         if self.policies:
             observation = self._observe()
             chosen |= {player: self._decide(player, observation) for player in self.policies}
-        self._rewards = self.core.act_players([chosen[player] for player in range(self.core.players)])
-        return self._rewards
+        rewards: list[int] = self._recorded.act_players([chosen[player] for player in range(self.core.players)])
+        self._rewards = rewards
+        return rewards
 
     def _observe(self) -> ByteArray:
         if self._obs_type == "ram":
@@ -146,14 +168,15 @@ class MultiplayerSession(BaseSession):
         return number
 
     def _snapshot(self) -> bytes:
-        return self.core.snapshot()
+        data: bytes = self._recorded.snapshot()
+        return data
 
     def _restore(self, data: bytes) -> None:
-        self.core.restore(data)
+        self._recorded.restore(data)
         self._rewards = [0] * self.core.players
 
     def _reset(self) -> None:
-        self.core.reset()
+        self._recorded.reset()
         self._first_frame = self.core.episode_frame_number  # after the starting actions
         self._rewards = [0] * self.core.players
 

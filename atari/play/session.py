@@ -26,6 +26,14 @@ class Session(BaseSession):
 
     Raises:
         TypeError, ValueError, OSError: see `AtariEnv` and `RecordReplay`.
+
+    Example:
+        >>> import atari
+        >>> from atari.play import Session
+        >>> session = Session("pong")
+        >>> session.score, session.over, session.screen.shape
+        (0, False, (210, 160, 3))
+        >>> session.close()
     """
 
     _saved_as: ClassVar[str] = "play"  # `AtariEnv.restore` reads these files, too

@@ -266,7 +266,7 @@ def test_games_may_differ() -> None:
         ("pong", {"players": 2.0}, TypeError, "players must be an integer within 2..4, got 2.0"),
         ("pong", {"players": 2, "mode": 33}, ValueError, "mode of pong for 2 players must be one of 3, 4, "),
         ("joust", {"players": 2, "difficulty": 1}, ValueError, r"difficulty of joust must be one of \(0,\), got 1"),
-        ("pong", {"players": 2, "preset": "dqn2015"}, ValueError, "preset is for games of one player; leave"),
+        ("pong", {"players": 2, "preset": "dqn2015"}, ValueError, "preset of several players must be 'dqn' or None"),
         ("pong", {"players": 2, "continuous": True}, ValueError, "continuous is for games of one player; leave"),
         ("pong", {"players": 2, "use_fire_reset": True}, ValueError, "use_fire_reset is for games of one player"),
         ("pong", {"agent_indicator": True}, ValueError, "agent_indicator is for several players; give players=2"),
@@ -301,3 +301,29 @@ def test_wrong_actions_are_refused_and_nothing_is_played(actions: Any, error: ty
         envs.step(actions)
     assert envs.observe()[1]["frame_number"].tolist() == info["frame_number"].tolist()
     envs.step(np.zeros((2, 2), np.int32))
+
+
+@pytest.mark.parametrize(("game", "players"), [("pong", 2), ("warlords", 4), ("joust", 2)])
+def test_the_preset_is_that_of_the_parallel_environment(game: str, players: int) -> None:
+    pytest.importorskip("pettingzoo")
+    from atari.multiplayer import parallel_env
+
+    given: dict[str, Any] = {"players": players, "preset": "dqn", "agent_indicator": True, "channels_last": True}
+    singles = [parallel_env(game, preset="dqn", player_indicator=True) for _ in range(2)]
+    envs = AtariVectorEnv(game, 2, max_num_frames_per_episode=100_000, mode=singles[0].unwrapped.core.mode, **given)
+    observations, _ = envs.reset(seed=3)
+    firsts = [single.reset(seed=3 + row)[0] for row, single in enumerate(singles)]
+    rng = np.random.default_rng(0)
+    for _ in range(80):
+        for row, first in enumerate(firsts):
+            for player, agent in enumerate(singles[row].possible_agents):
+                assert agent not in first or np.array_equal(observations[row, player], first[agent])
+        actions = moves(rng, envs)
+        observations, rewards, terminations, truncations, _ = envs.step(actions)
+        if (terminations | truncations).all(1).any():
+            break
+        for row, single in enumerate(singles):
+            chosen = {agent: actions[row][single.possible_agents.index(agent)] for agent in single.agents}
+            firsts[row], paid, *_ = single.step(chosen)
+            assert all(paid[agent] == rewards[row][single.possible_agents.index(agent)] for agent in chosen)
+    envs.close()

@@ -17,6 +17,7 @@ from atari.play.base import FRAMES_PER_REWIND_POINT
 from atari.play.controls import HELP, HELP_SEVERAL, LEFT_KEYS, RIGHT_KEYS, Command, SharedControls
 from atari.play.loop import Loop
 from atari.play.window import GameWindow
+from atari.recording import Replay
 
 POLICY = """
 seen = []
@@ -245,7 +246,7 @@ def test_the_mode_says_how_many_players_there_are(
         (["combat"], "combat has no game of one player; give --players 2"),
         (["combat", "--players", "2", "--mode", "99"], "mode of combat for 2 players must be one of 1, 2, "),
         (["combat", "--players", "2", "--difficulty", "9"], "difficulty must be one of"),
-        (["pong", "--players", "2", "--replay", "a.a26"], "replays are of one player; leave --replay out"),
+        (["pong", "--players", "2", "--replay", "a.mp4"], "the name of a replay must end in"),
         (["pong", "--opponent", "policies_of_two.py"], "policies and replays in files are of the one-player game"),
         (["pong", "--opponent", "best"], "must be random, noop or MODULE:FUNCTION, got 'best'"),
         (["pong", "--opponent", "policies_of_two:none"], "cannot be imported"),
@@ -274,10 +275,61 @@ def test_a_match_of_policies_is_recorded(capsys: pytest.CaptureFixture[str]) -> 
         assert container.streams.audio
 
 
+def test_replays_of_several_players_are_recorded_shown_and_rendered(capsys: pytest.CaptureFixture[str]) -> None:
+    words = [
+        "record",
+        "pong",
+        "--players",
+        "4",
+        "--seconds",
+        "1",
+        "-o",
+        "a.a26",
+        "-o",
+        "a.mkv",
+        "--scale",
+        "1",
+        "--json",
+    ]
+    assert main([*words, "--seed", "3"]) == 0
+    frames = json.loads(capsys.readouterr().out)["frames"]
+    assert main(["replay", "verify", "a.a26"]) == 0
+    assert f"a.a26: equal, {frames} frames" in capsys.readouterr().out
+    assert main(["replay", "show", "a.a26"]) == 0
+    shown = capsys.readouterr().out
+    assert "players=4" in shown
+    assert "0, 0, 0, 0" in shown
+    assert main(["replay", "render", "a.a26", "-o", "b.mkv", "--scale", "1"]) == 0
+    with av.open("a.mkv") as one, av.open("b.mkv") as two:
+        for left, right in zip(one.decode(video=0), two.decode(video=0), strict=True):
+            assert np.array_equal(left.to_ndarray(format="rgb24"), right.to_ndarray(format="rgb24"))
+
+
+def test_a_game_played_by_hand_is_recorded_with_its_rewinds(tmp_path: Path) -> None:
+    session = MultiplayerSession("combat", seed=1, replay=tmp_path / "a.a26", state=tmp_path / "a.state")
+    for index in range(150):
+        session.play(Action(2 + index // 40), Action.UPFIRE)
+    session.rewind()
+    session.save()
+    for _ in range(20):
+        session.play(Action.DOWN, Action.DOWN)
+    session.load()
+    session.play(Action.DOWN, Action.NOOP)
+    ram = session.core.ram()
+    session.close()
+    replay = Replay.load(tmp_path / "a.a26")
+    assert replay.verify()
+    *_, last = replay.frames()
+    assert np.array_equal(last.ram, ram)
+
+
 @pytest.mark.parametrize(
     ("words", "text"),
     [
-        (["pong", "--players", "2", "-o", "a.a26"], "replays (.a26) are of one player"),
+        (
+            ["pong", "--players", "2", "-o", "a.a26", "-o", "b.a26"],
+            "one replay of several players is written at a time",
+        ),
         (["pong", "--players", "2", "--preset", "dqn2015"], "--preset is for one player"),
         (
             ["pong_v3", "--players", "4", "--policy", "noop", "--policy", "noop"],

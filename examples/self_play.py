@@ -1,0 +1,394 @@
+"""Self-play in Pong: PPO, one policy for both sides, and its own checkpoints as further opponents.
+
+    python examples/self_play.py train runs/self     # checkpoints and curve.csv
+    python examples/self_play.py elo runs/self       # a round-robin of the checkpoints: their Elo ratings
+    python examples/self_play.py match runs/self     # the best two of `elo`: best.a26, and best.mp4 with sound
+
+The policy sees, of the last two steps, where the ball and both paddles are, from RAM. The second player sees Pong in a
+mirror, so both sides play the same game. In half of the games both sides learn; in the other half one side is a
+checkpoint. The one-player game serves as a test only: its opponent is part of the cartridge. Needs the extras `learn`
+and `video`.
+"""
+
+import argparse
+import csv
+import random
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import torch
+import torch.nn.functional as F
+from torch import Tensor, nn
+
+import atari
+from atari.learning.evaluation.elo import elo_ratings
+from atari.learning.networks import ActorCritic, Encoder
+from atari.multiplayer import MultiplayerCore
+from atari.multiplayer.video import record_game
+from atari.recording import Replay
+
+GAME: dict[str, Any] = {"repeat_action_probability": 0.25, "num_threads": 1}
+"""Sticky actions make each game another one."""
+ACTIONS = atari.games["pong"].minimal_actions
+BYTES = [atari.games["pong"].ram_labels[name].index for name in ("ball_x", "ball_y", "player_y", "enemy_y")]
+STACK, VALUES = 2, len(BYTES) + 2
+Bytes = npt.NDArray[np.uint8]
+
+
+# Observations
+
+
+class Sight:
+    """What both players see: (games, 2, STACK, VALUES) uint8.
+
+    The values are ball x, ball y, the own paddle, the other paddle, the ball's height over the own paddle, and the
+    player, 0 or 255. Columns x and 256 - x of the ball are mirror images; 0 is no ball.
+    """
+
+    def __init__(self, games: int) -> None:
+        self.seen = np.zeros((games, 2, STACK, VALUES), np.uint8)
+
+    def push(self, ram: Bytes, started: npt.NDArray[np.bool_] | bool) -> Bytes:
+        """Add the RAM (games, 128) after a step; in games that have `started`, it fills the stack."""
+        x, y, first, second = ram[:, BYTES].T
+        zero = np.zeros_like(x)
+        mine = np.stack([x, y, first, second, y - first, zero], 1)
+        yours = np.stack([np.negative(x), y, second, first, y - second, zero + 255], 1)
+        newest = np.stack([mine, yours], 1)[:, :, None]
+        older = np.where(np.reshape(started, (-1, 1, 1, 1)), newest, self.seen[:, :, 1:])
+        self.seen = np.concatenate([older, newest], 2)
+        return self.seen
+
+
+def make_network() -> ActorCritic:
+    """A policy and a value function, for one side's observations (batch, STACK, VALUES)."""
+    return ActorCritic(Encoder((STACK, VALUES), "bits", normalize=True), len(ACTIONS))
+
+
+@torch.no_grad()
+def choose(network: ActorCritic, seen: Bytes) -> Tensor:
+    """Draw an action for each observation, (batch,) int64."""
+    return torch.multinomial(F.softmax(network.scores(torch.from_numpy(seen)), 1), 1)[:, 0]
+
+
+# Games of the policy against itself and against checkpoints
+
+
+class SelfPlayGames:
+    """Games whose seats, (game, player), are the learner's or a checkpoint's.
+
+    The first half of the games has two seats of the learner, the second half one, on the left or on the right.
+    """
+
+    def __init__(self, games: int, opponents: int, seed: int) -> None:
+        self.envs = atari.AtariVectorEnv("pong", games, players=2, obs_type="ram", autoreset_mode="SameStep", **GAME)
+        numbers = np.arange(games)
+        learns = np.ones((games, 2), np.bool_)
+        learns[numbers[games // 2 :], numbers[games // 2 :] % 2] = False
+        self.learners = np.nonzero(learns)
+        self.others = [np.nonzero(~learns)[0][start::opponents] for start in range(opponents)]
+        self.pool: list[ActorCritic] = []
+        self.sight = Sight(games)
+        self.seen = self.sight.push(self.envs.reset(seed=seed)[0], True)
+        self.actions = np.zeros((games, 2), np.int64)
+
+    @property
+    def observations(self) -> Tensor:
+        """What the learner's seats see, (seats, STACK, VALUES)."""
+        return torch.from_numpy(self.seen[self.learners])
+
+    def step(self, actions: Tensor) -> tuple[Tensor, Tensor]:
+        """Play a step with the learner's actions; rewards and ends of the learner's seats, float32."""
+        self.actions[self.learners] = actions.numpy()
+        for network, games in zip(self.pool, self.others, strict=True):
+            seats = games, games % 2
+            self.actions[seats] = choose(network, self.seen[seats]).numpy()
+        ram, rewards, terminations, truncations, _ = self.envs.step(self.actions)
+        ends = terminations | truncations
+        self.seen = self.sight.push(ram, ends.any(1))
+        return torch.from_numpy(rewards[self.learners]).float(), torch.from_numpy(ends[self.learners]).float()
+
+
+# Proximal policy optimisation
+
+
+@dataclass(frozen=True)
+class Options:
+    """Numbers of the training; `steps` are those of both players together, of 4 frames each."""
+
+    steps: int = 20_000_000
+    games: int = 64
+    opponents: int = 4
+    horizon: int = 128
+    minibatch: int = 1024
+    epochs: int = 3
+    learning_rate: float = 5e-4
+    kl_target: float = 0.01
+    gamma: float = 0.99
+    gae_lambda: float = 0.95
+    clip: float = 0.2
+    entropy: float = 0.01
+    checkpoints: int = 12
+    seed: int = 0
+
+
+class Learner:
+    """The network, its games and its optimiser."""
+
+    def __init__(self, options: Options) -> None:
+        torch.manual_seed(options.seed)
+        self.options = options
+        self.random = random.Random(options.seed)
+        self.games = SelfPlayGames(options.games, options.opponents, options.seed)
+        self.network = make_network()
+        self.network.encoder.observe(self.games.observations)
+        self.optimizer = torch.optim.Adam(self.network.parameters(), options.learning_rate, eps=1e-5)
+        self.seats = len(self.games.learners[0])
+        self.steps = 0
+
+    def update(self, pool: list[ActorCritic]) -> None:
+        """Play `horizon` steps, against some of the pool, and learn from them."""
+        options = self.options
+        self.games.pool = self.random.choices(pool, k=options.opponents)
+        memory = self._play()
+        self.steps += options.horizon * self.seats
+        for _ in range(options.epochs):
+            order = torch.randperm(options.horizon * self.seats).split(options.minibatch)
+            divergences = [self._learn(*(part[chosen] for part in memory)) for chosen in order]
+            self._adapt(sum(divergences) / len(divergences))
+        self.network.encoder.observe(memory[0][:: options.games])
+
+    @torch.no_grad()
+    def _play(self) -> list[Tensor]:
+        """Observations, actions, their log-probabilities, advantages and returns, (steps * seats, ...) each."""
+        horizon, size = self.options.horizon, (self.options.horizon, self.seats)
+        seen = torch.zeros(*size, STACK, VALUES, dtype=torch.uint8)
+        actions = torch.zeros(*size, dtype=torch.int64)
+        log_probs, rewards, ends, advantages = torch.zeros(4, *size).unbind()
+        values = torch.zeros(horizon + 1, self.seats)
+        for step in range(horizon):
+            seen[step] = self.games.observations
+            logits, values[step] = self.network(seen[step])
+            distribution = F.log_softmax(logits, 1)
+            drawn = torch.multinomial(distribution.exp(), 1)
+            actions[step], log_probs[step] = drawn[:, 0], distribution.gather(1, drawn)[:, 0]
+            rewards[step], ends[step] = self.games.step(actions[step])
+        values[horizon] = self.network(self.games.observations)[1]
+        following = torch.zeros(self.seats)
+        for step in reversed(range(horizon)):
+            goes_on = self.options.gamma * (1 - ends[step])
+            error = rewards[step] + goes_on * values[step + 1] - values[step]
+            following = error + goes_on * self.options.gae_lambda * following
+            advantages[step] = following
+        returns = advantages + values[:-1]
+        normal = (advantages - advantages.mean()) / (advantages.std() + 1e-8)
+        return [part.flatten(0, 1) for part in (seen, actions, log_probs, normal, returns)]
+
+    def _adapt(self, divergence: float) -> None:
+        """Change the learning rate so that an update moves the policy by about `kl_target`."""
+        target = self.options.kl_target
+        factor = 1 / 1.5 if divergence > 2 * target else 1.5 if divergence < target / 2 else 1
+        for group in self.optimizer.param_groups:
+            group["lr"] = min(max(group["lr"] * factor, 1e-5), 1e-2)
+
+    def _learn(self, seen: Tensor, actions: Tensor, old: Tensor, advantages: Tensor, returns: Tensor) -> float:
+        """Take a step of the optimiser on a minibatch; returns the KL divergence from the policy that played it."""
+        logits, values = self.network(seen)
+        log_probs = F.log_softmax(logits, 1)
+        difference = log_probs.gather(1, actions[:, None])[:, 0] - old
+        ratio = difference.exp()
+        clipped = ratio.clamp(1 - self.options.clip, 1 + self.options.clip)
+        policy_loss = -torch.min(advantages * ratio, advantages * clipped).mean()
+        value_loss = 0.5 * (values - returns).square().mean()
+        entropy = -(log_probs.exp() * log_probs).sum(1).mean()
+        self.optimizer.zero_grad()
+        (policy_loss + value_loss - self.options.entropy * entropy).backward()
+        nn.utils.clip_grad_norm_(self.network.parameters(), 1.0)
+        self.optimizer.step()
+        return (ratio - 1 - difference).mean().item()
+
+
+def train(folder: Path, options: Options) -> None:
+    """Train; the folder gets `step-NNNNNNNN.pt` at equal distances, and the curve.
+
+    If the folder has checkpoints, training continues from the newest one, with a new optimiser.
+    """
+    torch.set_num_threads(1)
+    learner, pool, spent = Learner(options), [], [0.0, 0.0]
+    if folder.exists():
+        steps, pool = load(folder)
+        learner.network.load_state_dict(pool[-1].state_dict())
+        learner.steps = steps[-1]
+        *_, last = csv.reader((folder / "curve.csv").open(newline=""))
+        spent = [float(minutes) for minutes in last[1:3]]
+    else:
+        folder.mkdir(parents=True)
+        append(folder, ["steps", "minutes", "processor_minutes", "built_in"])
+    before = np.array(spent) - clocks()
+    while learner.steps < options.steps or not pool:
+        if pool:
+            learner.update(pool)
+        if learner.steps >= options.steps * len(pool) / options.checkpoints:
+            pool.append(make_network())
+            pool[-1].load_state_dict(learner.network.state_dict())
+            torch.save(learner.network.state_dict(), folder / f"step-{learner.steps:08}.pt")
+            row = [
+                learner.steps,
+                *(f"{number:.2f}" for number in (*(before + clocks()), score_built_in(learner.network))),
+            ]
+            append(folder, row)
+            print("steps {}, minutes {}, processor minutes {}, mean score, one player: {}".format(*row), flush=True)
+
+
+def clocks() -> npt.NDArray[np.float64]:
+    """Minutes by the clock on the wall, and of the processor."""
+    return np.array([time.monotonic(), time.process_time()]) / 60
+
+
+def append(folder: Path, row: list[Any]) -> None:
+    """Add a row to the curve."""
+    with (folder / "curve.csv").open("a", newline="") as file:
+        csv.writer(file, lineterminator="\n").writerow(row)
+
+
+# Tests of strength
+
+
+def score_built_in(network: ActorCritic, games: int = 16, max_frames: int = 18_000) -> float:
+    """The mean score, -21 .. 21, in the one-player game, in which the cartridge plays the other side."""
+    envs = atari.AtariVectorEnv(
+        "pong", games, obs_type="ram", autoreset_mode="Disabled", max_num_frames_per_episode=max_frames, **GAME
+    )
+    sight, scores, over = Sight(games), np.zeros(games), np.zeros(games, np.bool_)
+    seen = sight.push(envs.reset(seed=1_000_000)[0], True)
+    while not over.all():
+        ram, rewards, terminations, truncations, _ = envs.step(choose(network, seen[:, 0]).numpy())
+        scores += np.where(over, 0, rewards)
+        over |= terminations | truncations
+        seen = sight.push(ram, False)
+    envs.close()
+    return float(scores.mean())
+
+
+def round_robin(networks: list[ActorCritic], games: int = 8, max_frames: int = 18_000) -> npt.NDArray[np.float64]:
+    """Let each network play each other one, `games` games on either side, all at once.
+
+    Returns:
+        Entry i, j is the number of games that i has won against j, (n, n) float64. A draw is half a win of each.
+    """
+    count = len(networks)
+    seats = np.array([(i, j) for i in range(count) for j in range(count) if i != j for _ in range(games)])
+    envs = atari.AtariVectorEnv(
+        "pong", len(seats), players=2, obs_type="ram", autoreset_mode="Disabled",
+        max_num_frames_per_episode=max_frames, **GAME,
+    )  # fmt: skip
+    sight, points, over = Sight(len(seats)), np.zeros(len(seats)), np.zeros(len(seats), np.bool_)
+    seen, actions = sight.push(envs.reset(seed=2_000_000)[0], True), np.zeros(seats.shape, np.int64)
+    while not over.all():
+        for index, network in enumerate(networks):
+            mine = (seats == index) & ~over[:, None]
+            if mine.any():
+                actions[mine] = choose(network, seen[mine]).numpy()
+        ram, rewards, terminations, truncations, _ = envs.step(actions)
+        points += np.where(over, 0, rewards[:, 0] - rewards[:, 1])
+        over |= (terminations | truncations).any(1)
+        seen = sight.push(ram, False)
+    envs.close()
+    wins = np.zeros((count, count))
+    np.add.at(wins, (seats[:, 0], seats[:, 1]), (np.sign(points) + 1) / 2)
+    np.add.at(wins, (seats[:, 1], seats[:, 0]), (1 - np.sign(points)) / 2)
+    return wins
+
+
+def load(folder: Path) -> tuple[list[int], list[ActorCritic]]:
+    """Steps and networks of the checkpoints in a folder."""
+    networks, files = [], sorted(folder.glob("step-*.pt"))
+    for file in files:
+        networks.append(make_network())
+        networks[-1].load_state_dict(torch.load(file, weights_only=True))
+    if len(files) < 2:
+        raise SystemExit(f"{folder} has {len(files)} checkpoints; make some with: self_play.py train {folder}")
+    return [int(file.stem.split("-")[1]) for file in files], networks
+
+
+def rank(folder: Path, games: int) -> list[int]:
+    """Print the table of ratings, write `elo.csv`, and return the checkpoints' steps, the best first."""
+    torch.manual_seed(0)
+    torch.set_num_threads(1)
+    steps, networks = load(folder)
+    wins = round_robin(networks, games)
+    ratings = elo_ratings(wins)
+    order = np.argsort(-ratings.values)
+    with (folder / "elo.csv").open("w", newline="") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(["steps", "elo", "error", "won", "games"])
+        for i in order:
+            row = (
+                steps[i],
+                round(ratings.values[i]),
+                round(ratings.errors[i]),
+                wins[i].sum(),
+                wins[i].sum() + wins[:, i].sum(),
+            )
+            table.writerow(row)
+            print("{:>10} steps   Elo {:>5} +- {:<3}  {:>6} of {:.0f} games won".format(*row))
+    return [steps[i] for i in order]
+
+
+# A match to watch
+
+
+class Player:
+    """One side of a `MultiplayerCore`: a network that chooses in every fourth frame."""
+
+    def __init__(self, networks: list[ActorCritic]) -> None:
+        self.networks, self.sight, self.frame, self.actions = networks, Sight(1), 0, [0, 0]
+
+    def __call__(self, core: MultiplayerCore) -> list[int]:
+        """ALE's numbers of both players' actions for the next frame."""
+        if self.frame % 4 == 0:
+            seen = self.sight.push(np.array(core.ram())[None], self.frame == 0)
+            self.actions = [ACTIONS[int(choose(net, seen[:, side]))] for side, net in enumerate(self.networks)]
+        self.frame += 1
+        return self.actions
+
+
+def match(folder: Path, frames: int, seed: int) -> list[int]:
+    """Let the best two of `elo.csv` play, the best on the right, and return their points."""
+    with (folder / "elo.csv").open(newline="") as file:
+        best = [int(row["steps"]) for row in csv.DictReader(file)][:2]
+    torch.manual_seed(seed)
+    steps, networks = load(folder)
+    sides = Player([networks[steps.index(one)] for one in best])
+    core = MultiplayerCore("pong", seed=seed, repeat_action_probability=GAME["repeat_action_probability"])
+    record_game(folder / "best.a26", core, sides, frames)
+    points = [int(core.ram()[atari.games["pong"].ram_labels[name].index]) for name in ("score_player", "score_enemy")]
+    print(f"{best[0]} steps on the right, {best[1]} on the left: {points[0]} to {points[1]} in {sides.frame} frames")
+    Replay.load(folder / "best.a26").render(folder / "best.mp4")
+    return points
+
+
+def main() -> None:
+    """Run a command."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("command", choices=["train", "elo", "match"])
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--steps", type=float, default=Options.steps, help="train: steps of both players together")
+    parser.add_argument("--seed", type=int, default=0, help="train, match")
+    parser.add_argument("--games", type=int, default=8, help="elo: of each pair on either side")
+    parser.add_argument("--frames", type=int, default=18_000, help="match: the most that are played")
+    args = parser.parse_args()
+    if args.command == "train":
+        train(args.folder, Options(steps=int(args.steps), seed=args.seed))
+    elif args.command == "elo":
+        rank(args.folder, args.games)
+    else:
+        match(args.folder, args.frames, args.seed)
+
+
+if __name__ == "__main__":
+    main()
