@@ -1,12 +1,15 @@
 """`atari info`: the facts of a game."""
 
 import argparse
+import textwrap
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from atari import registration
-from atari.cli.arguments import add_command, find_game
+from atari.cli.arguments import GAME_HELP, add_command, find_game
 from atari.cli.output import print_json, to_json_types
 from atari.games.game import Controllers, Game
+from atari.games.manual import Manual
 from atari.games.multiplayer import Multiplayer
 from atari.games.rules import Rules
 
@@ -16,20 +19,26 @@ if TYPE_CHECKING:
 
 def register(commands: "Commands") -> None:
     """Add `atari info`."""
-    parser = add_command(commands, "info", _info, "show the facts of a game: actions, modes, rules, ROM, IDs")
-    parser.add_argument("game", metavar="GAME", help="a game, such as breakout, or an ID, such as Pong-v4")
+    parser = add_command(
+        commands, "info", _info, "show the facts of a game: what it is, actions, modes, rules, ROM, IDs"
+    )
+    parser.add_argument("game", metavar="GAME", help=GAME_HELP)
 
 
 def _info(args: argparse.Namespace) -> int:
     game = find_game(args.game, playable=False)
     ids = [family.id(game.id) for family in registration.FAMILIES if game.id in family.games()]
-    print_json({**to_json_types(game), "ids": ids}) if args.json else print(_description(game, ids))
+    if args.json:
+        print_json({**to_json_types(game), "manual": game.manual, "ids": ids})
+    else:
+        print(_description(game, ids))
     return 0
 
 
 def _description(game: Game, ids: list[str]) -> str:
     screen, rom = game.screen, game.rom
     facts: list[tuple[str, list[Any]]] = [
+        *(_manual(game.manual) if game.manual else []),
         ("players", [game.players]),
         ("screen", [f"{screen.width} columns, {screen.height} rows, {screen.format}"]),
         ("controllers", [_controllers(game.controllers)]),
@@ -38,10 +47,10 @@ def _description(game: Game, ids: list[str]) -> str:
             "rules",
             _rules(game.rules) if game.rules else ["none for a single player, so there is no environment of one"],
         ),
-        *(_multiplayer(game.multiplayer) if game.multiplayer else []),
+        *(_multiplayer(game.multiplayer, game.manual) if game.multiplayer else []),
         ("RAM", [f"{len(game.ram_labels)} names for bytes of it"]),
         ("ROM", [f"{rom.size} bytes, {rom.cartridge}, MD5 {rom.md5}"]),
-        ("notes", list(game.notes)),
+        ("notes", [*(game.manual.notes if game.manual else ()), *game.notes]),
         ("IDs", ids),
     ]
     lines = [f"{game.id}: {game.title}"]
@@ -50,22 +59,49 @@ def _description(game: Game, ids: list[str]) -> str:
     return "\n".join(lines)
 
 
+def _manual(manual: Manual) -> list[tuple[str, list[Any]]]:
+    """Return what the manual says of the game as a whole."""
+    released = [str(fact) for fact in (manual.year, manual.maker) if fact is not None]
+    texts = (("reward", manual.reward), ("lives", manual.lives), ("end", manual.end))
+    return [
+        ("released", [", ".join(released) or "not known"]),
+        ("about", textwrap.wrap(manual.description, 100)),
+        *((name, [text]) for name, text in texts if text),
+    ]
+
+
+def _meanings(meanings: Mapping[int, str]) -> list[str]:
+    """Return lines of the form "number  meaning", with the numbers aligned to the right."""
+    width = max((len(str(number)) for number in meanings), default=0)
+    return [f"{number:{width}}  {text}" for number, text in meanings.items()]
+
+
 def _settings(game: Game) -> list[tuple[str, list[Any]]]:
     """Return actions, modes and difficulties."""
     names = " ".join(action.name for action in game.minimal_actions)
     return [
         ("actions", [f"{len(game.minimal_actions)} of {len(game.legal_actions)}: {names}"]),
         ("starts with", [" ".join(action.name for action in game.starting_actions) or "no action"]),
-        ("modes", [f"{', '.join(map(str, game.modes))} (default {game.default_mode})"]),
-        ("difficulties", [", ".join(map(str, game.difficulties))]),
+        (
+            "modes",
+            [
+                f"{', '.join(map(str, game.modes))} (default {game.default_mode})",
+                *_meanings(game.manual.modes if game.manual else {}),
+            ],
+        ),
+        (
+            "difficulties",
+            [", ".join(map(str, game.difficulties)), *_meanings(game.manual.difficulties if game.manual else {})],
+        ),
     ]
 
 
-def _multiplayer(rules: Multiplayer) -> list[tuple[str, list[Any]]]:
+def _multiplayer(rules: Multiplayer, manual: Manual | None) -> list[tuple[str, list[Any]]]:
     """Return the modes of several players, by number of players."""
     names = " ".join(action.name for action in rules.minimal_actions)
     modes = [f"{players} players: modes {', '.join(map(str, modes))}" for players, modes in rules.modes.items()]
-    return [("multiplayer", [*modes, f"actions of each: {names}"])]
+    named = _meanings(manual.multiplayer_modes if manual else {})
+    return [("multiplayer", [*modes, *named, f"actions of each: {names}"])]
 
 
 def _rules(rules: Rules) -> list[str]:

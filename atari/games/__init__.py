@@ -1,7 +1,8 @@
 """Game definitions: `atari.games` maps a game's id to its definition, as in `atari.games["ms_pacman"]`.
 
 `data/` has one file a game; `SCHEMA.md` documents the files. `game.py` parses a file, `catalog.py` has the mapping,
-`rules.py` defines the language of rules, and `compiler.py` compiles rules for the native core.
+`rules.py` defines the language of rules, and `compiler.py` compiles rules for the native core. `manuals/` has the facts
+of each game for people, which `manual.py` parses.
 """
 
 import sys

@@ -2,6 +2,7 @@
 
 import difflib
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import cache
 from os import PathLike
 from pathlib import Path
@@ -16,6 +17,11 @@ class Games(Mapping[str, Game]):
     """A read-only mapping from game id (`"ms_pacman"`) to `Game`, in alphabetical order.
 
     Instances have no state of their own: `games` here and the package `atari.games` are equal.
+
+    Example:
+        >>> import atari
+        >>> len(atari.games), "pong" in atari.games, atari.games["pong"].title
+        (108, True, 'Pong')
     """
 
     def __getitem__(self, game_id: str) -> Game:
@@ -50,7 +56,7 @@ class Games(Mapping[str, Game]):
         if isinstance(game, Game):
             return game
         if isinstance(game, PathLike) or (isinstance(game, str) and game.endswith(".toml")):
-            return load_game(Path(game))
+            return replace(load_game(Path(game)), file=Path(game).absolute())
         if not isinstance(game, str):
             raise TypeError(f"a game is named by a string such as 'breakout', got {game!r}")
         if game not in _IDS:
@@ -85,3 +91,4 @@ def _load(game_id: str) -> Game:
 
 
 games = Games()
+"""All game definitions that ship with the package, by id; `atari.games`."""

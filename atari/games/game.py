@@ -6,13 +6,15 @@
 import re
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal
 
 from atari.actions import PLAYER_ACTIONS, Action
 from atari.games.frozen import FrozenDict
+from atari.games.manual import Manual, load_manual
 from atari.games.multiplayer import Multiplayer, parse_multiplayer
 from atari.games.rules import LABEL_ADDRESSES, Rules, check_label_expression, parse_rules
 from atari.games.tables import actions, build, check_keys, check_numbers, check_value
@@ -24,6 +26,7 @@ else:
     import tomli as tomllib
 
 _MOST_BYTES = 256 << 10
+_FOLDER = Path(__file__).parent
 
 TV_FRAME_RATES = MappingProxyType({"NTSC": 60.0, "PAL": 50.0, "SECAM": 50.0})
 """Nominal frames a second by TV format."""
@@ -119,6 +122,12 @@ class Game:
     `rules` is None for the four two-player cartridges, which have no single-player rules in ALE: there are environments
     of several players of them alone. Their action and mode tuples are empty. `multiplayer` is None for games that have
     no rules for several players.
+
+    Example:
+        >>> import atari
+        >>> game = atari.games["ms_pacman"]
+        >>> game.title, game.modes, len(game.minimal_actions)
+        ('Ms. Pac-Man', (0, 1, 2, 3), 9)
     """
 
     id: str
@@ -137,11 +146,23 @@ class Game:
     multiplayer: Multiplayer | None
     ram_labels: Mapping[str, RamLabel]
     notes: tuple[str, ...]
+    file: Path | None = field(default=None, compare=False)
+    """The file of a game of your own, whose ROM may lie beside it; None for a game of this package."""
 
     @property
     def single_player(self) -> bool:
         """Whether the game has single-player rules, which an environment needs."""
         return self.rules is not None
+
+    @property
+    def manual(self) -> Manual | None:
+        """Title, year, maker, description and meaning of modes and difficulties; None for a game of your own.
+
+        The file of `atari/games/manuals/` is read at the first use. A game of your own has the manual of the game here
+        that has its id and its ROM.
+        """
+        found = _manual(self.id)
+        return found[1] if found and found[0] == self.rom.md5 else None
 
     def __repr__(self) -> str:
         if not self.single_player:
@@ -171,6 +192,27 @@ def load_game(path: Path) -> Game:
         raise ValueError(f"{path}: its tables or lists are nested too deeply") from None
     except (ValueError, TypeError, AttributeError) as error:
         raise ValueError(f"{path}: {error}") from error
+
+
+@cache
+def _manual(game_id: str) -> tuple[str, Manual] | None:
+    """The MD5 of the ROM and the manual of a game of this package; None for another id."""
+    definition, manual = _FOLDER / "data" / f"{game_id}.toml", _FOLDER / "manuals" / f"{game_id}.toml"
+    if not manual.is_file() or not definition.is_file():
+        return None
+    game = load_game(definition)
+    return game.rom.md5, load_manual(manual, numbers(game))
+
+
+def numbers(game: Game) -> dict[str, tuple[int, ...]]:
+    """The numbers that a game has: its modes, those of several players, and its difficulties."""
+    multiplayer = game.multiplayer
+    shared = multiplayer.modes.values() if multiplayer else ()
+    return {
+        "modes": game.modes,
+        "difficulties": game.difficulties or (multiplayer.difficulties if multiplayer else ()),
+        "multiplayer_modes": tuple(sorted({mode for modes in shared for mode in modes})),
+    }
 
 
 def parse_game(game_id: str, table: Mapping[str, Any]) -> Game:

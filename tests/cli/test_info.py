@@ -64,3 +64,27 @@ def test_info_of_an_unknown_game_suggests_the_nearest(capsys: pytest.CaptureFixt
 
 def test_info_takes_an_id(capsys: pytest.CaptureFixture[str]) -> None:
     assert read(capsys, "info", "Pong-ramDeterministic-v4") == read(capsys, "info", "pong")
+
+
+def test_info_says_what_the_manual_says(capsys: pytest.CaptureFixture[str]) -> None:
+    lines = [line.strip() for line in read(capsys, "info", "freeway").splitlines()]
+    assert "released      1981, Activision" in lines
+    assert any(line.startswith("about         A chicken crosses ten lanes") for line in lines)
+    assert "end           The time is over." in lines
+    modes = lines.index("modes         0, 1, 2, 3, 4, 5, 6, 7 (default 0)")
+    assert lines[modes + 1] == "0  light traffic of cars"
+    difficulties = lines.index("difficulties  0, 1")
+    assert lines[difficulties + 2] == "1  left switch at A: a hit chicken is thrown back to the start"
+
+
+def test_info_names_the_modes_of_two_player_cartridges(capsys: pytest.CaptureFixture[str]) -> None:
+    lines = [line.strip() for line in read(capsys, "info", "combat").splitlines()]
+    assert "1  tanks, open field" in lines
+    assert "10  invisible tanks, open field" in lines
+
+
+def test_info_json_has_the_manual(capsys: pytest.CaptureFixture[str]) -> None:
+    manual = read_json(capsys, "info", "freeway")["manual"]
+    assert (manual["title"], manual["year"], manual["maker"]) == ("Freeway", 1981, "Activision")
+    assert manual["modes"]["0"] == "light traffic of cars"
+    assert manual["sources"]["modes"] == ["general knowledge", "play"]

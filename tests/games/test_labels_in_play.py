@@ -49,7 +49,9 @@ OPENINGS = {
 }
 """What is played before a check: actions and for how many frames."""
 
-POSITIONS = ("entombed", "laser_gates", "lost_luggage", "tutankham", "zaxxon")
+POSITIONS = (
+    "entombed", "laser_gates", "lost_luggage", "mr_do", "tutankham", "wizard_of_wor", "zaxxon",
+)  # fmt: skip
 """Games that had only score and lives, and for which the place of the player was measured."""
 
 TWO_PLAYERS = ("combat", "joust", "maze_craze", "warlords")

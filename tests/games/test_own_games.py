@@ -101,9 +101,26 @@ def test_registered_ids_work_with_gymnasium_and_in_vector_environments() -> None
             del gymnasium.registry[env_id]
 
 
-def test_without_a_rom_it_says_what_to_do() -> None:
-    with pytest.raises(FileNotFoundError, match="the game 'catch' names no hash to search for"):
-        atari.AtariEnv(RULES)
+def test_without_a_rom_it_says_what_to_do(tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text(RULES.read_text())
+    with pytest.raises(FileNotFoundError, match="the game 'mine' names no hash to search for"):
+        atari.AtariEnv(tmp_path / "mine.toml")
+
+
+def test_the_rom_beside_the_definition_is_found(tmp_path: Path) -> None:
+    assert atari.AtariEnv(RULES).reset(seed=0)[0].shape == (210, 160, 3)
+    assert atari.AtariVectorEnv(RULES, 2).reset(seed=0)[0].shape == (2, 4, 84, 84)
+    text = RULES.read_text() + f'\n[rom]\nmd5 = "{"0" * 32}"\n'
+    (tmp_path / "mine.toml").write_text(text)
+    (tmp_path / "mine.bin").write_bytes(IMAGE.read_bytes())
+    with pytest.raises(FileNotFoundError, match="no ROM file of Catch"):  # another game's
+        atari.AtariEnv(tmp_path / "mine.toml")
+
+
+def test_where_a_game_lies_makes_it_no_other_game(tmp_path: Path) -> None:
+    (tmp_path / "catch.toml").write_text(RULES.read_text())
+    assert atari.games.resolve(tmp_path / "catch.toml") == atari.games.resolve(RULES)
+    assert atari.games.resolve(RULES).file == RULES.absolute()
 
 
 def test_a_hash_in_the_file_is_checked(tmp_path: Path) -> None:

@@ -60,7 +60,14 @@ class Check:
 
 @dataclass(frozen=True)
 class Intervention:
-    """A described change of a game. `table` is its definition as in a file, without the name."""
+    """A described change of a game. `table` is its definition as in a file, without the name.
+
+    Example:
+        >>> from atari.lab.interventions import load
+        >>> intervention = load("pong")["lazy_enemy"]
+        >>> intervention.name, len(intervention.writes)
+        ('lazy_enemy', 2)
+    """
 
     name: str
     description: str

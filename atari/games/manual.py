@@ -1,0 +1,151 @@
+"""`Manual`, the facts of a game for people: the content of a file of `atari/games/manuals/`, parsed and checked.
+
+`atari/games/SCHEMA.md` documents the files. `Game.manual` reads a game's file at its first use.
+"""
+
+import re
+import sys
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from atari.games.frozen import FrozenDict
+from atari.games.tables import check_keys, check_numbers, check_value
+from atari.validation import check_file
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+_MOST_BYTES = 256 << 10
+SOURCES = ("manual", "play", "rules", "general knowledge")
+"""Where a fact may come from: the cartridge's manual, the running game, the rules in the game definition, or what is
+generally known of the game."""
+
+_TEXTS = ("title", "maker", "description", "reward", "lives", "end")
+_NUMBERED = ("modes", "difficulties", "multiplayer_modes")
+_FACTS = (*_TEXTS, "year", *_NUMBERED, "notes")
+
+
+@dataclass(frozen=True)
+class Manual:
+    """What a game's manual says, in our own words.
+
+    Example:
+        >>> import atari
+        >>> manual = atari.games["freeway"].manual
+        >>> manual.title, manual.year, manual.maker
+        ('Freeway', 1981, 'Activision')
+
+    Attributes:
+        title: the title on the cartridge.
+        year: of the release for the 2600, None where it is not known.
+        maker: the publisher of the cartridge, None where it is not known.
+        description: what the player does, what scores, what ends the game.
+        modes: meaning by mode number, for the modes whose meaning is known.
+        difficulties: meaning by difficulty number, for those whose meaning is known.
+        multiplayer_modes: meaning by mode number of `Game.multiplayer`, which has numbers of its own.
+        reward, lives, end: what pays, what a life is, and what ends an episode, a sentence each, or None.
+        sources: by the name of one of these attributes, where it comes from: some of "manual", "play" (found by running
+            the game), "rules" (read from the game definition) and "general knowledge".
+        notes: peculiarities, and where the rules of ALE differ from those of the cartridge.
+    """
+
+    title: str
+    year: int | None
+    maker: str | None
+    description: str
+    modes: Mapping[int, str]
+    difficulties: Mapping[int, str]
+    multiplayer_modes: Mapping[int, str]
+    reward: str | None
+    lives: str | None
+    end: str | None
+    sources: Mapping[str, tuple[str, ...]]
+    notes: tuple[str, ...]
+
+
+def load_manual(path: Path, numbers: Mapping[str, Collection[int]]) -> Manual:
+    """Read a file of `atari/games/manuals/`.
+
+    Args:
+        path: of the file.
+        numbers: the numbers that the game has, by "modes", "difficulties" and "multiplayer_modes".
+
+    Raises:
+        ValueError: the file is not valid TOML, lacks a key, has an unknown key or a wrong type, or has a number that is
+            not in `numbers`; the message names the file and the key.
+        FileNotFoundError, IsADirectoryError, PermissionError: it cannot be read.
+    """
+    check_file(path)
+    with path.open("rb") as stream:
+        data = stream.read(_MOST_BYTES + 1)
+    try:
+        if len(data) > _MOST_BYTES:
+            raise ValueError(f"a manual has at most {_MOST_BYTES:,} bytes")
+        return parse_manual(tomllib.loads(data.decode("utf-8")), numbers)
+    except RecursionError:
+        raise ValueError(f"{path}: its tables or lists are nested too deeply") from None
+    except (ValueError, TypeError, AttributeError) as error:
+        raise ValueError(f"{path}: {error}") from error
+
+
+def parse_manual(table: Mapping[str, Any], numbers: Mapping[str, Collection[int]]) -> Manual:
+    """A `Manual` from the parsed content of a file; `numbers` and the errors are those of `load_manual`."""
+    check_numbers(table, "")
+    check_keys(table, "the file", ("title", "description", "sources"), _FACTS)
+    for key in _TEXTS:
+        if key in table:
+            check_value(key, table[key], str)
+            if not table[key].strip():
+                raise ValueError(f"{key} is empty; leave it out")
+    if "year" in table:
+        check_value("year", table["year"], int)
+    check_value("notes", table.get("notes", []), tuple[str, ...])
+    texts = {key: " ".join(table[key].split()) for key in _TEXTS if key in table}
+    meanings = {key: _meanings(f"[{key}]", table.get(key, {}), numbers[key]) for key in _NUMBERED}
+    return Manual(
+        title=texts["title"],
+        year=table.get("year"),
+        maker=texts.get("maker"),
+        description=texts["description"],
+        modes=meanings["modes"],
+        difficulties=meanings["difficulties"],
+        multiplayer_modes=meanings["multiplayer_modes"],
+        reward=texts.get("reward"),
+        lives=texts.get("lives"),
+        end=texts.get("end"),
+        sources=_sources(table),
+        notes=tuple(table.get("notes", [])),
+    )
+
+
+def _meanings(where: str, table: Any, allowed: Collection[int]) -> FrozenDict[int, str]:
+    """Meanings by number; a number of the game in decimal, without signs or leading zeros."""
+    if not isinstance(table, Mapping):
+        raise ValueError(f"{where} must be a table, got {table!r}")
+    for key, text in table.items():
+        if not re.fullmatch("0|[1-9][0-9]{0,8}", key) or int(key) not in allowed:
+            listed = ", ".join(map(str, allowed)) or "none"
+            raise ValueError(f"{where} {key} is not a number that the game has ({listed})")
+        check_value(f"{where} {key}", text, str)
+        if not text.strip():
+            raise ValueError(f"{where} {key} is empty; leave it out")
+    return FrozenDict(sorted((int(key), text) for key, text in table.items()))
+
+
+def _sources(table: Mapping[str, Any]) -> FrozenDict[str, tuple[str, ...]]:
+    """The sources by fact, of facts that the file has; texts, modes and difficulties need one."""
+    sources = table["sources"]
+    present = [key for key in _FACTS if key in table]
+    check_keys(sources, "[sources]", [key for key in present if key != "notes"], present)
+    for key, names in sources.items():
+        check_value(f"[sources] {key}", names, tuple[str, ...])
+        for name in names:
+            if name not in SOURCES:
+                raise ValueError(f"[sources] {key}: {name!r} is not one of {', '.join(map(repr, SOURCES))}")
+        if not names:
+            raise ValueError(f"[sources] {key} is empty")
+    return FrozenDict((key, tuple(names)) for key, names in sources.items())
