@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from atari import roms, wrappers
     from atari.games.catalog import games  # the type of the package `atari.games`, which is a mapping
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 __all__ = [
     "Action",
     "AtariEnv",

@@ -84,6 +84,16 @@ class AtariEnv(gymnasium.Env[Any, Any]):
     `reset` and `step` return, with `info`: `lives`, `episode_frame_number` and `frame_number` (emulated frames since
     the last seeded reset); after a seeded `reset` also `seeds`, the two words drawn from the seed.
     Rewards are floats, the sum over the step's frames, not clipped.
+
+    Example:
+        >>> import atari
+        >>> env = atari.AtariEnv("breakout", obs_type="ram", frameskip=1)
+        >>> observation, info = env.reset(seed=0)
+        >>> observation.shape, info["lives"], env.get_action_meanings()
+        ((128,), 5, ['NOOP', 'FIRE', 'RIGHT', 'LEFT'])
+        >>> observation, reward, terminated, truncated, info = env.step(1)
+        >>> info["episode_frame_number"]
+        1
     """
 
     metadata: dict[str, Any] = {"render_modes": list(get_args(RenderMode)), "render_fps": 15}  # noqa: RUF012

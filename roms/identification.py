@@ -31,6 +31,12 @@ class Identification:
 
     `size`, `md5` and `sha256` are those of the image, after unpacking. `game` is the game whose ROM it is, else None;
     then `nearest` is the most similar game, if any. `verdict` is the sentence without its subject.
+
+    Example:
+        >>> import atari
+        >>> found = atari.roms.identify(atari.roms.find("pong"))
+        >>> found.game.id, found.size
+        ('pong', 2048)
     """
 
     name: str

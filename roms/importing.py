@@ -37,6 +37,12 @@ class ImportReport:
 
     `imported` are the files written, `present` those that existed before, by game id. `rejected` has a sentence for
     each file that is not the ROM of a known game.
+
+    Example:
+        >>> import atari
+        >>> report = atari.roms.import_from(atari.roms.find("pong").parent)
+        >>> "pong" in {**report.imported, **report.present}
+        True
     """
 
     imported: dict[str, Path]

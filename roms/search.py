@@ -22,7 +22,8 @@ def find(game: str | Game, path: str | os.PathLike[str] | None = None) -> Path:
 
     Args:
         game: id of a game, for example "breakout", or a `Game`. One of your own without a hash accepts any file.
-        path: the file to use; None searches `folders()`.
+        path: the file to use; None searches `folders()`. The ROM of a game of your own may also lie beside its
+            definition, with the same name and the ending .bin or .a26.
 
     A file of a known game that is named as another game would be played by ale-py under that game's rules. It is copied
     to your own folder under its right name, and the copy is returned. No file there is replaced.
@@ -35,9 +36,13 @@ def find(game: str | Game, path: str | os.PathLike[str] | None = None) -> Path:
     """
     known = game if isinstance(game, Game) else _game(game)
     if path is None:
+        beside = _beside(known)
+        if beside is not None:
+            return beside
         if not known.rom.md5:
             raise FileNotFoundError(
-                f"the game {known.id!r} names no hash to search for; say where its file is with rom="
+                f"the game {known.id!r} names no hash to search for; say where its file is with rom=, or put it beside "
+                f"the definition, as {known.id}.bin"
             )
         file = lookup(known)
         if file is None:
@@ -66,6 +71,12 @@ class Check:
     one; "wrong" if there is only a file of the game's name with another content. `md5` and `sha256` are those of the
     unpacked `file`. `note` describes a file of the game's name that is not used because it is not this game, also with
     status "ok"; else it is empty.
+
+    Example:
+        >>> import atari
+        >>> check = atari.roms.verify("pong")["pong"]
+        >>> check.status, check.file.name
+        ('ok', 'pong.bin')
     """
 
     game: str
@@ -76,23 +87,25 @@ class Check:
     note: str
 
 
-def verify(game: str | None = None) -> dict[str, Check]:
+def verify(game: str | Game | None = None) -> dict[str, Check]:
     """Check the files that would be used, of one game or of all, by game id.
 
     Raises:
-        TypeError, ValueError: `game` is not the id of a game.
+        TypeError, ValueError: `game` is neither the id of a game nor a `Game`.
     """
+    if isinstance(game, Game):
+        return {game.id: _verify(game)}
     return {known.id: _verify(known) for known in (games.values() if game is None else [_game(game)])}
 
 
 def _verify(game: Game) -> Check:
-    file = lookup(game)
+    file = _beside(game) or (lookup(game) if game.rom.md5 else None)
     note = _passed_over(game, file)
     if file is None:
         return Check(game.id, "wrong" if note else "missing", None, None, None, note)
     image = read_image(file)
     sha256 = hashlib.sha256(image).hexdigest()
-    if sha256 == game.rom.sha256:
+    if game.rom.sha256 in (sha256, *([""] if game.file else [])):  # a game of one's own may name no hash
         return Check(game.id, "ok", file, md5(image), sha256, note)
     note = f"{file} has the MD5 of {game.title} but another SHA-256, so it was forged; remove it"
     return Check(game.id, "wrong", file, md5(image), sha256, note)
@@ -127,6 +140,16 @@ def _check(game: Game, file: Path) -> None:
     if game.rom.md5 and md5(image) != game.rom.md5:
         fault = recognise(str(file), image, known_images())
         raise ValueError(f"the ROM of {game.title} is needed, but {fault}; without a path, the file is searched for")
+
+
+def _beside(game: Game) -> Path | None:
+    """The ROM beside the definition of a game of one's own, or None."""
+    if game.file is None:
+        return None
+    for file in (game.file.with_suffix(ending) for ending in (".bin", ".a26")):
+        if file.is_file() and (holds(file, game) or not game.rom.md5):
+            return file
+    return None
 
 
 def _is_ours(game: Game) -> bool:

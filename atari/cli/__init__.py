@@ -15,9 +15,12 @@ from importlib import import_module
 import gymnasium
 
 import atari
+from atari.cli.arguments import Parser
 from atari.cli.output import print_error
 
-_COMMANDS = tuple("list info explain roms verify demo record replay play train watch evaluate lab".split())
+_COMMANDS = tuple(
+    "list info explain roms verify demo record replay play train watch evaluate collect lab completion".split()
+)
 _SUBCOMMANDS = ("lab map", "lab collect")
 """Commands of two words whose first word is a command, too. The file of `lab map` is lab_map.py."""
 
@@ -35,6 +38,8 @@ examples:
   atari list --ids | grep Pong             every environment ID
   atari roms verify                        check the ROM files
   atari verify pong --frames 10000         compare the native core with ale-py
+  atari completion bash >~/.local/share/bash-completion/completions/atari
+                                           complete commands, options, games and IDs with Tab
   atari lab breakout                       see, search and change the game's RAM, on a local page
 """
 
@@ -74,7 +79,7 @@ def _run(argv: Sequence[str] | None) -> int:
 
 def _parser(words: Sequence[str]) -> argparse.ArgumentParser:
     """Return a parser with the command named in `words`, or with all commands if none is named."""
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="atari",
         description="Atari 2600 games as Gymnasium environments.",
         epilog=_EXAMPLES,

@@ -1,12 +1,14 @@
 """The arguments of commands: how a command is declared, and types of arguments."""
 
 import argparse
+import difflib
 import math
+import re
 import sys
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from atari.games.catalog import games
 from atari.games.game import Game
@@ -14,6 +16,24 @@ from atari.registration import resolve
 
 if TYPE_CHECKING:
     Commands = argparse._SubParsersAction[argparse.ArgumentParser]
+
+
+class Parser(argparse.ArgumentParser):
+    """An argument parser whose errors suggest the nearest choice or option, with the usage of its own command."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print the usage and the error, with a suggestion, and exit with code 2."""
+        chosen = re.search(r"invalid choice: '([^']*)' \(choose from (.*)\)", message)
+        unknown = re.match(r"unrecognized arguments: (--[\w-]+)", message)
+        near: list[str] = []
+        if chosen:
+            near = difflib.get_close_matches(chosen[1], re.findall(r"[\w.-]+", chosen[2]), n=1)
+        elif unknown:
+            near = difflib.get_close_matches(unknown[1], self._option_string_actions, n=1)
+        super().error(f"{message}; did you mean {near[0]!r}?" if near else message)
+
+
+GAME_HELP = "a game, such as breakout, an ID, such as PongNoFrameskip-v4, or a game definition, such as own.toml"
 
 
 def add_command(
@@ -47,14 +67,6 @@ def find_game(name: str, playable: bool = True) -> Game:
     if not name.endswith(".toml") and ("-v" in name or "/" in name):
         name = resolve(name)[1]
     return games.find(name) if playable else games.resolve(name)
-
-
-def find_rom(name: str, rom: Path | None) -> Path | None:
-    """The ROM file of an argument that `find_game` takes: `rom`, or the one beside a game definition, or None."""
-    if rom is not None or not name.endswith(".toml"):
-        return rom
-    beside = (Path(name).with_suffix(ending) for ending in (".bin", ".a26"))
-    return next((file for file in beside if file.is_file()), None)
 
 
 def find_function(option: str, name: str) -> Callable[..., Any]:

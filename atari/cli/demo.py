@@ -19,7 +19,7 @@ from tqdm import tqdm
 
 import atari
 from atari._interrupt import ctrl_c_as_event
-from atari.cli.arguments import add_command, find_game, number
+from atari.cli.arguments import GAME_HELP, add_command, find_game, number
 from atari.cli.observers import ScoreCounter, VideoObserver
 from atari.cli.output import print_json
 from atari.games.game import Game
@@ -35,7 +35,7 @@ _FRAMES_PER_STEP = 4  # of this preset
 def register(commands: "Commands") -> None:
     """Add `atari demo`."""
     parser = add_command(commands, "demo", _demo, "let a random agent play a game, and write a video of it")
-    parser.add_argument("game", metavar="GAME", nargs="?", default="breakout", help="default: breakout")
+    parser.add_argument("game", metavar="GAME", nargs="?", default="breakout", help=f"{GAME_HELP} (default: breakout)")
     length = parser.add_mutually_exclusive_group()
     length.add_argument(
         "--steps", type=number(int, 1), default=1000, metavar="N", help="steps of the agent (default: 1000)"
@@ -63,7 +63,7 @@ def _demo(args: argparse.Namespace) -> int:
     if args.seconds is not None:
         steps = math.ceil(args.seconds * frame_rate(game) / _FRAMES_PER_STEP)
     output = None if args.no_video else args.output or Path("videos", f"{game.id}-{args.seed}.mp4")
-    env: Any = atari.make(game.id, preset=_PRESET)
+    env: Any = atari.wrappers.preset(atari.AtariEnv(game, **atari.wrappers.preset_options(_PRESET)), _PRESET)
     with closing(env), ctrl_c_as_event() as interrupted, _open_video(output, game) as video:
         score_counter = ScoreCounter()
         env.unwrapped.observers.append(score_counter)

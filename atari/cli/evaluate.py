@@ -9,6 +9,7 @@ from tqdm import tqdm
 
 from atari.cli.arguments import add_command, find_game, number
 from atari.cli.output import print_json, print_table
+from atari.games.game import Game
 from atari.learning import (
     GAME_SETS,
     PROTOCOLS,
@@ -73,8 +74,8 @@ def _evaluate(args: argparse.Namespace) -> int:
             args.parser.error("the following arguments are required: SOURCE (or --list)")
         return 2
     _check_before_playing(args)
-    policies = _policies(args)
-    result = _play(args, policies)
+    games = _games(args)
+    result = _play(args, games, _policies(args, games))
     comparison = None
     if args.output:
         result.save(args.output)
@@ -103,17 +104,19 @@ def _check_before_playing(args: argparse.Namespace) -> None:
             raise FileNotFoundError(f"there is no folder {file.absolute().parent} for {file.name}")
 
 
-def _policies(args: argparse.Namespace) -> dict[str, Policy]:
+def _games(args: argparse.Namespace) -> tuple[Game, ...]:
+    """The games that are named, or that of the policy."""
+    names = args.games or [getattr(load_policy(args.source), "game", None)]
+    if names == [None]:
+        raise ValueError(f"{args.source} does not say which game it plays; name games or a set, such as atari26")
+    return find_games([name if name in GAME_SETS else find_game(name) for name in names])
+
+
+def _policies(args: argparse.Namespace, games: tuple[Game, ...]) -> dict[str, Policy]:
     """The policy of each game."""
-    if args.games:
-        names = [name if name in GAME_SETS else find_game(name).id for name in args.games]
-    else:
-        names = [getattr(load_policy(args.source), "game", None)]
-        if names == [None]:
-            raise ValueError(f"{args.source} does not say which game it plays; name games or a set, such as atari26")
     policies: dict[str, Policy] = {}
     loaded: dict[str, Policy] = {}
-    for game in find_games(names):
+    for game in games:
         source = args.source.replace("{game}", game.id)
         if source not in loaded:
             loaded[source] = load_policy(source, sample=args.sample)
@@ -121,7 +124,7 @@ def _policies(args: argparse.Namespace) -> dict[str, Policy]:
     return policies
 
 
-def _play(args: argparse.Namespace, policies: dict[str, Policy]) -> Result:
+def _play(args: argparse.Namespace, games: tuple[Game, ...], policies: dict[str, Policy]) -> Result:
     with tqdm(unit=" games", disable=None) as bar:
 
         def progress(done: int, total: int) -> None:
@@ -131,7 +134,7 @@ def _play(args: argparse.Namespace, policies: dict[str, Policy]) -> Result:
         try:
             return evaluate(
                 policies,
-                list(policies),
+                games,
                 args.protocol,
                 episodes=args.episodes,
                 seed=args.seed,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import gymnasium
 
-from atari.cli.arguments import add_command, add_rom, find_game, find_rom, number
+from atari.cli.arguments import add_command, add_rom, find_game, number
 
 if TYPE_CHECKING:
     from atari.cli.arguments import Commands
@@ -92,7 +92,7 @@ def _session(source: str, rom: Path | None, agent: str | None, seed: int) -> "Se
             raise ValueError(f"{source} does not say which game it plays")
         return Session(AtariEnv(find_game(game), **_OPTIONS), agent=player, seed=seed)
     player = _agent(agent)
-    env = AtariEnv(find_game(source), rom=find_rom(source, rom), **_OPTIONS)
+    env = AtariEnv(find_game(source), rom=rom, **_OPTIONS)
     return Session(env, agent=player, seed=seed)
 
 

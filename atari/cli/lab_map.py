@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
-from atari.cli.arguments import add_command, add_rom, find_game, find_rom, number
+from atari.cli.arguments import GAME_HELP, add_command, add_rom, find_game, number
 from atari.cli.output import print_json
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ def register(commands: "Commands") -> None:
     parser = add_command(
         commands, "lab map", _map, "find what each byte of a game's RAM causes, and write it as data and as a picture"
     )
-    parser.add_argument("game", metavar="GAME", help="a game, an environment ID, or a game definition (.toml)")
+    parser.add_argument("game", metavar="GAME", help=GAME_HELP)
     add_rom(parser)
     count = number(int, 1)
     parser.add_argument("--states", type=count, default=200, metavar="N", help="states of the game (default: 200)")
@@ -54,7 +54,7 @@ def _map(args: argparse.Namespace) -> int:
             args.seed,
             threads=args.threads,
             progress=bar.update,
-            rom=find_rom(args.game, args.rom),
+            rom=args.rom,
         )
     seconds = time.perf_counter() - start
     data, picture = args.output / f"{game.id}.npz", args.output / f"{game.id}.png"

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from atari.cli.arguments import find_function, find_game, find_rom, number
+from atari.cli.arguments import find_function, find_game, number
 from atari.multiplayer.core import rules_of
 from atari.multiplayer.environments import find_environment
 from atari.play.multiplayer_session import OBSERVATIONS, MultiplayerSession, Policy, no_op_policy, random_policy
@@ -29,9 +29,11 @@ def multiplayer(parser: argparse.ArgumentParser) -> None:
 
 
 def make_match(
-    args: argparse.Namespace, option: str, names: list[str], state: Path | None = None
+    args: argparse.Namespace, option: str, names: list[str], state: Path | None = None, replay: Path | None = None
 ) -> MultiplayerSession:
     """The game of the arguments; its policies are `names`, from player 1 on with --policy, else from player 2 on.
+
+    It is recorded in `replay`.
 
     Raises:
         ValueError: there is no such game, mode or policy, or the number of players is wrong.
@@ -52,7 +54,7 @@ def make_match(
     policies = {first + index: _policy(option, name, rules, seed + index) for index, name in enumerate(names)}
     return MultiplayerSession(
         game,
-        rom=find_rom(args.game, args.rom),
+        rom=args.rom,
         players=players,
         mode=mode,
         difficulty=args.difficulty,
@@ -60,6 +62,7 @@ def make_match(
         policies=policies,
         obs_type=args.obs,
         state=state or Path("states", f"{game.id}-{count}-players.state"),
+        replay=replay,
     )
 
 

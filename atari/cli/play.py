@@ -6,7 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from atari.cli.arguments import add_command, add_rom, find_game, find_rom, number
+from atari.cli.arguments import GAME_HELP, add_command, add_rom, find_game, number
 from atari.cli.multiplayer import make_match, multiplayer
 from atari.cli.output import print_json
 from atari.play import Session, play
@@ -22,7 +22,7 @@ def register(commands: "Commands") -> None:
     parser = add_command(commands, "play", _play, "play a game in a window, and write a replay of it")
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.epilog = f"keys:\n{HELP}\n\nkeys of several players:\n{HELP_SEVERAL}"
-    parser.add_argument("game", metavar="GAME", help="a game, such as breakout, or a game definition, such as own.toml")
+    parser.add_argument("game", metavar="GAME", help=GAME_HELP)
     add_rom(parser)
     multiplayer(parser)
     parser.add_argument(
@@ -64,7 +64,7 @@ def _play(args: argparse.Namespace) -> int:
         new_folders = [folder for folder in replay.parents if not folder.exists()]
     session = Session(
         game,
-        rom=find_rom(args.game, args.rom),
+        rom=args.rom,
         replay=replay,
         state=args.state or Path("states", f"{game.id}.state"),
         mode=args.mode,
@@ -92,26 +92,24 @@ def _play(args: argparse.Namespace) -> int:
 
 def _play_together(args: argparse.Namespace) -> int:
     """Play a game of several players."""
-    if args.replay is not None:
-        raise ValueError("replays are of one player; leave --replay out (F10 records a video)")
     start_pygame()
-    session = make_match(args, "--opponent", args.opponent, args.state)
+    session = make_match(args, "--opponent", args.opponent, args.state, args.replay)
     try:
         play(session, scale=args.scale, sound=not args.no_sound, full_screen=args.full_screen)
     finally:
         session.close()
-    videos = [path.resolve() for path in session.video_files if path.exists()]
+    files = [path.resolve() for path in (args.replay, *session.video_files) if path is not None and path.exists()]
     result = {
         "game": session.game.id,
         "players": session.core.players,
         "mode": session.core.mode,
         "frames": session.frames,
         "scores": session.scores,
-        "files": videos,
+        "files": files,
     }
     if args.json:
         print_json(result)
     else:
         print(f"{session.title}   ({session.frames:,} frames)")
-        print("".join(f"  {path}\n" for path in videos), end="")
+        print("".join(f"  {path}\n" for path in files), end="")
     return 0

@@ -15,13 +15,14 @@ from tqdm import tqdm
 
 import atari
 from atari._interrupt import ctrl_c_as_event
-from atari.cli.arguments import add_command, add_rom, find_function, find_game, find_rom, number
+from atari.cli.arguments import GAME_HELP, add_command, add_rom, find_function, find_game, number
 from atari.cli.multiplayer import make_match, multiplayer
 from atari.cli.observers import ScoreCounter, VideoObserver
 from atari.cli.output import print_json
 from atari.env import AtariEnv
 from atari.games.game import Game
 from atari.recording import FORMATS, RecordReplay, Replay, VideoWriter, frame_rate
+from atari.recording.replay.file_format import SUFFIX
 from atari.recording.video.formats import has_sound
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ def register(commands: "Commands") -> None:
     parser.add_argument(
         "game",
         metavar="GAME",
-        help="a game, such as breakout, an ID, such as PongNoFrameskip-v4, or a game definition, such as own.toml",
+        help=GAME_HELP,
     )
     add_rom(parser)
     parser.add_argument(
@@ -144,15 +145,17 @@ def _record_match(args: argparse.Namespace) -> int:
     """Record a game of several players, each of which is a policy."""
     if args.preset is not None:
         raise ValueError("--preset is for one player; the policies of several players see what --obs says")
-    session = make_match(args, "--policy", args.policy or ["random"])
+    replays = [path for path in args.output or () if path.suffix.lower() == SUFFIX]
+    if len(replays) > 1:
+        raise ValueError(f"one replay of several players is written at a time, got {_listed(replays)}")
+    _check_endings(args.output or [])
+    session = make_match(args, "--policy", args.policy or ["random"], replay=replays[0] if replays else None)
     outputs = args.output or [Path("videos", f"{session.game.id}-{args.seed}.mp4")]
-    if any(path.suffix.lower() == ".a26" for path in outputs):
-        raise ValueError("replays (.a26) are of one player; name a video with -o")
-    _check_endings(outputs)
     frames = math.inf if args.seconds is None else math.ceil(args.seconds * frame_rate(session.game))
     scores, start = [], time.perf_counter()
     with ExitStack() as stack:
-        videos = [stack.enter_context(_open_video(path, session.game, args)) for path in outputs]
+        stack.callback(session.close)
+        videos = [stack.enter_context(_open_video(path, session.game, args)) for path in outputs if path not in replays]
         interrupted = stack.enter_context(ctrl_c_as_event())
         bar = stack.enter_context(tqdm(unit=" frames", total=None if args.seconds is None else frames, disable=None))
         while session.frames < frames and not interrupted.is_set():
@@ -240,7 +243,7 @@ def _make(args: argparse.Namespace) -> Any:
         return atari.make(args.game, **options)
     preset = options.pop("preset")
     options |= atari.wrappers.preset_options(preset) if preset else {}
-    env = AtariEnv(args.game, rom=find_rom(args.game, args.rom), **options)
+    env = AtariEnv(args.game, rom=args.rom, **options)
     return atari.wrappers.preset(env, preset) if preset else env
 
 

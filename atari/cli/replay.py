@@ -84,7 +84,8 @@ def _show(args: argparse.Namespace) -> int:
         print(f"  {name:8}  {fact}")
     rows: list[tuple[object, ...]] = [("  episode", "frames", "time", "score", "end")]
     for index, episode in enumerate(episodes):
-        rows.append((f"  {index}", episode.frames, _time(episode.frames / rate), episode.score, episode.end))
+        score = episode.score if episode.scores is None else ", ".join(map(str, episode.scores))
+        rows.append((f"  {index}", episode.frames, _time(episode.frames / rate), score, episode.end))
     print_table(rows)
     return 0
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from atari import roms
-from atari.cli.arguments import add_command
+from atari.cli.arguments import GAME_HELP, add_command, find_game
 from atari.cli.output import print_error, print_json, print_table
 from atari.games.catalog import games
 
@@ -29,7 +29,7 @@ def register(commands: "Commands") -> None:
     subcommands = group.add_subparsers(metavar="COMMAND", required=True)
     add_command(subcommands, "list", _list, "show the file that is used for each game")
     parser = add_command(subcommands, "verify", _verify, "check the files that are used, by size and hashes")
-    parser.add_argument("games", nargs="*", metavar="GAME", help="default: all games")
+    parser.add_argument("games", nargs="*", metavar="GAME", help=f"{GAME_HELP} (default: all games)")
     parser = add_command(subcommands, "identify", _identify, "say which game a file is, by its content")
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE")
     parser = add_command(subcommands, "import", _import, "copy the ROM files of known games to your own folder")
@@ -47,8 +47,10 @@ def _list(args: argparse.Namespace) -> int:
 
 def _verify(args: argparse.Namespace) -> int:
     checks: dict[str, roms.Check] = {}
-    for game in args.games or [None]:
-        checks.update(roms.verify(game))
+    for name in args.games:
+        checks.update(roms.verify(find_game(name, playable=False)))
+    if not args.games:
+        checks = roms.verify()
     right = sum(check.status == "ok" for check in checks.values())
     if args.json:
         print_json(checks)

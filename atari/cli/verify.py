@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
-from atari.cli.arguments import add_command
+from atari.cli.arguments import GAME_HELP, add_command, find_game
 from atari.cli.output import print_json
 from atari.cores import CORES
 from atari.cores.verify import Difference, Run, read, verify
@@ -30,7 +30,7 @@ def register(commands: "Commands") -> None:
         _verify,
         "play the native core and another side by side and compare them at every frame (exit code 1: they differ)",
     )
-    parser.add_argument("games", nargs="*", metavar="GAME", help="default: all games")
+    parser.add_argument("games", nargs="*", metavar="GAME", help=f"{GAME_HELP} (default: all games)")
     parser.add_argument("--frames", type=int, default=600, help="frames of a run (default 600)")
     parser.add_argument(
         "--seeds", type=int, nargs="+", default=[0], metavar="SEED", help="one run for each (default 0)"
@@ -75,12 +75,12 @@ def _verify(args: argparse.Namespace) -> int:
 
 
 def _runs(args: argparse.Namespace) -> Iterator[Run]:
-    chosen = [games.find(game) for game in args.games] or list(games.playable())
+    chosen = [find_game(game) for game in args.games] or list(games.playable())
     for game, seed in itertools.product(chosen, args.seeds):
         settings: Any = itertools.product(game.modes, game.difficulties) if args.modes else [(None, None)]
         for mode, difficulty in settings:
             yield Run(
-                game.id,
+                game.id if game.file is None else str(game.file),
                 frames=args.frames,
                 seed=seed,
                 repeat_action_probability=args.sticky,

@@ -5,7 +5,7 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from atari.cli.arguments import add_command, find_game, number
+from atari.cli.arguments import GAME_HELP, add_command, find_game, number
 from atari.learning import load_policy, record_games
 from atari.learning.evaluation.protocols import PROTOCOLS
 from atari.play.viewer import show_replay
@@ -24,7 +24,7 @@ def register(commands: "Commands") -> None:
         metavar="SOURCE",
         help="a run folder, an SB3 zip, a TorchScript or ONNX file, MODULE:NAME, random, noop, or a replay (.a26)",
     )
-    parser.add_argument("game", nargs="?", metavar="GAME", help="a game (default: that of the run folder)")
+    parser.add_argument("game", nargs="?", metavar="GAME", help=f"{GAME_HELP} (default: that of the run folder)")
     parser.add_argument(
         "--protocol",
         metavar="NAME",

@@ -14,7 +14,7 @@ from atari.cli import demo, main
 COMMANDS = [
     ["list"], ["info"], ["explain"], ["demo"], ["record"], ["play"], ["roms"], ["replay"],
     ["replay", "show"], ["replay", "verify"], ["replay", "render"],
-    ["lab"], ["lab", "map"], ["lab", "collect"],
+    ["completion"], ["lab"], ["lab", "map"], ["lab", "collect"],
     ["roms", "list"], ["roms", "verify"], ["roms", "identify"], ["roms", "import"], ["roms", "install"],
 ]  # fmt: skip
 
@@ -50,7 +50,13 @@ def test_each_command_has_help(command: list[str], capsys: pytest.CaptureFixture
         ([], "arguments are required: COMMAND"),
         (["roms"], "arguments are required: COMMAND"),
         (["paly"], "there is no command 'paly'; did you mean 'play'?"),
+        (["recrod"], "there is no command 'recrod'; did you mean 'record'?"),
         (["xyz"], "invalid choice: 'xyz'"),
+        (["replay", "verfy"], "did you mean 'verify'?"),
+        (["replay", "verfy"], "usage: atari replay [-h]"),
+        (["replay", "verify", "a.a26", "--core", "plian"], "did you mean 'plain'?"),
+        (["record", "pong", "--secnds", "2"], "did you mean '--seconds'?"),
+        (["completion", "bsh"], "did you mean 'bash'?"),
         (["play"], "arguments are required: GAME"),
         (["record"], "arguments are required: GAME"),
         (["replay"], "arguments are required: COMMAND"),

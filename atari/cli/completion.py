@@ -1,0 +1,146 @@
+"""`atari completion`: a script for the shell, with which Tab completes commands, options, games, IDs and presets."""
+
+import argparse
+from collections.abc import Iterator
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+import gymnasium
+
+from atari import registration
+from atari.cli.arguments import Parser, add_command
+from atari.cli.output import print_json
+from atari.games.catalog import games
+
+if TYPE_CHECKING:
+    from atari.cli.arguments import Commands
+
+_BASH = """\
+_atari_words() {{ compgen -W "$1" -- "$2"; }}
+_atari_games() {{
+  case "$1" in
+    [A-Z]*) compgen -W "$_atari_ids" -- "$1" ;;
+    *) compgen -W "$_atari_game_ids" -- "$1"; compgen -f -X '!*.toml' -- "$1" ;;
+  esac
+}}
+_atari_sources() {{ _atari_games "$1"; compgen -f -- "$1"; }}
+_atari_policies() {{ compgen -W "random noop" -- "$1"; compgen -f -- "$1"; }}
+_atari_agents() {{ compgen -W "{agents}" -- "$1"; _atari_games "$1"; }}
+_atari_presets() {{ compgen -W "{presets}" -- "$1"; }}
+_atari_protocols() {{ compgen -W "{protocols}" -- "$1"; }}
+_atari_game_ids="{games}"
+_atari_ids="{ids}"
+_shtab_atari_lab_pos_0_choices=(map collect)
+"""
+
+_ZSH = """\
+_atari_game_ids=({games})
+_atari_ids=({ids})
+_atari_games() {{ compadd -a _atari_game_ids; compadd -a _atari_ids; _files -g '*.toml' }}
+_atari_sources() {{ compadd map collect; _atari_games; _files }}
+_atari_policies() {{ compadd random noop; _files }}
+_atari_agents() {{ compadd {agents}; _atari_games }}
+_atari_presets() {{ compadd {presets} }}
+_atari_protocols() {{ compadd {protocols} }}
+"""
+
+_COMPLETED = {
+    "game": "games",
+    "games": "games",
+    "id": "games",
+    "words": "agents",
+    "source": "policies",
+    "policy": "policies",
+    "opponent": "policies",
+    "preset": "presets",
+    "protocol": "protocols",
+}
+"""By the destination of an argument, the kind of words that complete it; arguments of paths are completed by files."""
+
+
+def register(commands: "Commands") -> None:
+    """Add `atari completion`."""
+    parser = add_command(commands, "completion", _completion, "print a script that completes commands with Tab")
+    parser.epilog = (
+        "bash: atari completion bash >~/.local/share/bash-completion/completions/atari; "
+        "zsh: atari completion zsh >FOLDER/_atari, with a FOLDER that $fpath has. It needs shtab (extra 'completion')."
+    )
+    parser.add_argument("shell", metavar="SHELL", choices=("bash", "zsh"), help="bash or zsh")
+
+
+def _completion(args: argparse.Namespace) -> int:
+    try:
+        import shtab
+    except ImportError:
+        raise gymnasium.error.DependencyNotInstalled(
+            "atari completion needs shtab: pip install 'atari-envs[completion]'"
+        ) from None
+    parser = _whole_parser(two_words=args.shell == "bash")  # zsh's scripts have no argument that may be a command
+    _attach(parser, shtab.FILE)
+    from atari.learning.agents import AGENTS
+    from atari.learning.evaluation.protocols import PROTOCOLS
+    from atari.wrappers import PRESETS
+
+    words = {
+        "agents": AGENTS,
+        "presets": PRESETS,
+        "protocols": PROTOCOLS,
+        "games": games,
+        "ids": registration.ids(),
+    }
+    preamble = {"bash": _BASH, "zsh": _ZSH}[args.shell].format(**{name: " ".join(each) for name, each in words.items()})
+    script = shtab.complete(parser, shell=args.shell, preamble=preamble)
+    print_json({"shell": args.shell, "script": script}) if args.json else print(script)
+    return 0
+
+
+class _Below:
+    """Adds the commands `lab map` and `lab collect` to the parser of `lab`, as the shell sees them."""
+
+    def __init__(self, commands: Any) -> None:
+        self._commands = commands
+
+    def add_parser(self, name: str, **options: Any) -> argparse.ArgumentParser:
+        parser: argparse.ArgumentParser = self._commands.add_parser(name.split()[-1], **options)
+        return parser
+
+
+def _whole_parser(two_words: bool) -> argparse.ArgumentParser:
+    """The parser of all commands; if chosen, those of `two_words` are in it, below the first one's."""
+    from atari.cli import _COMMANDS, _SUBCOMMANDS
+
+    parser = Parser(prog="atari", description="Atari 2600 games as Gymnasium environments.")
+    parser.add_argument("--version", action="version", version="")
+    commands = parser.add_subparsers(metavar="COMMAND")
+    for name in _COMMANDS:
+        import_module(f"atari.cli.{name}").register(commands)
+    lab = commands.choices["lab"]
+    for action in lab._actions:
+        if action.dest == "source":
+            vars(action)["complete"] = {"bash": "_atari_sources", "zsh": "_atari_sources"}
+    if not two_words:
+        return parser
+    below: Any = _Below(lab.add_subparsers(metavar="COMMAND"))
+    for name in _SUBCOMMANDS:
+        import_module(f"atari.cli.{name.replace(' ', '_')}").register(below)
+    return parser
+
+
+def _attach(parser: argparse.ArgumentParser, files: Any) -> None:
+    """Give each argument of games, policies, presets, protocols or paths the attribute that shtab reads."""
+    for action in _actions(parser):
+        kind = _COMPLETED.get(action.dest)
+        if action.choices is not None or hasattr(action, "complete"):
+            continue
+        if kind:
+            vars(action)["complete"] = {"bash": f"_atari_{kind}", "zsh": f"_atari_{kind}"}
+        elif action.metavar in ("FILE", "PATH", "RUN", "FOLDER"):
+            vars(action)["complete"] = files
+
+
+def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
+    for action in parser._actions:
+        yield action
+        if isinstance(action, argparse._SubParsersAction):
+            for below in action.choices.values():
+                yield from _actions(below)
