@@ -12,6 +12,13 @@ class Action(IntEnum):
     """An ALE action: what the stick and the fire button do during one frame.
 
     `RESET` is the console's switch. It appears in the starting sequences of some games; an agent cannot press it.
+
+    Example:
+        >>> import atari
+        >>> atari.Action.UPRIGHTFIRE.horizontal, atari.Action.UPRIGHTFIRE.vertical, atari.Action.UPRIGHTFIRE.fire
+        (1, 1, True)
+        >>> [action.name for action in atari.games["breakout"].minimal_actions]
+        ['NOOP', 'FIRE', 'RIGHT', 'LEFT']
     """
 
     NOOP = 0

@@ -35,6 +35,16 @@ class Protocol:
         padding: what fills the stack at the start of an episode: "zero", or "reset", the first frame.
         max_pool: whether the last two frames of a skip are pooled.
         pool_rgb: whether colours are pooled, and then made gray.
+
+    Example:
+        >>> from dataclasses import replace
+        >>> import atari
+        >>> from atari.wrappers import PRESETS
+        >>> protocol = replace(PRESETS["dopamine"].protocol, frame_skip=(3, 4))
+        >>> envs = atari.AtariVectorEnv("breakout", 8, preset=protocol)
+        >>> envs.reset(seed=0)[0].shape
+        (8, 4, 84, 84)
+        >>> envs.close()
     """
 
     order: Literal["ale", "frames", "baselines"] = "ale"

@@ -17,6 +17,15 @@ class ClipReward(Restorable, gymnasium.RewardWrapper[Any, Any], RecordConstructo
 
     Raises:
         ValueError: `min_reward` is not less than `max_reward`.
+
+    Example:
+        >>> import atari
+        >>> from atari.wrappers import ClipReward
+        >>> env = ClipReward(atari.make("ms_pacman"))
+        >>> env.reset(seed=0)[0].shape
+        (210, 160, 3)
+        >>> env.reward(50), env.reward(-3), env.reward(0)
+        (1.0, -1.0, 0.0)
     """
 
     def __init__(self, env: Environment, min_reward: float = -1.0, max_reward: float = 1.0) -> None:

@@ -71,6 +71,15 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
     Raises:
         TypeError, ValueError: an argument is of the wrong kind or out of range; the environment is no `AtariEnv`, gives
             RAM, or skips frames already.
+
+    Example:
+        >>> import atari
+        >>> from atari.wrappers import DqnPreprocessing
+        >>> env = DqnPreprocessing(atari.AtariEnv("breakout", frameskip=1))
+        >>> env.reset(seed=0)[0].shape
+        (4, 84, 84)
+        >>> env.step(1)[4]["episode_frame_number"]
+        4
     """
 
     _state = ("_early", "_late", "_stack", "_frames_played", "_frame_number")

@@ -39,6 +39,17 @@ class EpisodicLife(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
 
     Raises:
         ValueError: `on_reset` is not one of these.
+
+    Example:
+        >>> import atari
+        >>> from atari.wrappers import EpisodicLife
+        >>> env = EpisodicLife(atari.make("breakout"))
+        >>> observation, info = env.reset(seed=0)
+        >>> ended = False
+        >>> while not ended:
+        ...     observation, reward, ended, truncated, info = env.step(1)
+        >>> info["lives"]
+        4
     """
 
     def __init__(self, env: Environment, on_reset: OnReset = "noop", *, last_life: bool = False) -> None:

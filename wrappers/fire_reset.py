@@ -26,6 +26,13 @@ class FireReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
 
     Raises:
         ValueError: `then_action_2` with fewer than three actions or a continuous action space.
+
+    Example:
+        >>> import atari
+        >>> from atari.wrappers import FireReset
+        >>> env = FireReset(atari.AtariEnv("breakout", frameskip=1))
+        >>> env.reset(seed=0)[1]["episode_frame_number"]
+        1
     """
 
     def __init__(self, env: Environment, *, then_action_2: bool = False) -> None:

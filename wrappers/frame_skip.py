@@ -29,6 +29,14 @@ class FrameSkip(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
     Raises:
         TypeError, ValueError: `frame_skip` is not an integer, or less than 1; the environment already skips frames; the
             observations are not pixels and `max_pool` is true.
+
+    Example:
+        >>> import atari
+        >>> from atari.wrappers import FrameSkip
+        >>> env = FrameSkip(atari.AtariEnv("pong", frameskip=1), 4)
+        >>> observation, info = env.reset(seed=0)
+        >>> env.step(0)[4]["episode_frame_number"]
+        4
     """
 
     def __init__(self, env: Environment, frame_skip: int = 4, max_pool: bool = True) -> None:

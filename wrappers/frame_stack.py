@@ -38,6 +38,13 @@ class FrameStack(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstr
     Raises:
         TypeError: the observations are not a Box, or `stack_size` is not an integer.
         ValueError: `stack_size` is less than 1, or `padding_type` unknown.
+
+    Example:
+        >>> import atari
+        >>> from atari.wrappers import FrameStack
+        >>> env = FrameStack(atari.make("pong", obs_type="ram"), 4)
+        >>> env.reset(seed=0)[0].shape
+        (4, 128)
     """
 
     def __init__(
@@ -90,6 +97,13 @@ class LazyStack:
 
     `np.asarray(stack)`, `stack[-1]`, `len(stack)` and `==` work as on the array (stack_size, *shape). Stacks share the
     frames they have in common, also when they are pickled together; frames are read-only.
+
+    Example:
+        >>> import atari, numpy
+        >>> from atari.wrappers import FrameStack
+        >>> observation, _ = FrameStack(atari.make("pong", obs_type="ram"), 4, lazy=True).reset(seed=0)
+        >>> type(observation).__name__, numpy.asarray(observation).shape
+        ('LazyStack', (4, 128))
     """
 
     __slots__ = ("frames",)

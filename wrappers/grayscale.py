@@ -27,6 +27,12 @@ class Grayscale(Restorable, gymnasium.ObservationWrapper[Any, Any, Any], RecordC
     Raises:
         TypeError: `keep_dim` is no bool.
         ValueError: the observations are not RGB images.
+
+    Example:
+        >>> import atari
+        >>> from atari.wrappers import Grayscale
+        >>> Grayscale(atari.make("pong")).reset(seed=0)[0].shape
+        (210, 160)
     """
 
     def __init__(self, env: Environment, keep_dim: bool = False) -> None:

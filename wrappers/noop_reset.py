@@ -30,6 +30,13 @@ class NoopReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
 
     Raises:
         TypeError, ValueError: `noop_max` or `noop_min` is not an integer, or out of range.
+
+    Example:
+        >>> import atari
+        >>> from atari.wrappers import NoopReset
+        >>> env = NoopReset(atari.AtariEnv("pong", frameskip=1), noop_max=30)
+        >>> 1 <= env.reset(seed=0)[1]["episode_frame_number"] <= 30
+        True
     """
 
     def __init__(self, env: Environment, noop_max: int = 30, noop_min: int = 1, *, fire_counts: bool = False) -> None:

@@ -33,6 +33,12 @@ class Preset:
 
     `options` are the options of `AtariEnv` that go with it; those in `required` must have these values. `protocol` is
     the rest.
+
+    Example:
+        >>> from atari.wrappers import PRESETS
+        >>> preset = PRESETS["dopamine"]
+        >>> preset.options["repeat_action_probability"], preset.clip_reward, preset.protocol.noops
+        (0.25, True, (0, 0))
     """
 
     source: str

@@ -20,6 +20,13 @@ class RamObservation(Restorable, gymnasium.ObservationWrapper[Any, Any, Any], Re
     Raises:
         TypeError: the environment is not an `AtariEnv`.
         ValueError: the observations are RAM already.
+
+    Example:
+        >>> import atari
+        >>> from atari.wrappers import RamObservation
+        >>> observation, _ = RamObservation(atari.make("pong")).reset(seed=0)
+        >>> {name: array.shape for name, array in observation.items()}
+        {'image': (210, 160, 3), 'ram': (128,)}
     """
 
     def __init__(self, env: Environment) -> None:

@@ -25,6 +25,12 @@ class Resize(Restorable, gymnasium.ObservationWrapper[Any, Any, Any], RecordCons
 
     Raises:
         TypeError, ValueError: the observations are not images, or `shape` is not two integers of 1 or more.
+
+    Example:
+        >>> import atari
+        >>> from atari.wrappers import Resize
+        >>> Resize(atari.make("pong", obs_type="grayscale"), (84, 84)).reset(seed=0)[0].shape
+        (84, 84)
     """
 
     def __init__(self, env: Environment, shape: tuple[int, int] = (84, 84)) -> None:

@@ -31,6 +31,13 @@ class StickyActions(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCon
 
     Raises:
         TypeError, ValueError: not a probability; the environment's actions are already sticky or lack NOOP.
+
+    Example:
+        >>> import atari
+        >>> from atari.wrappers import StickyActions
+        >>> env = StickyActions(atari.AtariEnv("pong", repeat_action_probability=0.0), 0.25)
+        >>> env.reset(seed=0)[0].shape
+        (210, 160, 3)
     """
 
     def __init__(self, env: Environment, repeat_action_probability: float = 0.25) -> None:

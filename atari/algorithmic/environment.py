@@ -49,6 +49,14 @@ class AlgorithmicEnv(gymnasium.Env[Any, Any]):
 
     Raises:
         TypeError, ValueError: an option is not an integer, or out of range.
+
+    Example:
+        >>> import gymnasium
+        >>> import atari
+        >>> env = gymnasium.make("Copy-v0")
+        >>> observation, info = env.reset(seed=0)
+        >>> env.step((1, 1, observation))[1]
+        1.0
     """
 
     metadata: dict[str, Any] = {"render_modes": ["human", "ansi"], "render_fps": 4}  # noqa: RUF012

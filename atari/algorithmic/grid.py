@@ -13,6 +13,11 @@ class GridEnv(AlgorithmicEnv):
 
     Raises:
         TypeError, ValueError: an option is not an integer, or out of range; a grid has 1 to 100 rows.
+
+    Example:
+        >>> from atari.algorithmic import GridEnv, ReversedAdditionEnv
+        >>> issubclass(ReversedAdditionEnv, GridEnv), GridEnv.moves
+        (True, ('left', 'right', 'up', 'down'))
     """
 
     moves = ("left", "right", "up", "down")

@@ -7,7 +7,13 @@ from atari.algorithmic.environment import AlgorithmicEnv, Rows
 
 
 class TapeEnv(AlgorithmicEnv):
-    """A task on a tape; the head starts on its first letter. See `AlgorithmicEnv` for arguments and rules."""
+    """A task on a tape; the head starts on its first letter. See `AlgorithmicEnv` for arguments and rules.
+
+    Example:
+        >>> from atari.algorithmic import CopyEnv, TapeEnv
+        >>> issubclass(CopyEnv, TapeEnv), CopyEnv.moves
+        (True, ('left', 'right'))
+    """
 
     moves = ("left", "right")
     alphabet = string.ascii_uppercase

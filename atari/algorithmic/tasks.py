@@ -11,7 +11,15 @@ RenderMode = Literal["human", "ansi"] | None
 
 
 class CopyEnv(TapeEnv):
-    """Write the letters of the tape."""
+    """Write the letters of the tape.
+
+    Example:
+        >>> from atari.algorithmic import CopyEnv
+        >>> env = CopyEnv()
+        >>> observation, info = env.reset(seed=0)
+        >>> env.step((1, 1, observation))[1]
+        1.0
+    """
 
     def __init__(self, base: int = 5, min_length: int = 2, render_mode: RenderMode = None) -> None:
         super().__init__(base, min_length, render_mode)
@@ -22,7 +30,15 @@ class CopyEnv(TapeEnv):
 
 
 class DuplicatedInputEnv(TapeEnv):
-    """Each letter stands `duplication` times in a row, 1 to 100; write it once."""
+    """Each letter stands `duplication` times in a row, 1 to 100; write it once.
+
+    Example:
+        >>> from atari.algorithmic import DuplicatedInputEnv
+        >>> env = DuplicatedInputEnv(duplication=2)
+        >>> observation, info = env.reset(seed=0)
+        >>> env.step((1, 1, observation))[1]
+        1.0
+    """
 
     def __init__(
         self, duplication: int = 2, base: int = 5, min_length: int = 2, render_mode: RenderMode = None
@@ -41,7 +57,15 @@ class DuplicatedInputEnv(TapeEnv):
 
 
 class RepeatCopyEnv(TapeEnv):
-    """Write the tape forwards, then backwards, then forwards again."""
+    """Write the tape forwards, then backwards, then forwards again.
+
+    Example:
+        >>> from atari.algorithmic import RepeatCopyEnv
+        >>> env = RepeatCopyEnv()
+        >>> observation, info = env.reset(seed=0)
+        >>> env.step((1, 1, observation))[1]
+        1.0
+    """
 
     window = 50
 
@@ -54,7 +78,15 @@ class RepeatCopyEnv(TapeEnv):
 
 
 class ReverseEnv(TapeEnv):
-    """Write the tape backwards."""
+    """Write the tape backwards.
+
+    Example:
+        >>> from atari.algorithmic import ReverseEnv
+        >>> env = ReverseEnv()
+        >>> observation, info = env.reset(seed=0)
+        >>> env.step((1, 0, 0))[1]
+        0.0
+    """
 
     window = 50
 
@@ -76,6 +108,13 @@ class ReversedAdditionEnv(GridEnv):
         steps_per_column: time limit, 1 to 100, to which 4 steps are added. Gym's is 2, too little to read three rows
             of more than four digits: no agent solves `ReversedAddition3-v0` as published, and 3 makes it solvable.
         render_mode: "ansi" or "human".
+
+    Example:
+        >>> from atari.algorithmic import ReversedAdditionEnv
+        >>> env = ReversedAdditionEnv(rows=2)
+        >>> observation, info = env.reset(seed=0)
+        >>> env.step((3, 0, 0))[1]
+        0.0
     """
 
     def __init__(

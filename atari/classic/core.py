@@ -22,6 +22,19 @@ class Env:
 
     Subclass it, set `action_space` and `observation_space`, define `reset` and `step`, and optionally `render`,
     `seed` and `close`.
+
+    Example:
+        >>> import atari.classic as gym
+        >>> class Coin(gym.Env):
+        ...     action_space = gym.spaces.Discrete(2)
+        ...     observation_space = gym.spaces.Discrete(2)
+        ...     def reset(self):
+        ...         return 0
+        ...     def step(self, action):
+        ...         return 0, float(action), True, {}
+        >>> env = Coin()
+        >>> env.reset(), env.step(1)
+        (0, (0, 1.0, True, {}))
     """
 
     metadata: dict[str, Any] = {"render.modes": []}  # noqa: RUF012
@@ -89,6 +102,11 @@ class GoalEnv(Env):
 
     `compute_reward` returns the reward that a step would have had with another goal (Andrychowicz et al. 2017,
     "Hindsight Experience Replay").
+
+    Example:
+        >>> import atari.classic as gym
+        >>> issubclass(gym.GoalEnv, gym.Env)
+        True
     """
 
     def compute_reward(self, achieved_goal: Any, desired_goal: Any, info: dict[str, Any]) -> Any:
@@ -105,6 +123,12 @@ class Wrapper(Env):
 
     Raises:
         TypeError: `env` is not an `Env` of this interface.
+
+    Example:
+        >>> import atari.classic as gym
+        >>> env = gym.Wrapper(gym.make("CartPole-v0"))
+        >>> env.reset().shape
+        (4,)
     """
 
     def __init__(self, env: Env) -> None:
@@ -154,7 +178,16 @@ class Wrapper(Env):
 
 
 class ObservationWrapper(Wrapper):
-    """A wrapper that changes observations; define `observation`."""
+    """A wrapper that changes observations; define `observation`.
+
+    Example:
+        >>> import atari.classic as gym
+        >>> class Doubled(gym.ObservationWrapper):
+        ...     def observation(self, observation):
+        ...         return 2 * observation
+        >>> Doubled(gym.make("CartPole-v0")).reset().shape
+        (4,)
+    """
 
     def _reset(self, **options: Any) -> Any:
         return self.observation(self.env.reset(**options))
@@ -169,7 +202,19 @@ class ObservationWrapper(Wrapper):
 
 
 class RewardWrapper(Wrapper):
-    """A wrapper that changes rewards; define `reward`."""
+    """A wrapper that changes rewards; define `reward`.
+
+    Example:
+        >>> import atari.classic as gym
+        >>> class Scaled(gym.RewardWrapper):
+        ...     def reward(self, reward):
+        ...         return reward / 10
+        >>> env = Scaled(gym.make("CartPole-v0"))
+        >>> env.reset().shape
+        (4,)
+        >>> env.step(0)[1]
+        0.1
+    """
 
     def _step(self, action: Any) -> Step:
         observation, reward, done, info = self.env.step(action)
@@ -181,7 +226,19 @@ class RewardWrapper(Wrapper):
 
 
 class ActionWrapper(Wrapper):
-    """A wrapper that changes actions; define `action`."""
+    """A wrapper that changes actions; define `action`.
+
+    Example:
+        >>> import atari.classic as gym
+        >>> class Mirrored(gym.ActionWrapper):
+        ...     def action(self, action):
+        ...         return 1 - action
+        >>> env = Mirrored(gym.make("CartPole-v0"))
+        >>> env.reset().shape
+        (4,)
+        >>> env.step(0)[2]
+        False
+    """
 
     def _step(self, action: Any) -> Step:
         return self.env.step(self.action(action))

@@ -1,0 +1,48 @@
+"""What pages say of a game that no data file has: lives in play, names of keys, IDs."""
+
+from functools import cache
+from types import MappingProxyType
+
+from atari.actions import Action
+from atari.cores import NativeCore
+from atari.games.game import Game
+from atari.play.controls import ALL_KEYS
+from atari.registration import FAMILIES, Family
+
+_ARROWS = MappingProxyType({"up": "↑", "down": "↓", "left": "←", "right": "→"})
+
+
+@cache
+def lives(game: Game) -> int | None:
+    """Lives after the first half second, as `info` has them; None without rules for one player."""
+    if not game.single_player:
+        return None
+    core = NativeCore(game, repeat_action_probability=0.0)
+    core.reset()
+    for _ in range(30):
+        core.act(Action.NOOP)
+    count = core.lives
+    core.close()
+    return count
+
+
+def families(game: Game) -> list[Family]:
+    """The families of IDs that have the game."""
+    return [family for family in FAMILIES if game.id in family.games()]
+
+
+def most_players(game: Game) -> int:
+    """The most players of a mode."""
+    return game.multiplayer.most_players if game.multiplayer else 1
+
+
+def keys(action: Action) -> str:
+    """The keys of an action in `atari play`, such as "↑ → space"."""
+    held = (
+        ("up", action.vertical == 1),
+        ("down", action.vertical == -1),
+        ("left", action.horizontal == -1),
+        ("right", action.horizontal == 1),
+    )
+    names = [_ARROWS[name] for name, on in held if on]
+    return " + ".join([*names, *([ALL_KEYS["fire"][0]] if action.fire else [])]) or "none"

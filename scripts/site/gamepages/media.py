@@ -1,0 +1,124 @@
+"""The media of one game: `render` writes its video and pictures into a folder."""
+
+import random
+from collections.abc import Callable, Iterator
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+from pictures import Image, png, strip
+
+import atari
+from atari.actions import Action
+from atari.cores import NativeCore
+from atari.games.game import Game
+from atari.multiplayer import MultiplayerCore
+from atari.recording import Replay, VideoWriter, frame_rate
+from atari.wrappers import PRESETS
+from gamepages.contents import MODES, SCREEN, VIDEO, VIEWS, modes
+from gamepages.plays import Play, play_of
+from gamepages.screens import busiest, sheet
+
+SECONDS = 18  # of a video
+
+_HOLD = 4  # frames that a random action is held
+_MODE_FRAMES = 240  # of random play, from which a mode's picture is chosen
+_VIEW_STEPS = 60  # of four frames, before the observation that is shown
+
+
+def render(game: Game, folder: Path) -> None:
+    """Write the media of a game: a video of its play with sound, a screen, its modes, what the presets show of it."""
+    play = play_of(game.id)
+    if play is not None:
+        replay = Replay.load(play.path)
+        start, stop = _window([frame.reward for frame in replay.frames()])
+        replay.render(folder / VIDEO, start=start, stop=stop)
+        screens = (frame.screen for frame in islice(replay.frames(start, stop), 0, None, 15))
+    else:
+        screens = iter(_write_random(game, folder / VIDEO)[::15])
+    _write(folder / SCREEN, busiest(screens).repeat(2, axis=1))
+    if len(modes(game)) > 1:
+        _write(folder / MODES, sheet([_mode_screen(game, mode) for mode in modes(game)]))
+    if game.single_player:
+        _write(folder / VIEWS, np.concatenate([strip(list(_view(game, name, play))) for name in PRESETS]))
+
+
+def _write(path: Path, image: Image) -> None:
+    path.write_bytes(png(image))
+
+
+def _window(rewards: list[int]) -> tuple[int, int]:
+    """(start, stop) of the part of a play with the most rewards; the first of equals."""
+    length = min(len(rewards), SECONDS * 60)
+    paid = np.concatenate([[0], np.cumsum(np.array(rewards) > 0)])
+    start = int(np.argmax(paid[length:] - paid[: len(paid) - length]))
+    return start, start + length
+
+
+def _advance(game: Game, mode: int | None, *, sound: bool = False) -> tuple[NativeCore, Callable[[], object]]:
+    """A core after its reset, and a function that plays a frame with random actions of all players."""
+    choose = random.Random(0)
+    if game.single_player:
+        core: NativeCore = NativeCore(game, mode=mode, repeat_action_probability=0.0, sound=sound)
+        actions, players = game.minimal_actions, 1
+    else:
+        assert game.multiplayer is not None
+        mode = min(game.multiplayer.modes[game.multiplayer.most_players]) if mode is None else mode
+        core = MultiplayerCore(game, mode=mode, sound=sound)
+        actions, players = game.multiplayer.minimal_actions, game.multiplayer.players(mode)
+    core.reset()
+    chosen: list[int] = []
+
+    def play() -> object:
+        if core.game_over:
+            core.reset()
+        if core.frame_number % _HOLD == 0 or not chosen:
+            chosen[:] = [int(choose.choice(actions)) for _ in range(players)]
+        return core.act(chosen[0]) if game.single_player else core.act_players(chosen)
+
+    return core, play
+
+
+def _mode_screen(game: Game, mode: int) -> Image:
+    """A screen of a mode in random play."""
+    core, play = _advance(game, mode)
+    screens = []
+    for frame in range(_MODE_FRAMES):
+        play()
+        if frame >= 60 and frame % 10 == 0:
+            screens.append(core.screen_rgb().copy())
+    core.close()
+    return busiest(screens)
+
+
+def _write_random(game: Game, path: Path) -> list[Image]:
+    """Write a video of random play; its screens."""
+    core, play = _advance(game, None, sound=True)
+    screens: list[Image] = []
+    with VideoWriter(path, game.screen.shape, frame_rate(game), sound=True) as video:
+        for _ in range(SECONDS * 60):
+            play()
+            screens.append(core.screen_rgb().copy())
+            video.write(screens[-1], core.audio())
+    core.close()
+    return screens
+
+
+def _view(game: Game, preset: str, play: Play | None) -> Image:
+    """The stack of four images that a preset shows after the first steps of the play, (4, 84, 84)."""
+    env = atari.make(game.id, preset=preset)
+    numbers = [int(Action[name]) for name in env.unwrapped.get_action_meanings()]
+    observation, _ = env.reset(seed=0)
+    for action in islice(_actions(game, play), _VIEW_STEPS):
+        step = env.step(numbers.index(action) if action in numbers else 0)
+        observation = env.reset()[0] if step[2] or step[3] else step[0]
+    env.close()
+    return np.asarray(observation)
+
+
+def _actions(game: Game, play: Play | None) -> Iterator[int]:
+    """The action of each fourth frame of the play, or random ones."""
+    if play is not None:
+        return (frame.action for frame in islice(Replay.load(play.path).frames(), 0, None, 4))
+    choose = random.Random(0)
+    return (int(choose.choice(game.minimal_actions)) for _ in range(_VIEW_STEPS))

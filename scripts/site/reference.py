@@ -1,0 +1,57 @@
+"""The pages of the reference: each public name of each module, from its docstring."""
+
+import re
+from collections.abc import Iterator
+
+from page import Page
+from public import MODULES, Definition, definitions, module_docstring
+
+
+class Undocumented(Exception):
+    """Public names have no docstring."""
+
+
+def pages() -> Iterator[Page]:
+    """A page for each module, and their index.
+
+    Raises:
+        Undocumented: a public name has no docstring; the text names all of them.
+    """
+    missing = [f"{module}.{found.name}" for module in MODULES for found in definitions(module) if not found.docstring]
+    if missing:
+        raise Undocumented(f"public names without a docstring: {', '.join(missing)}")
+    yield Page("reference/index.md", "\n".join(_index()))
+    for module in MODULES:
+        yield Page(f"reference/{module}.md", "\n".join(_page(module)), module)
+
+
+def _index() -> Iterator[str]:
+    yield "# Reference\n"
+    yield "Every public name, from its docstring. The [guides](../vector.md) say how they go together.\n"
+    yield "| module | |"
+    yield "|---|---|"
+    for module in MODULES:
+        yield f"| [`{module}`]({module}.md) | {_first_sentence(module_docstring(module))} |"
+
+
+def _page(module: str) -> Iterator[str]:
+    yield f"# {module}\n"
+    yield f"{_first_sentence(module_docstring(module))}\n"
+    found = list(definitions(module))
+    yield "| name | |"
+    yield "|---|---|"
+    for definition in found:
+        yield f"| [`{definition.name}`][{_identifier(definition)}] | {_first_sentence(definition.docstring)} |"
+    yield ""
+    for definition in found:
+        if definition.page == module:
+            yield f"::: {definition.path}\n"
+
+
+def _identifier(definition: Definition) -> str:
+    return definition.path
+
+
+def _first_sentence(docstring: str) -> str:
+    sentence = docstring.split("\n\n")[0].replace("\n", " ").strip()
+    return re.sub(r"`docs/([\w-]+)\.md`", r"[\1](../\1.md)", sentence.replace("|", "\\|"))

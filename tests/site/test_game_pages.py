@@ -1,0 +1,86 @@
+import sys
+from pathlib import Path
+
+import gymnasium
+import pytest
+
+import atari
+
+SITE = Path(__file__).parents[2] / "scripts" / "site"
+
+
+@pytest.fixture(scope="module")
+def pages():
+    """By path, the text of all pages of games, without media."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(SITE))
+        from gamepages import index, text
+
+        made = {game.id: text.page(game, frozenset()) for game in atari.games.values()}
+        made["index"] = index.page(list(atari.games.values()), ())
+        yield made
+        for name in [name for name in sys.modules if name.partition(".")[0] == "gamepages"]:
+            del sys.modules[name]
+
+
+def test_every_game_has_a_page_with_its_sections(pages):
+    assert set(pages) == {*atari.games, "index"}
+    for game in atari.games.values():
+        page = pages[game.id]
+        heads = [line[3:] for line in page.splitlines() if line.startswith("## ")]
+        assert heads[:5] == ["Make it", "Rules", "Actions", "Modes", "Difficulties"], game.id
+        assert ("Scores" in heads) == game.single_player
+        assert ("RAM" in heads) == bool(game.ram_labels)
+        assert ">None<" not in page, game.id
+
+
+def test_the_index_links_to_every_page_and_has_what_its_filters_read(pages):
+    for game in atari.games.values():
+        assert f'href="{game.id}.html"' in pages["index"]
+    assert pages["index"].count("data-lives=") == len(atari.games)
+    assert (
+        'data-name="breakout breakout atari" data-actions="4" data-lives="5" data-players="1" '
+        f'data-labels="{len(atari.games["breakout"].ram_labels)}" data-sticky="2"' in pages["index"]
+    )
+
+
+def test_facts_of_a_game_of_one_player(pages):
+    page = pages["ms_pacman"]
+    for text in (
+        "1983 · Atari · 1 player",
+        'gymnasium.make("ALE/MsPacman-v5")',
+        'gymnasium.make("MsPacman-ramNoFrameskip-v4")',
+        'envpool.make_gymnasium("MsPacman-v5"',
+        "<td>5</td><td><code>UPRIGHT</code></td><td>6</td><td>↑ + →</td>",
+        "<td>0 (default)</td><td>the standard game</td>",
+        "<td>human</td><td>6,951.6</td>",
+        "At the start `info` has 3.",
+        "<code>player_x</code>",
+    ):
+        assert text in page, text
+
+
+def test_a_cartridge_for_two_says_so(pages):
+    page = pages["combat"]
+    assert "no game of one player" in page
+    assert "tanks, open field" in page
+    assert "atari play combat --players 2" in page
+    assert "gymnasium.make" not in page
+
+
+def test_the_ids_exist(pages):
+    for line in pages["pong"].splitlines():
+        if "gymnasium.make(" in line:
+            assert line.split('"')[1] in gymnasium.registry
+
+
+def test_media_are_linked_where_the_build_has_them(pages):
+    from gamepages import contents, index, text
+
+    game = atari.games["pong"]
+    page = text.page(game, frozenset({contents.VIDEO, contents.SCREEN, contents.MODES, contents.VIEWS}))
+    assert page.count("pong/play.mp4") == 1
+    assert "muted loop playsinline" in page
+    assert page.count("url(pong/modes.png)") == len(game.modes)
+    assert page.count("url(pong/views.png)") == 8
+    assert index.page([game], ["pong"]).count("<img") == 1

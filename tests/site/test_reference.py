@@ -1,0 +1,66 @@
+import re
+from pathlib import Path
+
+# Modules whose `__all__` another module re-exports, or that hold names for other parts of the package only.
+NOT_PAGES = {
+    "atari._gymnasium",
+    "atari.classic.envs",
+    "atari.classic.envs.toy_text",
+    "atari.classic.logger",
+    "atari.classic.spaces",
+    "atari.classic.utils",
+    "atari.classic.wrappers",
+    "atari.games.interventions",
+    "atari.learning.memory",
+    "atari.learning.policies",
+}
+
+
+def all_definitions(public):
+    return [(module, found) for module in public.MODULES for found in public.definitions(module)]
+
+
+def test_every_module_with_public_names_has_a_page(site_module):
+    public = site_module("public")
+    assert set(public.modules_with_public_names()) - set(public.MODULES) == NOT_PAGES
+
+
+def test_every_public_name_has_a_docstring(site_module):
+    public = site_module("public")
+    assert [f"{module}.{found.name}" for module, found in all_definitions(public) if not found.docstring] == []
+
+
+def test_every_public_name_is_found(site_module):
+    """But for modules, and Gymnasium's classes under old names."""
+    public = site_module("public")
+    found = {(module, definition.name) for module, definition in all_definitions(public)}
+    missing = {f"{module}.{name}" for module in public.MODULES for name in public.exported(module)} - {
+        f"{module}.{name}" for module, name in found
+    }
+    assert missing == {
+        "atari.algorithmic",
+        "atari.classic.Space",
+        "atari.classic.envs",
+        "atari.classic.error",
+        "atari.classic.logger",
+        "atari.classic.spaces",
+        "atari.classic.utils",
+        "atari.classic.wrappers",
+        "atari.cores",
+        "atari.roms",
+        "atari.wrappers",
+    }
+
+
+def test_every_definition_is_on_one_page(site_module):
+    public = site_module("public")
+    on_pages = [found.path for module, found in all_definitions(public) if found.page == module]
+    assert len(on_pages) == len(set(on_pages))
+    assert set(on_pages) == {found.path for _, found in all_definitions(public)}
+
+
+def test_the_navigation_has_every_document():
+    root = Path(__file__).parents[2]
+    navigation = (root / "mkdocs.yml").read_text(encoding="utf-8")
+    documents = {path.name for path in (root / "docs").glob("*.md")}
+    assert documents <= set(re.findall(r"[\w-]+\.md", navigation))
