@@ -1,0 +1,63 @@
+#!/usr/bin/env python
+"""Plays Bowling for its page: tries each way to throw with snapshots, and takes the best one.
+
+A throw is where the bowler stands, and when and to which side the ball curves.
+"""
+
+import sys
+from itertools import product
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))  # PYTHONSAFEPATH leaves it out
+from plays import HOLD, keep
+
+import atari
+from atari.cores import NativeCore
+from atari.lab import Ram
+
+NOOP, FIRE, UP, DOWN = 0, 1, 2, 5
+PINS = [f"pin_{pin}_state" for pin in range(10)]
+LONGEST = 180
+"""Decisions that a throw takes at most."""
+
+
+def throw(core: NativeCore, ram: Ram, side: int, steps: int, wait: int, curve: int) -> tuple[list[int], float]:
+    """Stand, throw and curve; the actions until the ball is back, and how good the throw is."""
+    actions = [side] * steps + [NOOP] + [FIRE] * 8 + [NOOP] * wait + [curve] * 40
+    actions += [NOOP] * (LONGEST - len(actions))
+    played, reward, fallen = [], 0.0, 0
+    for action in actions:
+        reward += core.act(action)
+        played.append(action)
+        if ram["throw_state"] >= 5:
+            fallen = max(fallen, sum(ram[pin] >= 250 for pin in PINS))
+        elif len(played) > 60 and ram["throw_state"] == 0:
+            break
+    return played, reward + fallen - len(played) / 1000
+
+
+def main() -> None:
+    """Plan, throw by throw, and keep the play if it is better."""
+    env = atari.make("bowling", frameskip=HOLD, repeat_action_probability=0.0)
+    env.reset(seed=0)
+    core = NativeCore("bowling", frame_skip=HOLD, repeat_action_probability=0.0)
+    core.restore_state(env.unwrapped.core.clone_state())
+    ram = Ram(core)
+    played: list[int] = []
+    ways = list(product((UP, DOWN), (0, 2, 4, 7, 10), (0, 4, 8, 14), (NOOP, UP, DOWN)))
+    while len(played) * HOLD < 60 * 60 and not core.game_over:
+        state, best = core.clone_state(), ([NOOP], -1.0)
+        for way in ways:
+            core.restore_state(state)
+            best = max(best, throw(core, ram, *way), key=lambda each: each[1])
+        core.restore_state(state)
+        for action in best[0]:
+            core.act(action)
+        played += best[0]
+    numbers = [int(action) for action in core.game.minimal_actions]
+    how = "A script with snapshots (scripts/play_bowling.py): it tried every way to throw and took the best."
+    print(keep("bowling", [numbers.index(action) for action in played], policy="script", how=how))
+
+
+if __name__ == "__main__":
+    main()
