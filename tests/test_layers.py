@@ -32,13 +32,16 @@ ALLOWED = {
     "env": "actions cores games rendering roms validation",
     "restorable": "cores env",
     "wrappers": "_emulator actions cores env games protocols restorable validation",
-    "vector": "_emulator _gymnasium actions cores games multiplayer protocols rendering roms validation wrappers",
+    # Its views for JAX and PyTorch are of `integrations`, in modules that do not import `vector`.
+    "vector": "_emulator _gymnasium actions cores games integrations multiplayer protocols rendering roms validation "
+    "wrappers",
     "registration": "actions cores env games validation vector wrappers",
     "algorithmic": "validation",
-    "recording": "_gymnasium atari actions cores env games registration rendering restorable roms validation vector "
+    "recording": "_gymnasium atari actions cores env games multiplayer registration rendering restorable roms validation vector "
     "wrappers",
     "multiplayer": "_emulator actions cores env games recording rendering roms validation vector",
-    "integrations": "_gymnasium _script actions classic cores env games registration validation vector wrappers",
+    "integrations": "_emulator _gymnasium _script actions classic cores env games lab learning registration validation vector "
+    "wrappers",
     "sb3": "integrations",
     "learning": "_emulator _gymnasium _interrupt actions cores env games protocols recording registration rendering restorable "
     "validation vector wrappers",
@@ -49,7 +52,7 @@ ALLOWED = {
     # Programs and old interfaces, which no part above imports; they may import `recording`.
     "play": "actions cores env games multiplayer recording registration rendering validation",
     "classic": "_script atari cores env games recording registration rendering validation wrappers",
-    "cli": "_interrupt atari actions cores env games lab learning multiplayer play recording registration rendering roms validation vector wrappers",
+    "cli": "_interrupt atari actions cores env games integrations lab learning multiplayer play recording registration rendering roms validation vector wrappers",
     "__main__": "cli",
 }
 """By part, the parts that it may import."""
