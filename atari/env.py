@@ -22,6 +22,7 @@ from atari.cores.ale_interface import AleInterface, AleSettings
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.games.interventions import Intervention, resolve
+from atari.notebook import picture, png
 from atari.rendering import Window
 from atari.validation import check_action_index, check_frameskip, check_known, check_name, check_probability
 
@@ -245,6 +246,17 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         `core` becomes another object, in the same state.
         """
         self.core = self.core.with_sound()
+
+    def _repr_html_(self) -> str | None:
+        """The screen, for a notebook; None after `close`."""
+        if self._closed_state is not None:
+            return None
+        height, width = self.game.screen.shape
+        caption = f"{self.game.title}: not reset yet"
+        if self._phase != "new":
+            frame, lives = self.core.episode_frame_number, self.core.lives
+            caption = f"{self.game.title}: frame {frame:,}, score {self._game.score:,.0f}, lives {lives}"
+        return picture(png(self.core.screen_rgb()), caption, width=2 * width, height=height)
 
     def render(self) -> Any:
         """The screen, (height, 160, 3) uint8, a list of such screens, or None, according to the render mode.

@@ -24,20 +24,21 @@ ALLOWED = {
     "protocols": "",
     "_script": "",
     "validation": "",
-    "games": "actions validation",
+    "notebook": "",
+    "games": "actions notebook validation",
     "roms": "actions games validation",
     # The emulators, and the environments on them.
     "cores": "_emulator actions games roms validation",
     "rendering": "cores games validation",
-    "env": "actions cores games rendering roms validation",
+    "env": "actions cores games notebook rendering roms validation",
     "restorable": "cores env",
     "wrappers": "_emulator actions cores env games protocols restorable validation",
     # Its views for JAX and PyTorch are of `integrations`, in modules that do not import `vector`.
-    "vector": "_emulator _gymnasium actions cores games integrations multiplayer protocols rendering roms validation "
+    "vector": "_emulator _gymnasium actions cores games integrations multiplayer notebook protocols rendering roms validation "
     "wrappers",
     "registration": "actions cores env games validation vector wrappers",
     "algorithmic": "validation",
-    "recording": "_gymnasium atari actions cores env games multiplayer registration rendering restorable roms validation vector "
+    "recording": "_gymnasium atari actions cores env games multiplayer notebook registration rendering restorable roms validation vector "
     "wrappers",
     "multiplayer": "_emulator actions cores env games recording rendering roms validation vector",
     "integrations": "_emulator _gymnasium _script actions classic cores env games lab learning registration validation vector "

@@ -18,6 +18,7 @@ from atari.games.manual import Manual, load_manual
 from atari.games.multiplayer import Multiplayer, parse_multiplayer
 from atari.games.rules import LABEL_ADDRESSES, Rules, check_label_expression, parse_rules
 from atari.games.tables import actions, build, check_keys, check_numbers, check_value
+from atari.notebook import facts
 from atari.validation import check_file
 
 if sys.version_info >= (3, 11):
@@ -171,6 +172,31 @@ class Game:
             f"Game({self.id!r}, {self.title!r}, {len(self.minimal_actions)} actions, {len(self.modes)} modes, "
             f"{len(self.difficulties)} difficulties, {self.screen.format} 160x{self.screen.height})"
         )
+
+    def _repr_html_(self) -> str:
+        """The facts of the game, for a notebook."""
+        manual, made = self.manual, ()
+        if manual is not None:
+            made = (("made", ", ".join(str(one) for one in (manual.maker, manual.year) if one)),)
+        rows = (
+            ("id", self.id),
+            *made,
+            ("players", self.players),
+            ("screen", f"{self.screen.width}x{self.screen.height}, {self.screen.format}"),
+            ("actions", f"{len(self.minimal_actions)}: {', '.join(one.name for one in self.minimal_actions)}"),
+            ("modes", _numbered(self.modes, manual.modes if manual else {})),
+            ("difficulties", _numbered(self.difficulties, manual.difficulties if manual else {})),
+            ("reward", manual and manual.reward),
+            ("lives", manual and manual.lives),
+            ("end", manual and manual.end),
+            ("names of RAM", ", ".join(self.ram_labels)),
+        )
+        return facts(self.title, rows, manual.description if manual else "")
+
+
+def _numbered(values: tuple[int, ...], meanings: Mapping[int, str]) -> str:
+    """Numbers with their meanings, where they are known."""
+    return "; ".join(f"{value}: {meanings[value]}" if value in meanings else str(value) for value in values)
 
 
 def load_game(path: Path) -> Game:

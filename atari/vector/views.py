@@ -3,11 +3,16 @@
 import math
 from typing import Any
 
+import gymnasium
+
 from atari import _emulator
 from atari.cores import ByteArray
+from atari.notebook import picture, png
 from atari.rendering import tile
 from atari.vector.ale_interface import AleVectorInterface
 from atari.vector.options import VectorOptions
+
+_MOST_SHOWN = 36  # screens in a notebook
 
 
 class Views:
@@ -31,16 +36,30 @@ class Views:
         screens = self._screens()
         return tile(screens, math.ceil(math.sqrt(len(screens))))
 
-    def _screens(self) -> list[ByteArray]:
+    def _screens(self, most: int | None = None) -> list[ByteArray]:
         with self._lock:
             engine = self._open()
-            return [engine.screen_rgb(index) for index in range(self.num_envs)]
+            return [engine.screen_rgb(index) for index in range(self.num_envs)[:most]]
 
     @property
     def ale(self) -> AleVectorInterface:
         """The environments under the method names of ale-py's `ALEVectorInterface`."""
         envs: Any = self
         return AleVectorInterface(envs)
+
+    def _repr_html_(self) -> str | None:
+        """The first screens as one picture, for a notebook; None while they are played, and after `close`."""
+        try:
+            screens = self._screens(_MOST_SHOWN)
+        except (RuntimeError, gymnasium.error.ClosedEnvironmentError):
+            return None
+        games, number = self._options.games, len(self._options.games)
+        image = tile(screens, min(6, math.ceil(math.sqrt(len(screens)))))
+        titles = ", ".join(dict.fromkeys(game.title for game in games))
+        first = f", the first {_MOST_SHOWN}" if number > _MOST_SHOWN else ""
+        return picture(
+            png(image), f"{number} environments: {titles}{first}", width=image.shape[1], height=image.shape[0]
+        )
 
     def xla(self, *, callback: bool | None = None) -> Any:
         """`(handle, recv, send, step)` for functions compiled by JAX, as EnvPool's (added).

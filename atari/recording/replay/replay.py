@@ -20,6 +20,7 @@ from atari.env import AtariEnv, ObsType
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.games.interventions import resolve
+from atari.notebook import animation, picture, pooled
 from atari.recording.replay import file_format
 from atari.recording.replay.events import Event, Kind, unpack
 from atari.recording.replay.file_format import FRAMES_PER_FULL_HASH, Corrupt
@@ -31,6 +32,7 @@ from atari.recording.video.writer import VideoWriter, frame_rate
 from atari.validation import check_frameskip, check_integer, check_name, check_probability
 
 _CHUNKS_PER_CHECKPOINT = 4
+_SECONDS_SHOWN = 20  # in a notebook
 _OPTIONS = set(inspect.signature(AtariEnv).parameters) - set(UNRECORDED_OPTIONS)
 
 
@@ -268,6 +270,21 @@ class Replay:
     def __repr__(self) -> str:
         cut = "" if self.complete else ", cut"
         return f"Replay({str(self.path)!r}, {self.game.id}, {self.frames_total} frames{cut})"
+
+    def _repr_html_(self) -> str | None:
+        """The beginning as a moving picture, for a notebook; None if the ROM is not there any more."""
+        try:
+            screens = (frame.screen for frame in self.frames(0, _SECONDS_SHOWN * 60))
+            data, shown = animation(pooled(screens, 2), round(frame_rate(self.game) / 2))
+        except (OSError, ValueError):  # without frames, too
+            return None
+        caption = f"{self.game.title}: {self.frames_total:,} frames"
+        if self.complete:
+            caption += f", score {', '.join(str(episode.score) for episode in self.episodes[:5])}"
+        if 2 * shown < self.frames_total:
+            caption += f"; the first {2 * shown // frame_rate(self.game)} seconds"
+        height, width = self.game.screen.shape
+        return picture(data, caption, width=2 * width, height=height)
 
     def frames(
         self, start: int = 0, stop: int | None = None, *, core: str = "native", sound: bool = False

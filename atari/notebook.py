@@ -1,0 +1,121 @@
+"""What environments, games and replays show in a notebook: HTML with pictures in it, which needs no other file.
+
+Pictures are written with the standard library alone. An animation is an animated PNG, which every browser plays.
+"""
+
+import base64
+import html
+import struct
+import zlib
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+ByteArray = npt.NDArray[np.uint8]
+
+MAX_ANIMATION_SIZE = 2_000_000
+"""The most bytes of an animation; it ends before the frame that would exceed them."""
+
+_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+_OVERWRITE_AND_KEEP = (0, 0)
+
+
+def png(image: ByteArray) -> bytes:
+    """An RGB image, (height, width, 3) uint8, as a PNG file."""
+    return _SIGNATURE + _header(image) + _chunk(b"IDAT", _pixels(image)) + _chunk(b"IEND")
+
+
+def animation(images: Iterable[ByteArray], rate: int) -> tuple[bytes, int]:
+    """RGB images of one size as an animated PNG that loops; a frame holds only the rectangle that has changed.
+
+    Args:
+        images: at least one, (height, width, 3) uint8.
+        rate: images a second.
+
+    Returns:
+        The file, and how many of the images it shows: fewer than all if it would exceed `MAX_ANIMATION_SIZE`.
+    """
+    chunks: list[bytes] = []
+    size = shown = 0
+    shape: ByteArray | None = None
+    for image, (top, left, bottom, right) in _changes(images):
+        shape = image if shape is None else shape
+        part = image[top:bottom, left:right]
+        place = struct.pack(">5I", 2 * shown - (shown > 0), right - left, bottom - top, left, top)
+        control = _chunk(b"fcTL", place + struct.pack(">2H2B", 1, rate, *_OVERWRITE_AND_KEEP))
+        pixels = _pixels(part)
+        data = _chunk(b"fdAT", struct.pack(">I", 2 * shown) + pixels) if shown else _chunk(b"IDAT", pixels)
+        size += len(control) + len(data)
+        if shown and size > MAX_ANIMATION_SIZE:
+            break
+        chunks += control, data
+        shown += 1
+    if shape is None:
+        raise ValueError("an animation needs an image")
+    count = _chunk(b"acTL", struct.pack(">2I", shown, 0))
+    return b"".join((_SIGNATURE, _header(shape), count, *chunks, _chunk(b"IEND"))), shown
+
+
+def picture(data: bytes, caption: str, *, width: int, height: int) -> str:
+    """HTML of a PNG file, shown in so many pixels of the page, at most as wide as the page, with a caption below."""
+    text = html.escape(caption)
+    return (
+        f'<figure style="margin:0"><img width="{width}" height="{height}" alt="{text}" '
+        'style="image-rendering:pixelated;max-width:100%;height:auto" '
+        f'src="data:image/png;base64,{base64.b64encode(data).decode()}"><figcaption>{text}</figcaption></figure>'
+    )
+
+
+def facts(title: str, rows: Sequence[tuple[str, Any]], note: str = "") -> str:
+    """HTML of a table with a name and a value a row, without the rows whose value is None or empty."""
+    body = "".join(
+        f'<tr><th style="text-align:left">{html.escape(name)}</th>'
+        f'<td style="text-align:left">{html.escape(str(value))}</td></tr>'
+        for name, value in rows
+        if value not in (None, "")
+    )
+    below = f"<p>{html.escape(note)}</p>" if note else ""
+    return f"<p><strong>{html.escape(title)}</strong></p>{below}<table><tbody>{body}</tbody></table>"
+
+
+def pooled(images: Iterable[ByteArray], size: int) -> Iterator[ByteArray]:
+    """The brightest value of each pixel in `size` images at a time: games flicker things from frame to frame."""
+    rest = iter(images)
+    while group := list(islice(rest, size)):
+        yield np.maximum.reduce(group)
+
+
+def _changes(images: Iterable[ByteArray]) -> Iterator[tuple[ByteArray, tuple[int, int, int, int]]]:
+    """Each image with the rectangle that differs from the one before: top, left, bottom, right; never empty."""
+    before: ByteArray | None = None
+    for image in images:
+        if before is None:
+            yield image, (0, 0, *image.shape[:2])
+        else:
+            differs = (image != before).any(axis=2)
+            rows, columns = np.flatnonzero(differs.any(axis=1)), np.flatnonzero(differs.any(axis=0))
+            if len(rows):
+                yield image, (int(rows[0]), int(columns[0]), int(rows[-1]) + 1, int(columns[-1]) + 1)
+            else:
+                yield image, (0, 0, 1, 1)
+        before = image
+
+
+def _header(image: ByteArray) -> bytes:
+    height, width = image.shape[:2]
+    return _chunk(b"IHDR", struct.pack(">2I5B", width, height, 8, 2, 0, 0, 0))  # 8 bits, RGB
+
+
+def _pixels(image: ByteArray) -> bytes:
+    """The rows, each after a byte for its filter, none, compressed."""
+    height, width = image.shape[:2]
+    rows = np.zeros((height, 1 + 3 * width), np.uint8)
+    rows[:, 1:] = image.reshape(height, 3 * width)
+    return zlib.compress(rows.tobytes(), 6)
+
+
+def _chunk(kind: bytes, data: bytes = b"") -> bytes:
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
