@@ -175,12 +175,11 @@ class Game:
 
     def _repr_html_(self) -> str:
         """The facts of the game, for a notebook."""
-        manual, made = self.manual, ()
-        if manual is not None:
-            made = (("made", ", ".join(str(one) for one in (manual.maker, manual.year) if one)),)
+        manual = self.manual
+        makers = (manual.maker, manual.year) if manual else ()
         rows = (
             ("id", self.id),
-            *made,
+            ("made", ", ".join(str(one) for one in makers if one)),
             ("players", self.players),
             ("screen", f"{self.screen.width}x{self.screen.height}, {self.screen.format}"),
             ("actions", f"{len(self.minimal_actions)}: {', '.join(one.name for one in self.minimal_actions)}"),

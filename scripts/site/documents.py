@@ -41,7 +41,7 @@ def relink(text: str, source: Path) -> str:
         if name in OUTSIDE:
             return f"[{words}]({OUTSIDE[name]}{anchor})"
         if name.startswith("docs/"):
-            return f"[{words}]({name.removeprefix('docs/')}{anchor})"
+            return f"[{words}]({name.removeprefix('docs/').replace('.ipynb', '.md')}{anchor})"
         return words if words.startswith("`") else f"{words} (`{name}`)"
 
     return _LINK.sub(replace, text)

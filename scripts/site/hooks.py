@@ -12,6 +12,7 @@ import documents
 import families
 import games
 import hero
+import notebooks
 import presets
 import reference
 from mkdocs.exceptions import PluginError
@@ -26,6 +27,7 @@ SOURCES: tuple[Callable[[], Iterator[Page]], ...] = (
     presets.pages,
     hero.pages,
     games.pages,
+    notebooks.pages,
 )
 
 # What stands for <!-- site: NAME --> in a document.
