@@ -17,6 +17,7 @@ OUTSIDE = {
 
 _LINK = re.compile(r"\[([^\]]*)\]\((?!\w+:|#)([^)#\s]+)(#[^)\s]*)?\)")
 _COMMENT = re.compile(r"<!--.*?-->\n?", re.DOTALL)
+_LANE = re.compile(r"^(```\w+) \w+$", re.MULTILINE)  # "```python ray": the tests' name of what the block needs
 
 
 def pages() -> Iterator[Page]:
@@ -48,5 +49,5 @@ def relink(text: str, source: Path) -> str:
 
 
 def clean(text: str, source: Path) -> str:
-    """A document of docs/ as a page: without the comments that only tests read, with links to pages."""
-    return relink(_COMMENT.sub("", text), source)
+    """A document of docs/ as a page: without comments and words that only tests read, with links to pages."""
+    return relink(_LANE.sub(r"\1", _COMMENT.sub("", text)), source)
