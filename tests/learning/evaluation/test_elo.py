@@ -5,8 +5,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-pytest.importorskip("torch")
-
 from atari.learning.evaluation.elo import elo_ratings
 
 
