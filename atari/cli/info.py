@@ -48,7 +48,7 @@ def _description(game: Game, ids: list[str]) -> str:
             _rules(game.rules) if game.rules else ["none for a single player, so there is no environment of one"],
         ),
         *(_multiplayer(game.multiplayer, game.manual) if game.multiplayer else []),
-        ("RAM", [f"{len(game.ram_labels)} names for bytes of it"]),
+        ("RAM", [f"{len(game.ram_labels)} names for bytes of it (name:index)", *_labels(game)]),
         ("ROM", [f"{rom.size} bytes, {rom.cartridge}, MD5 {rom.md5}"]),
         ("notes", [*(game.manual.notes if game.manual else ()), *game.notes]),
         ("IDs", ids),
@@ -102,6 +102,18 @@ def _multiplayer(rules: Multiplayer, manual: Manual | None) -> list[tuple[str, l
     modes = [f"{players} players: modes {', '.join(map(str, modes))}" for players, modes in rules.modes.items()]
     named = _meanings(manual.multiplayer_modes if manual else {})
     return [("multiplayer", [*modes, *named, f"actions of each: {names}"])]
+
+
+def _labels(game: Game) -> list[str]:
+    """Return the names of bytes with their places, a kind of label after the other."""
+    kinds: dict[str, list[str]] = {}
+    for label in game.ram_labels.values():
+        kinds.setdefault(label.kind, []).append(f"{label.name}:{label.index}")
+    return [
+        line
+        for kind, names in sorted(kinds.items())
+        for line in textwrap.wrap(f"{kind}: {', '.join(names)}", 100, subsequent_indent="    ", break_on_hyphens=False)
+    ]
 
 
 def _rules(rules: Rules) -> list[str]:
