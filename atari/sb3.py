@@ -1,5 +1,5 @@
-"""The public name of `AtariVecEnv`, the vector environment for Stable-Baselines3."""
+"""The public names for Stable-Baselines3: `AtariVecEnv`, its vector environment, and its recorders."""
 
-from atari.integrations.sb3 import AtariVecEnv
+from atari.integrations.sb3 import AtariVecEnv, RecordReplay, RecordVideo
 
-__all__ = ["AtariVecEnv"]
+__all__ = ["AtariVecEnv", "RecordReplay", "RecordVideo"]

@@ -41,7 +41,7 @@ ALLOWED = {
     "recording": "_gymnasium atari actions cores env games multiplayer notebook registration rendering restorable roms validation vector "
     "wrappers",
     "multiplayer": "_emulator actions cores env games recording rendering roms validation vector",
-    "integrations": "_emulator _gymnasium _script actions classic cores env games lab learning registration validation vector "
+    "integrations": "_emulator _gymnasium _script actions classic cores env games lab learning recording registration validation vector "
     "wrappers",
     "sb3": "integrations",
     "learning": "_emulator _gymnasium _interrupt actions cores env games protocols recording registration rendering restorable "

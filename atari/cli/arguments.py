@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from atari.games.catalog import games
 from atari.games.game import Game
+from atari.recording.video.overlay import OVERLAYS
 from atari.registration import resolve
 
 if TYPE_CHECKING:
@@ -53,6 +54,16 @@ def add_rom(parser: argparse.ArgumentParser) -> None:
         type=Path,
         metavar="FILE",
         help="the ROM of a game definition (default: the file beside it with the ending .bin or .a26)",
+    )
+
+
+def add_overlay(parser: argparse.ArgumentParser) -> None:
+    """Add `--overlay`."""
+    parser.add_argument(
+        "--overlay",
+        type=lambda text: tuple(text.split(",")),
+        metavar="PARTS",
+        help=f"show values below the screen: some of {', '.join(OVERLAYS)}, with commas between",
     )
 
 

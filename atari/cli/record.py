@@ -15,7 +15,7 @@ from tqdm import tqdm
 
 import atari
 from atari._interrupt import ctrl_c_as_event
-from atari.cli.arguments import GAME_HELP, add_command, add_rom, find_function, find_game, number
+from atari.cli.arguments import GAME_HELP, add_command, add_overlay, add_rom, find_function, find_game, number
 from atari.cli.multiplayer import make_match, multiplayer
 from atari.cli.observers import ScoreCounter, VideoObserver
 from atari.cli.output import print_json
@@ -71,6 +71,12 @@ def register(commands: "Commands") -> None:
     parser.add_argument(
         "--scale", type=number(int, 1), default=2, metavar="N", help="rows of the video a pixel (default: 2)"
     )
+    parser.add_argument(
+        "--best",
+        action="store_true",
+        help="videos show the game with the highest score alone; a replay has all games; not with --players",
+    )
+    add_overlay(parser)
     parser.add_argument("--no-sound", action="store_true", help="write no sound")
 
 
@@ -82,21 +88,38 @@ def _record(args: argparse.Namespace) -> int:
         option = "a second --policy" if len(policies) > 1 else "--mode" if args.mode is not None else "--difficulty"
         raise ValueError(f"{option} needs --players; see `atari record --help`")
     args.policy = policies[0]
-    if args.policy.endswith(".a26"):
+    if args.policy.endswith(SUFFIX):
         return _film_replay(args)
     if Path(args.policy).exists():
         return _film_policy(args)
     env = _make(args)
+    outputs = args.output or [Path("videos", f"{env.unwrapped.game.id}-{args.seed}.mp4")]
+    _check_endings(outputs)
+    videos = [path for path in outputs if path.suffix.lower() != SUFFIX]
+    with tempfile.TemporaryDirectory() as folder:
+        if videos and (args.best or args.overlay):  # the games are recorded first, and filmed then
+            replays = [path for path in outputs if path not in videos] or [Path(folder, "games.a26")]
+            result = _play_and_write(env, args, replays)
+            start = time.perf_counter()
+            _film(Replay.load(replays[0]), videos, args)
+            result["elapsed_seconds"] += time.perf_counter() - start
+        else:
+            result = _play_and_write(env, args, outputs)
+    result["files"] = [path.resolve() for path in outputs]
+    print_json(result) if args.json else print(_summary(result))
+    return 0
+
+
+def _play_and_write(env: Any, args: argparse.Namespace, outputs: list[Path]) -> dict[str, Any]:
+    """Play the games and write videos and replays of all of them while they are played."""
     with ExitStack() as stack:
         stack.callback(lambda: env.close())  # late binding: closes the outermost wrapper
         inner = env.unwrapped
         policy = _policy(args.policy, env)
-        outputs = args.output or [Path("videos", f"{inner.game.id}-{args.seed}.mp4")]
-        _check_endings(outputs)
         score_counter = ScoreCounter()
         inner.observers.append(score_counter)
         for path in outputs:
-            if path.suffix.lower() == ".a26":
+            if path.suffix.lower() == SUFFIX:
                 env = RecordReplay(env, path)
             else:
                 inner.observers.append(VideoObserver(inner, stack.enter_context(_video(path, inner, args))))
@@ -105,20 +128,34 @@ def _record(args: argparse.Namespace) -> int:
         start = time.perf_counter()
         done = _play(env, policy, score_counter, args, interrupted)
         elapsed = time.perf_counter() - start
-    files = [path.resolve() for path in outputs]
     if not done:
+        files = [path.resolve() for path in outputs if path.parent.exists()]
         raise KeyboardInterrupt(f"after {score_counter.frames:,} frames; what was recorded is in {_listed(files)}")
-    result = {
+    return {
         "game": inner.game.id,
         "policy": args.policy,
         "seed": args.seed,
         "frames": score_counter.frames,
         "scores": score_counter.scores,
         "elapsed_seconds": elapsed,
-        "files": files,
     }
-    print_json(result) if args.json else print(_summary(result))
-    return 0
+
+
+def _film(replay: Replay, outputs: list[Path], args: argparse.Namespace) -> int:
+    """Write videos of a replay, or with --best of its best episode; returns the number of their frames."""
+    frames = replay.frames_total
+    part: dict[str, Any] = {}
+    if args.best:
+        part = {"episode": replay.best_episode}
+        frames = replay.episodes[replay.best_episode].frames
+    elif args.seconds is not None:
+        frames = min(frames, math.ceil(args.seconds * frame_rate(replay.game)))
+        part = {"stop": frames}
+    options = {"scale": args.scale, "sound": not args.no_sound, "overlay": args.overlay}
+    for path in outputs:
+        with tqdm(unit=" frames", total=frames, disable=None) as bar:
+            replay.render(path, **options, **part, progress=bar.update)
+    return frames
 
 
 def _play(env: Any, policy: Policy, score_counter: ScoreCounter, args: argparse.Namespace, interrupted: Event) -> bool:
@@ -145,6 +182,8 @@ def _record_match(args: argparse.Namespace) -> int:
     """Record a game of several players, each of which is a policy."""
     if args.preset is not None:
         raise ValueError("--preset is for one player; the policies of several players see what --obs says")
+    if args.best or args.overlay:
+        raise ValueError("--best and --overlay are for one player; record a replay, and use `atari replay render`")
     replays = [path for path in args.output or () if path.suffix.lower() == SUFFIX]
     if len(replays) > 1:
         raise ValueError(f"one replay of several players is written at a time, got {_listed(replays)}")
@@ -194,13 +233,11 @@ def _film_replay(args: argparse.Namespace) -> int:
     if replay.game != game:
         raise ValueError(f"{args.policy} is a replay of {replay.game.id}, not of {game.id}")
     outputs = args.output or [Path("videos", f"{game.id}-{Path(args.policy).stem}.mp4")]
-    if any(path.suffix.lower() == ".a26" for path in outputs):
+    if any(path.suffix.lower() == SUFFIX for path in outputs):
         raise ValueError("a replay of a replay is its copy; name a video with -o")
-    stop = None if args.seconds is None else math.ceil(args.seconds * frame_rate(game))
-    for path in outputs:
-        frames = replay.frames_total if stop is None else min(stop, replay.frames_total)
-        with tqdm(unit=" frames", total=frames, disable=None) as bar:
-            replay.render(path, scale=args.scale, sound=not args.no_sound, stop=stop, progress=bar.update)
+    if args.best and args.seconds is not None:
+        raise ValueError("--best films a whole game of the replay; leave --seconds out")
+    frames = _film(replay, outputs, args)
     files = [path.resolve() for path in outputs]
     result = {"game": game.id, "policy": args.policy, "frames": frames, "files": files}
     print_json(result) if args.json else print(f"{frames:,} frames of {args.policy} in {_listed(files)}")
@@ -220,14 +257,11 @@ def _film_policy(args: argparse.Namespace) -> int:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "games.a26")
         played = record_games(policy, game, getattr(policy, "protocol", "baselines"), seeds, path)
-        replay = Replay.load(path)
-        for output in outputs:
-            if output.suffix.lower() == ".a26":
-                output.parent.mkdir(parents=True, exist_ok=True)
-                shutil.copy(path, output)
-                continue
-            with tqdm(unit=" frames", total=replay.frames_total, disable=None) as bar:
-                replay.render(output, scale=args.scale, sound=not args.no_sound, progress=bar.update)
+        replays = [output for output in outputs if output.suffix.lower() == SUFFIX]
+        for output in replays:
+            output.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(path, output)
+        _film(Replay.load(path), [output for output in outputs if output not in replays], args)
     files = [path.resolve() for path in outputs]
     scores = [score for score, _ in played]
     result = {"game": game.id, "policy": args.policy, "seed": args.seed, "scores": scores, "files": files}

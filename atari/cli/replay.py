@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
-from atari.cli.arguments import add_command, number
+from atari.cli.arguments import add_command, add_overlay, number
 from atari.cli.output import print_json, print_table, print_warning
 from atari.cores import CORES
 from atari.recording import FORMATS, Replay, frame_rate
@@ -51,7 +51,18 @@ def register(commands: "Commands") -> None:
     )
     parser.add_argument("--start", type=number(int, 0), default=0, metavar="FRAME", help="the first frame (default: 0)")
     parser.add_argument("--stop", type=number(int, 1), metavar="FRAME", help="the frame after the last (default: all)")
+    parser.add_argument(
+        "--episode",
+        type=_episode,
+        metavar="N",
+        help="show one episode alone: its number, as `atari replay show` prints it, or best; without --start, --stop",
+    )
+    add_overlay(parser)
     parser.add_argument("--no-sound", action="store_true", help="write no sound")
+
+
+def _episode(text: str) -> int | str:
+    return text if text == "best" else int(number(int, 0)(text))
 
 
 def _show(args: argparse.Namespace) -> int:
@@ -107,17 +118,37 @@ def _verify(args: argparse.Namespace) -> int:
 def _render(args: argparse.Namespace) -> int:
     replay = _load(args.file)
     output = args.output or args.file.with_suffix(".mp4")
-    stop = replay.frames_total if args.stop is None else min(args.stop, replay.frames_total)
-    frames = max(stop - args.start, 0)
+    part: dict[str, Any]
+    if args.episode is not None:
+        if args.start or args.stop is not None:
+            raise ValueError("--episode shows a whole episode; leave --start and --stop out")
+        part = {"episode": episode_number(replay, args.episode)}
+        frames = replay.episodes[part["episode"]].frames
+    else:
+        part = {"start": args.start, "stop": min(args.stop or replay.frames_total, replay.frames_total)}
+        frames = max(part["stop"] - args.start, 0)
     if not frames:
         raise ValueError(f"there are no frames to render: the replay has {replay.frames_total:,} frames")
+    options = {"scale": args.scale, "sound": not args.no_sound, "overlay": args.overlay}
     with tqdm(total=frames, unit=" frames", disable=None) as bar:
-        replay.render(
-            output, scale=args.scale, sound=not args.no_sound, start=args.start, stop=stop, progress=bar.update
-        )
+        replay.render(output, **options, **part, progress=bar.update)
     result = {"file": args.file, "frames": frames, "video": output.resolve()}
     print_json(result) if args.json else print(f"{frames:,} frames in {output.resolve()}")
     return 0
+
+
+def episode_number(replay: Replay, chosen: int | str) -> int:
+    """The number of an episode that `--episode` names.
+
+    Raises:
+        ValueError: the replay has no such episode.
+    """
+    count = len(replay.episodes)
+    if chosen == "best" and count:
+        return replay.best_episode
+    if chosen not in range(count):
+        raise ValueError(f"{replay.path} has the episodes 0 to {count - 1}, got --episode {chosen}")
+    return int(chosen)
 
 
 def _load(file: Path) -> Replay:

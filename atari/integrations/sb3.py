@@ -7,7 +7,7 @@ their channels first, and `infos` has a dict for each environment. `AtariVectorE
 
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from os import PathLike
 from types import FrameType
 from typing import Any
@@ -18,6 +18,7 @@ from gymnasium import logger, spaces
 
 from atari._gymnasium import AutoresetMode
 from atari.games.game import Game
+from atari.recording import RecordVectorReplay, RecordVectorVideo
 from atari.validation import check_clip_reward
 from atari.vector.env import AtariVectorEnv
 from atari.vector.seeds import SEED_LIMIT
@@ -25,7 +26,7 @@ from atari.wrappers import PRESETS
 
 try:
     from stable_baselines3.common.monitor import Monitor
-    from stable_baselines3.common.vec_env import VecEnv, VecFrameStack
+    from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper, VecFrameStack
 except ImportError:
     raise gymnasium.error.DependencyNotInstalled(
         "atari.sb3 needs Stable-Baselines3: pip install 'atari-envs[sb3]'"
@@ -51,9 +52,8 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
     Stable-Baselines3 transposes them as it does those of its own environments. A training then ends with the same
     weights, to the bit. With channels first, convolutions add in another order, and weights differ by rounding.
 
-    `vector` is the `AtariVectorEnv`; `get_attr`, `set_attr` and `env_method` are about its `members`. To record videos,
-    replace it by a wrapper that leaves observations, rewards and actions as they are:
-    `envs.vector = atari.recording.RecordVectorVideo(envs.vector, "videos", step_trigger=..., video_length=...)`.
+    `vector` is the `AtariVectorEnv`; `get_attr`, `set_attr` and `env_method` are about its `members`. `RecordVideo` and
+    `RecordReplay` record it. It can be replaced by a wrapper that leaves observations, rewards and actions as they are.
 
     Args:
         game, num_envs: as of `AtariVectorEnv`.
@@ -232,3 +232,68 @@ def _row(observation: Any, index: int) -> Any:
     if isinstance(observation, dict):
         return {name: part[index] for name, part in observation.items()}
     return observation[index]
+
+
+class _Recorder(VecEnvWrapper):  # type: ignore[misc]
+    """An `AtariVecEnv` whose `vector` is in a recorder."""
+
+    def __init__(self, venv: AtariVecEnv, record: Callable[[Any], Any]) -> None:
+        if not isinstance(venv, AtariVecEnv):
+            raise TypeError(f"an atari.sb3.AtariVecEnv is recorded, before other wrappers; got {type(venv).__name__}")
+        venv.vector = record(venv.vector)
+        super().__init__(venv)
+
+    def reset(self) -> Any:
+        """Begin new games."""
+        return self.venv.reset()
+
+    def step_wait(self) -> tuple[Any, Any, Any, list[dict[str, Any]]]:
+        """Play a step and record its frames; returns what `AtariVecEnv.step_wait` does."""
+        played: tuple[Any, Any, Any, list[dict[str, Any]]] = self.venv.step_wait()
+        return played
+
+
+class RecordVideo(_Recorder):
+    """Record videos of an `AtariVecEnv`, as `atari.recording.RecordVectorVideo` does.
+
+    It takes the place of Stable-Baselines3's `VecVideoRecorder`, and records every emulated frame, with its sound.
+
+    Args:
+        venv: an `AtariVecEnv`, in no other wrapper.
+        video_folder, options: of `RecordVectorVideo`.
+
+    Raises:
+        TypeError, ValueError, OSError: as `RecordVectorVideo`, or `venv` is no `AtariVecEnv`.
+
+    Example:
+        >>> from atari.sb3 import AtariVecEnv, RecordVideo
+        >>> envs = AtariVecEnv("breakout", 4, preset="baselines")
+        >>> envs = RecordVideo(envs, "videos", step_trigger=lambda step: step % 10_000 == 0, video_length=500)
+        >>> envs.reset().shape
+        (4, 4, 84, 84)
+        >>> envs.close()
+    """
+
+    def __init__(self, venv: AtariVecEnv, video_folder: str | PathLike[str], **options: Any) -> None:
+        super().__init__(venv, lambda vector: RecordVectorVideo(vector, video_folder, **options))
+
+
+class RecordReplay(_Recorder):
+    """Record one environment of an `AtariVecEnv` in a replay, as `atari.recording.RecordVectorReplay` does.
+
+    Args:
+        venv: an `AtariVecEnv`, in no other wrapper.
+        path, index: of `RecordVectorReplay`.
+
+    Raises:
+        TypeError, ValueError, OSError: as `RecordVectorReplay`, or `venv` is no `AtariVecEnv`.
+
+    Example:
+        >>> from atari.sb3 import AtariVecEnv, RecordReplay
+        >>> envs = RecordReplay(AtariVecEnv("breakout", 4), "third.a26", index=2)
+        >>> observations = envs.reset()
+        >>> envs.close()
+    """
+
+    def __init__(self, venv: AtariVecEnv, path: str | PathLike[str], index: int = 0) -> None:
+        super().__init__(venv, lambda vector: RecordVectorReplay(vector, path, index))

@@ -4,7 +4,8 @@ from atari.recording.datasets import to_minari
 from atari.recording.replay.players import RecordMatch
 from atari.recording.replay.record_replay import RecordReplay
 from atari.recording.replay.record_vector_replay import RecordVectorReplay
-from atari.recording.replay.replay import Divergence, Episode, Frame, Replay, Verification
+from atari.recording.replay.replay import Replay
+from atari.recording.replay.results import Divergence, Episode, Frame, Verification
 from atari.recording.video.formats import FORMATS, Format
 from atari.recording.video.record_vector_video import RecordVectorVideo
 from atari.recording.video.record_video import RecordVideo

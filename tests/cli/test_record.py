@@ -162,3 +162,19 @@ def test_a_game_definition_with_its_rom_elsewhere(capsys: pytest.CaptureFixture[
     assert "rom" in capsys.readouterr().err
     words = ("mine.toml", "--rom", str(CATCH / "catch.bin"), "--preset", "dqn2015", "--seconds", "1", "-o", "mine.mp4")
     assert record_json(capsys, *words)["frames"] >= 60
+
+
+def test_the_best_game_is_filmed(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["boxing", "--seed", "3", "--episodes", "2", "--best", "--scale", "1", "--overlay", "score,action,curve"]
+    result = record_json(capsys, *words, "-o", "best.gif", "-o", "all.a26")
+    replay = Replay.load("all.a26")
+    assert [episode.score for episode in replay.episodes] == result["scores"]
+    best = replay.episodes[result["scores"].index(max(result["scores"]))]
+    with av.open("best.gif") as container:
+        frames = container.streams.video[0].frames or sum(1 for _ in container.decode(video=0))
+    assert abs(frames - best.frames * 5 / 6) < 20
+    assert best.frames < replay.frames_total
+    alone = record_json(capsys, *words, "-o", "alone.gif")
+    assert alone["scores"] == result["scores"]
+    assert Path("alone.gif").read_bytes() == Path("best.gif").read_bytes()
+    assert sorted(path.name for path in Path().glob("*.a26")) == ["all.a26"]

@@ -4,14 +4,17 @@ import json
 from pathlib import Path
 
 import av
+import numpy as np
 import pytest
 from replay_tools import record
+from video_reader import video_frames
 
 import atari
 from atari.cli import main
 from atari.play import Session
 from atari.recording import Replay
 from atari.recording.replay.file_format import ReplayFileWriter, read
+from atari.recording.video.overlay import CURVE_ROWS
 
 
 @pytest.fixture(autouse=True)
@@ -129,3 +132,34 @@ def test_rewound_frames_are_counted(capsys: pytest.CaptureFixture[str]) -> None:
     assert facts["frames_rewound"] > 0
     assert main(["replay", "show", "rewound.a26"]) == 0
     assert f"{facts['frames_rewound']} frames of it played and then rewound" in capsys.readouterr().out
+
+
+def test_an_episode_alone(capsys: pytest.CaptureFixture[str]) -> None:
+    replay = Replay.load("a.a26")
+    best = replay.best_episode
+    assert [episode.frames for episode in replay.episodes] == [200, 160]
+    assert main(["replay", "render", "a.a26", "-o", "1.mkv", "--episode", "1", "--scale", "1"]) == 0
+    assert capsys.readouterr().out.startswith("160 frames in ")
+    expected = [frame.screen for frame in replay.frames(200)]
+    assert all(
+        np.array_equal(shown[:, ::2], screen)
+        for shown, screen in zip(video_frames(Path("1.mkv")), expected, strict=True)
+    )
+    assert main(["replay", "render", "a.a26", "-o", "best.mkv", "--episode", "best", "--overlay", "score,curve"]) == 0
+    frames = video_frames(Path("best.mkv"))
+    assert len(frames) == replay.episodes[best].frames
+    assert frames[0].shape == ((210 + CURVE_ROWS) * 2 + 16, 640, 3)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--episode", "2"], "a.a26 has the episodes 0 to 1, got --episode 2"),
+        (["--episode", "best", "--stop", "3"], "--episode shows a whole episode; leave --start and --stop out"),
+        (["--overlay", "lives"], "overlay is a tuple of some of 'score', 'action', 'ram', 'curve', got ('lives',)"),
+    ],
+)
+def test_a_wrong_part(capsys: pytest.CaptureFixture[str], words: list[str], message: str) -> None:
+    assert main(["replay", "render", "a.a26", "-o", "a.gif", *words]) == 1
+    assert message in capsys.readouterr().err
+    assert not Path("a.gif").exists()

@@ -11,7 +11,7 @@ import pytest
 from video_reader import video_frames
 
 import atari
-from atari.recording import RecordVectorVideo
+from atari.recording import RecordVectorVideo, Replay
 
 pytestmark = pytest.mark.peers
 
@@ -57,9 +57,11 @@ def assert_equal(some: list[tuple[Any, ...]], others: list[tuple[Any, ...]]) -> 
 
 
 def test_our_recorder_does_the_job_of_vec_video_recorder(tmp_path: Path) -> None:
+    from atari.sb3 import RecordVideo
+
     plain, recorded = make(), make()
-    recorded.vector = RecordVectorVideo(
-        recorded.vector, tmp_path / "v", step_trigger=lambda step: step in (0, 40), video_length=20, sound=False
+    recorded = RecordVideo(
+        recorded, tmp_path / "v", step_trigger=lambda step: step in (0, 40), video_length=20, sound=False
     )
     for envs in (plain, recorded):
         envs.seed(3)
@@ -70,6 +72,22 @@ def test_our_recorder_does_the_job_of_vec_video_recorder(tmp_path: Path) -> None
     files = sorted(path.name for path in (tmp_path / "v").iterdir())
     assert files == ["rl-video-step-0.mp4", "rl-video-step-40.mp4"]
     assert 60 <= len(video_frames(tmp_path / "v" / files[1])) <= 90  # 20 steps of 4 frames, and resets
+
+
+def test_a_replay_of_one_of_them(tmp_path: Path) -> None:
+    from atari.sb3 import RecordReplay
+
+    plain, recorded = make(), RecordReplay(make(), tmp_path / "second.a26", index=1)
+    for envs in (plain, recorded):
+        envs.seed(3)
+        envs.reset()
+    assert_equal(rollout(recorded, 50), rollout(plain, 50))
+    recorded.close()
+    assert Replay.load(tmp_path / "second.a26").verify()
+    with pytest.raises(
+        TypeError, match=r"an atari\.sb3\.AtariVecEnv is recorded, before other wrappers; got RecordReplay"
+    ):
+        RecordReplay(RecordReplay(make(), tmp_path / "a.a26"), tmp_path / "b.a26")
 
 
 def test_training_is_recorded(tmp_path: Path) -> None:

@@ -8,13 +8,12 @@ import inspect
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from itertools import chain
 from os import PathLike
 from pathlib import Path
 from typing import Any, get_args
 
-from atari.cores import CORES, ByteArray, Core, snapshot
+from atari.cores import CORES, Core, snapshot
 from atari.cores.options import CoreOptions
 from atari.env import AtariEnv, ObsType
 from atari.games.catalog import games
@@ -26,124 +25,16 @@ from atari.recording.replay.events import Event, Kind, unpack
 from atari.recording.replay.file_format import FRAMES_PER_FULL_HASH, Corrupt
 from atari.recording.replay.players import PlayersRunner, actions_of, make_core
 from atari.recording.replay.recorder import UNRECORDED_OPTIONS, rom_md5
+from atari.recording.replay.results import Divergence, Episode, Frame, Verification
 from atari.recording.replay.runner import Call, Checkpoint, ReplayRunner
 from atari.recording.video.formats import has_sound
+from atari.recording.video.overlay import Overlay
 from atari.recording.video.writer import VideoWriter, frame_rate
 from atari.validation import check_frameskip, check_integer, check_name, check_probability
 
 _CHUNKS_PER_CHECKPOINT = 4
 _SECONDS_SHOWN = 20  # in a notebook
 _OPTIONS = set(inspect.signature(AtariEnv).parameters) - set(UNRECORDED_OPTIONS)
-
-
-@dataclass(frozen=True)
-class Frame:
-    """One emulated frame of a replay.
-
-    `index` counts from 0 over all episodes, `episode` from 0. `action` is ALE's number 0..17 and `strength` the
-    paddle's; with sticky actions the core may have repeated the previous action. `ends_step` is True for the last
-    frame of a step of the environment. `ram` is (128,) and `screen` (height, 160, 3), uint8. `audio` is (512,) uint8
-    samples, all zero without sound=True. `actions`, `rewards` and `all_lives` have a number of each player; `action`,
-    `reward` and `lives` are the first player's.
-
-    Example:
-        >>> import atari
-        >>> from atari.recording import RecordReplay, Replay
-        >>> with RecordReplay(atari.make("pong"), "game.a26") as env:
-        ...     observation, info = env.reset(seed=0)
-        ...     observation = env.step(2)[0]
-        >>> frame = next(Replay.load("game.a26").frames())
-        >>> frame.index, frame.action, frame.ram.shape, frame.screen.shape
-        (0, 3, (128,), (210, 160, 3))
-    """
-
-    index: int
-    episode: int
-    action: int
-    strength: float
-    ends_step: bool
-    reward: int
-    lives: int
-    terminated: bool
-    truncated: bool
-    ram: ByteArray
-    screen: ByteArray
-    audio: ByteArray
-    actions: tuple[int, ...]
-    rewards: tuple[int, ...]
-    all_lives: tuple[int, ...]
-
-
-@dataclass(frozen=True)
-class Episode:
-    """Frames and score of an episode, and how it ended: "game over", "truncated", or "open" if it did not.
-
-    With several players, `scores` has the score of each, and `score` is the first one's.
-
-    Example:
-        >>> import atari
-        >>> from atari.recording import RecordReplay, Replay
-        >>> with RecordReplay(atari.make("pong"), "game.a26") as env:
-        ...     observation, info = env.reset(seed=0)
-        ...     observation = env.step(2)[0]
-        >>> [episode] = Replay.load("game.a26").episodes
-        >>> episode
-        Episode(frames=4, score=0, end='open', scores=None)
-    """
-
-    frames: int
-    score: int
-    end: str
-    scores: list[int] | None = None
-
-
-@dataclass(frozen=True)
-class Divergence:
-    """The first difference between a replay and the recorded game.
-
-    `frame` is the first frame whose hashes differ, counted from 0. The frames before `since` are equal. A difference in
-    RAM changes the hash of its frame with a probability of 3/4; otherwise a later frame reports it.
-
-    Example:
-        >>> import atari
-        >>> from atari.recording import RecordReplay, Replay
-        >>> with RecordReplay(atari.make("pong"), "game.a26") as env:
-        ...     observation, info = env.reset(seed=0)
-        ...     observation = env.step(2)[0]
-        >>> Replay.load("game.a26").verify().divergence is None
-        True
-    """
-
-    frame: int
-    since: int
-    what: str
-
-    def __str__(self) -> str:
-        first = f"; it may have begun at frame {self.since}" if self.since < self.frame else ""
-        return f"frame {self.frame} differs in {self.what}{first}"
-
-
-@dataclass(frozen=True)
-class Verification:
-    """The result of `Replay.verify`: the core, the number of compared frames, and the divergence, or None.
-
-    Example:
-        >>> import atari
-        >>> from atari.recording import RecordReplay, Replay
-        >>> with RecordReplay(atari.make("pong"), "game.a26") as env:
-        ...     observation, info = env.reset(seed=0)
-        ...     observation = env.step(2)[0]
-        >>> result = Replay.load("game.a26").verify()
-        >>> bool(result)
-        True
-    """
-
-    core: str
-    frames: int
-    divergence: Divergence | None
-
-    def __bool__(self) -> bool:
-        return self.divergence is None
 
 
 class Replay:
@@ -259,6 +150,18 @@ class Replay:
         except (KeyError, TypeError):
             raise Corrupt(f"the replay is damaged: the end of {self.path} has no episodes") from None
 
+    @property
+    def best_episode(self) -> int:
+        """The number of the episode with the highest score (the first player's), the first of equal ones.
+
+        Raises:
+            ValueError: the replay has no episodes.
+        """
+        scores = [episode.score for episode in self.episodes]
+        if not scores:
+            raise ValueError(f"{self.path} has no episodes")
+        return scores.index(max(scores))
+
     def _is_episode(self, episode: Episode) -> bool:
         if (type(episode.frames), type(episode.score), type(episode.end)) != (int, int, str):
             return False
@@ -368,6 +271,8 @@ class Replay:
         sound: bool = True,
         start: int = 0,
         stop: int | None = None,
+        episode: int | None = None,
+        overlay: tuple[str, ...] | None = None,
         core: str = "native",
         progress: Callable[[int], object] | None = None,
     ) -> Path:
@@ -378,20 +283,44 @@ class Replay:
             scale: a pixel becomes `2 * scale` columns and `scale` rows.
             sound: write the game's sound, if the format has sound.
             start, stop, core: see `frames`.
+            episode: the number of the only episode that is shown, such as `best_episode`; without `start` and `stop`.
+            overlay: what is shown below the frame: some of "score", "action", "ram" and "curve", the score of the
+                episode up to each frame.
             progress: called with 1 after each frame.
 
         Raises:
-            TypeError, ValueError: see `frames` and `VideoWriter`.
+            TypeError, ValueError: see `frames` and `VideoWriter`; there is no such episode.
             OSError: the file cannot be written.
             gymnasium.error.DependencyNotInstalled: PyAV is not installed.
         """
-        audible = sound and has_sound(path)
-        with VideoWriter(path, self.game.screen.shape, frame_rate(self.game), scale=scale, sound=audible) as video:
-            for frame in self.frames(start, stop, core=core, sound=video.sound):
-                video.write(frame.screen, frame.audio)
+        audible, shown = sound and has_sound(path), Overlay(overlay)
+        if episode is None:
+            frames = self.frames(start, stop, core=core, sound=audible)
+        elif start or stop is not None:
+            raise ValueError("render takes episode, or start and stop, not both")
+        else:
+            frames = self._frames_of(check_integer("episode", episode, 0, len(self.episodes) - 1), core, audible)
+        size, lines = shown.size(self.game.screen.shape), shown.caption_lines
+        rate = frame_rate(self.game)
+        with VideoWriter(path, size, rate, scale=scale, sound=audible, caption_lines=lines) as video:
+            last = -1
+            for frame in frames:
+                if frame.episode != last:
+                    shown.begin_game()
+                    last = frame.episode
+                shown.add(frame.score - shown.score)  # also after a rewind
+                video.write(shown.draw(frame.screen), frame.audio, shown.caption(frame.action, frame.ram))
                 if progress is not None:
                     progress(1)
         return video.path
+
+    def _frames_of(self, episode: int, core: str, sound: bool) -> Iterator[Frame]:
+        """The frames of one of `episodes`."""
+        for runner, call in self._calls(core, sound=sound):
+            if len(runner.episodes) > episode:
+                break
+            if call.played and len(runner.episodes) == episode:
+                yield _frame(runner, call)
 
     def make_env(self, *, core: str = "native", **options: Any) -> AtariEnv:
         """Return an environment with the options of the recorded one; `options` override them.
@@ -544,6 +473,7 @@ def _frame(runner: ReplayRunner, call: Call) -> Frame:
         strength=floats[0] if floats else 1.0,
         ends_step=ends_step,
         reward=rewards[0],
+        score=runner.score[0] if several else runner.score,
         lives=lives[0],
         terminated=core.game_over,
         truncated=core.truncated,

@@ -41,7 +41,7 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
         episode_trigger, step_trigger, video_length, name_prefix, fps, disable_logger, gc_trigger: see `RecordVideo`.
             Episodes are those of environment `index`; a step is one of all environments.
         index: the environment whose episodes are counted and whose sound and overlay are recorded.
-        format, scale, sound, overlay: see `RecordVideo`.
+        format, scale, sound, overlay, keep: see `RecordVideo`.
 
     Raises:
         TypeError: the environment is not an `AtariVectorEnv`, or an argument has the wrong type.
@@ -82,6 +82,7 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
         scale: int = 2,
         sound: bool = True,
         overlay: tuple[str, ...] | None = None,
+        keep: str = "all",
     ) -> None:
         RecordConstructorArgs.__init__(
             self,
@@ -100,6 +101,7 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
             scale=scale,
             sound=sound,
             overlay=overlay,
+            keep=keep,
         )
         inner = getattr(env, "unwrapped", env)
         if not isinstance(inner, AtariVectorEnv):
@@ -113,7 +115,7 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
         self._columns = _columns([inner.games[i].screen.shape for i in filmed], video_aspect_ratio)
         rate = frame_rate(inner.games[self._index]) if fps is None else fps
         size = tile([np.zeros((*inner.games[i].screen.shape, 3), np.uint8) for i in filmed], self._columns).shape
-        self._settings = VideoSettings(format, (size[0], size[1]), rate, scale, sound, overlay)
+        self._settings = VideoSettings(format, (size[0], size[1]), rate, scale, sound, overlay, keep)
         self._schedule = Schedule(episode_trigger, step_trigger, video_length, name_prefix)
         self.video_folder = make_folder(video_folder)
         self._make_recorder()

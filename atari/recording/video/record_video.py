@@ -41,7 +41,9 @@ class RecordVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, Any, 
         format: "mp4", "mkv", "webm", "gif" or "png", see `VideoWriter`. With "png" a video is a folder.
         scale: a pixel becomes `2 * scale` x `scale` pixels of the video.
         sound: record the sound, if the format has it. Each frame costs some microseconds more, recorded or not.
-        overlay: the values written below the frame: some of "score", "action" and "ram".
+        overlay: what is shown below the frame: some of "score", "action", "ram" and "curve", the score of the game so
+            far.
+        keep: "all" videos, or only the "best" so far, whose sum of rewards, not clipped, is highest.
 
     Raises:
         TypeError: the environment is not an `AtariEnv`, or an argument has the wrong type.
@@ -80,6 +82,7 @@ class RecordVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, Any, 
         scale: int = 2,
         sound: bool = True,
         overlay: tuple[str, ...] | None = None,
+        keep: str = "all",
     ) -> None:
         RecordConstructorArgs.__init__(
             self,
@@ -95,6 +98,7 @@ class RecordVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, Any, 
             scale=scale,
             sound=sound,
             overlay=overlay,
+            keep=keep,
         )
         inner = getattr(env, "unwrapped", env)
         if not isinstance(inner, AtariEnv):
@@ -104,7 +108,7 @@ class RecordVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, Any, 
         super().__init__(env)
         self._atari = inner
         rate = frame_rate(inner.game) if fps is None else fps
-        self._settings = VideoSettings(format, inner.game.screen.shape, rate, scale, sound, overlay)
+        self._settings = VideoSettings(format, inner.game.screen.shape, rate, scale, sound, overlay, keep)
         self._schedule = Schedule(episode_trigger, step_trigger, video_length, name_prefix)
         self.video_folder = make_folder(video_folder)
         if self._settings.sound:

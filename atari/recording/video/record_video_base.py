@@ -4,7 +4,9 @@ It begins and ends videos and counts episodes and steps. The subclasses record t
 """
 
 import os
+import shutil
 import weakref
+from pathlib import Path
 from typing import Any
 
 from gymnasium import logger
@@ -22,6 +24,7 @@ class RecordVideoBase:
     video_folder: str
     _settings: VideoSettings
     _schedule: Schedule
+    _best: tuple[Path, int] | None = None
 
     def _make_recorder(self) -> None:
         self._recorder = VideoRecorder(self._settings)
@@ -53,12 +56,24 @@ class RecordVideoBase:
         self._schedule.start_video()
 
     def stop_recording(self) -> None:
-        """Complete the video; without one, do nothing.
+        """Complete the video; without one, do nothing. With keep="best", delete it or the best so far.
 
         Raises:
             OSError: the rest of the file cannot be written.
         """
+        path, score = self._recorder.path, self._recorder.score
         self._recorder.stop()
+        if path is not None and self._settings.keep == "best":
+            self._keep_best(path, score)
+
+    def _keep_best(self, path: Path, score: int) -> None:
+        """Delete a video that is not better than the best so far, or else that one."""
+        if self._best is not None and self._best[0] != path:
+            worse = path if score <= self._best[1] else self._best[0]
+            shutil.rmtree(worse.parent) if self._settings.format == "png" else worse.unlink(missing_ok=True)
+            if worse == path:
+                return
+        self._best = path, score
 
     def _before_episode(self) -> None:
         if self.recording and self._schedule.by_episode:

@@ -6,17 +6,14 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from atari.actions import Action
 from atari.cores import ByteArray, Core
 from atari.recording.deferred_error import DeferredErrorMixin
 from atari.recording.video.encoder import import_av
 from atari.recording.video.formats import FORMATS
 from atari.recording.video.options import VideoOptions
+from atari.recording.video.overlay import Overlay
 from atari.recording.video.writer import VideoWriter
 from atari.validation import check_name
-
-OVERLAYS = ("score", "action", "ram")
-_RAM_LINES = 8
 
 
 class VideoSettings:
@@ -28,7 +25,8 @@ class VideoSettings:
         fps: frames a second.
         scale: a pixel becomes `2 * scale` x `scale` pixels of the video.
         sound: whether to record sound, if the format has it.
-        overlay: the values written below the frame, from `OVERLAYS`.
+        overlay: what is shown below the frame, some of `OVERLAYS`.
+        keep: "all" videos, or the "best", whose sum of rewards is highest.
 
     Raises:
         TypeError, ValueError: an argument has the wrong type or is out of range.
@@ -43,20 +41,20 @@ class VideoSettings:
         scale: int,
         sound: bool,
         overlay: tuple[str, ...] | None,
+        keep: str,
     ) -> None:
         check_name("format", format, [suffix[1:] for suffix in FORMATS])
-        if isinstance(overlay, str) or not set(overlay or ()) <= set(OVERLAYS):
-            raise ValueError(f"overlay is a tuple of some of {', '.join(map(repr, OVERLAYS))}, got {overlay!r}")
-        self.format, self.size, self.fps, self.scale = format, size, fps, scale
+        check_name("keep", keep, ["all", "best"])
+        self.keep = keep
+        self.overlay = Overlay(overlay)
+        self.format, self.size, self.fps, self.scale = format, self.overlay.size(size), fps, scale
         self.sound = bool(sound) and FORMATS[f".{format}"].sound is not None
-        self.overlay = tuple(overlay or ())
-        self.caption_lines = bool({"score", "action"} & set(self.overlay)) + _RAM_LINES * ("ram" in self.overlay)
-        VideoOptions.check(self.path("", "x"), size, fps, **self._options())
+        VideoOptions.check(self.path("", "x"), self.size, fps, **self._options())
         if FORMATS[f".{format}"].container:
             import_av()
 
     def _options(self) -> dict[str, Any]:
-        return {"scale": self.scale, "sound": self.sound, "caption_lines": self.caption_lines}
+        return {"scale": self.scale, "sound": self.sound, "caption_lines": self.overlay.caption_lines}
 
     def path(self, folder: str | os.PathLike[str], name: str) -> Path:
         """Return the path of a video of this name."""
@@ -73,7 +71,9 @@ class VideoRecorder(DeferredErrorMixin):
     def __init__(self, settings: VideoSettings) -> None:
         self._settings = settings
         self._writer: VideoWriter | None = None
-        self._score = 0
+        self._overlay = Overlay(settings.overlay.parts)
+        self.score = 0
+        """The sum of the rewards in the current video, or in the last one."""
 
     @property
     def recording(self) -> bool:
@@ -85,6 +85,11 @@ class VideoRecorder(DeferredErrorMixin):
         """Frames in the current video; 0 without one."""
         return 0 if self._writer is None else self._writer.frames
 
+    @property
+    def path(self) -> Path | None:
+        """The file of the current video; None without one."""
+        return None if self._writer is None else self._writer.path
+
     def start(self, path: Path) -> None:
         """Begin a video.
 
@@ -92,6 +97,7 @@ class VideoRecorder(DeferredErrorMixin):
             OSError: the file cannot be written.
         """
         self._writer = self._settings.writer(path)
+        self.score = 0
 
     def stop(self) -> None:
         """Complete the video.
@@ -105,7 +111,7 @@ class VideoRecorder(DeferredErrorMixin):
 
     def begin_game(self) -> None:
         """Set the score in the overlay to 0."""
-        self._score = 0
+        self._overlay.begin_game()
 
     def write_frame(
         self, core: Core, action: int | None = None, reward: int = 0, image: ByteArray | None = None
@@ -118,28 +124,17 @@ class VideoRecorder(DeferredErrorMixin):
             reward: the reward of the frame.
             image: recorded in place of the core's screen.
         """
-        self._score += reward
+        self._overlay.add(reward)
         writer = self._writer
         if writer is None:
             return
+        self.score += reward
         samples = core.audio() if self._settings.sound and action is not None else None
-        caption = self._caption(core, action) if self._settings.overlay else ""
+        caption = self._overlay.caption(action, core.ram()) if self._overlay.parts else ""
         try:
-            writer.write(core.screen_rgb() if image is None else image, samples, caption)
+            writer.write(self._overlay.draw(core.screen_rgb() if image is None else image), samples, caption)
         except Exception as error:
             self._writer = None
             text = f"the recording has ended after {writer.frames} frames: {getattr(error, 'strerror', error)}"
             self._deferred_error = OSError(getattr(error, "errno", None) or errno.EIO, text, str(writer.path))
             self._deferred_error.__cause__ = error
-
-    def _caption(self, core: Core, action: int | None) -> str:
-        words = []
-        if "score" in self._settings.overlay:
-            words.append(f"score {self._score}")
-        if "action" in self._settings.overlay:
-            words.append(f"action {'-' if action is None else Action(action).name}")
-        lines = ["   ".join(words)] if words else []
-        if "ram" in self._settings.overlay:
-            rows = core.ram().reshape(_RAM_LINES, 16)
-            lines += [f"{128 + 16 * i:02X}:  {rows[i].tobytes().hex(' ').upper()}" for i in range(_RAM_LINES)]
-        return "\n".join(lines)

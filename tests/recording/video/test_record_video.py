@@ -21,6 +21,7 @@ from video_reader import NTSC, Screen, sound, video_frames
 import atari
 from atari.recording import RecordVideo, VideoWriter
 from atari.recording.video.audio import to_16_bit
+from atari.recording.video.overlay import CURVE_ROWS, Overlay
 from atari.wrappers import DqnPreprocessing, EpisodicLife
 
 Env = gymnasium.Env[Any, Any]
@@ -328,7 +329,7 @@ def test_its_arguments_are_gymnasiums(tmp_path: Path) -> None:
     theirs = list(inspect.signature(gymnasium.wrappers.RecordVideo.__init__).parameters.values())
     ours = list(inspect.signature(RecordVideo.__init__).parameters.values())
     assert [parameter.name for parameter in ours[: len(theirs)]] == [parameter.name for parameter in theirs]
-    for our, their in zip(ours[:-4], theirs, strict=True):
+    for our, their in zip(ours[:-5], theirs, strict=True):
         if our.name != "gc_trigger":
             assert (our.default, our.kind) == (their.default, their.kind)
 
@@ -367,7 +368,12 @@ def test_videos_that_will_be_replaced_are_warned_of(tmp_path: Path) -> None:
     ("options", "error", "text"),
     [
         ({"format": "avi"}, ValueError, "format must be one of 'mp4', 'mkv', 'webm', 'gif', 'png', got 'avi'"),
-        ({"overlay": "score"}, ValueError, "overlay is a tuple of some of 'score', 'action', 'ram', got 'score'"),
+        (
+            {"overlay": "score"},
+            ValueError,
+            "overlay is a tuple of some of 'score', 'action', 'ram', 'curve', got 'score'",
+        ),
+        ({"keep": "worst"}, ValueError, "keep must be one of"),
         ({"overlay": ("lives",)}, ValueError, "overlay is a tuple of some"),
         ({"scale": 0}, ValueError, "scale must be within 1..16"),
         ({"fps": 0}, ValueError, "fps must be within"),
@@ -477,3 +483,52 @@ def test_a_full_disk_ends_the_video_and_the_game_continues(tmp_path: Path) -> No
         0,
     )
     assert len(video_frames(tmp_path / "videos" / "rl-video-episode-1.mkv")) == 5
+
+
+# The best video, and the curve.
+
+
+def test_only_the_best_video_is_kept(tmp_path: Path) -> None:
+    options: dict[str, Any] = {"max_num_frames_per_episode": 1200, "frameskip": 4, "repeat_action_probability": 0.0}
+    env = record_video(atari.make("space_invaders", **options), tmp_path, keep="best", format="gif", scale=1)
+    env.action_space.seed(1)
+    returns: list[float] = []
+    for episode in range(4):
+        env.reset(seed=episode)
+        returns.append(0.0)
+        while True:
+            _, reward, terminated, truncated, _ = env.step(env.action_space.sample())
+            returns[-1] += float(reward)
+            if terminated or truncated:
+                break
+        env.stop_recording()
+        assert files(tmp_path) == [f"rl-video-episode-{returns.index(max(returns))}.gif"]
+    env.close()
+    assert len(set(returns)) > 1
+    assert 0 < returns.index(max(returns)) < 3  # it replaced one, and was better than one after it
+
+
+def test_the_curve_is_the_score_from_the_first_frame_to_this_one() -> None:
+    overlay = Overlay(("curve",))
+    screen = np.full((210, 160, 3), 7, np.uint8)
+    assert overlay.size((210, 160)) == (210 + CURVE_ROWS, 160)
+    for reward in [0] * 50 + [10] + [0] * 49:
+        overlay.add(reward)
+    image = overlay.draw(screen)
+    assert image.shape == (210 + CURVE_ROWS, 160, 3)
+    assert (image[:210] == 7).all()
+    rows = image[210:, :, 0].argmax(0)
+    assert (rows[2:75] == CURVE_ROWS - 2).all()
+    assert (rows[85:158] == 1).all()
+    overlay.begin_game()
+    assert (overlay.draw(screen)[210:, 1:-1, 0].argmax(0) == 1).all()
+
+
+def test_the_curve_goes_below_zero() -> None:
+    overlay = Overlay(("curve",))
+    for reward in (1, -3):
+        overlay.add(reward)
+    strip = overlay.draw(np.zeros((10, 160, 3), np.uint8))[10:, :, 0]
+    zero = round((CURVE_ROWS - 3) / 3) + 1
+    assert strip[:, 1].argmax() == zero
+    assert (strip[CURVE_ROWS - 2, 158], strip[zero, 80]) == (236, 74)

@@ -1,0 +1,79 @@
+"""`Overlay`: the values that a video shows below the game's screen."""
+
+from array import array
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+
+from atari.actions import Action
+from atari.cores import ByteArray
+
+OVERLAYS = ("score", "action", "ram", "curve")
+CURVE_ROWS = 32
+_RAM_LINES = 8
+_LINE, _ZERO = (236, 236, 236), (74, 74, 74)
+
+
+class Overlay:
+    """The score, the action and the RAM as text, and the score of the game so far as a curve.
+
+    Args:
+        parts: some of `OVERLAYS`; None is none.
+
+    Raises:
+        ValueError: there is no such part.
+    """
+
+    def __init__(self, parts: Sequence[str] | None) -> None:
+        if isinstance(parts, str) or not set(parts or ()) <= set(OVERLAYS):
+            raise ValueError(f"overlay is a tuple of some of {', '.join(map(repr, OVERLAYS))}, got {parts!r}")
+        self.parts = tuple(parts or ())
+        self.caption_lines = bool({"score", "action"} & set(self.parts)) + _RAM_LINES * ("ram" in self.parts)
+        self.score = 0
+        self._scores = array("d", [0])
+
+    def size(self, size: tuple[int, int]) -> tuple[int, int]:
+        """(rows, columns) of screens of this size with the curve."""
+        return size[0] + CURVE_ROWS * ("curve" in self.parts), size[1]
+
+    def begin_game(self) -> None:
+        """Begin with a score of 0."""
+        self.score = 0
+        self._scores = array("d", [0])
+
+    def add(self, reward: int) -> None:
+        """Add the reward of a frame."""
+        self.score += reward
+        if "curve" in self.parts:
+            self._scores.append(self.score)
+
+    def caption(self, action: int | None, ram: ByteArray) -> str:
+        """The lines of text; `action` is ALE's number, `ram` (128,) uint8."""
+        words = []
+        if "score" in self.parts:
+            words.append(f"score {self.score}")
+        if "action" in self.parts:
+            words.append(f"action {'-' if action is None else Action(action).name}")
+        lines = ["   ".join(words)] if words else []
+        if "ram" in self.parts:
+            rows = ram.reshape(_RAM_LINES, 16)
+            lines += [f"{128 + 16 * i:02X}:  {rows[i].tobytes().hex(' ').upper()}" for i in range(_RAM_LINES)]
+        return "\n".join(lines)
+
+    def draw(self, image: ByteArray) -> ByteArray:
+        """The image (rows, columns, 3) with the curve below it, from the game's first frame to this one."""
+        if "curve" not in self.parts:
+            return image
+        columns = image.shape[1]
+        scores = np.frombuffer(self._scores)
+        shown = scores[np.linspace(0, len(scores) - 1, columns - 2).astype(int)]
+        low, high = min(scores.min(), 0.0), max(scores.max(), 0.0)
+        rows = np.rint((high - np.append(shown, 0.0)) / max(high - low, 1.0) * (CURVE_ROWS - 3)).astype(int) + 1
+        whole = np.zeros((image.shape[0] + CURVE_ROWS, columns, 3), np.uint8)
+        whole[: image.shape[0]] = image
+        strip = whole[image.shape[0] :]
+        strip[rows[-1], 1:-1] = _ZERO
+        points = np.stack([np.arange(1, columns - 1), rows[:-1]], 1).astype(np.int32)
+        cv2.polylines(strip, [points], isClosed=False, color=_LINE)
+        return whole
