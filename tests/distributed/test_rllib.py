@@ -120,7 +120,8 @@ def digest(episode: tuple[Any, Any, Any]) -> tuple[Any, ...]:
 def test_a_worker_has_the_ids_without_an_import() -> None:
     import ray
 
-    @ray.remote
+    # Variables of its own give it a new process; another one may have imported the package for an earlier test.
+    @ray.remote(runtime_env={"env_vars": {"ATARI_TEST": "new"}})
     def kind(env_id: str) -> tuple[bool, str]:
         import gymnasium
 

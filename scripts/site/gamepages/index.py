@@ -9,7 +9,7 @@ from gamepages.markup import text
 
 _FILTERS = (
     ("actions", "Actions", (("2-4", "up to 4"), ("5-9", "5 to 9"), ("10-17", "10 to 17"), ("18-18", "all 18"))),
-    ("lives", "Lives", (("0-0", "none"), ("1-3", "1 to 3"), ("4-9", "4 or more"))),
+    ("lives", "Lives", (("0-0", "none"), ("1-3", "1 to 3"), ("4-99", "4 or more"))),
     ("players", "Players", (("1-1", "one only"), ("2-9", "two or more"), ("4-9", "four"))),
     ("labels", "RAM names", (("1-9", "1 to 9"), ("10-19", "10 to 19"), ("20-128", "20 or more"))),
     ("sticky", "IDs", (("1-1", "with sticky actions only (v5)"), ("2-2", "with and without (v4)"))),

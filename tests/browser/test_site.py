@@ -1,0 +1,135 @@
+"""The documentation site in a browser, which scripts/docs has built into build/site. Run by scripts/test --browser."""
+
+import os
+import shutil
+import threading
+from collections.abc import Iterator
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+playwright = pytest.importorskip("playwright.sync_api")
+
+import atari  # noqa: E402
+
+SITE = Path(__file__).parents[2] / "build" / "site"
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+EXECUTABLE = os.environ.get("CHROMIUM") or next(filter(None, map(shutil.which, BROWSERS)), None)
+if EXECUTABLE is None:
+    pytest.skip(f"no browser was found ({', '.join(BROWSERS)})", allow_module_level=True)
+if not (SITE / "index.html").exists():
+    pytest.skip("the site is not built; run ./scripts/docs --games pong,breakout", allow_module_level=True)
+
+PAGES = sorted(str(path.relative_to(SITE)) for path in SITE.rglob("*.html") if path.name != "404.html")
+GAME_PAGES = [page for page in PAGES if page.startswith("games/") and page != "games/index.html"]
+REFERENCE = [page for page in PAGES if page.startswith("reference/")]
+LOOKED_AT = [page for page in PAGES if page not in (*GAME_PAGES, *REFERENCE)] + GAME_PAGES[::25] + REFERENCE[::8]
+LOOKED_AT += ["games/pong.html", "games/breakout.html"]
+
+
+class Handler(SimpleHTTPRequestHandler):
+    """Serves the site without a log."""
+
+    def log_message(self, *_: Any) -> None:
+        """Print nothing."""
+
+
+@pytest.fixture(scope="module")
+def site() -> Iterator[str]:
+    """The address of the site."""
+    with ThreadingHTTPServer(("127.0.0.1", 0), partial(Handler, directory=str(SITE))) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_port}"
+        server.shutdown()
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with playwright.sync_playwright() as started:
+        found = started.chromium.launch(executable_path=EXECUTABLE, args=["--no-sandbox", "--disable-quic"])
+        yield found
+        found.close()
+
+
+@pytest.fixture
+def page(browser: Any, site: str) -> Iterator[Any]:
+    """A page of a phone's width. It may not report an error or ask another host until the test has ended."""
+    context = browser.new_context(viewport={"width": 390, "height": 844}, base_url=site)
+    context.set_default_timeout(15_000)
+    shown = context.new_page()
+    faults: list[str] = []
+    shown.on("console", lambda message: faults.append(message.text) if message.type in ("error", "warning") else None)
+    shown.on("pageerror", lambda error: faults.append(str(error)))
+    shown.on("requestfailed", lambda request: faults.append(f"{request.url}: {request.failure}"))
+    shown.on("request", lambda asked: None if asked.url.startswith((site, "data:", "blob:")) else faults.append(asked.url))
+    yield shown
+    context.close()
+    assert [fault for fault in faults if "net::ERR_ABORTED" not in fault] == []  # a video that was still loading
+
+
+def test_no_page_is_wider_than_a_phone(page: Any) -> None:
+    wide = {}
+    for name in LOOKED_AT:
+        page.goto(f"/{name}", wait_until="load")
+        if width := page.evaluate("document.documentElement.scrollWidth > innerWidth && document.documentElement.scrollWidth"):
+            wide[name] = width
+        broken = "[...document.images].filter((image) => image.complete && !image.naturalWidth).map((image) => image.src)"
+        assert page.evaluate(broken) == []
+    assert wide == {}
+
+
+def test_a_click_turns_the_sound_on(page: Any) -> None:
+    page.goto("/games/pong.html")
+    video, button = page.locator("figure.play video").first, page.locator("figure.play button.sound").first
+    assert video.evaluate("video => video.muted")
+    button.click()
+    assert not video.evaluate("video => video.muted")
+    page.wait_for_timeout(300)
+    assert video.evaluate("video => !video.paused && video.currentTime > 0 && video.webkitAudioDecodedByteCount > 0")
+    assert button.text_content() == "Sound off"
+    button.click()
+    assert video.evaluate("video => video.muted")
+
+
+def test_the_filters_of_the_index(page: Any) -> None:
+    page.goto("/games/index.html")
+    count = page.locator("ul.games > li").count()
+    assert count == len(atari.games)
+    visible = "[...document.querySelectorAll('ul.games > li:not([hidden])')].map((game) => game.querySelector('a').href)"
+    expected = {
+        ("name", "pong"): {game.id for game in atari.games.values() if "pong" in game.title.lower()},
+        ("players", "4-9"): {game.id for game in atari.games.values() if _players(game) >= 4},
+        ("labels", "20-128"): {game.id for game in atari.games.values() if len(game.ram_labels) >= 20},
+        ("actions", "18-18"): {game.id for game in atari.games.values() if len(_actions(game)) == 18},
+    }
+    for (name, value), games in expected.items():
+        page.evaluate("document.querySelector('form.game-filters').reset()")
+        field = page.locator(f"form.game-filters [name={name}]")
+        field.fill(value) if name == "name" else field.select_option(value)
+        shown = {address.rsplit("/", 1)[1].removesuffix(".html") for address in page.evaluate(visible)}
+        assert shown == games, name
+        assert page.locator("form.game-filters output").text_content() == f"{len(games)} games"
+        assert f"{name}={value}" in page.url
+    for name in ("lives", "sticky"):  # each game fits exactly one choice
+        page.evaluate("document.querySelector('form.game-filters').reset()")
+        field = page.locator(f"form.game-filters [name={name}]")
+        values = field.evaluate("field => [...field.options].map((option) => option.value).filter(Boolean)")
+        found = []
+        for value in values:
+            field.select_option(value)
+            found += page.evaluate(visible)
+        assert len(found) == len(set(found))
+        assert count - len(found) <= 4  # those without any ID
+    page.reload()
+    assert page.locator(f"form.game-filters [name={name}]").input_value() == values[-1]
+
+
+def _actions(game: Any) -> Any:
+    return game.minimal_actions or (game.multiplayer.minimal_actions if game.multiplayer else ())
+
+
+def _players(game: Any) -> int:
+    return game.multiplayer.most_players if game.multiplayer else 1
