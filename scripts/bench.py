@@ -21,6 +21,8 @@ Suites:
             PettingZoo's names
     ray     one step of one environment of RLlib's env runner, in CPU time, by parts: `AtariVectorEnv` beside RLlib's
             own wrappers of ale-py; needs the extra `ray`
+    jax     one step of one environment of a vector of 8, resets counted: `envs.xla()` in a compiled scan, by callback
+            and without, beside a Python loop, and both of ale-py's vector; needs the extra `jax`
 
 Each number is the median over the rounds; in each round every contestant runs once, in turn, so that a slow phase of
 the machine affects all of them. All play the same actions. The ratio is that of the medians. `raw` over all games takes
@@ -54,7 +56,7 @@ GAMES = ["breakout", "pong", "ms_pacman", "seaquest", "space_invaders", "montezu
 PACKAGES = (
     *("atari-envs", "ale-py", "envpool", "gymnasium", "numpy"),
     *("stable-baselines3", "torchrl", "cpprb", "dopamine-rl", "torch"),
-    *("pettingzoo", "supersuit", "multi-agent-ale-py", "ray"),
+    *("pettingzoo", "supersuit", "multi-agent-ale-py", "ray", "jax"),
 )
 
 
@@ -166,7 +168,7 @@ def default_games(suite: str) -> list[str]:
     """The games that a suite measures."""
     if suite == "multiplayer":
         return bench_multiplayer.GAMES
-    return GAMES[:1] if suite in ("sizes", "memory", "ray") else GAMES
+    return GAMES[:1] if suite in ("sizes", "memory", "ray", "jax") else GAMES
 
 
 def main() -> None:

@@ -17,6 +17,7 @@ import numpy as np
 import atari
 
 sys.path.insert(0, str(Path(__file__).parent))  # PYTHONSAFEPATH leaves it out
+import bench_jax
 import bench_memory
 import bench_multiplayer
 import bench_ray
@@ -137,6 +138,12 @@ def ray() -> Iterator[Comparison]:
         yield Comparison(name, [Contestant(*side) for side in sides])
 
 
+def jax() -> Iterator[Comparison]:
+    """One step of one environment in compiled functions and in loops; needs the extra `jax`."""
+    sides = [Contestant(*side) for side in bench_jax.contestants()]
+    yield Comparison(f"{bench_jax.COUNT} x 84x84 gray in JAX", sides)
+
+
 SUITES: dict[str, Callable[..., Iterator[Comparison]]] = {
     "raw": raw,
     "state": state,
@@ -147,6 +154,7 @@ SUITES: dict[str, Callable[..., Iterator[Comparison]]] = {
     "memory": memory,
     "multiplayer": multiplayer,
     "ray": ray,
+    "jax": jax,
 }
 
 

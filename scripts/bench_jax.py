@@ -1,0 +1,85 @@
+"""The suite `jax` of `bench.py`: steps in a compiled `lax.scan` beside a Python loop, ours and ale-py's."""
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from time import perf_counter
+from typing import Any
+
+import ale_py.vector_env
+import numpy as np
+
+import atari
+
+COUNT = 8
+
+Run = Callable[[int], float]
+
+
+def contestants() -> Iterator[tuple[str, Callable[[str], Run]]]:
+    """By name, what prepares a game; all have 8 environments of 84x84 and one thread for each core."""
+    yield "xla() in a scan", partial(scan, native, callback=False)
+    yield "callback in a scan", partial(scan, native, callback=True)
+    yield "loop", partial(loop, native)
+    yield "ale-py's xla()", partial(scan, ale)
+    yield "ale-py's loop", partial(loop, ale)
+
+
+def native(game: str) -> Any:
+    """Our vector environment."""
+    return atari.AtariVectorEnv(game, COUNT, full_action_space=True)
+
+
+def ale(game: str) -> Any:
+    """ale-py's vector environment."""
+    return ale_py.vector_env.AtariVectorEnv(game, COUNT, full_action_space=True)
+
+
+def actions_of(steps: int) -> np.ndarray[Any, np.dtype[np.int32]]:
+    """Rows of actions, one for each batch that `steps` steps of an environment need."""
+    return np.random.default_rng(0).integers(18, size=(-(-steps // COUNT), COUNT), dtype=np.int32)
+
+
+def loop(make: Callable[[str], Any], game: str) -> Run:
+    """Steps in Python; a pixel of each observation is read, as in the scan."""
+    envs = make(game)
+    envs.reset(seed=0)
+
+    def run(steps: int) -> float:
+        actions = actions_of(steps)
+        started = perf_counter()
+        total = 0.0
+        for batch in actions:
+            observations, rewards, *_ = envs.step(batch)
+            total += rewards.sum() + observations[0, 0].sum()
+        return (perf_counter() - started) * steps / actions.size
+
+    return run
+
+
+def scan(make: Callable[[str], Any], game: str, **options: Any) -> Run:
+    """Steps in one compiled function, which is compiled before the time is taken."""
+    import jax
+
+    envs = make(game)
+    envs.reset(seed=0)
+    handle, *_, step = envs.xla(**options)
+    compiled: dict[int, Any] = {}
+
+    def one(carry: Any, batch: Any) -> Any:
+        handle, total = carry
+        handle, (observations, rewards, *_) = step(handle, batch)
+        return (handle, total + rewards.sum() + observations[0, 0].sum()), ()
+
+    def run(steps: int) -> float:
+        actions = actions_of(steps)
+        start = handle, jax.numpy.zeros((), "float32")
+        if steps not in compiled:
+            function = jax.jit(lambda carry, actions: jax.lax.scan(one, carry, actions)[0])
+            compiled[steps] = function.lower(start, actions).compile()
+        started = perf_counter()
+        jax.block_until_ready(compiled[steps](start, actions))
+        taken = perf_counter() - started
+        assert not envs.closed  # and kept: compiled functions do not keep the environments
+        return taken * steps / actions.size
+
+    return run
