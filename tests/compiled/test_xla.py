@@ -251,8 +251,13 @@ class TestRefusals:
         envs.reset(seed=0)
         jax.block_until_ready(send(handle, np.zeros(8, int)))
         envs._port = None
-        with pytest.raises(RuntimeError, match="reset all environments"):
-            envs.step(np.zeros(8, int))
+        for call in (
+            lambda: envs.step(np.zeros(8, int)),
+            lambda: envs.reset(options={"reset_mask": np.arange(8) < 7}),
+            envs.observe,
+        ):
+            with pytest.raises(RuntimeError, match=r"reset all environments|must reset every environment"):
+                call()
         envs.reset(seed=0)
         envs.step(np.zeros(8, int))
 

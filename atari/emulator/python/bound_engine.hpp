@@ -107,6 +107,7 @@ class BoundEngine : Exclusive {
         const Batch* const target = checked(batch);
         locked([&] {
             check_process(process_);
+            if (std::find(which.begin(), which.end(), false) != which.end()) check_unfailed();
             engine_->drain();
             std::swap(current_, batch);
             target_ = target;
@@ -310,7 +311,7 @@ class BoundEngine : Exclusive {
     void begin(const std::vector<int64_t>& actions, const std::vector<float>& strengths,
                const std::vector<int64_t>* environments, const Batch* target, Keep&& keep) {
         if (sent_) throw std::runtime_error("a step has been started; receive it first");
-        if (failed_) throw std::runtime_error("a compiled function has failed in a step; reset all environments first");
+        check_unfailed();
         std::vector<int> some;
         if (environments) some = chosen(*environments);
         const std::vector<int>& rows = environments ? some : engine_->recent();
@@ -335,6 +336,11 @@ class BoundEngine : Exclusive {
         }
         target_ = nullptr;
         ready_ = true;
+    }
+
+    // Throws after an error that has left environments in the middle of a step, until all have been reset.
+    void check_unfailed() const {
+        if (failed_) throw std::runtime_error("a compiled function has failed in a step; reset all environments first");
     }
 
     void check_ready() const {
