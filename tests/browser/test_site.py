@@ -64,7 +64,9 @@ def page(browser: Any, site: str) -> Iterator[Any]:
     shown.on("console", lambda message: faults.append(message.text) if message.type in ("error", "warning") else None)
     shown.on("pageerror", lambda error: faults.append(str(error)))
     shown.on("requestfailed", lambda request: faults.append(f"{request.url}: {request.failure}"))
-    shown.on("request", lambda asked: None if asked.url.startswith((site, "data:", "blob:")) else faults.append(asked.url))
+    shown.on(
+        "request", lambda asked: None if asked.url.startswith((site, "data:", "blob:")) else faults.append(asked.url)
+    )
     yield shown
     context.close()
     assert [fault for fault in faults if "net::ERR_ABORTED" not in fault] == []  # a video that was still loading
@@ -74,9 +76,13 @@ def test_no_page_is_wider_than_a_phone(page: Any) -> None:
     wide = {}
     for name in LOOKED_AT:
         page.goto(f"/{name}", wait_until="load")
-        if width := page.evaluate("document.documentElement.scrollWidth > innerWidth && document.documentElement.scrollWidth"):
+        if width := page.evaluate(
+            "document.documentElement.scrollWidth > innerWidth && document.documentElement.scrollWidth"
+        ):
             wide[name] = width
-        broken = "[...document.images].filter((image) => image.complete && !image.naturalWidth).map((image) => image.src)"
+        broken = (
+            "[...document.images].filter((image) => image.complete && !image.naturalWidth).map((image) => image.src)"
+        )
         assert page.evaluate(broken) == []
     assert wide == {}
 
@@ -98,7 +104,9 @@ def test_the_filters_of_the_index(page: Any) -> None:
     page.goto("/games/index.html")
     count = page.locator("ul.games > li").count()
     assert count == len(atari.games)
-    visible = "[...document.querySelectorAll('ul.games > li:not([hidden])')].map((game) => game.querySelector('a').href)"
+    visible = (
+        "[...document.querySelectorAll('ul.games > li:not([hidden])')].map((game) => game.querySelector('a').href)"
+    )
     expected = {
         ("name", "pong"): {game.id for game in atari.games.values() if "pong" in game.title.lower()},
         ("players", "4-9"): {game.id for game in atari.games.values() if _players(game) >= 4},
