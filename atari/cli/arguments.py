@@ -61,10 +61,17 @@ def add_overlay(parser: argparse.ArgumentParser) -> None:
     """Add `--overlay`."""
     parser.add_argument(
         "--overlay",
-        type=lambda text: tuple(text.split(",")),
+        type=_overlay,
         metavar="PARTS",
         help=f"show values below the screen: some of {', '.join(OVERLAYS)}, with commas between",
     )
+
+
+def _overlay(text: str) -> tuple[str, ...]:
+    parts = tuple(text.split(","))
+    for part in set(parts) - set(OVERLAYS):
+        raise argparse.ArgumentTypeError(f"{part!r} is none of {', '.join(OVERLAYS)}")
+    return parts
 
 
 def find_game(name: str, playable: bool = True) -> Game:

@@ -23,7 +23,10 @@ from atari.env import AtariEnv
 from atari.games.game import Game
 from atari.recording import FORMATS, RecordReplay, Replay, VideoWriter, frame_rate
 from atari.recording.replay.file_format import SUFFIX
+from atari.recording.video.encoder import import_av
 from atari.recording.video.formats import has_sound
+from atari.recording.video.options import VideoOptions
+from atari.recording.video.overlay import Overlay
 
 if TYPE_CHECKING:
     from atari.cli.arguments import Commands
@@ -92,26 +95,38 @@ def _record(args: argparse.Namespace) -> int:
         return _film_replay(args)
     if Path(args.policy).exists():
         return _film_policy(args)
+    _check_endings(args.output or [])
     env = _make(args)
-    outputs = args.output or [Path("videos", f"{env.unwrapped.game.id}-{args.seed}.mp4")]
-    _check_endings(outputs)
+    game = env.unwrapped.game
+    outputs = args.output or [Path("videos", f"{game.id}-{args.seed}.mp4")]
     videos = [path for path in outputs if path.suffix.lower() != SUFFIX]
+    start = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder:
         if videos and (args.best or args.overlay):  # the games are recorded first, and filmed then
+            _check_videos(videos, game, args)
             replays = [path for path in outputs if path not in videos] or [Path(folder, "games.a26")]
-            result = _play_and_write(env, args, replays)
-            start = time.perf_counter()
+            counter, done = _play_and_write(env, args, replays)
             _film(Replay.load(replays[0]), videos, args)
-            result["elapsed_seconds"] += time.perf_counter() - start
         else:
-            result = _play_and_write(env, args, outputs)
-    result["files"] = [path.resolve() for path in outputs]
+            counter, done = _play_and_write(env, args, outputs)
+    files = [path.resolve() for path in outputs]
+    if not done:
+        raise KeyboardInterrupt(f"after {counter.frames:,} frames; what was recorded is in {_listed(files)}")
+    result = {
+        "game": game.id,
+        "policy": args.policy,
+        "seed": args.seed,
+        "frames": counter.frames,
+        "scores": counter.scores,
+        "elapsed_seconds": time.perf_counter() - start,
+        "files": files,
+    }
     print_json(result) if args.json else print(_summary(result))
     return 0
 
 
-def _play_and_write(env: Any, args: argparse.Namespace, outputs: list[Path]) -> dict[str, Any]:
-    """Play the games and write videos and replays of all of them while they are played."""
+def _play_and_write(env: Any, args: argparse.Namespace, outputs: list[Path]) -> tuple[ScoreCounter, bool]:
+    """Play the games and write videos and replays of all of them meanwhile; False if play was interrupted."""
     with ExitStack() as stack:
         stack.callback(lambda: env.close())  # late binding: closes the outermost wrapper
         inner = env.unwrapped
@@ -125,20 +140,7 @@ def _play_and_write(env: Any, args: argparse.Namespace, outputs: list[Path]) -> 
                 inner.observers.append(VideoObserver(inner, stack.enter_context(_video(path, inner, args))))
         interrupted = stack.enter_context(ctrl_c_as_event())
         env.action_space.seed(args.seed)
-        start = time.perf_counter()
-        done = _play(env, policy, score_counter, args, interrupted)
-        elapsed = time.perf_counter() - start
-    if not done:
-        files = [path.resolve() for path in outputs if path.parent.exists()]
-        raise KeyboardInterrupt(f"after {score_counter.frames:,} frames; what was recorded is in {_listed(files)}")
-    return {
-        "game": inner.game.id,
-        "policy": args.policy,
-        "seed": args.seed,
-        "frames": score_counter.frames,
-        "scores": score_counter.scores,
-        "elapsed_seconds": elapsed,
-    }
+        return score_counter, _play(env, policy, score_counter, args, interrupted)
 
 
 def _film(replay: Replay, outputs: list[Path], args: argparse.Namespace) -> int:
@@ -146,8 +148,8 @@ def _film(replay: Replay, outputs: list[Path], args: argparse.Namespace) -> int:
     frames = replay.frames_total
     part: dict[str, Any] = {}
     if args.best:
-        part = {"episode": replay.best_episode}
-        frames = replay.episodes[replay.best_episode].frames
+        best = replay.best_episode
+        part, frames = {"episode": best}, replay.episodes[best].frames
     elif args.seconds is not None:
         frames = min(frames, math.ceil(args.seconds * frame_rate(replay.game)))
         part = {"stop": frames}
@@ -299,6 +301,17 @@ def _check_endings(outputs: list[Path]) -> None:
     for path in outputs:
         if path.suffix.lower() not in endings:
             raise ValueError(f"-o is a file that ends in one of {', '.join(endings)}, got {str(path)!r}")
+
+
+def _check_videos(videos: list[Path], game: Game, args: argparse.Namespace) -> None:
+    """Check before the games are played what `_film` would find wrong after them."""
+    shown, rate = Overlay(args.overlay), frame_rate(game)
+    lines, size = shown.caption_lines, shown.size(game.screen.shape)
+    for path in videos:
+        sound = not args.no_sound and has_sound(path)
+        options = VideoOptions.check(path, size, rate, scale=args.scale, sound=sound, caption_lines=lines)
+        if options.format.container:
+            import_av()
 
 
 def _video(path: Path, env: AtariEnv, args: argparse.Namespace) -> VideoWriter:

@@ -12,6 +12,7 @@ from atari.cli.arguments import add_command, add_overlay, number
 from atari.cli.output import print_json, print_table, print_warning
 from atari.cores import CORES
 from atari.recording import FORMATS, Replay, frame_rate
+from atari.validation import check_integer
 
 if TYPE_CHECKING:
     from atari.cli.arguments import Commands
@@ -122,8 +123,10 @@ def _render(args: argparse.Namespace) -> int:
     if args.episode is not None:
         if args.start or args.stop is not None:
             raise ValueError("--episode shows a whole episode; leave --start and --stop out")
-        part = {"episode": episode_number(replay, args.episode)}
-        frames = replay.episodes[part["episode"]].frames
+        most = len(replay.episodes) - 1
+        best = args.episode == "best"
+        number = replay.best_episode if best else check_integer("--episode", args.episode, 0, most)
+        part, frames = {"episode": number}, replay.episodes[number].frames
     else:
         part = {"start": args.start, "stop": min(args.stop or replay.frames_total, replay.frames_total)}
         frames = max(part["stop"] - args.start, 0)
@@ -135,20 +138,6 @@ def _render(args: argparse.Namespace) -> int:
     result = {"file": args.file, "frames": frames, "video": output.resolve()}
     print_json(result) if args.json else print(f"{frames:,} frames in {output.resolve()}")
     return 0
-
-
-def episode_number(replay: Replay, chosen: int | str) -> int:
-    """The number of an episode that `--episode` names.
-
-    Raises:
-        ValueError: the replay has no such episode.
-    """
-    count = len(replay.episodes)
-    if chosen == "best" and count:
-        return replay.best_episode
-    if chosen not in range(count):
-        raise ValueError(f"{replay.path} has the episodes 0 to {count - 1}, got --episode {chosen}")
-    return int(chosen)
 
 
 def _load(file: Path) -> Replay:

@@ -1,9 +1,7 @@
 """The inspector in a browser: Chromium or Chrome of this system, without a window. Run by scripts/test --browser."""
 
 import json
-import os
 import re
-import shutil
 import subprocess
 import sys
 import time
@@ -24,21 +22,8 @@ playwright = pytest.importorskip("playwright.sync_api")
 from atari.lab import widget  # noqa: E402
 from atari.recording import Replay  # noqa: E402
 
-BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-EXECUTABLE = os.environ.get("CHROMIUM") or next(filter(None, map(shutil.which, BROWSERS)), None)
-if EXECUTABLE is None:
-    pytest.skip(f"no browser was found ({', '.join(BROWSERS)})", allow_module_level=True)
-
 LIVES, PADDLE = 57, 72
 expect = playwright.expect
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with playwright.sync_playwright() as started:
-        found = started.chromium.launch(executable_path=EXECUTABLE, args=["--no-sandbox", "--disable-quic"])
-        yield found
-        found.close()
 
 
 @pytest.fixture(scope="module")

@@ -129,8 +129,9 @@ def test_without_pyav_the_extra_is_named(monkeypatch: pytest.MonkeyPatch, capsys
     record_json(capsys, "pong", "--seconds", "0.5", "-o", "a.a26")
 
 
-def test_ctrl_c_keeps_what_was_recorded(folder: Path) -> None:
-    words = [sys.executable, "-m", "atari", "record", "pong", "--policy", "slow:policy", "-o", "a.a26"]
+@pytest.mark.parametrize("options", [["-o", "a.a26"], ["-o", "a.gif", "--best", "--scale", "1"]])
+def test_ctrl_c_keeps_what_was_recorded(folder: Path, options: list[str]) -> None:
+    words = [sys.executable, "-m", "atari", "record", "pong", "--policy", "slow:policy", *options]
     (folder / "slow.py").write_text(
         "import time\ncount = 0\ndef policy(_):\n    global count\n    count += 1\n"
         "    if count == 100:\n        print('playing', flush=True)\n    time.sleep(0.001)\n    return 0\n"
@@ -141,7 +142,11 @@ def test_ctrl_c_keeps_what_was_recorded(folder: Path) -> None:
         process.send_signal(signal.SIGINT)
         _, err = process.communicate(timeout=120)
     assert process.returncode == 130
-    assert err.endswith(f"frames; what was recorded is in {folder / 'a.a26'}\n")
+    assert err.endswith(f"frames; what was recorded is in {folder / options[1]}\n")
+    if "--best" in options:
+        with av.open("a.gif") as container:
+            assert sum(1 for _ in container.decode(video=0)) >= 330  # of 396 at 50 frames a second
+        return
     replay = Replay.load("a.a26")
     assert replay.complete
     assert replay.frames_total >= 396
@@ -165,16 +170,25 @@ def test_a_game_definition_with_its_rom_elsewhere(capsys: pytest.CaptureFixture[
 
 
 def test_the_best_game_is_filmed(capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["boxing", "--seed", "3", "--episodes", "2", "--best", "--scale", "1", "--overlay", "score,action,curve"]
+    words = ["breakout", "--seed", "3", "--episodes", "3", "--best", "--scale", "1", "--overlay", "score,action,curve"]
     result = record_json(capsys, *words, "-o", "best.gif", "-o", "all.a26")
     replay = Replay.load("all.a26")
     assert [episode.score for episode in replay.episodes] == result["scores"]
-    best = replay.episodes[result["scores"].index(max(result["scores"]))]
-    with av.open("best.gif") as container:
-        frames = container.streams.video[0].frames or sum(1 for _ in container.decode(video=0))
-    assert abs(frames - best.frames * 5 / 6) < 20
-    assert best.frames < replay.frames_total
+    best = result["scores"].index(max(result["scores"]))
+    assert best == 1  # neither the first nor the last
+    for episode in range(3):
+        replay.render(f"{episode}.gif", scale=1, overlay=("score", "action", "curve"), episode=episode)
+        assert (Path(f"{episode}.gif").read_bytes() == Path("best.gif").read_bytes()) == (episode == best)
     alone = record_json(capsys, *words, "-o", "alone.gif")
     assert alone["scores"] == result["scores"]
     assert Path("alone.gif").read_bytes() == Path("best.gif").read_bytes()
     assert sorted(path.name for path in Path().glob("*.a26")) == ["all.a26"]
+
+
+def test_wrong_videos_are_refused_before_the_games_are_played(capsys: pytest.CaptureFixture[str]) -> None:
+    for words in (["-o", "a.png"], ["-o", "a.gif", "--scale", "17"]):
+        assert main(["record", "pong", "--best", "--seconds", "1", *words, "-o", "a.a26"]) == 1
+        assert capsys.readouterr().err.count("\n") == 1
+        assert not Path("a.a26").exists()
+    assert main(["record", "pong", "--overlay", "score,lives"]) == 2
+    assert "'lives' is none of score, action, ram, curve" in capsys.readouterr().err

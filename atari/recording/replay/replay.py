@@ -8,6 +8,7 @@ import inspect
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
+from functools import cached_property
 from itertools import chain
 from os import PathLike
 from pathlib import Path
@@ -134,7 +135,7 @@ class Replay:
         skip = self.header["options"].get("frameskip")
         return {**self.header["options"], **({"frameskip": tuple(skip)} if isinstance(skip, list) else {})}
 
-    @property
+    @cached_property
     def episodes(self) -> tuple[Episode, ...]:
         """The episodes. If the recording was cut, the replay is played to count them.
 
