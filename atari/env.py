@@ -17,7 +17,7 @@ import numpy as np
 from gymnasium import logger, spaces
 
 from atari.actions import PLAYER_ACTIONS, Action, in_continuous_space, joystick_action, make_action_space
-from atari.cores import CORES, ByteArray, Core, snapshot
+from atari.cores import CORES, ByteArray, Core, snapshot, writes
 from atari.cores.ale_interface import AleInterface, AleSettings
 from atari.games.catalog import games
 from atari.games.game import Game
@@ -406,10 +406,11 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         return facts, {**blobs, "core": snapshot.with_options(blobs.get("core", b""), **options)}
 
     def __getstate__(self) -> dict[str, Any]:
-        """Pickling and copying keep the position in the game."""
+        """Pickling and copying keep the position in the game, and the writes of `Freeze` and `Poke`."""
         ale = {"ale_settings": copy.deepcopy(self.ale_settings), "core_options": self._core_options}
         facts = {"options": self._options, "sound": self.core.sound, "spec": copy.deepcopy(self.spec)}
         facts["restored"] = self._restored
+        facts["writes"] = writes.definitions(_slots(self.core))
         return {**ale, **facts, "np_random_seed": self._np_random_seed, "snapshot": self.snapshot()}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -420,6 +421,8 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             self.core = self._make_core()
         if state["sound"]:
             self.make_sound()
+        if writes.definitions(_slots(self.core)) != state["writes"]:
+            self.core.writes = writes.writes_of(self.game, state["writes"])  # type: ignore[attr-defined]
         self.restore(state["snapshot"])
         self._np_random_seed = state["np_random_seed"]
         self._restored = state["restored"]
@@ -448,11 +451,16 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         mode, difficulty = self._options["mode"], self._options["difficulty"] or 0
         if options != before or difficulty not in self.game.difficulties:  # backgammon's default is none of its own
             self._core_options = options
+            slots = _slots(self.core)
+            state = self.core.save() if slots else None  # type: ignore[attr-defined]  # with which writes are done
             try:
                 self._replace_core()
             except RuntimeError:
                 self._core_options = before
                 raise
+            if slots:
+                self.core.writes = slots  # type: ignore[attr-defined]
+                self.core.load(state)  # type: ignore[attr-defined]
         else:
             self.core.set_mode(self.game.default_mode if mode is None else mode)
             self.core.set_difficulty(difficulty)
@@ -569,6 +577,11 @@ def _read_game(values: Any) -> _Game:
     if not (isinstance(values, list) and [type(value) for value in values] == [float, int, int]):
         raise ValueError(f"the snapshot is damaged: a game's score, steps and first frame cannot be {values!r}")
     return _Game(*values)
+
+
+def _slots(core: Core) -> list[Any]:
+    """The writes of a core by slot; ale-py's has none."""
+    return getattr(core, "writes", [])
 
 
 def _keys(action: Action) -> tuple[str, ...]:

@@ -61,6 +61,25 @@ def write_of(game: Game, definition: str) -> _emulator.Write:
     return make_write(game, rule, "a write")
 
 
+def definitions(slots: Sequence[_emulator.Write | None]) -> list[str | None]:
+    """The definitions of writes by slot, which can be pickled; None where a write has ended."""
+    return [None if write is None else write.definition for write in slots]
+
+
+def writes_of(game: Game, definitions: Sequence[str | None]) -> list[_emulator.Write | None]:
+    """The writes of `definitions`, by slot.
+
+    Raises:
+        ValueError, TypeError: as `write_of`.
+    """
+    return [None if definition is None else write_of(game, definition) for definition in definitions]
+
+
+def first_free(slots: Sequence[_emulator.Write | None]) -> int:
+    """The slot that the next write gets."""
+    return next((slot for slot, write in enumerate(slots) if write is None), len(slots))
+
+
 def make_writes(game: Game, interventions: Sequence[Intervention]) -> list[_emulator.Write]:
     """The compiled writes of interventions, in their order.
 

@@ -3,64 +3,85 @@
 Both add writes to the native core, which applies them after every emulated frame, before the rules read RAM.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import Any, Protocol
 
 import numpy as np
 
 from atari import _emulator
-from atari.cores.writes import make_write
+from atari.cores.writes import first_free, make_write
 from atari.env import AtariEnv
 from atari.games.game import Game
 from atari.games.interventions.writes import LATEST_FRAME, WriteRule
 from atari.validation import check_integer
 from atari.vector.env import AtariVectorEnv
+from atari.vector.members import Member
 
 
 class _Target(Protocol):
-    """What has writes: a native core, or a member of a vector."""
+    """What has writes: an environment, a native core, or a member of a vector."""
 
-    game: Game
+    @property
+    def game(self) -> Game: ...
 
-    def add_write(self, write: _emulator.Write, now: bool = False) -> None: ...
+    @property
+    def slots(self) -> Sequence[_emulator.Write | None]:
+        """The writes; None where one has ended."""
+
+    def add_write(self, write: _emulator.Write, now: bool) -> int:
+        """Add a write and return its slot."""
 
     def remove_write(self, write: _emulator.Write) -> None: ...
 
 
-class _Environment:
-    """The core of an environment may be replaced by another one, so it is read at each use."""
+class _Single:
+    """An environment or a core. An environment may replace its core by another one, so the core is read at each use."""
 
-    def __init__(self, env: AtariEnv) -> None:
-        self._env: Any = env
-        self.game = env.game
+    def __init__(self, env: Any) -> None:
+        self._env = env
+        self.game: Game = env.game
 
-    def add_write(self, write: _emulator.Write, now: bool = False) -> None:
-        self._env.core.add_write(write, now)
+    @property
+    def _core(self) -> Any:
+        return self._env.core if isinstance(self._env, AtariEnv) else self._env
+
+    @property
+    def slots(self) -> Sequence[_emulator.Write | None]:
+        slots: list[_emulator.Write | None] = self._core.writes
+        return slots
+
+    def add_write(self, write: _emulator.Write, now: bool) -> int:
+        slot = first_free(self.slots)
+        self._core.add_write(write, now)
+        return slot
 
     def remove_write(self, write: _emulator.Write) -> None:
-        self._env.core.remove_write(write)
+        self._core.remove_write(write)
 
 
 class _Held:
-    """Writes that were added to cores, until `release`."""
+    """Writes that were added to cores, until `release`.
+
+    A copy that `copy.deepcopy` or `pickle` makes together with a copy of the environment releases the copy's writes.
+    """
 
     def __init__(self, env: Any, values: Mapping[Any, Any], index: int | None, now: bool, **rule: Any) -> None:
         if not values:
             raise ValueError(f"{type(self).__name__} needs a label or a place in RAM, such as ball_x=80 or {{49: 80}}")
-        self._held: list[tuple[Any, _emulator.Write]] = []
-        targets = _targets(env, index)
-        made = []
+        self._env, self._index = getattr(env, "unwrapped", env), index
+        self._targets = _targets(self._env, index)
+        self._held: list[tuple[_Target, _emulator.Write, int]] = []
+        made: list[tuple[_Target, _emulator.Write]] = []
         for place, value in values.items():
             if type(place) is not str:
                 place = check_integer("a place in RAM", place, 0, 255)
-            for target, one in zip(targets, _spread(value, len(targets), place), strict=True):
+            for target, one in zip(self._targets, _spread(value, len(self._targets), place), strict=True):
                 where = f"{type(self).__name__}({place!r})"
                 made.append((target, make_write(target.game, WriteRule(place, one, **rule), where)))
         try:
             for target, write in made:
-                target.add_write(write, now)
-                self._held.append((target, write))
+                self._held.append((target, write, target.add_write(write, now)))
         except ValueError:
             self.release()
             raise
@@ -68,9 +89,28 @@ class _Held:
     def release(self) -> None:
         """End it; a second call does nothing. The bytes stay as they are until the program changes them."""
         while self._held:
-            target, write = self._held.pop()
+            target, write, _ = self._held.pop()
             with suppress(RuntimeError):  # the core is closed
                 target.remove_write(write)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Of the writes, the number of the environment and the slot."""
+        held = []
+        for target, write, slot in self._held:
+            with suppress(RuntimeError, IndexError):  # the core is closed, or its slots were set
+                if (now := target.slots[slot]) is not None and now.definition == write.definition:
+                    held.append((self._targets.index(target), slot))
+        return {"env": self._env, "index": self._index, "held": held}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self._env, self._index = state["env"], state["index"]
+        self._targets = _targets(self._env, self._index)
+        self._held = []
+        for number, slot in state["held"]:
+            target = self._targets[number]
+            write = target.slots[slot]
+            assert write is not None
+            self._held.append((target, write, slot))
 
 
 class Freeze(_Held):
@@ -86,7 +126,8 @@ class Freeze(_Held):
         labels: values by label.
 
     The bytes are written at once and after each frame, also that of a reset, until `release`, the end of the `with`
-    block, or `close` of the environment. Copies of the environment hold nothing.
+    block, or `close` of the environment. Copies of the environment by `pickle` and `copy.deepcopy` hold them too. To
+    release them in a copy, copy both in one call: `env, freeze = copy.deepcopy((env, freeze))`.
 
     Raises:
         TypeError: `env` is none of these.
@@ -168,21 +209,22 @@ class Poke(_Held):
 
 def _targets(env: Any, index: int | None) -> list[_Target]:
     """The native cores, or the members of a vector, that are meant."""
-    inner = getattr(env, "unwrapped", env)
-    if isinstance(inner, AtariVectorEnv):
-        members = inner.members
+    if isinstance(env, AtariVectorEnv):
+        members = env.members
         if index is None:
             return list(members)
         return [members[check_integer("index", index, 0, len(members) - 1)]]
     if index is not None:
         raise ValueError("index is for an AtariVectorEnv; leave it out")
-    core: Any = inner.core if isinstance(inner, AtariEnv) else inner
+    if isinstance(env, Member):
+        return [env]
+    core: Any = env.core if isinstance(env, AtariEnv) else env
     if getattr(core, "name", None) == "ale":
         raise ValueError("ale-py's core cannot write RAM within a frame; use core='native'")
     if not hasattr(core, "add_write"):
         kinds = "an AtariEnv, a core, an AtariVectorEnv or one of its members"
         raise TypeError(f"{kinds} is needed, got {type(env).__name__}")
-    return [_Environment(inner) if isinstance(inner, AtariEnv) else core]
+    return [_Single(env)]
 
 
 def _spread(value: Any, count: int, place: Any) -> list[int | str]:

@@ -23,7 +23,7 @@ from gymnasium.vector.utils import batch_space
 
 from atari import _emulator
 from atari._gymnasium import AutoresetMode, VectorEnv
-from atari.cores import ByteArray
+from atari.cores import ByteArray, writes
 from atari.games.game import Game
 from atari.games.interventions import Intervention
 from atari.protocols import Protocol
@@ -457,7 +457,10 @@ class AtariVectorEnv(Views, VectorEnv):
         self._given[name] = checked
 
     def __getstate__(self) -> dict[str, Any]:
-        """Pickling and copying keep the position in all games; in batches of fewer than all, a reset must follow."""
+        """Pickling and copying keep the position in all games, and the writes of `Freeze` and `Poke`.
+
+        In batches of fewer than all, a reset must follow.
+        """
         with self._lock:
             engine = self._open()
             if engine.sent:
@@ -465,12 +468,19 @@ class AtariVectorEnv(Views, VectorEnv):
             states = [engine.save(index) for index in range(self.num_envs)]
             given = {**self._given, "num_envs": self.num_envs, **self._choices(engine)}
             phase = self._phase if self.batch_size == self.num_envs else "new"
-            return {"given": given, "states": states, "phase": phase, "spec": copy.deepcopy(self.spec)}
+            added = [writes.definitions(added.slots) for added in self._added]
+            facts = {"phase": phase, "spec": copy.deepcopy(self.spec)}
+            return {"given": given, "states": states, "writes": added, **facts}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         AtariVectorEnv.__init__(self, **state["given"])
-        for index, member in enumerate(state["states"]):
-            self._open().load(index, member)
+        self._added = tuple(
+            AddedWrites(writes.writes_of(game, added)) for game, added in zip(self.games, state["writes"], strict=True)
+        )
+        engine = self._open()
+        for index, (member, added) in enumerate(zip(state["states"], self._added, strict=True)):
+            added.add_to(engine, index)
+            engine.load(index, member)
         self._phase = state["phase"]
         self.spec = state["spec"]
 

@@ -1,6 +1,6 @@
 """`Member`: one environment of a vector."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from atari import _emulator
 from atari.actions import Action
-from atari.cores import ByteArray, NativeCore
+from atari.cores import ByteArray, NativeCore, writes
 from atari.cores.ale_interface import AleInterface, Player
 from atari.games.game import Game
 from atari.validation import check_poke
@@ -17,16 +17,33 @@ from atari.validation import check_poke
 class AddedWrites:
     """The writes that were added to an environment of a vector."""
 
-    def __init__(self) -> None:
-        self.writes: list[_emulator.Write] = []
-        """Those that were not removed."""
+    def __init__(self, slots: Sequence[_emulator.Write | None] = ()) -> None:
+        self.slots = list(slots)
+        """By slot after those of the interventions, as in the engine; None where one was removed, the last is none."""
         self.shadows: list[Any] = []
         """Cores that repeat the environment, and get these writes and bytes too."""
 
+    def add(self, write: _emulator.Write) -> int:
+        """Note that the engine has a write; returns its slot."""
+        slot = writes.first_free(self.slots)
+        self.slots[slot : slot + 1] = [write]
+        return slot
+
+    def remove(self, write: _emulator.Write) -> None:
+        """Note that the engine has a write no longer."""
+        self.slots = [None if each is write else each for each in self.slots]
+        while self.slots and self.slots[-1] is None:
+            self.slots.pop()
+
     def add_to(self, engine: _emulator.VectorEngine, index: int) -> None:
-        """Add the writes to an environment of a new engine."""
-        for write in self.writes:
-            engine.add_write(index, write)
+        """Add the writes to an environment of a new engine, in the same slots: a state says by slot which are done."""
+        if not self.slots:
+            return
+        last: Any = self.slots[-1]
+        for write in self.slots:
+            engine.add_write(index, write or last)
+        for _ in range(self.slots.count(None)):
+            engine.remove_write(index, last)  # the first that is equal
 
 
 class Member:
@@ -150,23 +167,29 @@ class Member:
             screen = self._engine().redraw(self.index)
         return _copied(screen, out)
 
-    def add_write(self, write: _emulator.Write, now: bool = False) -> None:
-        """Apply a write at each frame from here on, and with `now` at once. `atari.lab.Freeze` uses it.
+    @property
+    def slots(self) -> Sequence[_emulator.Write | None]:
+        """The writes that were added; None where one was removed."""
+        return self.added.slots
+
+    def add_write(self, write: _emulator.Write, now: bool = False) -> int:
+        """Apply a write at each frame from here on, and with `now` at once; returns its place in `slots`.
 
         Raises:
             ValueError: there are `_emulator.MOST_WRITES` already.
         """
         with self._lock:
             self._engine().add_write(self.index, write, now)
-        self.added.writes.append(write)
+            slot = self.added.add(write)
         for shadow in self.added.shadows:
             shadow.add_write(write, now)
+        return slot
 
     def remove_write(self, write: _emulator.Write) -> None:
         """End a write; does nothing if there is no such."""
         with self._lock:
             self._engine().remove_write(self.index, write)
-        self.added.writes = [each for each in self.added.writes if each is not write]
+            self.added.remove(write)
         for shadow in self.added.shadows:
             shadow.remove_write(write)
 

@@ -63,7 +63,7 @@ class RecordVectorReplay(VectorWrapper):
         self._vector = inner
         self._index = check_integer("index", index, 0, inner.num_envs - 1)
         self._added = inner.members[self._index].added
-        if self._added.writes:
+        if self._added.slots:
             raise ValueError("the environment has a Freeze or a Poke; release it, and make it after RecordVectorReplay")
         self._seeded = inner._phase == "new"
         self._shadow = _make_shadow(inner, self._index, path)
