@@ -25,7 +25,7 @@ class AleVectorInterface:
 
     def get_action_set(self) -> list[Action]:
         """The action of each index of the action space."""
-        return list(self._envs._options.actions[0])
+        return list(self._envs.options.actions[0])
 
     def get_observation_shape(self) -> tuple[int, ...]:
         """The shape of the observation of one environment."""

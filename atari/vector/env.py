@@ -399,6 +399,11 @@ class AtariVectorEnv(Views, VectorEnv):
         return rams
 
     @property
+    def options(self) -> VectorOptions:
+        """The checked options, of every environment; `protocol` has those that a preset decides (added)."""
+        return self._options
+
+    @property
     def autoreset_mode(self) -> AutoresetMode:
         """What happens to environments that are done."""
         return self._options.autoreset_mode

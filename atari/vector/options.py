@@ -36,7 +36,18 @@ _INT64, _ndarray = np.dtype(np.int64), np.ndarray  # found once: they are used a
 
 @dataclass(frozen=True)
 class VectorOptions:
-    """The options of a vector environment. `check` makes them from the arguments of `AtariVectorEnv`."""
+    """The options of a vector environment. `check` makes them from the arguments of `AtariVectorEnv`.
+
+    Attributes:
+        games, modes, difficulties, interventions: by environment; None is the default mode or difficulty.
+        batch_size, num_threads: as they are, never 0.
+        threshold: `continuous_action_threshold`.
+        obs_type: "grayscale", "rgb", "ram" or "dict".
+        layout: the axes and the dtype of observations; `layout.is_engines` is uint8 with the stack first.
+        protocol: all that decides how games begin, are played and end, of a preset or of the arguments.
+        players: of each game, at least 1.
+        others: as `AtariVectorEnv` takes them.
+    """
 
     games: tuple[Game, ...]
     modes: tuple[int | None, ...]

@@ -130,6 +130,51 @@ def test_actions_alone_continue_from_the_reset() -> None:
     assert same(other.play(None, 0, False).rollout, second)
 
 
+class Ordered(Drawn):
+    """Records the order of calls; its memory is made by `load` if `needs_weights`."""
+
+    calls: list[str]
+    needs_weights = False
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.calls = []
+
+    def __call__(self, observations: Any, random: np.random.Generator) -> Any:
+        self.calls.append("act")
+        return super().__call__(observations, random)
+
+    def load(self, weights: int) -> None:
+        self.calls.append("load")
+
+    def restore(self, state: int) -> None:
+        if self.needs_weights and "load" not in self.calls:
+            raise AttributeError("no network")
+        self.calls.append("restore")
+        super().restore(state)
+
+
+def test_a_successor_restores_before_it_loads() -> None:
+    first = RolloutWorker(settings(), 0, Drawn, Position()).play(1, 1, True)
+    made: list[Ordered] = []
+    successor = RolloutWorker(
+        settings(), 0, lambda: made.append(Ordered()) or made[0], Position(1, first.environments, (), first.policy)
+    )
+    successor.play(1, 1, False)
+    assert made[0].calls[:3] == ["restore", "load", "act"]
+    assert made[0].calls.count("restore") == 1
+
+
+def test_a_policy_that_needs_weights_to_restore_is_named_in_the_error() -> None:
+    class NeedsWeights(Ordered):
+        needs_weights = True
+
+    first = RolloutWorker(settings(), 0, Drawn, Position()).play(1, 1, True)
+    successor = RolloutWorker(settings(), 0, NeedsWeights, Position(1, first.environments, (), first.policy))
+    with pytest.raises(RuntimeError, match=r"NeedsWeights failed .*no network.* before load\(weights\)"):
+        successor.play(1, 1, False)
+
+
 @pytest.mark.parametrize(
     "options",
     [

@@ -64,7 +64,9 @@ class RolloutActors:
             (num_envs, ...) that come with the batch, such as logits. `observations` are (num_envs, ...) uint8 as of
             `AtariVectorEnv`, valid until the next call; `random` is a `numpy.random.Generator` of this actor. A policy
             with weights has `load(weights)`; a policy with a memory has `state()`, which returns what can be pickled,
-            and `restore(state)`.
+            and `restore(state)`. In the successor of a lost actor the order is: a new policy is made; `restore(state)`;
+            `load(weights)` with the weights of the next batch; that batch. So `restore` must not need weights, and
+            `load` must not change what `state` saves: it may be called again with weights that the lost actor had.
         steps: of each environment in a batch.
         seed: environment j of actor i has seed + i * num_envs + j.
         in_flight: batches of each actor that are being played or wait for delivery: no more are played until the

@@ -45,12 +45,12 @@ class WorkerSettings:
         """
         envs = AtariVectorEnv(self.game, self.num_envs, **{"num_threads": 1, **self.options})
         refused = {
-            "channels_last=True or dtype='float32'": not envs._options.layout.is_engines,
-            "obs_type='dict'": envs._options.obs_type == "dict",
+            "channels_last=True or dtype='float32'": not envs.options.layout.is_engines,
+            "obs_type='dict'": envs.options.obs_type == "dict",
             f"autoreset_mode={envs.autoreset_mode.value!r}": envs.autoreset_mode != AutoresetMode.NEXT_STEP,
             f"batch_size={envs.batch_size}": envs.batch_size != envs.num_envs,
-            f"players={envs._options.players}": envs._options.players > 1,
-            "life_loss_info=True": envs._options.protocol.life_loss_info,
+            f"players={envs.options.players}": envs._options.players > 1,
+            "life_loss_info=True": envs.options.protocol.life_loss_info,
         }
         for what, is_so in refused.items():
             if is_so:
@@ -113,7 +113,7 @@ class RolloutWorker:
         stacked = settings.unstacked and len(shape) > 3 and shape[1] > 1
         self._frames = Frames(settings.steps, shape) if stacked else None
         self._table: npt.NDArray[np.uint8] | None = None
-        self._continue(position)
+        self._position: Position | None = position
 
     def play(self, weights: Any, version: int, take_snapshot: bool) -> Played:
         """Play a rollout. The next one writes to the memory of its observations again.
@@ -125,7 +125,11 @@ class RolloutWorker:
 
         Raises:
             ValueError: the policy returns no actions for the environments, or other extras than before.
+            RuntimeError: in the successor of a lost actor, the policy's `restore` has failed.
         """
+        if self._position is not None:  # here, because Ray takes an actor whose constructor fails for a lost one
+            self._continue(self._position)
+            self._position = None
         if weights is not None:
             self._policy.load(weights)
         rows = _Rows(self._steps)
@@ -175,7 +179,17 @@ class RolloutWorker:
         if position.policy is not None:
             self._random.bit_generator.state, state = pickle.loads(position.policy)
             if state is not None:
-                self._policy.restore(state)
+                self._restore(state)
+
+    def _restore(self, state: Any) -> None:
+        try:
+            self._policy.restore(state)
+        except Exception as error:
+            raise RuntimeError(
+                f"restore(state) of the policy {type(self._policy).__name__} failed in the successor of a lost actor "
+                f"({type(error).__name__}: {error}); it is called on a new policy, before load(weights), and must not "
+                "need weights: let it keep the state until load(), or save in state() what it needs"
+            ) from error
 
 
 class _Rows:

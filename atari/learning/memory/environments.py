@@ -38,7 +38,7 @@ def options_for(envs: Any) -> dict[str, Any]:
 
 
 def _atari_options(envs: AtariVectorEnv) -> dict[str, Any]:
-    options, protocol = envs._options, envs._options.protocol
+    options, protocol = envs.options, envs.options.protocol
     if options.stack_num != 1 and options.obs_type != "ram":
         raise ValueError(
             f"a ReplayMemory makes the stacks: make the environments with stack_num=1, not {options.stack_num}"

@@ -100,7 +100,7 @@ class RecordVectorReplay(VectorWrapper):
         Raises:
             RuntimeError: the recorded environment and its shadow differ.
         """
-        indices, strengths = self._vector._options.moves(actions)
+        indices, strengths = self._vector.options.moves(actions)
         row = self._index
         self._recorder.raise_deferred_error()
         result = self.env.step(actions)
@@ -138,9 +138,9 @@ class _AleShadow:
     def __init__(self, vector: AtariVectorEnv, member: Member, env: RecordReplay) -> None:
         self.env, self.member = env, member
         self._core: Any = env.get_wrapper_attr("core")
-        self._actions = vector._options.actions[member.index]
-        fire = vector._options.protocol.fire != "never"
-        self._fires = fire and FIRE in vector._options.action_sets[member.index]
+        self._actions = vector.options.actions[member.index]
+        fire = vector.options.protocol.fire != "never"
+        self._fires = fire and FIRE in vector.options.action_sets[member.index]
         self._episode_frames = 0
 
     def reset(self, seed: int | None) -> None:
@@ -178,7 +178,7 @@ class _PresetShadow:
 
     def __init__(self, vector: AtariVectorEnv, member: Member, env: RecordReplay) -> None:
         self.env, self.member = env, member
-        self._autoreset = vector._options.autoreset_mode
+        self._autoreset = vector.options.autoreset_mode
         self._over = False
 
     def reset(self, seed: int | None) -> None:
@@ -197,7 +197,7 @@ class _PresetShadow:
 
 
 def _make_shadow(vector: AtariVectorEnv, index: int, path: str | PathLike[str]) -> Any:
-    given, options = vector._given, vector._options
+    given, options = vector._given, vector.options
     game: Game = options.games[index]
     common: dict[str, Any] = {
         "mode": options.modes[index],
