@@ -4,7 +4,6 @@
 """
 
 import re
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -18,15 +17,9 @@ from atari.games.manual import Manual, load_manual
 from atari.games.multiplayer import Multiplayer, parse_multiplayer
 from atari.games.rules import LABEL_ADDRESSES, Rules, check_label_expression, parse_rules
 from atari.games.tables import actions, build, check_keys, check_numbers, check_value
+from atari.games.toml_file import read_toml
 from atari.notebook import facts
-from atari.validation import check_file
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
-
-_MOST_BYTES = 256 << 10
 _FOLDER = Path(__file__).parent
 
 TV_FRAME_RATES = MappingProxyType({"NTSC": 60.0, "PAL": 50.0, "SECAM": 50.0})
@@ -206,13 +199,9 @@ def load_game(path: Path) -> Game:
             it is a device or a pipe.
         FileNotFoundError, IsADirectoryError, PermissionError: it cannot be read.
     """
-    check_file(path)
-    with path.open("rb") as stream:
-        data = stream.read(_MOST_BYTES + 1)
+    table = read_toml(path, "a game definition")
     try:
-        if len(data) > _MOST_BYTES:
-            raise ValueError(f"a game definition has at most {_MOST_BYTES:,} bytes")
-        return parse_game(path.stem, tomllib.loads(data.decode("utf-8")))
+        return parse_game(path.stem, table)
     except RecursionError:
         raise ValueError(f"{path}: its tables or lists are nested too deeply") from None
     except (ValueError, TypeError, AttributeError) as error:

@@ -4,7 +4,6 @@
 """
 
 import re
-import sys
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,14 +11,8 @@ from typing import Any
 
 from atari.games.frozen import FrozenDict
 from atari.games.tables import check_keys, check_numbers, check_value
-from atari.validation import check_file
+from atari.games.toml_file import read_toml
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
-
-_MOST_BYTES = 256 << 10
 SOURCES = ("manual", "play", "rules", "general knowledge")
 """Where a fact may come from: the cartridge's manual, the running game, the rules in the game definition, or what is
 generally known of the game."""
@@ -79,13 +72,9 @@ def load_manual(path: Path, numbers: Mapping[str, Collection[int]]) -> Manual:
             not in `numbers`; the message names the file and the key.
         FileNotFoundError, IsADirectoryError, PermissionError: it cannot be read.
     """
-    check_file(path)
-    with path.open("rb") as stream:
-        data = stream.read(_MOST_BYTES + 1)
+    table = read_toml(path, "a manual")
     try:
-        if len(data) > _MOST_BYTES:
-            raise ValueError(f"a manual has at most {_MOST_BYTES:,} bytes")
-        return parse_manual(tomllib.loads(data.decode("utf-8")), numbers)
+        return parse_manual(table, numbers)
     except RecursionError:
         raise ValueError(f"{path}: its tables or lists are nested too deeply") from None
     except (ValueError, TypeError, AttributeError) as error:

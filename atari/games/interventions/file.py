@@ -1,7 +1,6 @@
 """Reads the files of interventions, `data/<game>.toml` and users' own; docs/ram.md documents the format."""
 
 import re
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -22,15 +21,10 @@ from atari.games.interventions.writes import (
     parse_expression,
     unknown,
 )
-from atari.validation import check_file, check_integer
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+from atari.games.toml_file import read_toml
+from atari.validation import check_integer
 
 _FOLDER = Path(__file__).parent / "data"
-_MOST_BYTES = 256 << 10
 _MOST_WRITES = 64
 _MOST_FRAMES = 100_000
 CHECK_NAMES = ("reward", "lives", "frame", "pixels")
@@ -154,17 +148,7 @@ def _resolve(game: Game, item: Any) -> Intervention:
 
 @lru_cache(maxsize=256)
 def _load_file(path: Path, game: Game, changed: int) -> Mapping[str, Intervention]:
-    check_file(path)
-    with path.open("rb") as stream:
-        data = stream.read(_MOST_BYTES + 1)
-    try:
-        if len(data) > _MOST_BYTES:
-            raise ValueError(f"a file of interventions has at most {_MOST_BYTES:,} bytes")
-        tables = tomllib.loads(data.decode("utf-8"))
-    except RecursionError:
-        raise ValueError(f"{path}: its tables or lists are nested too deeply") from None
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from error
+    tables = read_toml(path, "a file of interventions")
     found = {name: _parse(name, table, game, f"{path}, [{name}]") for name, table in sorted(tables.items())}
     return MappingProxyType(found)
 

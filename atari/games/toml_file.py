@@ -1,0 +1,63 @@
+"""`read_toml`: the tables of a TOML file that a user gives, with limits on what the parser may have to do."""
+
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+from atari.validation import check_file
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+MOST_BYTES = 256 << 10
+MOST_PARTS = 32
+"""Of a key, such as 3 of `screen.colours.first`. The parser's time grows with the square of their number."""
+
+_STRING = r""""(?:[^"\\\n]|\\.)*"?|'[^'\n]*'?"""  # an unterminated one ends with its line
+_KEY = rf"(?:[A-Za-z0-9_-]+|{_STRING})(?:[ \t]*\.[ \t]*(?:[A-Za-z0-9_-]+|{_STRING}))*"
+_TOKEN = re.compile(
+    rf"""(?P<other>\#[^\n]*|\"""(?:[^\\]|\\[\s\S])*?(?:\"""|\Z)|'''[\s\S]*?(?:'''|\Z))|(?P<key>{_KEY})"""
+)
+_PART = re.compile(rf"[A-Za-z0-9_-]+|{_STRING}")
+
+
+def read_toml(path: Path, kind: str) -> dict[str, Any]:
+    """The tables of a file; `kind` names what it is in errors, such as "a manual".
+
+    Raises:
+        ValueError: the file has more than `MOST_BYTES` bytes, a key of more than `MOST_PARTS` parts, or is not valid
+            TOML; the message names the file. Or it is a device or a pipe.
+        FileNotFoundError, IsADirectoryError, PermissionError: it cannot be read.
+    """
+    check_file(path)
+    with path.open("rb") as stream:
+        data = stream.read(MOST_BYTES + 1)
+    try:
+        if len(data) > MOST_BYTES:
+            raise ValueError(f"{kind} has at most {MOST_BYTES:,} bytes")
+        text = data.decode("utf-8")
+        _check_keys(text)
+        return tomllib.loads(text)
+    except RecursionError:
+        raise ValueError(f"{path}: its tables or lists are nested too deeply") from None
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
+
+
+def _check_keys(text: str) -> None:
+    """Refuse keys of too many parts. A key is in one line, so that most files need no more than a count of dots."""
+    if all(line.count(".") < MOST_PARTS for line in text.split("\n")):
+        return
+    for token in _TOKEN.finditer(text):
+        if token["key"] is None or token["key"].count(".") < MOST_PARTS:
+            continue
+        parts = len(_PART.findall(token["key"]))
+        if parts > MOST_PARTS:
+            line = text.count("\n", 0, token.start()) + 1
+            raise ValueError(
+                f"line {line} has a key of {parts:,} parts between dots; a key has at most {MOST_PARTS}; "
+                "use fewer levels of tables"
+            )
