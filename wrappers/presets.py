@@ -348,10 +348,13 @@ def _layers(protocol: Protocol) -> Iterator[Layer]:
         yield ClipReward, {}
 
 
-# What users of other projects call a preset, for the suggestion in an error.
+# What users of other projects call a preset or a protocol of evaluation, for the suggestion in an error.
 OTHER_NAMES = {
     "nature": "dqn2015",
+    "mnih": "dqn2015",
     "machado": "machado2018",
+    "sticky": "machado2018",
+    "openai": "baselines",
     "cleanrl": "baselines",
     "sb3": "baselines",
     "zoo": "baselines",
@@ -379,7 +382,7 @@ def _find(name: Any) -> Preset:
         return PRESETS[name]
     wanted = str(name).lower()
     known = next((preset for other, preset in OTHER_NAMES.items() if other in wanted), None)
-    near = [known] if known else difflib.get_close_matches(wanted, PRESETS, n=1, cutoff=0.4)
+    near = [known] if known else difflib.get_close_matches(wanted, PRESETS, n=1)
     hint = f"did you mean {near[0]!r}?" if near else "see the list"
     raise ValueError(f"there is no preset {name!r}; {hint} ({', '.join(PRESETS)})")
 

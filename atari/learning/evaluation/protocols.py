@@ -11,6 +11,7 @@ from atari.games.game import Game
 from atari.learning.evaluation.tables import check_known_name, read_table
 from atari.validation import check_integer, check_name, check_probability
 from atari.wrappers import PRESETS
+from atari.wrappers.presets import OTHER_NAMES
 
 MAX_EPISODES = 1_000_000
 
@@ -182,11 +183,11 @@ def find_protocol(protocol: Any) -> EvaluationProtocol:
 
     Raises:
         TypeError: it is neither.
-        ValueError: there is no such protocol; the nearest is suggested.
+        ValueError: there is no such protocol; the nearest is suggested, if one is near.
     """
     if isinstance(protocol, EvaluationProtocol):
         return protocol
-    return PROTOCOLS[check_known_name("protocol", protocol, PROTOCOLS)]
+    return PROTOCOLS[check_known_name("protocol", protocol, PROTOCOLS, others=OTHER_NAMES)]
 
 
 def find_games(games: "str | PathLike[str] | Game | Sequence[str | PathLike[str] | Game]") -> tuple[Game, ...]:

@@ -3,9 +3,10 @@
 import difflib
 import gzip
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 _FOLDER = Path(__file__).parent / "data"
@@ -17,19 +18,24 @@ def read_table(name: str) -> Any:
     return json.loads(gzip.decompress((_FOLDER / f"{name}.json.gz").read_bytes()))
 
 
-def check_known_name(kind: str, name: Any, known: Iterable[str], where: str = "") -> str:
-    """`name`, which must be one of `known`.
+def check_known_name(
+    kind: str, name: Any, known: Iterable[str], where: str = "", others: Mapping[str, str] = MappingProxyType({})
+) -> str:
+    """`name`, which must be one of `known`. `others` are words of other projects, with the name that each means.
 
     Raises:
         TypeError: it is no string.
-        ValueError: it is none of them; the nearest is suggested.
+        ValueError: it is none of them; the nearest is suggested, if one is near.
     """
     names = list(known)
     if not isinstance(name, str):
         raise TypeError(f"{kind} is named by a string such as {names[0]!r}, got {name!r}")
     if name not in names:
-        beginning_so = [known for known in names if name and known.startswith(name)]
-        near = beginning_so or difflib.get_close_matches(name.lower(), names, n=1, cutoff=0.3)
+        wanted = name.lower()
+        near = [known for known in names if wanted and known.startswith(wanted)]
+        near = near or [known for word, known in others.items() if word in wanted and known in names]
+        near = near or sorted((known for known in names if len(wanted) > 2 and wanted in known), key=len)
+        near = near or difflib.get_close_matches(wanted, names, n=1)
         hint = f"did you mean {near[0]!r}? " if near else ""
         raise ValueError(f"there is no {kind} {name!r}; {hint}{where or 'known are ' + ', '.join(names)}")
     return name

@@ -1,12 +1,13 @@
 """Protocols and sets of games: their numbers, and that two protocols cannot have one name."""
 
+import re
 from dataclasses import asdict, replace
 
 import pytest
 
 import atari
 from atari.learning import GAME_SETS, PROTOCOLS
-from atari.learning.evaluation.protocols import find_games
+from atari.learning.evaluation.protocols import find_games, find_protocol
 
 
 @pytest.mark.parametrize(
@@ -79,3 +80,20 @@ def test_sets():
     games = find_games(["pong", "atari26", "atari5"])
     assert games[0].id == "pong"
     assert len(games) == len({"pong", *GAME_SETS["atari26"], *GAME_SETS["atari5"]})
+
+
+@pytest.mark.parametrize(
+    ("name", "near"),
+    [
+        ("nature", "dqn2015"), ("Nature-DQN", "dqn2015"), ("mnih2015", "dqn2015"), ("dqn", "dqn2015"),
+        ("dqn2013", "dqn2015"), ("sticky", "machado2018"), ("Machado", "machado2018"), ("rainbow", "dopamine"),
+        ("dopamin", "dopamine"), ("100k", "atari100k"), ("atari-100k", "atari100k"), ("sb3", "baselines"),
+        ("cleanrl", "baselines"), ("openai", "baselines"),
+        ("agent57", None), ("hessel2018", None), ("foo", None), ("", None), ("ale", None),
+    ],
+)  # fmt: skip
+def test_a_wrong_name_suggests_what_it_means_or_nothing(name, near):
+    with pytest.raises(ValueError, match=r"known are dqn2015, .*baselines$") as caught:
+        find_protocol(name)
+    suggested = re.findall("did you mean '(.*?)'", str(caught.value))
+    assert suggested == ([near] if near else [])
