@@ -23,7 +23,7 @@ from atari.learning import (
     published,
     published_names,
 )
-from atari.learning.evaluation.compare import protocol_faults
+from atari.learning.evaluation.compare import budget_faults, protocol_faults
 from atari.learning.evaluation.protocols import find_games, find_protocol
 
 if TYPE_CHECKING:
@@ -75,7 +75,9 @@ def _evaluate(args: argparse.Namespace) -> int:
         return 2
     _check_before_playing(args)
     games = _games(args)
-    result = _play(args, games, _policies(args, games))
+    policies = _policies(args, games)
+    _check_budgets(args, policies)
+    result = _play(args, games, policies)
     comparison = None
     if args.output:
         result.save(args.output)
@@ -102,6 +104,16 @@ def _check_before_playing(args: argparse.Namespace) -> None:
     for file in (args.output, args.plot):
         if file and not file.absolute().parent.is_dir():
             raise FileNotFoundError(f"there is no folder {file.absolute().parent} for {file.name}")
+
+
+def _check_budgets(args: argparse.Namespace, policies: dict[str, Policy]) -> None:
+    """Refuse published agents without scores at the training's frames, before the games."""
+    trained = {getattr(policy, "training_frames", None) for policy in policies.values()}
+    frames = args.frames or (trained.pop() if len(trained) == 1 else None)
+    for name in args.compare:
+        faults = budget_faults(published(name), frames)
+        if faults and not args.mixed:
+            raise ValueError(f"{name} is not comparable: {'; '.join(faults)}; --mixed compares it, and says so")
 
 
 def _games(args: argparse.Namespace) -> tuple[Game, ...]:

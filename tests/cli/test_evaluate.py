@@ -51,6 +51,10 @@ def test_lists(capsys):
         (("random", "pong", "--protocol", "dopamin"), "did you mean 'dopamine'"),
         (("random", "pong", "--compare", "dopamine/rainbw"), "dopamine/rainbow"),
         (("random", "pong", "--compare", "cleanrl/ppo"), "cleanrl/ppo is not comparable: repeat_action_probability"),
+        (
+            ("random", "pong", "--protocol", "dopamine", "--compare", "dopamine/rainbow", "--frames", "262144"),
+            "dopamine/rainbow is not comparable: the first scores",
+        ),
         (("random", "pong", "--human", "noop"), "noop57"),
         (("random", "pong", "--plot", "a.svg"), "--compare"),
         (("random", "pong", "-o", "nosuch/a.json"), "there is no folder"),

@@ -140,6 +140,10 @@ def compare(
 
     Published scores are mostly those of training games, with their exploration, of other code. The notes say so.
 
+    Scores are compared at equal budgets of training, and nothing is extrapolated: a budget after the last or before the
+    first score of a published agent is refused. With `mixed`, the agent has its last scores before that budget, or else
+    its first, and its row has their frames.
+
     Args:
         results: of `evaluate`; several are of the same agent, other games or other trainings.
         to: names of published agents, see `published_names`.
@@ -165,7 +169,9 @@ def compare(
     frames = _common_frames(results, frames, faults)
     faults += _human_faults(human, protocol)
     for other in others:
-        faults += [f"{other.name}: {fault}" for fault in (*protocol_faults(protocol, other), *_budget(other, frames))]
+        faults += [
+            f"{other.name}: {fault}" for fault in (*protocol_faults(protocol, other), *budget_faults(other, frames))
+        ]
     if faults and not mixed:
         raise ValueError(f"these are not comparable: {'; '.join(faults)}; mixed=True compares them, and says so")
     played = {one.game for result in results for one in result.games}
@@ -179,15 +185,26 @@ def compare(
         *(_published_row(other, references, frames, bootstrap) for other in others),
     ]
     comparison = Comparison(tuple(rows), tuple(games), human, references, bool(faults), ())
-    return replace(comparison, notes=tuple(_notes(comparison, faults, sorted(played - set(games)))))
+    return replace(comparison, notes=tuple(_notes(comparison, faults, sorted(played - set(games)), others, frames)))
 
 
-def _notes(comparison: Comparison, faults: Sequence[str], left_out: Sequence[str]) -> Iterator[str]:
+def _notes(
+    comparison: Comparison,
+    faults: Sequence[str],
+    left_out: Sequence[str],
+    others: Sequence[Published],
+    frames: int | None,
+) -> Iterator[str]:
     """What a reader must know."""
     yield from (f"MIXED: {fault}" for fault in faults)
     if left_out:
         yield f"left out, because not all have scores of them: {', '.join(left_out)}"
     yield from (f"{row.name}: {row.protocol}" for row in comparison.rows)
+    for other in others:
+        if frames is not None and not budget_faults(other, frames):
+            first, last = other.interval(frames)
+            if first < last:
+                yield f"{other.name} at {frames:,} frames: the mean of its games of frames {first:,} to {last:,}"
     if "video_pinball" in comparison.games and comparison.human == "noop57":
         yield "Video Pinball's random score here is 16,256.9; other tables have 0, which changes means"
     if set(comparison.games) >= set(GAME_SETS["atari5"]):
@@ -256,11 +273,24 @@ def _human_faults(human: str, protocol: EvaluationProtocol) -> list[str]:
     return [f"the human table {human} is not for scores of {protocol.name} ({meaning}); use noop57"]
 
 
-def _budget(other: Published, frames: int | None) -> list[str]:
-    if frames is None or frames == other.final_frames or (other.has_curves and frames <= (other.final_frames or 0)):
-        return []
-    final = "an unknown number of" if other.final_frames is None else f"{other.final_frames:,}"
-    return [f"it has scores {'until' if other.has_curves else 'only at'} {final} frames, not at {frames:,}"]
+def budget_faults(other: Published, frames: int | None) -> list[str]:
+    """Why a published agent has no scores after so many frames of training, in words; None is its final scores."""
+    try:
+        if frames is not None:
+            other.interval(frames)
+    except ValueError as error:
+        return [str(error).removeprefix(f"{other.name} ")]
+    return []
+
+
+def _frames_at(other: Published, frames: int | None) -> int | None:
+    """The frames at which a published agent is compared. Where it has no scores at `frames`, the last ones before that,
+    or else its first.
+    """
+    if frames is None or not budget_faults(other, frames):
+        return other.final_frames if frames is None else frames
+    before = [budget for budget in other.budgets if budget < frames]
+    return max(before, default=min(other.budgets, default=None))
 
 
 def _has(other: Published, game: str, frames: int | None) -> bool:
@@ -268,8 +298,9 @@ def _has(other: Published, game: str, frames: int | None) -> bool:
 
 
 def _scores_at(other: Published, game: str, frames: int | None) -> Floats:
-    """The scores of a published agent at so many frames, or its final ones if it has none there."""
-    return other.final(game) if frames is None or _budget(other, frames) else other.at(game, frames)
+    """The scores of a published agent at `_frames_at`."""
+    at = _frames_at(other, frames)
+    return other.final(game) if at is None or (at == other.final_frames != frames) else other.at(game, at)
 
 
 def _own_row(results: Sequence[Result], references: References, frames: int | None, bootstrap: dict[str, int]) -> Row:
@@ -297,7 +328,7 @@ def _published_row(other: Published, references: References, frames: int | None,
     return Row(
         name=other.name,
         runs=runs if runs > 1 else None,
-        frames=other.final_frames if frames is None or _budget(other, frames) else frames,
+        frames=_frames_at(other, frames),
         protocol=f"{other.title}, {other.protocol['phase']}; {other.source['repo']}, {other.source['licence']}",
         scores={game: tuple(values.tolist()) for game, values in scores.items()},
         **estimate_of_runs(_normalised(scores, references), **bootstrap),

@@ -80,6 +80,37 @@ class Published:
         """Whether there are learning curves, not only final scores."""
         return "frames" in self._entry
 
+    @property
+    def budgets(self) -> tuple[int, ...]:
+        """The emulator frames of training at which there are scores, in ascending order; () if they are not stated."""
+        last = [] if self.final_frames is None else [self.final_frames]
+        return tuple(sorted({*self._entry.get("marks", []), *self._entry.get("frames", []), *last}))
+
+    def interval(self, frames: int) -> tuple[int, int]:
+        """The first and the last frame of training whose games the score at `frames` is a mean of.
+
+        Both are `frames` where the source has a score at so many frames.
+
+        Raises:
+            TypeError, ValueError: `frames` is no integer, or there is no score at so many frames.
+        """
+        frames = check_integer("frames", frames, 1, 10**15)
+        points = self._entry.get("frames", [])
+        if frames in self.budgets:
+            return frames, frames
+        if not points or frames > points[-1]:
+            until = "until" if points else "only at"
+            limit = "an unknown number of" if self.final_frames is None else f"{self.final_frames:,}"
+            raise ValueError(f"{self.name} has scores {until} {limit} frames, not at {frames:,}")
+        if frames < points[0]:
+            first = ", ".join(f"{budget:,}" for budget in self.budgets if budget <= points[0])
+            raise ValueError(
+                f"the first scores of {self.name} are at {first} frames, not at {frames:,}: its curve begins with the "
+                f"mean of all games until {points[0]:,} frames"
+            )
+        last = int(np.searchsorted(points, frames))
+        return points[last - 1] + 1, points[last]
+
     def curve(self, game: str) -> Curve:
         """The learning curve of a game.
 
@@ -107,25 +138,22 @@ class Published:
         """The scores after so many emulator frames of training: (seeds,) float64, or (1,), the mean over seeds.
 
         Scores of single seeds are kept at some frames only: 1, 2.5, 5, 10, 20, 50, 100 million and the end. Elsewhere
-        this is the mean of the interval that contains `frames`; (0,) if no game ended in it.
+        this is the mean of the interval of the curve that contains `frames` (`interval`); (0,) if no game ended in it.
+        Nothing is extrapolated: the games of the first interval were played with budgets from none to its end, so its
+        mean is a score at its end, and there is none before it.
 
         Raises:
             ValueError: there is no such game, or no score at so many frames.
         """
         data = self._game(game)
-        frames = check_integer("frames", frames, 1, 10**15)
+        _, last = self.interval(frames)
         marks = self._entry.get("marks", [])
         if frames in marks and data.get("marks"):
             values = _floats(data["marks"][marks.index(frames)])
         elif frames == self.final_frames:
             return self.final(game)
-        elif not self.has_curves or frames > self._entry["frames"][-1]:
-            until = "until" if self.has_curves else "only at"
-            limit = "an unknown number of" if self.final_frames is None else f"{self.final_frames:,}"
-            raise ValueError(f"{self.name} has scores {until} {limit} frames, not at {frames:,}")
         else:
-            interval = int(np.searchsorted(self._entry["frames"], frames))
-            values = _floats([data["mean"][interval]])
+            values = _floats([data["mean"][self._entry["frames"].index(last)]])
         return values[~np.isnan(values)]
 
 

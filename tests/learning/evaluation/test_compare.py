@@ -52,6 +52,34 @@ def test_equal_frames():
     assert (at_mean.runs, at_mean.iqm.low) == (None, None)  # only the mean over seeds is kept there
 
 
+def test_between_two_points_of_a_curve_a_note_names_the_interval():
+    comparison = compare(result(), "dopamine/rainbow", frames=30_500_000)
+    assert "dopamine/rainbow at 30,500,000 frames: the mean of its games of frames 30,000,001 to 31,000,000" in (
+        comparison.notes
+    )
+    assert "the mean of its games" not in str(compare(result(), "dopamine/rainbow", frames=30_000_000))
+
+
+@pytest.mark.parametrize(
+    ("to", "frames", "at"),
+    [
+        ("dopamine/rainbow", 4096, 1_000_000),
+        ("dreamerv3/ppo", 4096, 1_000_000),
+        ("dreamerv3/ppo", 3_000_000, 2_500_000),
+        ("dopamine/rainbow", 300_000_000, 199_000_000),
+        ("cleanrl/ppo", 4096, 40_000_000),
+    ],
+)
+def test_another_budget_is_marked_and_not_renamed(to, frames, at):
+    comparison = compare(result(frames=frames), to, mixed=True)
+    mine, other = comparison.rows
+    assert comparison.mixed
+    assert (mine.frames, other.frames) == (frames, at)
+    agent = published(to)
+    expected = agent.final("pong") if at == agent.final_frames else agent.at("pong", at)
+    assert other.scores["pong"] == tuple(expected)
+
+
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [
@@ -60,6 +88,7 @@ def test_equal_frames():
         ({"to": "dopamine_nets/rainbow_cnn"}, "max_frames is 100000"),
         ({"results": result("machado2018")}, "full_action_space is False, and True in machado2018"),
         ({"results": result(frames=200_000_001)}, "until 199,000,000 frames"),
+        ({"results": result(frames=262_144)}, "rainbow are at 1,000,000 frames, not at 262,144: its curve begins with"),
         ({"results": result("baselines", 10_000_000), "to": "cleanrl/ppo"}, "only at 40,000,000 frames"),
         ({"results": [result(), result("machado2018")]}, "results are of protocols dopamine and machado2018"),
         ({"results": [result(frames=4), result(frames=8)]}, "different numbers of frames: 4 and 8"),

@@ -79,7 +79,8 @@ def test_scores_at_frames():
     assert agent.at("pong", 199_000_000).shape == (5,)
     between = agent.at("pong", 30_000_001)  # in the interval that ends at 31 million
     assert between == agent.curve("pong").mean[30]
-    assert agent.at("pong", 1) == agent.curve("pong").mean[0] or agent.at("pong", 1).shape == (1,)
+    assert agent.interval(30_000_001) == (30_000_001, 31_000_000)
+    assert agent.interval(10_000_000) == (10_000_000, 10_000_000)
     with pytest.raises(ValueError, match="until 199,000,000 frames, not at 200,000,000"):
         agent.at("pong", 200_000_000)
     ppo = published("cleanrl/ppo")
@@ -97,6 +98,22 @@ def test_scores_at_frames():
 def test_a_wrong_name_suggests_the_nearest(name, near):
     with pytest.raises(ValueError, match=near):
         published(name)
+
+
+def test_nothing_is_extrapolated_before_the_first_score():
+    agent = published("dopamine/rainbow")
+    assert agent.budgets[:4] == (1_000_000, 2_000_000, 2_500_000, 3_000_000)
+    assert agent.at("pong", 1_000_000).mean() == pytest.approx(agent.curve("pong").mean[0], abs=0.01)
+    for frames in (1, 262_144, 999_999):
+        with pytest.raises(
+            ValueError, match=rf"first scores of dopamine/rainbow are at 1,000,000 frames, not at {frames:,}"
+        ):
+            agent.at("pong", frames)
+    coarse = published("dreamerv3/atari57/ppo")  # its curve has intervals of five million frames
+    assert coarse.at("pong", 2_500_000).shape == coarse.at("pong", 1_000_000).shape
+    with pytest.raises(ValueError, match="are at 1,000,000, 2,500,000, 5,000,000 frames, not at 3,000,000"):
+        coarse.at("pong", 3_000_000)
+    assert published("cleanrl/ppo").budgets == (40_000_000,)
 
 
 def test_wrong_arguments():
