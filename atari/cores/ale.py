@@ -98,7 +98,9 @@ class AleCore:
         seed: of ALE's generator (sticky actions), 0 .. 2**32 - 1. ale-py cannot use 2**32 - 1; it becomes 2**32 - 2.
         repeat_action_probability: with which the previous action is repeated, each frame.
         mode, difficulty: among `games[game].modes` and `.difficulties`; None is the default.
-        frame_skip: frames for each `act`.
+        frame_skip: frames for each `act`, as in ALE also for the actions by which a reset selects the mode (in Berzerk,
+            Double Dunk and Video Cube). `AtariEnv` has 1 here and skips frames by itself, as ale-py's does, so its
+            resets of these games differ from those of a core with its frame skip.
         max_num_frames_per_episode: frames after which an episode is truncated; 0 is never.
         sound: produce samples for `audio()`.
         color_averaging: average each frame with the one before it (ALE's colour averaging, against flicker).

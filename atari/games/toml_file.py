@@ -40,7 +40,8 @@ def read_toml(path: Path, kind: str) -> dict[str, Any]:
             raise ValueError(f"{kind} has at most {MOST_BYTES:,} bytes")
         text = data.decode("utf-8")
         _check_keys(text)
-        return tomllib.loads(text)
+        tables: dict[str, Any] = tomllib.loads(text)
+        return tables
     except RecursionError:
         raise ValueError(f"{path}: its tables or lists are nested too deeply") from None
     except ValueError as error:

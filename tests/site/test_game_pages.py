@@ -60,6 +60,21 @@ def test_facts_of_a_game_of_one_player(pages):
         assert text in page, text
 
 
+def test_lives_that_are_counted_after_the_reset_are_explained(pages):
+    for game, text in (
+        (
+            "amidar",
+            "Four, counted as 11, 10, 9 and 8, which is how ALE reads the byte of the cartridge. At the reset `info` has 0, and half a second later 11.",
+        ),
+        ("turmoil", "At the reset `info` has 3, and half a second later 4."),
+    ):
+        assert text in pages[game]
+        core = atari.cores.NativeCore(game, repeat_action_probability=0.0)
+        core.reset()
+        assert f"At the reset `info` has {core.lives}," in text
+    assert "At the reset" not in pages["breakout"]
+
+
 def test_a_cartridge_for_two_says_so(pages):
     page = pages["combat"]
     assert "no game of one player" in page

@@ -12,18 +12,28 @@ from atari.registration import FAMILIES, Family
 _ARROWS = MappingProxyType({"up": "↑", "down": "↓", "left": "←", "right": "→"})
 
 
-@cache
 def lives(game: Game) -> int | None:
-    """Lives after the first half second, as `info` has them; None without rules for one player."""
+    """Lives after the first half second, as `info` has them; None without rules for one player.
+
+    Some games write their byte of lives only after the reset.
+    """
+    counts = lives_at_start(game)
+    return counts[1] if counts else None
+
+
+@cache
+def lives_at_start(game: Game) -> tuple[int, int] | None:
+    """Lives at the reset, and after the first half second; None without rules for one player."""
     if not game.single_player:
         return None
     core = NativeCore(game, repeat_action_probability=0.0)
     core.reset()
+    at_reset = core.lives
     for _ in range(30):
         core.act(Action.NOOP)
-    count = core.lives
+    counts = at_reset, core.lives
     core.close()
-    return count
+    return counts
 
 
 def families(game: Game) -> list[Family]:

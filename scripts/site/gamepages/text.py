@@ -113,7 +113,10 @@ def _lines(game: Game) -> str:
 def _rules(game: Game) -> str:
     manual, count = game.manual, facts.lives(game)
     lives = (manual.lives if manual else None) or ("" if count else "None.")
+    at_reset, _ = facts.lives_at_start(game) or (count, count)
     at_start = f" At the start `info` has {count}." if count else ""
+    if at_reset != count:
+        at_start = f" At the reset `info` has {at_reset}, and half a second later {count}."
     if not game.single_player:
         return f"ALE has no rules of one player for this cartridge.\n\n{_expressions(game)}"
     rows = (
