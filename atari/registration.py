@@ -178,6 +178,15 @@ def make(game_or_id: str, *, preset: str | None = None, **options: Any) -> gymna
         gymnasium.error.NameNotFound: no such ID; the message suggests the right one.
         ValueError: no such game; the message suggests the nearest. Or a preset for an ID that is not an Atari game.
         TypeError: there is no such option, the message suggests the nearest; or it needs a preset.
+
+    Example:
+        >>> import atari
+        >>> env = atari.make("breakout", preset="dqn2015")
+        >>> observation, info = env.reset(seed=0)
+        >>> observation.shape
+        (4, 84, 84)
+        >>> atari.make("Breakout-ram-v4").observation_space.shape
+        (128,)
     """
     if not isinstance(game_or_id, str):
         raise TypeError(f"make() takes a game ('breakout') or an ID ('ALE/Breakout-v5'), got {game_or_id!r}")
@@ -230,6 +239,12 @@ def register_game(file: str | PathLike[str], rom: str | PathLike[str]) -> tuple[
     Raises:
         ValueError: the file is not a game, the ROM is of no supported type, or an environment has the ID already.
         FileNotFoundError: one of the files does not exist.
+
+    Example:
+        >>> import atari, gymnasium
+        >>> atari.register_game("my_game.toml", "my_game.bin")  # doctest: +SKIP
+        ('MyGame-v5', 'MyGame-ram-v5')
+        >>> env = gymnasium.make("MyGame-v5")  # doctest: +SKIP
     """
     game = games.find(Path(file))
     NativeCore(game, rom=rom).close()  # raises the errors of both files before anything is registered
@@ -254,6 +269,11 @@ def explain(env_id: str) -> str:
 
     Raises:
         gymnasium.error.NameNotFound: as of `resolve`.
+
+    Example:
+        >>> import atari
+        >>> print(atari.explain("ALE/Pong-v5").splitlines()[0])
+        ALE/Pong-v5: Pong
     """
     family, game_id = resolve(env_id)
     game = games[game_id]

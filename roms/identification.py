@@ -58,6 +58,12 @@ def identify(file: str | os.PathLike[str]) -> Identification:
         FileNotFoundError, IsADirectoryError, PermissionError: the file cannot be read.
         ValueError: it is no regular file, has more bytes than any cartridge (512 KiB), is damaged gzip, or a zip
             archive.
+
+    Example:
+        >>> import atari.roms
+        >>> found = atari.roms.identify(atari.roms.find("breakout"))
+        >>> found.game.title, found.size
+        ('Breakout', 2048)
     """
     image = read_image(Path(file))
     return recognise(str(file), image, {} if by_content(image) else known_images())

@@ -62,6 +62,12 @@ def import_from(source: str | os.PathLike[str]) -> ImportReport:
         FileNotFoundError, PermissionError: `source` cannot be read.
         ValueError: it is a device or a pipe.
         OSError: `path()` cannot be written to.
+
+    Example:
+        >>> import atari.roms
+        >>> report = atari.roms.import_from(atari.roms.find("breakout"))
+        >>> "breakout" in {**report.imported, **report.present}
+        True
     """
     source = Path(source)
     if not source.is_dir():

@@ -21,12 +21,24 @@ from atari.roms.image import LIMIT, md5, read_image
 
 
 def path() -> Path:
-    """Your own folder of ROM files, which `import_from` and `install` fill; it need not exist yet."""
+    """Your own folder of ROM files, which `import_from` and `install` fill; it need not exist yet.
+
+    Example:
+        >>> import atari.roms
+        >>> atari.roms.path().is_absolute()
+        True
+    """
     return (user_data_path("atari-envs", appauthor=False) / "roms").absolute()
 
 
 def folders() -> tuple[Path, ...]:
-    """The folders searched, in order: those in `ATARI_ROMS`, your own, ale-py's. Some may not exist."""
+    """The folders searched, in order: those in `ATARI_ROMS`, your own, ale-py's. Some may not exist.
+
+    Example:
+        >>> import atari.roms
+        >>> atari.roms.path() in atari.roms.folders()
+        True
+    """
     named = [entry for entry in os.environ.get("ATARI_ROMS", "").split(os.pathsep) if entry]
     return (*(Path(os.path.expanduser(entry)).absolute() for entry in named), path(), *_ale_py_folders())
 

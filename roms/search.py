@@ -33,6 +33,11 @@ def find(game: str | Game, path: str | os.PathLike[str] | None = None) -> Path:
         ValueError: there is no such game, or the file is not its ROM; the message identifies the file.
         FileNotFoundError: there is no file at `path`, or the search found none.
         IsADirectoryError, PermissionError: the file cannot be read, or not be copied if its name misleads.
+
+    Example:
+        >>> import atari.roms
+        >>> atari.roms.find("breakout").is_file()
+        True
     """
     known = game if isinstance(game, Game) else _game(game)
     if path is None:
@@ -58,7 +63,13 @@ def find(game: str | Game, path: str | os.PathLike[str] | None = None) -> Path:
 
 
 def installed() -> dict[str, Path]:
-    """The file that the search finds for each game that has one, by game id."""
+    """The file that the search finds for each game that has one, by game id.
+
+    Example:
+        >>> import atari.roms
+        >>> "breakout" in atari.roms.installed()
+        True
+    """
     files = {game.id: lookup(game) for game in games.values()}
     return {game_id: file for game_id, file in files.items() if file}
 
@@ -92,6 +103,11 @@ def verify(game: str | Game | None = None) -> dict[str, Check]:
 
     Raises:
         TypeError, ValueError: `game` is neither the id of a game nor a `Game`.
+
+    Example:
+        >>> import atari.roms
+        >>> atari.roms.verify("breakout")["breakout"].status
+        'ok'
     """
     if isinstance(game, Game):
         return {game.id: _verify(game)}

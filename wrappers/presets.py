@@ -266,6 +266,17 @@ def preset(
         TypeError: `env` is no `AtariEnv`, or both names of an option are given.
         ValueError: there is no such preset (the nearest is suggested), or the environment does not fit; the text says
             how to make it.
+
+    Example:
+        >>> import atari
+        >>> from atari.wrappers import preset, preset_options
+        >>> env = preset(atari.AtariEnv("breakout", **preset_options("dopamine")), "dopamine")
+        >>> observation, info = env.reset(seed=0)
+        >>> observation.shape, observation.dtype
+        ((4, 84, 84), dtype('uint8'))
+        >>> observation, reward, terminated, truncated, info = env.step(1)
+        >>> info["elapsed_step"], info["lives"]
+        (1, 5)
     """
     clips = check_clip_reward(clip_reward, reward_clipping)
     _require_options(env, name)
@@ -373,6 +384,11 @@ def preset_options(name: str) -> dict[str, Any]:
 
     Raises:
         ValueError: there is no such preset; the nearest is suggested.
+
+    Example:
+        >>> from atari.wrappers import preset_options
+        >>> preset_options("dopamine")["repeat_action_probability"]
+        0.25
     """
     return dict(_find(name).options)
 

@@ -17,7 +17,14 @@ TASKS: dict[str, tuple[str, dict[str, Any], float]] = {
 
 
 def register_all() -> None:
-    """Put the IDs into Gymnasium's registry."""
+    """Put the IDs into Gymnasium's registry.
+
+    Example:
+        >>> import gymnasium
+        >>> import atari  # which calls it
+        >>> gymnasium.make("Copy-v0").observation_space
+        Discrete(6)
+    """
     for env_id, (name, options, threshold) in TASKS.items():
         # Not gymnasium.register(), which warns when it replaces an ID.
         gymnasium.registry[env_id] = EnvSpec(

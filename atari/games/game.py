@@ -198,6 +198,13 @@ def load_game(path: Path) -> Game:
         ValueError: the file is not valid TOML or not a game definition; the message names the file and the fault. Or
             it is a device or a pipe.
         FileNotFoundError, IsADirectoryError, PermissionError: it cannot be read.
+
+    Example:
+        >>> from importlib.resources import files
+        >>> from atari.games.game import load_game
+        >>> game = load_game(files("atari") / "games" / "data" / "pong.toml")
+        >>> game.id, game.modes, [action.name for action in game.minimal_actions][:3]
+        ('pong', (0, 1), ['NOOP', 'FIRE', 'RIGHT'])
     """
     table = read_toml(path, "a game definition")
     try:

@@ -19,6 +19,13 @@ def to_torch(arrays: Any, device: Any = None, pin_memory: bool = False) -> Any:
 
     Raises:
         gymnasium.error.DependencyNotInstalled: PyTorch is not installed.
+
+    Example:
+        >>> import atari
+        >>> envs = atari.AtariVectorEnv("pong", 8)
+        >>> observations, info = envs.reset(seed=0)
+        >>> atari.to_torch(observations).shape  # the memory of the array, without a copy
+        torch.Size([8, 4, 84, 84])
     """
     try:
         import torch

@@ -76,6 +76,19 @@ def write_dataset(
         KeyError: the game has no such label.
         OSError: the file cannot be written; nothing is left of it.
         gymnasium.error.DependencyNotInstalled: the package of the format is not installed; the text names it.
+
+    Example:
+        >>> import atari
+        >>> from atari.lab import write_dataset
+        >>> from atari.recording import RecordReplay
+        >>> env = RecordReplay(atari.AtariEnv("pong"), "game.a26")
+        >>> observation, info = env.reset(seed=0)
+        >>> for _ in range(10):
+        ...     observation = env.step(2)[0]
+        >>> env.close()
+        >>> written = write_dataset("game.a26", "game.h5", labels=["ball_x"])
+        >>> written["episodes"], written["steps"], written["labels"]
+        (1, 10, ['ball_x'])
     """
     format = check_output(output, format)
     check_name("frames", frames, _COLOURS)

@@ -48,6 +48,12 @@ def load_policy(source: str | Path, *, sample: bool = False) -> Policy:
         FileNotFoundError: there is no such file or folder.
         ValueError: it is none of these, or it is damaged.
         gymnasium.error.DependencyNotInstalled: a package is needed that is not installed; the text names it.
+
+    Example:
+        >>> from atari.learning import evaluate, load_policy
+        >>> policy = load_policy("random")
+        >>> evaluate(policy, "pong", "dopamine", episodes=1).policy
+        'random'
     """
     text = str(source)
     if text in ("random", "noop"):

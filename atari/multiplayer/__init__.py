@@ -37,6 +37,16 @@ def raw_env(game: str, *, preset: str | None = None, **options: Any) -> "AECEnv[
 
     The emulator plays a frame when the last agent has acted. Arguments and errors are those of `MultiplayerEnv`, and
     with preset="dqn" also those of `PreprocessedEnv`, which then is around it.
+
+    Example:
+        >>> from atari.multiplayer import raw_env
+        >>> env = raw_env("pong_v3")
+        >>> env.reset(seed=0)
+        >>> env.agent_selection
+        'first_0'
+        >>> env.step(0)
+        >>> env.agent_selection
+        'second_0'
     """
     _require()
     from pettingzoo.utils.conversions import parallel_to_aec_wrapper
@@ -75,6 +85,16 @@ def parallel_env(game: str, **options: Any) -> "ParallelEnv[str, Any, int]":
     """The game as PettingZoo's parallel environment, in which all agents act at once, with PettingZoo's checks.
 
     Arguments and errors are those of `raw_env`.
+
+    Example:
+        >>> from atari.multiplayer import parallel_env
+        >>> env = parallel_env("pong_v3")
+        >>> observations, infos = env.reset(seed=0)
+        >>> env.agents
+        ['first_0', 'second_0']
+        >>> observations, rewards, terminations, truncations, infos = env.step({agent: 0 for agent in env.agents})
+        >>> dict(rewards) == {"first_0": 0, "second_0": 0}
+        True
     """
     _require()
     from pettingzoo.utils.conversions import aec_to_parallel_wrapper

@@ -56,6 +56,18 @@ def to_minari(
     Raises:
         ValueError: there are no replays, they differ in game or options, or have no steps; or the dataset exists.
         gymnasium.error.DependencyNotInstalled: Minari is not installed.
+
+    Example:
+        >>> import atari
+        >>> from atari.recording import RecordReplay, to_minari
+        >>> env = RecordReplay(atari.AtariEnv("pong"), "game.a26")
+        >>> observation, info = env.reset(seed=0)
+        >>> for _ in range(10):
+        ...     observation = env.step(2)[0]
+        >>> env.close()
+        >>> dataset = to_minari("game.a26", "atari/pong/example-v0", author="me")  # doctest: +SKIP
+        >>> dataset.total_steps  # doctest: +SKIP
+        10
     """
     import_minari()
     loaded = load_replays(replays)

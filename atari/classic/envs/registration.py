@@ -118,6 +118,22 @@ def register(
 
     Raises:
         gymnasium.error.Error: the ID is malformed, or taken by another environment.
+
+    Example:
+        >>> from atari import classic
+        >>> class Hallway(classic.Env):
+        ...     action_space = classic.spaces.Discrete(2)
+        ...     observation_space = classic.spaces.Discrete(10)
+        ...     def reset(self):
+        ...         self.place = 0
+        ...         return self.place
+        ...     def step(self, action):
+        ...         self.place = max(0, self.place + (1 if action else -1))
+        ...         return self.place, float(self.place == 9), self.place == 9, {}
+        >>> classic.register("Hallway-v0", Hallway, max_episode_steps=100)
+        >>> env = classic.make("Hallway-v0")
+        >>> env.reset(), env.step(1)
+        (0, (1, 0.0, False, {}))
     """
     if not isinstance(id, str) or not _ID.fullmatch(id):
         raise gymnasium.error.Error(f"an ID is a name, '-v' and a version, such as 'Corridor-v0', got {id!r}")
@@ -141,6 +157,11 @@ def spec(id: str) -> EnvSpec:
     Raises:
         gymnasium.error.UnregisteredEnv: there is no such environment; the message suggests an ID, or what to
             install.
+
+    Example:
+        >>> from atari import classic
+        >>> classic.spec("Breakout-v0").id
+        'Breakout-v0'
     """
     return registry.env_specs[lookup.resolve(id)]
 
@@ -156,6 +177,14 @@ def make(id: str, **options: Any) -> Env:
         gymnasium.error.UnregisteredEnv: there is no such environment; the message suggests an ID, or what to
             install.
         gymnasium.error.DependencyNotInstalled: it needs a package that is not installed; the message names it.
+
+    Example:
+        >>> from atari import classic
+        >>> env = classic.make("Breakout-v0")
+        >>> observation = env.reset()
+        >>> observation, reward, done, info = env.step(env.action_space.sample())
+        >>> observation.shape
+        (210, 160, 3)
     """
     chosen = spec(id)
     modern = copy.copy(gymnasium.registry[chosen.id])

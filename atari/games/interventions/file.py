@@ -80,6 +80,11 @@ def load(game: "str | Game") -> Mapping[str, Intervention]:
 
     Raises:
         ValueError: there is no such game.
+
+    Example:
+        >>> from atari.lab.interventions import load
+        >>> "lazy_enemy" in load("pong")
+        True
     """
     found = games.resolve(game)
     path = _FOLDER / f"{found.id}.toml"
@@ -92,6 +97,14 @@ def load_file(path: str | PathLike[str], game: "str | Game") -> Mapping[str, Int
     Raises:
         ValueError: the file is not valid; the message names the file, the intervention and the key.
         OSError: it cannot be read.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from atari.lab.interventions import load_file
+        >>> rule = '{description = "The ball stands still.", source = "own", writes = [{to = "ball_x", value = "old"}]}'
+        >>> _ = Path("own.toml").write_text(f"still_ball = {rule}")
+        >>> load_file("own.toml", "pong")["still_ball"].description
+        'The ball stands still.'
     """
     return _load_file(Path(path), games.resolve(game), Path(path).stat().st_mtime_ns)
 

@@ -220,6 +220,13 @@ def make(task_id: str, env_type: str, **options: Any) -> EnvPool:
     Raises:
         TypeError, ValueError: an option does not exist, is of the wrong kind or out of range, or is not supported.
         FileNotFoundError: there is no ROM of the game.
+
+    Example:
+        >>> import atari.integrations.envpool as envpool
+        >>> envs = envpool.make("Pong-v5", env_type="gymnasium", num_envs=2)
+        >>> observations, info = envs.reset()
+        >>> observations.shape
+        (2, 4, 84, 84)
     """
     if env_type == "gym":
         return make_gym(task_id, **options)
@@ -229,7 +236,17 @@ def make(task_id: str, env_type: str, **options: Any) -> EnvPool:
 
 
 def make_gym(task_id: str, **options: Any) -> EnvPool:
-    """`make` with env_type="gym". If `gym` is imported, the result is one of its `Env` and has its spaces."""
+    """`make` with env_type="gym". If `gym` is imported, the result is one of its `Env` and has its spaces.
+
+    Example:
+        >>> import numpy as np
+        >>> import atari.integrations.envpool as envpool
+        >>> envs = envpool.make_gym("Pong-v5", num_envs=2)
+        >>> observations = envs.reset()
+        >>> observations, rewards, dones, info = envs.step(np.zeros(2, int))
+        >>> rewards.shape, dones.dtype
+        ((2,), dtype('bool'))
+    """
     gym = sys.modules.get("gym")
     kind: type[EnvPool] = EnvPool
     if gym is not None:
@@ -238,10 +255,26 @@ def make_gym(task_id: str, **options: Any) -> EnvPool:
 
 
 def make_gymnasium(task_id: str, **options: Any) -> EnvPool:
-    """`make` with env_type="gymnasium"."""
+    """`make` with env_type="gymnasium".
+
+    Example:
+        >>> import numpy as np
+        >>> import atari.integrations.envpool as envpool
+        >>> envs = envpool.make_gymnasium("Pong-v5", num_envs=2)
+        >>> observations, info = envs.reset()
+        >>> observations, rewards, terminations, truncations, info = envs.step(np.zeros(2, int))
+        >>> rewards.shape
+        (2,)
+    """
     return GymnasiumEnvPool(make_spec(task_id, **options), returns_done=False)
 
 
 def list_all_envs() -> list[str]:
-    """The names of all tasks."""
+    """The names of all tasks.
+
+    Example:
+        >>> import atari.integrations.envpool as envpool
+        >>> "Breakout-v5" in envpool.list_all_envs()
+        True
+    """
     return list(task_ids())

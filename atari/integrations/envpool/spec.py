@@ -153,6 +153,12 @@ def make_spec(task_id: str, **options: Any) -> EnvPoolSpec:
     Raises:
         TypeError: there is no such option; the nearest is suggested.
         ValueError: there is no such task, or an option has a value that is not supported.
+
+    Example:
+        >>> import atari.integrations.envpool as envpool
+        >>> spec = envpool.make_spec("Pong-v5", num_envs=4)
+        >>> spec.action_space, spec.observation_space.shape
+        (Discrete(6), (4, 84, 84))
     """
     tasks = task_ids()
     if task_id not in tasks:

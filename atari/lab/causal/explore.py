@@ -54,6 +54,12 @@ def causes(
 
     Raises:
         ValueError: a number outside its range, or a game without single-player rules.
+
+    Example:
+        >>> from atari.lab.causal import causes
+        >>> found = causes("pong", states=5, values=2)
+        >>> found.bytes[49].seen > 0.5, found.bytes[49].rewritten < 0.5  # the ball's position is seen, and is no copy
+        (True, True)
     """
     for name, number, high in (("states", states, 5000), ("values", values, 64), ("frames", frames, 60)):
         check_integer(name, number, 1, high)

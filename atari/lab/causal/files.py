@@ -140,6 +140,14 @@ def shipped_causes(game: str | Game) -> CausalMap:
 
     Raises:
         ValueError: the package has no map of this game; `causes` makes one.
+
+    Example:
+        >>> import atari
+        >>> from atari.lab import shipped_causes
+        >>> label = atari.games["pong"].ram_labels["score_player"]
+        >>> byte = shipped_causes("pong").bytes[label.index]
+        >>> byte.seen, byte.reward
+        (1.0, True)
     """
     found = games.resolve(game)
     if not (DATA / f"{found.id}.npz").is_file():

@@ -76,6 +76,11 @@ def check(game: str | PathLike[str] | Game, name: str | Mapping[str, Any] | Inte
 
     Raises:
         ValueError: there is no such intervention, or it has no check.
+
+    Example:
+        >>> from atari.lab.interventions import check
+        >>> check("pong", "lazy_enemy").passed
+        True
     """
     found = games.find(game)
     (intervention,) = resolve(found, [name])

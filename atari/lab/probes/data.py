@@ -104,6 +104,12 @@ def play_episodes(
 
     Raises:
         TypeError, ValueError: as `AtariVectorEnv`; or a number is out of range.
+
+    Example:
+        >>> from atari.lab.probes import play_episodes
+        >>> episodes = play_episodes("breakout", 400, img_height=42, img_width=42, stack_num=1)
+        >>> episodes[0].observations.shape[1:], episodes[0].ram.shape[1:]
+        ((1, 42, 42), (128,))
     """
     check_integer("steps", steps, 1, 2**40)
     check_probability("epsilon", epsilon)
@@ -157,6 +163,13 @@ def split_episodes(
     Raises:
         TypeError, ValueError: there are too few episodes for three splits, a place is none, AtariARI does not have the
             game, no label has the entropy, or no test state is left.
+
+    Example:
+        >>> from atari.lab.probes import play_episodes, split_episodes
+        >>> episodes = play_episodes("breakout", 3000, img_height=21, img_width=21, stack_num=1)
+        >>> data = split_episodes(episodes, "breakout")
+        >>> data.names[:2]
+        ('ball_x', 'ball_y')
     """
     if isinstance(labels, str):
         labels = atari_ari.indices(games.find(labels))

@@ -88,6 +88,14 @@ def probe(
     Raises:
         TypeError, ValueError: a number is out of range, or the features are none.
         gymnasium.error.DependencyNotInstalled: PyTorch is not installed.
+
+    Example:
+        >>> from atari.lab.probes import play_episodes, probe, split_episodes
+        >>> episodes = play_episodes("breakout", 3000, img_height=21, img_width=21, stack_num=1)
+        >>> data = split_episodes(episodes, "breakout")
+        >>> result = probe(lambda images: images.mean(axis=2) / 255, data, epochs=1)
+        >>> 0 <= result.mean_f1 <= 1
+        True
     """
     for name, value in (("epochs", epochs), ("patience", patience), ("batch_size", batch_size)):
         check_integer(name, value, 1, 2**31)
@@ -107,7 +115,15 @@ def probe(
 
 
 def majority(data: ProbeData) -> ProbeResult:
-    """The scores of predicting the most frequent value in training, whatever the observation."""
+    """The scores of predicting the most frequent value in training, whatever the observation.
+
+    Example:
+        >>> from atari.lab.probes import majority, play_episodes, split_episodes
+        >>> episodes = play_episodes("breakout", 3000, img_height=21, img_width=21, stack_num=1)
+        >>> data = split_episodes(episodes, "breakout")
+        >>> 0 < majority(data).mean_f1 < 1
+        True
+    """
     most = [np.bincount(column, minlength=CLASSES).argmax() for column in data.train.labels.T]
     return _result(data, np.tile(np.array(most), (len(data.test), 1)))
 

@@ -157,6 +157,13 @@ def compare(
     Raises:
         TypeError, ValueError: an argument is of the wrong kind, a name is not known (the nearest is suggested), the
             protocols or budgets differ, the human table is of another protocol, or no game is left.
+
+    Example:
+        >>> from atari.learning import compare, evaluate
+        >>> result = evaluate("random", ["pong", "breakout"], "dopamine", episodes=2)
+        >>> comparison = compare(result, "dopamine/rainbow", frames=10_000_000, repetitions=50)
+        >>> [(row.name, row.frames) for row in comparison.rows]
+        [('random', 10000000), ('dopamine/rainbow', 10000000)]
     """
     results = _check_results(results)
     to = [to] if isinstance(to, str) else list(to)

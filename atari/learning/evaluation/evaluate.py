@@ -80,6 +80,14 @@ def evaluate(
         TypeError, ValueError: an argument is of the wrong kind or out of range, the policy does not fit the protocol,
             or it returns no actions.
         FileNotFoundError: there is no such file of a policy, or no ROM file of a game.
+
+    Example:
+        >>> from atari.learning import evaluate
+        >>> def noop(observations):
+        ...     return [0] * len(observations)
+        >>> result = evaluate(noop, "pong", "dopamine", episodes=2, seed=0)
+        >>> result["pong"].scores
+        (-21.0, -21.0)
     """
     protocol = find_protocol(protocol)
     chosen = find_games(games)
@@ -127,6 +135,13 @@ def record_games(
     Raises:
         TypeError, ValueError, FileNotFoundError: as `evaluate`.
         OSError: the replay cannot be written.
+
+    Example:
+        >>> from atari.learning import evaluate, record_games
+        >>> result = evaluate("random", "pong", "dopamine", episodes=2)["pong"]
+        >>> played = record_games("random", "pong", "dopamine", result.seeds, "games.a26")
+        >>> played == list(zip(result.scores, result.frames))
+        True
     """
     (found,) = find_games(game)
     player = Player(_policy(policy, found, {}), find_protocol(protocol), found)

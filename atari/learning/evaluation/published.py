@@ -158,7 +158,13 @@ class Published:
 
 
 def published_names(pattern: str = "") -> tuple[str, ...]:
-    """The names of all published agents, or of those that contain a text."""
+    """The names of all published agents, or of those that contain a text.
+
+    Example:
+        >>> from atari.learning import published_names
+        >>> published_names("rainbow")[:2]
+        ('cleanrl/rainbow_atari', 'dopamine/rainbow')
+    """
     agents = read_table("index")["agents"]
     names = (f"{source}/{agent}" for source in agents for agent in agents[source])
     return tuple(name for name in names if pattern in name)
@@ -170,6 +176,12 @@ def published(name: str) -> Published:
     Raises:
         TypeError: the name is no string.
         ValueError: there is no such agent; the nearest is suggested.
+
+    Example:
+        >>> from atari.learning import published
+        >>> rainbow = published("dopamine/rainbow")
+        >>> rainbow.at("pong", 10_000_000).shape, rainbow.budgets[0]
+        ((5,), 1000000)
     """
     aliases = read_table("index")["aliases"]
     name = aliases.get(name, name) if isinstance(name, str) else name
@@ -187,6 +199,11 @@ def human_scores(table: str = "noop57") -> dict[str, tuple[float, float]]:
     Raises:
         TypeError: the name is no string.
         ValueError: there is no such table; the nearest is suggested.
+
+    Example:
+        >>> from atari.learning import human_scores
+        >>> human_scores()["breakout"]  # of random play, and of a human
+        (1.7, 30.5)
     """
     tables = read_table("human")["tables"]
     entries = tables[check_known_name("human table", table, _human_tables())]["games"]

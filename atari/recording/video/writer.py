@@ -40,6 +40,12 @@ def frame_rate(game: Game) -> Fraction:
 
     It is exact for a game that draws the lines of its TV format (262 or 312 of 228 colour clocks each), as nearly all
     games do. Divide it by the frame skip for a video of one frame a step.
+
+    Example:
+        >>> import atari
+        >>> from atari.recording import frame_rate
+        >>> round(float(frame_rate(atari.games["breakout"])), 2)
+        59.92
     """
     tv = game.screen.format
     return COLOUR_CLOCK_HZ[tv] / (COLOUR_CLOCKS_PER_LINE * LINES_PER_FRAME[tv])
