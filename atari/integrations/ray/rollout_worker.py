@@ -49,7 +49,7 @@ class WorkerSettings:
             "obs_type='dict'": envs.options.obs_type == "dict",
             f"autoreset_mode={envs.autoreset_mode.value!r}": envs.autoreset_mode != AutoresetMode.NEXT_STEP,
             f"batch_size={envs.batch_size}": envs.batch_size != envs.num_envs,
-            f"players={envs.options.players}": envs._options.players > 1,
+            f"players={envs.options.players}": envs.options.players > 1,
             "life_loss_info=True": envs.options.protocol.life_loss_info,
         }
         for what, is_so in refused.items():
