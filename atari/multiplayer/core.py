@@ -169,11 +169,19 @@ class MultiplayerCore(_emulator.Emulator):
         """Continue from a snapshot.
 
         Raises:
-            TypeError, ValueError: not a snapshot, damaged, or of another game, version or mode, or other sticky
-                actions or rules.
+            TypeError, ValueError: not a snapshot, damaged, or of another game, version, number of players or mode, or
+                other sticky actions or rules. The game is as it was.
         """
         facts, blobs = snapshot.unpack(data)
-        snapshot.require(facts, self._facts())
+        own = self._facts()
+        snapshot.require(facts, {name: own[name] for name in ("core", "game")})
+        of = next((players for players, modes in self.rules.modes.items() if facts.get("mode") in modes), self.players)
+        if of != self.players:
+            raise ValueError(
+                f"the snapshot is of a game of {of} players, not of {self.players}; "
+                f"restore it into one with players={of}"
+            )
+        snapshot.require(facts, own)
         snapshot.require_blobs(blobs, "state")
         try:
             state = zlib.decompressobj().decompress(blobs["state"], 1 << 20)

@@ -1,9 +1,12 @@
 """`MultiplayerCore`: players, options, snapshots. `test_goldens.py` compares it with Multi-Agent-ALE."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 import atari
+from atari.cores import NativeCore
 from atari.multiplayer import MultiplayerCore
 
 GAMES = [game.id for game in atari.games.values() if game.multiplayer]
@@ -39,11 +42,33 @@ def test_a_snapshot_of_a_sticky_game_continues(game: str) -> None:
     assert [(other.act_players(action), other.ram().tobytes()) for action in actions[30:]] == first
 
 
-def test_a_snapshot_of_another_mode_is_refused() -> None:
-    core, other = MultiplayerCore("pong", players=2), MultiplayerCore("pong", players=4)
+def played(core: Any) -> Any:
     core.reset()
-    with pytest.raises(ValueError, match="mode"):
-        other.restore(core.snapshot())
+    for _ in range(20):
+        core.act_players([3] * core.players) if isinstance(core, MultiplayerCore) else core.act(3)
+    return core
+
+
+@pytest.mark.parametrize(
+    ("other", "text"),
+    [
+        (lambda: MultiplayerCore("pong", players=4), "is of a game of 4 players, not of 2"),
+        (lambda: MultiplayerCore("pong", mode=10), "was taken with mode = 10, but this environment has 3"),
+        (lambda: MultiplayerCore("warlords", players=2), "was taken with game = 'warlords'"),
+        (lambda: NativeCore("pong", seed=0), "was taken with core = 'native', but this environment has 'multiplayer'"),
+        (lambda: MultiplayerCore("pong", repeat_action_probability=0.5), "was taken with repeat_action_probability"),
+    ],
+)
+def test_a_snapshot_of_another_core_is_refused_and_changes_nothing(other: Any, text: str) -> None:
+    core, of = played(MultiplayerCore("pong", players=2)), played(other())
+    for target, source, message in (
+        (core, of, text),
+        (of, core, "snapshot (was taken with|is of a game of 2 players)"),
+    ):
+        before = target.save()
+        with pytest.raises(ValueError, match=message):
+            target.restore(source.snapshot())
+        assert target.save() == before
 
 
 def test_ale_pys_numbers_of_modes_differ_where_the_game_says() -> None:

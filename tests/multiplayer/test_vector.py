@@ -197,14 +197,43 @@ def test_snapshots_forks_and_pickles_continue_the_game() -> None:
             after = again.step(actions)
             assert np.array_equal(after[0]["image"], before[0]["image"])
             assert all(np.array_equal(a, b) for a, b in zip(after[1:4], before[1:4], strict=True))
-    other = AtariVectorEnv("warlords", 2, players=2, obs_type="dict")
-    other.reset(seed=4)
-    for states in (snapshots, pickle.loads(pickle.dumps(snapshots))):
-        with pytest.raises(ValueError, match="was taken with other options"):
-            other.restore(None, states)
     envs.fork(0, [1])
     observation, _ = envs.observe()
     assert np.array_equal(observation["ram"][0], observation["ram"][1])
+
+
+def test_snapshots_of_another_number_of_players_are_refused_and_change_nothing() -> None:
+    vectors = [AtariVectorEnv("pong", 2, players=players) for players in (None, 2, 4)]
+    for seed, envs in enumerate(vectors):
+        envs.reset(seed=seed)
+        for _ in range(5):
+            envs.step(envs.action_space.sample())
+    for envs in vectors:
+        before = pickle.dumps(envs.snapshot())
+        for other in vectors:
+            if other is envs:
+                continue
+            states = other.snapshot()
+            for refused in (states, pickle.loads(pickle.dumps(states)), [envs.snapshot()[0], states[1]]):
+                with pytest.raises(ValueError, match=r"is of another game than environment \d, or was taken with"):
+                    envs.restore(None, refused)
+                assert pickle.dumps(envs.snapshot()) == before
+
+
+def test_a_snapshot_of_another_mode_continues_in_its_mode() -> None:
+    envs, other = AtariVectorEnv("pong", 1, players=2, mode=3), AtariVectorEnv("pong", 1, players=2, mode=10)
+    for one in (envs, other):
+        one.reset(seed=3)
+    (state,) = other.snapshot()
+    envs.restore(None, [state])
+    rng = np.random.default_rng(0)
+    for actions in [moves(rng, envs) for _ in range(40)]:
+        envs.step(actions), other.step(actions)
+        assert np.array_equal(envs.ram(), other.ram())
+    envs.reset(), other.reset()
+    assert np.array_equal(envs.ram(), other.ram())
+    envs.reset(seed=3), other.reset(seed=3)  # as at first
+    assert not np.array_equal(envs.ram(), other.ram())
 
 
 def test_an_indicator_of_the_player_is_that_of_supersuit() -> None:
