@@ -49,7 +49,8 @@ def register(commands: "Commands") -> None:
         metavar="POLICY",
         help="random, noop, MODULE:FUNCTION (called with each observation, returns an action), a replay, such as "
         "game.a26, a run folder of `atari train`, an SB3 zip, a TorchScript or ONNX file (default: random); with "
-        "--players, one for each player: random, noop or MODULE:FUNCTION (called with an observation and an info)",
+        "--players, one for each player: random, noop, a run folder or MODULE:FUNCTION (called with an observation and "
+        "an info)",
     )
     multiplayer(parser)
     parser.add_argument("--preset", metavar="NAME", help="the preprocessing that the policy needs, such as dqn2015")

@@ -25,6 +25,8 @@ class Multiplayer:
         paddle_range: instead of the range in `[controllers]`.
         parameters: numbers that the rules use and a user may set, by name.
         mode_offset: what ale-py's numbers of these modes differ by.
+        mirrored_modes: modes of two players in which player 2 plays player 1's game in a mirror: the court is the same
+            if left and right are exchanged, and an action moves either player alike.
         notes: irregularities, in words.
     """
 
@@ -38,6 +40,7 @@ class Multiplayer:
     paddle_range: tuple[int, int] | None
     parameters: Mapping[str, int]
     mode_offset: int
+    mirrored_modes: tuple[int, ...]
     notes: tuple[str, ...]
 
     @property
@@ -51,7 +54,7 @@ class Multiplayer:
 
 
 _NEEDED = ("modes", "loading_mode", "minimal", "starting", "difficulties", "rules")
-_OPTIONAL = ("paddle_range", "parameters", "mode_offset", "notes")
+_OPTIONAL = ("paddle_range", "parameters", "mode_offset", "mirrored_modes", "notes")
 
 
 def parse_multiplayer(table: Mapping[str, Any]) -> Multiplayer:
@@ -68,6 +71,10 @@ def parse_multiplayer(table: Mapping[str, Any]) -> Multiplayer:
     check_value("[multiplayer] difficulties", table["difficulties"], tuple[int, ...])
     if not table["difficulties"] or not set(table["difficulties"]) <= {0, 1, 2, 3}:
         raise ValueError(f"[multiplayer] difficulties {table['difficulties']} are not among 0, 1, 2, 3")
+    mirrored = table.get("mirrored_modes", [])
+    check_value("[multiplayer] mirrored_modes", mirrored, tuple[int, ...])
+    if not set(mirrored) <= set(modes.get(2, ())):
+        raise ValueError(f"[multiplayer] mirrored_modes {mirrored} are not among the modes of two players")
     check_value("[multiplayer] notes", table.get("notes", []), tuple[str, ...])
     return Multiplayer(
         modes=modes,
@@ -80,6 +87,7 @@ def parse_multiplayer(table: Mapping[str, Any]) -> Multiplayer:
         paddle_range=_paddle_range(table.get("paddle_range")),
         parameters=FrozenDict(table.get("parameters", {})),
         mode_offset=table.get("mode_offset", 0),
+        mirrored_modes=tuple(mirrored),
         notes=tuple(table.get("notes", ())),
     )
 

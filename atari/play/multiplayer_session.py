@@ -37,7 +37,7 @@ class MultiplayerSession(BaseSession):
             ("UPFIRE"). The info has `player` (0 is the first), `players`, `mode`, `frame` (since the game began),
             `scores`, `rewards` (of the last frame) and `lives`; the last three are lists, a number of each player.
         obs_type: of the policies' observations, all uint8: "rgb" (height, 160, 3), "grayscale" (height, 160) or "ram"
-            (128,). All players see the same.
+            (128,). A policy with an attribute `obs_type` gets these instead. All players see the same game.
         state: the file of the saved state.
         replay: the replay file, with the suffix ".a26"; None writes no replay.
         videos: the folder of the videos.
@@ -72,14 +72,18 @@ class MultiplayerSession(BaseSession):
         videos: Path = Path("videos"),
         scale: int = 2,
     ) -> None:
-        self._obs_type = check_name("obs_type", obs_type, OBSERVATIONS)
+        check_name("obs_type", obs_type, OBSERVATIONS)
         if seed is None:
             seed = int(np.random.default_rng().integers(SEED_LIMIT))
         self.core = MultiplayerCore(
             game, rom=rom, players=players, mode=mode, difficulty=difficulty, seed=seed, sound=True
         )
         self.policies = dict(policies or {})
-        for player in self.policies:
+        self._obs_types: dict[int, Observation] = {}
+        for player, policy in self.policies.items():
+            kind: Observation = getattr(policy, "obs_type", obs_type)
+            check_name("obs_type", kind, OBSERVATIONS)
+            self._obs_types[player] = kind
             if player not in range(self.core.players):
                 raise ValueError(f"there is no player {player + 1} in a game of {self.core.players} players")
         self._recorded: Any = self.core if replay is None else RecordMatch(self.core, replay)
@@ -128,17 +132,16 @@ class MultiplayerSession(BaseSession):
 
     def _step(self, actions: tuple[Action, ...]) -> list[int]:
         chosen = dict(zip(self.humans, map(int, actions), strict=True))
-        if self.policies:
-            observation = self._observe()
-            chosen |= {player: self._decide(player, observation) for player in self.policies}
+        seen = {kind: self._observe(kind) for kind in set(self._obs_types.values())}
+        chosen |= {player: self._decide(player, seen[kind]) for player, kind in self._obs_types.items()}
         rewards: list[int] = self._recorded.act_players([chosen[player] for player in range(self.core.players)])
         self._rewards = rewards
         return rewards
 
-    def _observe(self) -> ByteArray:
-        if self._obs_type == "ram":
+    def _observe(self, kind: Observation) -> ByteArray:
+        if kind == "ram":
             return self.core.ram()
-        return self.core.screen_rgb() if self._obs_type == "rgb" else self.core.screen_grayscale()
+        return self.core.screen_rgb() if kind == "rgb" else self.core.screen_grayscale()
 
     def _decide(self, player: int, observation: ByteArray) -> int:
         """The action of a policy.

@@ -44,6 +44,31 @@ def test_evaluate_and_record_a_run(run: str, tmp_path: Path, capsys: pytest.Capt
     assert [episode.score for episode in Replay.load(tmp_path / "a.a26").episodes] == shown["scores"]
 
 
+@pytest.mark.parametrize("obs", ["pixels", "ram"])
+def test_a_run_plays_against_others(obs: str, run: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    if obs == "ram":
+        run = str(tmp_path / "ram")
+        assert main(["train", "--games", "0", "ppo", "pong", *SMALL, "--obs", "ram", "-o", run]) == 0
+        capsys.readouterr()
+    words = ["record", "pong", "--players", "2", "--policy", run, "--policy", "random", "--seconds", "8"]
+    replays = [tmp_path / "a.a26", tmp_path / "b.a26"]
+    for replay in replays:
+        shown = read_json(capsys, *words, "-o", str(replay))
+        assert shown["policies"] == [run, "random"]
+    played = [[frame.actions[0] for frame in Replay.load(replay).frames()] for replay in replays]
+    assert played[0] == played[1]
+    assert {0, 3, 4} >= {*played[0]} or obs == "ram"  # NOOP, RIGHT, LEFT
+    assert len({*played[0]}) > 1
+    assert all(len({*played[0][frame : frame + 4]}) == 1 for frame in range(0, 400, 4))
+
+
+def test_a_run_of_another_game_cannot_play(run: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["record", "boxing", "--players", "2", "--policy", run, "--policy", "noop"]) == 1
+    assert "is a training in pong, not in boxing" in capsys.readouterr().err
+    assert main(["record", "pong", "--players", "2", "--policy", str(tmp_path)]) == 1
+    assert f"{tmp_path} is no run folder" in capsys.readouterr().err
+
+
 def test_watch(run: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     shown: list[Replay] = []
 

@@ -89,6 +89,24 @@ def test_a_policy_plays_player_2_and_gets_observation_and_info() -> None:
     assert [info["frame"] for _, info in calls] == list(range(700))
 
 
+def test_a_policy_can_say_what_it_observes() -> None:
+    shapes: dict[int, Any] = {}
+
+    class Sees:
+        def __init__(self, obs_type: str) -> None:
+            self.obs_type = obs_type
+
+        def __call__(self, observation: Any, info: dict[str, Any]) -> int:
+            shapes[info["player"]] = observation.shape
+            return 0
+
+    policies = {0: Sees("rgb"), 1: Sees("grayscale"), 2: Sees("ram"), 3: lambda observation, info: 0}
+    MultiplayerSession("pong", players=4, policies=policies, obs_type="ram").play()
+    assert shapes == {0: (210, 160, 3), 1: (210, 160), 2: (128,)}
+    with pytest.raises(ValueError, match="obs_type must be one of"):
+        MultiplayerSession("pong", policies={1: Sees("colours")})
+
+
 @pytest.mark.parametrize("answer", [18, -1, "JUMP", None, True, 1.5, []])
 def test_an_answer_that_is_no_action_is_named(answer: Any) -> None:
     session = MultiplayerSession("pong", policies={1: lambda observation, info: answer})
@@ -248,7 +266,7 @@ def test_the_mode_says_how_many_players_there_are(
         (["combat", "--players", "2", "--difficulty", "9"], "difficulty must be one of"),
         (["pong", "--players", "2", "--replay", "a.mp4"], "the name of a replay must end in"),
         (["pong", "--opponent", "policies_of_two.py"], "policies and replays in files are of the one-player game"),
-        (["pong", "--opponent", "best"], "must be random, noop or MODULE:FUNCTION, got 'best'"),
+        (["pong", "--opponent", "best"], "must be random, noop, MODULE:FUNCTION or a run folder, got 'best'"),
         (["pong", "--opponent", "policies_of_two:none"], "cannot be imported"),
         (["pong", "--opponent", "noop", "--opponent", "noop"], "give --opponent at most 1 times, got 2"),
         (["pong", "--opponent", "policies_of_two:wrong"], "the policy of player 2 returned 18"),

@@ -1,0 +1,119 @@
+"""`TrainedPlayer`: policies of trainings in games of several players, by policies that need no PyTorch."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from atari import AtariVectorEnv
+from atari.actions import Action
+from atari.cli.trained_player import TrainedPlayer
+from atari.cores import NativeCore
+from atari.learning import ScoresPolicy
+from atari.multiplayer import MultiplayerCore
+from atari.play import MultiplayerSession
+from atari.wrappers.presets import preset_protocol
+
+ACTIONS = ("NOOP", "FIRE", "RIGHT", "LEFT")
+IMAGES = {"obs_type": "grayscale", "img_height": 84, "img_width": 84, "stack_num": 4}
+
+
+def player(scores: Any, preset: str = "baselines", mirrored: bool = False, **sees: Any) -> TrainedPlayer:
+    policy = ScoresPolicy(scores, environment={"preset": preset, "actions": ACTIONS, **(sees or IMAGES)})
+    return TrainedPlayer(policy, "pong", 0, mirrored)
+
+
+@pytest.mark.parametrize("preset", ["baselines", "dqn2015", "dopamine", "envpool", "gymnasium", "machado2018"])
+def test_a_player_observes_what_its_training_did(preset: str) -> None:
+    """It gets the frames of a one-player game that the environments of trainings play, too."""
+    protocol = replace(
+        preset_protocol(preset, episodic_life=False), noops=(0, 0), fire="never", third_action=False, order="frames"
+    )
+    protocol = replace(protocol, repeat_action_probability=0.0, full_action_space=True)
+    envs = AtariVectorEnv("pong", 1, preset=protocol, **IMAGES)
+    expected, _ = envs.reset(seed=0)
+    core = NativeCore("pong", seed=0, repeat_action_probability=0.0)
+    core.reset()
+    seen: list[Any] = []
+    plan = np.random.default_rng(1).integers(4, size=60)
+
+    def scores(observations: Any) -> Any:
+        seen.append(observations.copy())
+        return plan[len(seen) - 1 :][:1]
+
+    played = player(scores, preset)
+    assert played.obs_type == ("rgb" if protocol.pool_rgb else "grayscale")
+    for frame in range(4 * len(plan)):
+        screen = core.screen_rgb() if played.obs_type == "rgb" else core.screen_grayscale()
+        action = Action[played(screen, {"frame": frame})]
+        if frame % 4 == 0:
+            assert np.array_equal(seen[-1], expected)
+            expected = envs.step([int(action)])[0]
+        core.act(int(action))
+    assert len(seen) == len(plan)
+    assert len({image.tobytes() for image in seen}) > 30
+
+
+def test_a_player_of_ram_acts_every_fourth_frame_and_after_rewinds() -> None:
+    seen: list[Any] = []
+    played = player(lambda rams: seen.append(rams) or np.array([2]), obs_type="ram")
+    for frame in [0, 1, 2, 3, 4, 5, 2, 3, 4, 5, 6, 0]:
+        assert played(np.full(128, frame, np.uint8), {"frame": frame}) == "RIGHT"
+    assert [rams[0, 0] for rams in seen] == [0, 4, 2, 6, 0]
+    assert {rams.shape for rams in seen} == {(1, 128)}
+
+
+def court(core: MultiplayerCore) -> Any:
+    return core.screen_grayscale()[34:194].astype(int)
+
+
+@pytest.mark.parametrize("mode", [3, 4])
+def test_the_paddles_of_pong_move_alike_in_a_mirror(mode: int) -> None:
+    """The game reads the two paddles in different frames, so their rows differ by up to 8, for a frame."""
+    plan = np.repeat(np.random.default_rng(0).choice([0, 3, 4], 100), 3).tolist()
+    first, second = MultiplayerCore("pong", mode=mode), MultiplayerCore("pong", mode=mode)
+    first.reset()
+    second.reset()
+    rows, compared = [], 0
+    for action in plan:
+        first.act_players([action, 0])
+        second.act_players([0, action])
+        images = court(first), court(second)[:, ::-1]
+        rows.append([np.flatnonzero(abs(image[:, 141] - 147) <= 1)[-1] for image in images])
+        if max(image.max() for image in images) < 160:  # no ball
+            differing = np.argwhere(abs(images[0] - images[1]) > 1)[:, 1]
+            assert {*differing.tolist()} <= {*range(16, 20), *range(140, 144)}
+            compared += 1
+    differences = np.diff(rows)
+    assert abs(differences).max() <= 8
+    assert abs(differences.mean()) < 1
+    assert np.ptp(rows) > 100
+    assert compared > 50
+
+
+def follow(observations: Any) -> Any:
+    """The actions of a policy that has only seen the right paddle: it keeps it at the ball's height, and serves."""
+    image = observations[0, -1][14:77]  # the court
+    ball = np.argwhere(image[:, :73] > 160)
+    paddle = np.argwhere(image[:, 73:76] > 100)
+    if not len(ball) or not len(paddle):
+        return np.array([1])
+    below = ball[:, 0].mean() - paddle[:, 0].mean()
+    return np.array([0 if abs(below) < 2 else 3 if below > 0 else 2])
+
+
+def match(players: dict[int, Any]) -> list[int]:
+    session = MultiplayerSession("pong", seed=1, policies=players)
+    while not session.over:
+        session.play()
+    return session.scores
+
+
+def test_the_mirror_lets_a_policy_of_player_1_play_pong_as_player_2() -> None:
+    def serve(observation: Any, info: Any) -> str:
+        return "FIRE"
+
+    assert match({0: player(follow), 1: serve}) == [21, -21]
+    assert match({0: serve, 1: player(follow, mirrored=True)}) == [-20, 20]
+    assert match({0: serve, 1: player(follow)}) == [21, -21]
