@@ -183,9 +183,10 @@ def find_environment(name: str) -> Environment | None:
         return known
     if version is None and plain in games and games[plain].multiplayer is not None:
         return None
-    near = get_close_matches(plain, [*ENVIRONMENTS, "backgammon", "fishing_derby", "freeway"], 1)
+    named = {environment.game for environment in ENVIRONMENTS.values()}
+    others = sorted(game.id for game in games.values() if game.multiplayer is not None and game.id not in named)
+    near = get_close_matches(plain, [*ENVIRONMENTS, *others], 1)
     hint = f"; did you mean {near[0]!r}?" if near else ""
     raise ValueError(
-        f"there is no game of several players named {name!r}{hint} (all: {', '.join(sorted(ENVIRONMENTS))}, "
-        "backgammon, fishing_derby, freeway)"
+        f"there is no game of several players named {name!r}{hint} (all: {', '.join([*sorted(ENVIRONMENTS), *others])})"
     )
