@@ -12,8 +12,8 @@ from atari.multiplayer import MultiplayerCore
 GAMES = [game.id for game in atari.games.values() if game.multiplayer]
 
 
-def test_twenty_four_games_have_rules_for_several_players() -> None:
-    assert len(GAMES) == 24
+def test_twenty_five_games_have_rules_for_several_players() -> None:
+    assert len(GAMES) == 25
 
 
 @pytest.mark.parametrize("game", GAMES)

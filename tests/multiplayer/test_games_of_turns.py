@@ -1,4 +1,4 @@
-"""Bowling, Human Cannonball and 3-D Tic-Tac-Toe for two players, by rules that Multi-Agent-ALE does not have."""
+"""Bowling, Hangman, Human Cannonball and 3-D Tic-Tac-Toe for two players, by rules that Multi-Agent-ALE does not have."""
 
 import hashlib
 import itertools
@@ -14,7 +14,7 @@ import atari
 from atari.games.game import Game
 from atari.multiplayer import MultiplayerCore
 
-FIRE, RIGHT, DOWN = 1, 3, 5
+FIRE, UP, RIGHT, DOWN = 1, 2, 3, 5
 Actions = Callable[[int], list[int]]
 
 
@@ -294,14 +294,101 @@ def test_a_full_board_is_a_draw() -> None:
     assert (board.rewards, board.core.game_over) == ([0, 0], True)
 
 
+class Word:
+    """A game of Hangman. `rewards` are the sums."""
+
+    def __init__(self, mode: int, seed: int = 1, difficulty: int = 0) -> None:
+        self.core = MultiplayerCore("hangman", mode=mode, seed=seed, difficulty=difficulty)
+        self.core.reset()
+        self.rewards = [0, 0]
+        letters = [byte(self.core, address) for address in range(0xF3, 0xF9)]
+        self.word = "".join(chr(65 + letter) for letter in letters if letter < 26)
+
+    @property
+    def turn(self) -> int:
+        return byte(self.core, 0xE9) & 1
+
+    def act(self, player: int, action: int, frames: int = 1) -> None:
+        for _ in range(frames):
+            actions = [0, 0]
+            actions[player] = action
+            paid = self.core.act_players(actions)
+            self.rewards = [total + reward for total, reward in zip(self.rewards, paid, strict=True)]
+
+    def guess(self, letter: str) -> None:
+        """Choose a letter, with the stick of the player whose turn it is."""
+        player = self.turn
+        while byte(self.core, 0xEF) != ord(letter) - 65:
+            at = byte(self.core, 0xEF)
+            while byte(self.core, 0xEF) == at:
+                self.act(player, UP)
+            self.act(player, 0, 3)
+        self.act(player, FIRE, 4)
+        self.act(player, 0, 30)
+
+    def result(self) -> tuple[list[int], bool, list[int]]:
+        scores = [10 * (score >> 4) + (score & 15) for score in (byte(self.core, 0xEB), byte(self.core, 0xEC))]
+        return self.rewards, self.core.game_over, scores
+
+
+@pytest.mark.parametrize("mode", [4, 5, 6, 7])
+@pytest.mark.parametrize("seed", [1, 3, 4])
+def test_the_player_who_completes_a_word_wins(mode: int, seed: int) -> None:
+    game = Word(mode, seed)
+    wrong = [letter for letter in "BFJKVWXZ" if letter not in game.word]
+    right = sorted(set(game.word))
+    for turn, letter in ((0, right[0]), (0, wrong[0]), (1, wrong[1]), (0, wrong[2]), (1, right[1])):
+        assert game.turn == turn
+        game.guess(letter)
+    assert game.result() == ([0, 0], False, [0, 0])
+    for letter in right[2:]:
+        assert game.turn == 1
+        game.guess(letter)
+    assert game.result() == ([-1, 1], True, [0, 1])
+    game = Word(mode, seed)
+    for letter in right:
+        game.guess(letter)
+    assert game.result() == ([1, -1], True, [1, 0])
+
+
+@pytest.mark.parametrize("mode", [4, 5, 6, 7])
+def test_eleven_wrong_letters_end_the_game_without_a_winner(mode: int) -> None:
+    game = Word(mode)
+    wrong = [letter for letter in "ABCDEFGHIJKLMNOPQRSTUVWXYZ" if letter not in game.word]
+    for number in range(11):
+        assert (game.turn, game.core.game_over) == (number % 2, False)
+        game.guess(wrong[number])
+    assert game.result() == ([0, 0], True, [0, 0])
+
+
+def test_players_of_hangman_wait_for_each_other_until_the_cartridge_ends_the_game() -> None:
+    game = Word(5)
+    for frame in range(16_364):
+        assert (game.core.game_over, byte(game.core, 0xEF)) == (False, 0)
+        game.act(1, (FIRE, UP, DOWN, 0)[frame // 8 % 4])  # it is the turn of player 1
+    assert game.result() == ([0, 0], True, [0, 0])
+
+
+@pytest.mark.parametrize("difficulty", range(4))
+def test_a_difficulty_switch_gives_its_player_20_seconds(difficulty: int) -> None:
+    game, turns = Word(5, difficulty=difficulty), []
+    for player in range(2):
+        game.act(0, 0, 1300)
+        turns.append(game.turn != player)
+        if not turns[-1]:
+            game.guess(next(letter for letter in "XQZ" if letter not in game.word))
+    assert turns == [bool(difficulty & 1), bool(difficulty & 2)]
+
+
 DIGESTS = {
+    "hangman": "1afaf8cc3fd209c2",
     "bowling": "198409a8e31989d5",
     "human_cannonball": "8c20a6e93a71cced",
     "tic_tac_toe_3d": "5b0ca2377b45f05b",
 }
 
 
-@pytest.mark.parametrize("game", ["bowling", "human_cannonball", "tic_tac_toe_3d"])
+@pytest.mark.parametrize("game", ["bowling", "hangman", "human_cannonball", "tic_tac_toe_3d"])
 def test_random_games_are_as_before(game: str) -> None:
     """A digest of RAM, rewards, lives and ends, in each mode, with each difficulty and sticky actions."""
     seen = hashlib.sha256()
