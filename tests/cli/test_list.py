@@ -46,7 +46,8 @@ def test_environments_of_several_players(capsys: pytest.CaptureFixture[str]) -> 
     lines = read(capsys, "list", "--players", "4").splitlines()
     assert [line.split()[0] for line in lines[1:]][-2:] == ["volleyball_pong_v3", "warlords_v3"]
     names = [row["environment"] for row in read_json(capsys, "list", "--players", "2")]
-    assert len(names) == 30
-    assert names[-8:] == [
-        "atlantis", "backgammon", "bowling", "fishing_derby", "freeway", "hangman", "human_cannonball", "tic_tac_toe_3d",
+    assert len(names) == 31
+    assert names[-9:] == [
+        "atlantis", "backgammon", "blackjack", "bowling", "fishing_derby", "freeway", "hangman", "human_cannonball",
+        "tic_tac_toe_3d",
     ]  # fmt: skip

@@ -12,8 +12,8 @@ from atari.multiplayer import MultiplayerCore
 GAMES = [game.id for game in atari.games.values() if game.multiplayer]
 
 
-def test_twenty_six_games_have_rules_for_several_players() -> None:
-    assert len(GAMES) == 26
+def test_twenty_seven_games_have_rules_for_several_players() -> None:
+    assert len(GAMES) == 27
 
 
 @pytest.mark.parametrize("game", GAMES)
@@ -104,7 +104,7 @@ def test_wrong_calls_change_nothing() -> None:
         with pytest.raises((ValueError, TypeError)):
             core.act_players(actions)
     assert core.save() == before
-    with pytest.raises(ValueError, match="atlantis, backgammon, bowling, boxing"):
+    with pytest.raises(ValueError, match="atlantis, backgammon, blackjack, bowling, boxing"):
         MultiplayerCore("breakout")
     with pytest.raises(ValueError, match="for 2 or 4 players"):
         MultiplayerCore("pong", players=3)

@@ -58,6 +58,7 @@ GAMES = [
     ("joust", 2, {"repeat_action_probability": 0.25}),
     ("warlords", 4, {"repeat_action_probability": 0.25}),
     ("combat", 2, {"mode": 8, "difficulty": 3}),
+    ("blackjack", 2, {}),
     ("wizard_of_wor", 2, {}),
     ("maze_craze", 2, {}),
     ("flag_capture", 2, {}),
@@ -289,7 +290,7 @@ def test_games_may_differ() -> None:
 @pytest.mark.parametrize(
     ("game", "options", "error", "message"),
     [
-        ("breakout", {"players": 2}, ValueError, "breakout has no rules for several players; these games have: backg"),
+        ("breakout", {"players": 2}, ValueError, "breakout has no rules for several players; these games have: atlantis"),
         ("pong", {"players": 3}, ValueError, "pong is for 2 or 4 players, got players=3"),
         ("pong", {"players": 1}, ValueError, "players must be within 2..4, got 1"),
         ("pong", {"players": 2.0}, TypeError, "players must be an integer within 2..4, got 2.0"),
