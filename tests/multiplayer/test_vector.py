@@ -290,7 +290,12 @@ def test_games_may_differ() -> None:
 @pytest.mark.parametrize(
     ("game", "options", "error", "message"),
     [
-        ("breakout", {"players": 2}, ValueError, "breakout has no rules for several players; these games have: atlantis"),
+        (
+            "breakout",
+            {"players": 2},
+            ValueError,
+            "breakout has no rules for several players; these games have: atlantis",
+        ),
         ("pong", {"players": 3}, ValueError, "pong is for 2 or 4 players, got players=3"),
         ("pong", {"players": 1}, ValueError, "players must be within 2..4, got 1"),
         ("pong", {"players": 2.0}, TypeError, "players must be an integer within 2..4, got 2.0"),
