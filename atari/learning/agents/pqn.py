@@ -69,8 +69,9 @@ FAST: dict[str, Any] = {
     "bfloat16": True,
     "workers": 2,
     "minibatch": 256,
+    "q_lambda": 0.9,
     "anneal": False,
-    "exploration": 0.2,
+    "exploration": 0.1,
     "learning_rate": 5e-4,
 }
 """Options for pixels, found by measurement on two cores; see docs/learning.md."""
