@@ -12,7 +12,7 @@ Suites:
     vector  one step of one environment of a vector, resets counted, with 64, 8 and 1 environments on all cores:
             `AtariVectorEnv` beside ale-py's and EnvPool's; then RGB, RAM, one thread beside several, the cost of a call
     sizes   the same over numbers of environments, by default of one game: the others take a minute to make 1024;
-            scripts/plot_vector.py draws what --json writes
+            scripts/bench/plot_vector.py draws what --json writes
     memory  sampling from a `ReplayMemory`, uniform and by priority, beside the buffers of Stable-Baselines3, TorchRL,
             cpprb and Dopamine where they are installed; adding to it; and its size, plain and compressed. By default
             times of one game and sizes of all
@@ -43,10 +43,10 @@ from typing import Any
 import atari
 import atari.multiplayer
 
-sys.path.insert(0, str(Path(__file__).parent))  # PYTHONSAFEPATH leaves it out
-import bench_memory
-import bench_multiplayer
-from bench_suites import SUITES, Comparison, without_envpool
+sys.path.insert(0, str(Path(__file__).parent / "bench"))
+import suite_memory
+import suite_multiplayer
+from suites import SUITES, Comparison, without_envpool
 
 Times = dict[str, list[float]]
 """Microseconds a step by contestant, one value a round."""
@@ -167,7 +167,7 @@ def commit() -> str | None:
 def default_games(suite: str) -> list[str]:
     """The games that a suite measures."""
     if suite == "multiplayer":
-        return bench_multiplayer.GAMES
+        return suite_multiplayer.GAMES
     return GAMES[:1] if suite in ("sizes", "memory", "ray", "jax") else GAMES
 
 
@@ -213,7 +213,7 @@ def main() -> None:
     for comparison in comparisons:
         print(table(comparison.name, {game: times[comparison.name] for game, times in results.items()}), end="\n\n")
     if options.suite == "memory":
-        print(bench_memory.bytes_table(options.games or GAMES))
+        print(suite_memory.bytes_table(options.games or GAMES))
     if options.json:
         run = {"suite": options.suite, "steps": options.steps, "rounds": options.rounds}
         document = {**run, **circumstances(), "unit": "microseconds, one value a round", "results": results}

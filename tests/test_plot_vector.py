@@ -1,4 +1,4 @@
-"""`scripts/plot_vector.py` reads its curves from `bench.py`'s file. The drawing is tested in the peers' lane."""
+"""`scripts/bench/plot_vector.py` reads its curves from `bench.py`'s file. The drawing is tested in the peers' lane."""
 
 import json
 import runpy
@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-SCRIPT = Path(__file__).parent.parent / "scripts" / "plot_vector.py"
+SCRIPT = Path(__file__).parent.parent / "scripts" / "bench" / "plot_vector.py"
 
 DOCUMENT: dict[str, Any] = {
     "suite": "sizes",

@@ -203,7 +203,7 @@ def test_shipped_maps() -> None:
 def test_a_shipped_map_is_what_the_defaults_make() -> None:
     again, shipped = to_arrays(causes("casino")), np.load(DATA / "casino.npz")
     for name, array in again.items():
-        np.testing.assert_array_equal(array, shipped[name], err_msg="run scripts/causal_maps.py")
+        np.testing.assert_array_equal(array, shipped[name], err_msg="run scripts/generate/causal_maps.py")
 
 
 def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,4 +1,4 @@
-"""`scripts/plot_vector.py` draws the results of `scripts/bench.py --suite sizes` with matplotlib."""
+"""`scripts/bench/plot_vector.py` draws the results of `scripts/bench.py --suite sizes` with matplotlib."""
 
 import subprocess
 import sys
@@ -15,7 +15,7 @@ def test_a_plot_of_all_contestants(tmp_path: Path) -> None:
     measured, plot = tmp_path / "sizes.json", tmp_path / "plot.svg"
     bench = [sys.executable, str(SCRIPTS / "bench.py"), "--suite", "sizes", "--envs", "1", "2", "--steps", "20"]
     subprocess.run([*bench, "--rounds", "1", "--games", "pong", "--json", str(measured)], check=True)
-    draw = [sys.executable, str(SCRIPTS / "plot_vector.py"), str(measured), str(plot)]
+    draw = [sys.executable, str(SCRIPTS / "bench" / "plot_vector.py"), str(measured), str(plot)]
     subprocess.run(draw, check=True)
     text = plot.read_text()
     for label in ("native", "native RAM", "EnvPool", "ale-py", "steps a second"):

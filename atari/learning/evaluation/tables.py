@@ -1,4 +1,4 @@
-"""The tables in `data`, made by `scripts/pack_published.py`: published results, sets of games, human scores."""
+"""The tables in `data`: published results, sets of games, human scores. Made by scripts/generate/pack_published.py."""
 
 import difflib
 import gzip

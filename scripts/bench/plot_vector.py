@@ -2,7 +2,7 @@
 """Draws how many steps a second vector environments make, over their number.
 
     scripts/bench.py --suite sizes --json sizes.json
-    scripts/plot_vector.py sizes.json docs/vector-throughput.svg
+    scripts/bench/plot_vector.py sizes.json docs/vector-throughput.svg
 
 Steps are summed over all environments. A step has four frames and an 84x84 observation, unless the legend says RAM. For
 several games, the plot has geometric means. It needs matplotlib.

@@ -13,7 +13,7 @@ from collections import Counter
 from itertools import pairwise
 from pathlib import Path
 
-EMULATOR = Path(__file__).parent.parent / "atari" / "emulator"
+EMULATOR = Path(__file__).parents[2] / "atari" / "emulator"
 PAIRS = 400
 """The number of superinstructions. More would take compilers minutes and save little where there is translated code
 (docs/performance.md)."""
@@ -138,7 +138,7 @@ def main() -> None:
         fused = [tuple(re.findall(r"(\w+), (\w+)", row)) for row in rows]
         fused = [tuple(f"{operation}_{mode}" for operation, mode in pair) for pair in fused]
     lines = [
-        "// Made by scripts/make-handlers.py. The instructions of the fast interpreter, a row a handler:",
+        "// Made by scripts/generate/make-handlers.py. The instructions of the fast interpreter, a row a handler:",
         "//   SINGLE(operation, kind of operand)",
         "//   PAIR(operation, kind of operand, operation, kind of operand)",
         "// ATARI_NO_PAIRS leaves pairs out: instrumented builds take too long with them. Both macros end here.",

@@ -5,6 +5,7 @@ A board is better the more rows it clears, and the lower, smoother and freer of 
 byte r has columns 4..0 of row r from the bottom, byte 22 + r columns 5..9.
 """
 
+import argparse
 import sys
 from pathlib import Path
 
@@ -54,6 +55,7 @@ def drop(core: NativeCore, actions: list[int]) -> tuple[list[int], float]:
 
 def main() -> None:
     """Plan, piece by piece, and keep the play if it is better."""
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
     env = atari.make("tetris", frameskip=HOLD, repeat_action_probability=0.0)
     env.reset(seed=0)
     core = NativeCore("tetris", frame_skip=HOLD, repeat_action_probability=0.0)
@@ -78,7 +80,8 @@ def main() -> None:
         score += best[2]
     numbers = [int(action) for action in core.game.minimal_actions]
     how = (
-        "A script with snapshots (scripts/play_tetris.py): it tried every place for the piece and took the best board."
+        "A script with snapshots (scripts/generate/play_tetris.py): "
+        "it tried every place for the piece and took the best board."
     )
     facts = keep("tetris", [numbers.index(action) for action in played], policy="script", how=how)
     print(facts)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Pack published Atari results into atari/learning/evaluation/data: one compressed JSON file for each source.
 
-usage: scripts/pack_published.py FOLDER
+usage: scripts/generate/pack_published.py FOLDER
 
 FOLDER has `published/` (curves and tables of other projects, `sources.json` with their licences) and `benchmarks.json`
 (sets of games, scores of papers). Scores, frames and seeds are taken over as they are. The protocols, which the sources
@@ -16,7 +16,7 @@ from collections import defaultdict
 from pathlib import Path
 from typing import Any
 
-OUTPUT = Path(__file__).parent.parent / "atari" / "learning" / "evaluation" / "data"
+OUTPUT = Path(__file__).parents[2] / "atari" / "learning" / "evaluation" / "data"
 
 
 def facts(sticky: float, noops: int, actions: str, max_frames: int | None, phase: str) -> dict[str, Any]:

@@ -17,10 +17,10 @@ import numpy as np
 import atari
 
 sys.path.insert(0, str(Path(__file__).parent))  # PYTHONSAFEPATH leaves it out
-import bench_jax
-import bench_memory
-import bench_multiplayer
-import bench_ray
+import suite_jax
+import suite_memory
+import suite_multiplayer
+import suite_ray
 
 Run = Callable[[int], float]
 """Takes a number of steps and returns the seconds they took."""
@@ -122,26 +122,26 @@ def sizes(counts: Iterable[int]) -> Iterator[Comparison]:
 
 def memory() -> Iterator[Comparison]:
     """Sampling from a replay memory, and adding to it."""
-    for name, part, sides in bench_memory.contestants():
+    for name, part, sides in suite_memory.contestants():
         yield Comparison(name, [Contestant(*side) for side in sides], part)
 
 
 def multiplayer() -> Iterator[Comparison]:
     """One step of a game of two players, 4 frames, resets counted."""
-    sides = [Contestant(*side) for side in bench_multiplayer.contestants()]
-    yield Comparison(f"{bench_multiplayer.COUNT} x 84x84 gray, two players, one thread", sides)
+    sides = [Contestant(*side) for side in suite_multiplayer.contestants()]
+    yield Comparison(f"{suite_multiplayer.COUNT} x 84x84 gray, two players, one thread", sides)
 
 
 def ray() -> Iterator[Comparison]:
     """One step of one environment of RLlib's env runner; needs the extra `ray`."""
-    for name, sides in bench_ray.contestants():
+    for name, sides in suite_ray.contestants():
         yield Comparison(name, [Contestant(*side) for side in sides])
 
 
 def jax() -> Iterator[Comparison]:
     """One step of one environment in compiled functions and in loops; needs the extra `jax`."""
-    sides = [Contestant(*side) for side in bench_jax.contestants()]
-    yield Comparison(f"{bench_jax.COUNT} x 84x84 gray in JAX", sides)
+    sides = [Contestant(*side) for side in suite_jax.contestants()]
+    yield Comparison(f"{suite_jax.COUNT} x 84x84 gray in JAX", sides)
 
 
 SUITES: dict[str, Callable[..., Iterator[Comparison]]] = {

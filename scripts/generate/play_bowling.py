@@ -4,6 +4,7 @@
 A throw is where the bowler stands, and when and to which side the ball curves.
 """
 
+import argparse
 import sys
 from itertools import product
 from pathlib import Path
@@ -38,6 +39,7 @@ def throw(core: NativeCore, ram: Ram, side: int, steps: int, wait: int, curve: i
 
 def main() -> None:
     """Plan, throw by throw, and keep the play if it is better."""
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
     env = atari.make("bowling", frameskip=HOLD, repeat_action_probability=0.0)
     env.reset(seed=0)
     core = NativeCore("bowling", frame_skip=HOLD, repeat_action_probability=0.0)
@@ -55,7 +57,7 @@ def main() -> None:
             core.act(action)
         played += best[0]
     numbers = [int(action) for action in core.game.minimal_actions]
-    how = "A script with snapshots (scripts/play_bowling.py): it tried every way to throw and took the best."
+    how = "A script with snapshots (scripts/generate/play_bowling.py): it tried every way to throw and took the best."
     print(keep("bowling", [numbers.index(action) for action in played], policy="script", how=how))
 
 

@@ -1,6 +1,6 @@
 """The constants of docs/scale.md, measured on this machine, and a simulation of larger clusters from them.
 
-usage: python scripts/bench_cluster.py [--game GAME] [--seconds S] [--only-simulate]
+usage: python scripts/bench/cluster.py [--game GAME] [--seconds S] [--only-simulate]
 
 Needs Ray (pip install 'atari-envs[ray]'). Starts a cluster of this machine with an object store of 200 MB.
 """

@@ -1,13 +1,13 @@
 #!/usr/bin/env python
 """Makes the replays of the games' pages: docs/games/replays/GAME.a26, and index.toml with their facts.
 
-    scripts/plays.py                           # every game that has none yet
-    scripts/plays.py venture --frames 9000     # again, and keep the better one; other options: see examples/plan.py
-    scripts/plays.py --check                   # plays every file: score and hashes
+    scripts/generate/plays.py                        # every game that has none yet
+    scripts/generate/plays.py venture --frames 9000  # again, and keep the better one; more options: examples/plan.py
+    scripts/generate/plays.py --check                # plays every file: score and hashes
 
 The plays are planned with snapshots by examples/plan.py. Two games have a script of their own: play_bowling.py,
-play_tetris.py. `random_score` in the index is the mean score of three random
-plays (seeds 0, 1, 2) of as many frames or to the end of their game.
+play_tetris.py. `random_score` in the index is the mean score of three random plays (seeds 0, 1, 2) of as many frames or
+to the end of their game.
 """
 
 import argparse
@@ -20,7 +20,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "examples"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "examples"))
 from plan import HOLD, Effort, add_arguments, chosen_effort, play, record
 
 import atari
@@ -32,11 +32,11 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-FOLDER = Path(__file__).parents[1] / "docs" / "games" / "replays"
+FOLDER = Path(__file__).parents[2] / "docs" / "games" / "replays"
 INDEX = FOLDER / "index.toml"
 
 HEAD = """\
-# The plays shown on the games' pages: made by scripts/plays.py, which keeps this file sorted.
+# The plays shown on the games' pages: made by scripts/generate/plays.py, which keeps this file sorted.
 # frames: emulated, without those of the reset; random_score: mean of three random plays of as many frames.
 """
 

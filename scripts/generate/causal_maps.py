@@ -1,9 +1,9 @@
 #!/usr/bin/env python
 """Makes the causal maps that are part of the package, and compares their suggestions with the labels of the games.
 
-`scripts/causal_maps.py` explores all games with single-player rules and writes atari/lab/causal/data/. With names of
-games it does so for these. `--labels` prints which position labels with evidence that begins with "confirmed" are found
-again, by game, and why the others are not. `--no-write` only compares.
+`scripts/generate/causal_maps.py` explores all games with single-player rules and writes atari/lab/causal/data/. With
+names of games it does so for these. `--labels` prints which position labels with evidence that begins with "confirmed"
+are found again, by game, and why the others are not. `--no-write` only compares.
 """
 
 import argparse
