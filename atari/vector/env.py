@@ -334,7 +334,12 @@ class AtariVectorEnv(Views, VectorEnv):
         if results is None:
             raise _closed()
         self._phase = "new"  # should an environment have failed
-        ended = engine.receive(results.batch)
+        try:
+            ended = engine.receive(results.batch)
+        except RuntimeError:
+            if self._engine is None:  # A signal handler's `close` has received the step since `_flying` was read.
+                raise _closed() from None
+            raise
         self._phase = "idle"
         if self._chosen is not None:
             return pick_rows(results.read(self._masks, ended), self._chosen)

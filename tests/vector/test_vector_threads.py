@@ -1,6 +1,7 @@
 """Threads and processes that share a vector environment: no hang, no crash, no observation written twice."""
 
 import os
+import sys
 import threading
 import time
 from typing import Any
@@ -143,6 +144,29 @@ def test_a_signal_handler_may_close_a_vector_during_a_step() -> None:
             except gymnasium.error.ClosedEnvironmentError:
                 pass
     """)
+
+
+def test_a_signal_handler_that_closes_a_vector_in_recv_ends_it_with_that_error() -> None:
+    """The handler runs where the results' buffer has been read and the engine has not been called."""
+    envs = make()
+    envs.reset(seed=0)
+
+    def close_after_the_first_line(frame: Any, event: str, _: Any) -> Any:
+        if frame.f_code.co_name != "_receive":
+            return None
+        if event == "line" and "results" in frame.f_locals:
+            sys.settrace(None)
+            envs.close()
+        return close_after_the_first_line
+
+    envs.send(np.zeros(2, int))
+    before = sys.gettrace()
+    sys.settrace(close_after_the_first_line)
+    try:
+        with pytest.raises(gymnasium.error.ClosedEnvironmentError):
+            envs.recv()
+    finally:
+        sys.settrace(before)
 
 
 def test_a_vector_with_the_snapshots_of_a_closed_one_can_be_closed() -> None:
