@@ -42,7 +42,32 @@ _atari_policies() {{ compadd random noop; _files }}
 _atari_agents() {{ compadd {agents}; _atari_games }}
 _atari_presets() {{ compadd {presets} }}
 _atari_protocols() {{ compadd {protocols} }}
+_shtab_atari_lab() {{
+  local context state line curcontext="$curcontext" options
+  if (( CURRENT > 2 )) && [[ $words[2] == (map|collect) ]]; then
+    options=_shtab_atari_lab_$words[2]_options
+    shift words
+    (( CURRENT -= 1 ))
+    _arguments -C -s ${{(P)options}}
+  else
+    _arguments -C -s $_shtab_atari_lab_options
+  fi
+}}
 """
+"""Overrides shtab's function for `lab`, whose first argument is a source or a command of its own."""
+
+_TCSH = """\
+set _atari_game_ids = ({games})
+set _atari_ids = ({ids})
+alias _atari_games 'echo $_atari_game_ids $_atari_ids; ls'
+alias _atari_sources 'echo map collect $_atari_game_ids; ls'
+alias _atari_policies 'echo random noop; ls'
+alias _atari_agents 'echo {agents} $_atari_game_ids'
+alias _atari_presets 'echo {presets}'
+alias _atari_protocols 'echo {protocols}'
+"""
+
+_PREAMBLES = {"bash": _BASH, "zsh": _ZSH, "tcsh": _TCSH}
 
 _COMPLETED = {
     "game": "games",
@@ -52,10 +77,11 @@ _COMPLETED = {
     "source": "policies",
     "policy": "policies",
     "opponent": "policies",
+    "agent": "policies",
     "preset": "presets",
     "protocol": "protocols",
 }
-"""By the destination of an argument, the kind of words that complete it; arguments of paths are completed by files."""
+"""By the destination of an argument, the kind of words that complete it; files complete an argument of a path."""
 
 
 def register(commands: "Commands") -> None:
@@ -63,9 +89,11 @@ def register(commands: "Commands") -> None:
     parser = add_command(commands, "completion", _completion, "print a script that completes commands with Tab")
     parser.epilog = (
         "bash: atari completion bash >~/.local/share/bash-completion/completions/atari; "
-        "zsh: atari completion zsh >FOLDER/_atari, with a FOLDER that $fpath has. It needs shtab (extra 'completion')."
+        "zsh: atari completion zsh >FOLDER/_atari, with a FOLDER that $fpath has; "
+        "tcsh: atari completion tcsh >~/.atari.tcsh, with `source ~/.atari.tcsh` in ~/.tcshrc. "
+        "It needs shtab (extra 'completion')."
     )
-    parser.add_argument("shell", metavar="SHELL", choices=("bash", "zsh"), help="bash or zsh")
+    parser.add_argument("shell", metavar="SHELL", choices=tuple(_PREAMBLES), help="bash, zsh or tcsh")
 
 
 def _completion(args: argparse.Namespace) -> int:
@@ -75,7 +103,7 @@ def _completion(args: argparse.Namespace) -> int:
         raise gymnasium.error.DependencyNotInstalled(
             "atari completion needs shtab: pip install 'atari-envs[completion]'"
         ) from None
-    parser = _whole_parser(two_words=args.shell == "bash")  # zsh's scripts have no argument that may be a command
+    parser = _whole_parser(args.shell)
     _attach(parser, shtab.FILE)
     from atari.learning.agents import AGENTS
     from atari.learning.evaluation.protocols import PROTOCOLS
@@ -88,7 +116,7 @@ def _completion(args: argparse.Namespace) -> int:
         "games": games,
         "ids": registration.ids(),
     }
-    preamble = {"bash": _BASH, "zsh": _ZSH}[args.shell].format(**{name: " ".join(each) for name, each in words.items()})
+    preamble = _PREAMBLES[args.shell].format(**{name: " ".join(each) for name, each in words.items()})
     script = shtab.complete(parser, shell=args.shell, preamble=preamble)
     print_json({"shell": args.shell, "script": script}) if args.json else print(script)
     return 0
@@ -105,8 +133,8 @@ class _Below:
         return parser
 
 
-def _whole_parser(two_words: bool) -> argparse.ArgumentParser:
-    """The parser of all commands; if chosen, those of `two_words` are in it, below the first one's."""
+def _whole_parser(shell: str) -> argparse.ArgumentParser:
+    """The parser of all commands. Those of two words are commands of the parser of the first word."""
     from atari.cli import _COMMANDS, _SUBCOMMANDS
 
     parser = Parser(prog="atari", description="Atari 2600 games as Gymnasium environments.")
@@ -115,15 +143,21 @@ def _whole_parser(two_words: bool) -> argparse.ArgumentParser:
     for name in _COMMANDS:
         import_module(f"atari.cli.{name}").register(commands)
     lab = commands.choices["lab"]
-    for action in lab._actions:
-        if action.dest == "source":
-            vars(action)["complete"] = {"bash": "_atari_sources", "zsh": "_atari_sources"}
-    if not two_words:
-        return parser
-    below: Any = _Below(lab.add_subparsers(metavar="COMMAND"))
+    source = next(action for action in lab._actions if action.dest == "source")
+    inner = lab.add_subparsers(metavar="COMMAND")
     for name in _SUBCOMMANDS:
-        import_module(f"atari.cli.{name.replace(' ', '_')}").register(below)
+        import_module(f"atari.cli.{name.replace(' ', '_')}").register(_Below(inner))
+    vars(source)["complete"] = _completers("sources")
+    if shell == "tcsh":  # its rules count words, and the source and the command are the same word
+        lab._actions.remove(source)
+        vars(inner)["complete"] = _completers("sources")
     return parser
+
+
+def _completers(kind: str) -> dict[str, str]:
+    """What completes words of a kind, by shell: functions, and in tcsh the output of an alias."""
+    name = f"_atari_{kind}"
+    return {"bash": name, "zsh": name, "tcsh": f"`{name}`"}
 
 
 def _attach(parser: argparse.ArgumentParser, files: Any) -> None:
@@ -132,10 +166,10 @@ def _attach(parser: argparse.ArgumentParser, files: Any) -> None:
         kind = _COMPLETED.get(action.dest)
         if action.choices is not None or hasattr(action, "complete"):
             continue
-        if kind:
-            vars(action)["complete"] = {"bash": f"_atari_{kind}", "zsh": f"_atari_{kind}"}
-        elif action.metavar in ("FILE", "PATH", "RUN", "FOLDER"):
+        if action.metavar in ("FILE", "PATH", "RUN", "FOLDER"):
             vars(action)["complete"] = files
+        elif kind:
+            vars(action)["complete"] = _completers(kind)
 
 
 def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:

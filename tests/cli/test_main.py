@@ -1,6 +1,7 @@
 """The command line as a whole: exit codes, help, errors, pipes."""
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -9,6 +10,7 @@ import gymnasium
 import pytest
 
 import atari
+from atari import cli
 from atari.cli import demo, main
 
 COMMANDS = [
@@ -34,6 +36,16 @@ def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
     out = capsys.readouterr().out
     assert out.startswith("usage: atari [-h] [--version] COMMAND")
     assert {command[0] for command in COMMANDS} <= set(out.split())
+
+
+def test_the_page_of_the_command_line_has_every_command() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "command-line.md").read_text(encoding="utf-8")
+    named = {
+        " ".join(word for word in row.split() if word.islower())
+        for row in re.findall(r"^\| `atari ([^`]*)`", page, re.M)
+    }
+    below = {" ".join(command) for command in COMMANDS}
+    assert named == (below | {*cli._COMMANDS, *cli._SUBCOMMANDS}) - {"roms", "replay"}
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
