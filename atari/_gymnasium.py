@@ -36,5 +36,8 @@ else:
         def render(self):
             return self.env.render()
 
+        def __del__(self):
+            """Leave the environment open for its other users, as newer releases do; 0.29's method closes it."""
+
 
 __all__ = ["AutoresetMode", "VectorEnv", "VectorWrapper"]

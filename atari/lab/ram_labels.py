@@ -64,7 +64,7 @@ class RamLabels(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
 
     def __new__(cls, env: Any = None, *args: Any, **kwargs: Any) -> Any:
         """A `VectorRamLabels` of a vector; copying and pickling call this without arguments."""
-        if isinstance(env, VectorEnv) or isinstance(getattr(env, "unwrapped", None), AtariVectorEnv):
+        if isinstance(env, gymnasium.vector.VectorEnv) or isinstance(getattr(env, "unwrapped", None), AtariVectorEnv):
             return VectorRamLabels(env, *args, **kwargs)
         return super().__new__(cls)
 

@@ -3,6 +3,7 @@
 import copy
 import pickle
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -51,9 +52,16 @@ def file_of(folder: Path, text: str) -> Path:
     return path
 
 
-def test_every_environment_takes_a_name() -> None:
+@pytest.mark.parametrize(
+    "make_vector",
+    [partial(gymnasium.make_vec, "ALE/Pong-v5"), partial(atari.AtariVectorEnv, "pong")],
+    ids=["ID", "class"],
+)
+def test_every_environment_takes_a_name(make_vector: Any) -> None:
+    if gymnasium.__version__ < "1" and make_vector.func is gymnasium.make_vec:
+        pytest.skip("Gymnasium 0.29's make_vec makes a vector of single environments")
     single = gymnasium.make("ALE/Pong-v5", interventions=["lazy_enemy"])
-    vector = gymnasium.make_vec("ALE/Pong-v5", 2, interventions=["lazy_enemy"])
+    vector = make_vector(num_envs=2, interventions=["lazy_enemy"])
     preset = atari.make("pong", preset="dqn2015", interventions=["lazy_enemy"])
     for env in (single, preset):
         assert [one.name for one in env.unwrapped.interventions] == ["lazy_enemy"]

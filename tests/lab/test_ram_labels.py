@@ -7,6 +7,7 @@ from dataclasses import replace
 import gymnasium
 import numpy as np
 import pytest
+from env_tools import needs_gymnasium_1
 from gymnasium.vector import SyncVectorEnv
 
 import atari
@@ -76,6 +77,7 @@ def test_copies_snapshots_and_specs():
     assert made.reset(seed=0)[1]["labels"].keys() == {"player_y"}
 
 
+@needs_gymnasium_1
 def test_under_gymnasiums_vector():
     envs = SyncVectorEnv([lambda: RamLabels(AtariEnv("pong"))] * 2)
     envs.reset(seed=[0, 1])
