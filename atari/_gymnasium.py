@@ -1,6 +1,7 @@
-"""Gymnasium's vector classes under the names of its newest release, also with Gymnasium 0.29 to 1.0.
+"""Gymnasium's vector classes under the names of its newest release, also with older ones.
 
-Gymnasium 1.1 added `AutoresetMode`; Gymnasium 1.0 added `VectorWrapper` and the type parameters of `VectorEnv`.
+Gymnasium 1.1 added `AutoresetMode`; Gymnasium 1.0 added `VectorWrapper` and the type parameters of `VectorEnv`. In some
+releases, a deleted `VectorWrapper` closes its environment, which the program may still use, or recurses without end.
 """
 
 from enum import Enum
@@ -36,8 +37,14 @@ else:
         def render(self):
             return self.env.render()
 
+
+if not TYPE_CHECKING and hasattr(VectorWrapper, "__del__"):
+
+    class VectorWrapper(VectorWrapper):
+        """Gymnasium's, which leaves its environment open when it is deleted, as that of the newest release does."""
+
         def __del__(self):
-            """Leave the environment open for its other users, as newer releases do; 0.29's method closes it."""
+            """Do nothing."""
 
 
 __all__ = ["AutoresetMode", "VectorEnv", "VectorWrapper"]

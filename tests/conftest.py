@@ -31,6 +31,7 @@ def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
 
 def _lacks_peer(error: Exception) -> bool:
     """Whether a line of a test, not of the package, named something that Gymnasium or ale-py lacks."""
-    where = Path(traceback.extract_tb(error.__traceback__)[-1].filename)
+    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.name != "__getattr__"]
+    where = Path(frames[-1].filename)
     missing = any(f"module '{peer}" in str(error) or f"from '{peer}" in str(error) for peer in ("gymnasium", "ale_py"))
     return missing and where.is_relative_to(Path(__file__).parent)

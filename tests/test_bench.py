@@ -9,9 +9,9 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from env_tools import needs_gymnasium_1
+from env_tools import needs_gymnasium_1, needs_new_ale_py
 
-pytestmark = needs_gymnasium_1
+pytestmark = [needs_gymnasium_1, needs_new_ale_py]
 SCRIPT = Path(__file__).parent.parent / "scripts" / "bench.py"
 
 

@@ -7,7 +7,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
-from env_tools import needs_gymnasium_1
+from env_tools import needs_gymnasium_1, needs_new_ale_py
 
 SCRIPTS = Path(__file__).parent.parent / "scripts"
 SOURCED = {"setup.sh", "build_backend.py"}
@@ -33,6 +33,7 @@ def test_a_shell_script_prints_its_help(script: Path) -> None:
 
 
 @needs_gymnasium_1
+@needs_new_ale_py
 @pytest.mark.parametrize("script", PYTHON, ids=name)
 def test_a_python_script_prints_its_help(script: Path) -> None:
     if script.name == "training.py" and not find_spec("torch"):

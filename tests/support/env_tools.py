@@ -15,6 +15,9 @@ from atari import AtariEnv
 from atari.cores import ale
 
 needs_gymnasium_1 = pytest.mark.skipif(gymnasium.__version__ < "1", reason="compares with Gymnasium 1.0 or newer")
+needs_autoreset_modes = pytest.mark.skipif(
+    not hasattr(gymnasium.vector, "AutoresetMode"), reason="compares with the modes of Gymnasium 1.1 or newer"
+)
 needs_new_ale_py = pytest.mark.skipif(
     ale._numbers(ale_py.__version__) < ale._numbers(ale.OLDEST_ALE_PY),
     reason="the installed ale-py is too old for AleCore",

@@ -7,6 +7,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+from env_tools import needs_autoreset_modes
 from gymnasium.vector import SyncVectorEnv
 from gymnasium.wrappers import RecordEpisodeStatistics
 
@@ -73,6 +74,7 @@ def played(envs: Any, mode: AutoresetMode, actions: Any) -> tuple[list[list[Game
     return games, numbers
 
 
+@needs_autoreset_modes
 @pytest.mark.parametrize("mode", AutoresetMode)
 @pytest.mark.parametrize("name", wrappers.PRESETS)
 def test_vector_is_what_gymnasium_makes_of_singles(name: str, mode: AutoresetMode) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from gymnasium import wrappers
 
-from atari.classic.core import ActionWrapper, Env, ObservationWrapper, RewardWrapper
+from atari.classic.core import ActionWrapper, Env, ObservationWrapper, RewardWrapper, Step
 from atari.classic.spaces import Box
 from atari.classic.wrappers.bridge import Bridge
 
@@ -36,6 +36,17 @@ class ResizeObservation(Bridge):
     def __init__(self, env: Env, shape: int | tuple[int, int]) -> None:
         size = (shape, shape) if isinstance(shape, int) else shape
         super().__init__(env, lambda inside: wrappers.ResizeObservation(inside, size))
+
+    def _reset(self, **options: Any) -> Any:
+        return self._shaped(super()._reset(**options))
+
+    def _step(self, action: Any) -> Step:
+        observation, reward, done, info = super()._step(action)
+        return self._shaped(observation), reward, done, info
+
+    def _shaped(self, observation: Any) -> Any:
+        """The image with its axis of one colour, which OpenCV drops and Gymnasium 1.1 does not restore."""
+        return observation.reshape(self.observation_space.shape)
 
 
 class FlattenObservation(Bridge):

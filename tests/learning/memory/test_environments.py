@@ -5,6 +5,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+from env_tools import needs_autoreset_modes
 from memory_streams import row_of
 
 import atari
@@ -79,7 +80,7 @@ def test_stacks_are_those_of_the_preset(preset: str | None, mode: AutoresetMode)
     compare(memory, wanted)
 
 
-@pytest.mark.skipif(not hasattr(gymnasium.vector, "AutoresetMode"), reason="the modes of Gymnasium 1.1 or newer")
+@needs_autoreset_modes
 @pytest.mark.parametrize("mode", MODES[:2])
 def test_a_vector_environment_of_gymnasium(mode: AutoresetMode) -> None:
     def make(stack: int) -> gymnasium.vector.VectorEnv:

@@ -329,7 +329,8 @@ def test_its_arguments_are_gymnasiums(tmp_path: Path) -> None:
     theirs = list(inspect.signature(gymnasium.wrappers.RecordVideo.__init__).parameters.values())
     ours = list(inspect.signature(RecordVideo.__init__).parameters.values())
     assert [parameter.name for parameter in ours[: len(theirs)]] == [parameter.name for parameter in theirs]
-    for our, their in zip(ours[:-5], theirs, strict=True):
+    assert len(ours) - 5 >= len(theirs)  # older releases have fewer
+    for our, their in zip(ours, theirs, strict=False):
         if our.name != "gc_trigger":
             assert (our.default, our.kind) == (their.default, their.kind)
 
