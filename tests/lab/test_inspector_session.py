@@ -188,6 +188,19 @@ def test_frozen_lives_are_never_seen_lost_by_the_rules() -> None:
     assert loser.main.core.lives == 0
 
 
+def test_a_replay_holds_bytes_in_no_frame_before_their_freeze(tmp_path: Path) -> None:
+    session = new_session()
+    play(session, 60)
+    session.freeze(PADDLE, 60)
+    play(session, 20)
+    path = export.write_replay(session, tmp_path / "a.a26")
+    seen = [int(session.main.ram_at(frame)[PADDLE]) for frame in range(1, 81)]
+    assert len(set(seen[:60])) > 1
+    assert seen[60:] == [60] * 20
+    replay = Replay.load(path)
+    assert [int(replay.seek(frame).ram()[PADDLE]) for frame in range(1, 81)] == seen
+
+
 def test_a_freeze_of_the_game_and_one_of_its_fork_are_apart() -> None:
     session = new_session()
     session.freeze(LIVES, 3)

@@ -1,6 +1,5 @@
 """What a session exports: labels and interventions as TOML, what was played as a replay, a part of it as a video."""
 
-import copy
 from pathlib import Path
 
 from atari.env import AtariEnv
@@ -117,7 +116,7 @@ def write_clip(session: Session, path: Path, start: int, stop: int, scale: int =
 
 
 def _at_first_frame(session: Session) -> AtariEnv:
-    env = copy.deepcopy(session.env)
+    env = session.copied_env()
     env.restore_state(session.main.first_state)
     return env
 

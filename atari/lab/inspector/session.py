@@ -349,13 +349,20 @@ class Session:
             self.names[index] = name
         self.version += 1
 
+    def copied_env(self) -> AtariEnv:
+        """A copy of the environment, without the bytes that the session holds; frames say which they hold."""
+        env = copy.deepcopy(self.env)
+        if hasattr(env.core, "writes"):
+            env.core.writes = self.main.own_slots
+        return env
+
     # --- what if
 
     def open_fork(self) -> None:
         """Fork the present state: from here, what is played is played twice, and changes go to the fork."""
         if self.fork is not None:
             raise ValueError("there is a fork already; close it first")
-        twin = copy.deepcopy(self.env)
+        twin = self.copied_env()
         twin.core.restore_state(self.main.core.clone_state(include_rng=True))
         self.main.cut()
         self.fork = Timeline(twin.core, self.main.at, self.main.score)

@@ -58,7 +58,8 @@ class Timeline:
         self.frozen: dict[int, int] = {}
         """Bytes that new frames hold."""
         self._holds: dict[tuple[int, int], Freeze] = {}
-        self._own_slots = tuple(getattr(core, "writes", ()))
+        self.own_slots = tuple(getattr(core, "writes", ()))
+        """The writes of the core without those that frames hold; by slot, None where one has ended."""
         self._slots: tuple[Any, ...] | None = None
         self._frames: list[Frame] = []
         self._states = [core.clone_state(include_rng=True)]
@@ -171,7 +172,7 @@ class Timeline:
         core: Any = self.core
         if frame.slots is not self._slots:
             self._hold({})
-            core.writes = self._own_slots if frame.slots is None else frame.slots
+            core.writes = self.own_slots if frame.slots is None else frame.slots
             self._slots = frame.slots
         if frame.state is not None:
             core.restore_state(frame.state)
