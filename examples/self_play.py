@@ -4,10 +4,10 @@
     python examples/self_play.py elo runs/self       # a round-robin of the checkpoints: their Elo ratings
     python examples/self_play.py match runs/self     # the best two of `elo`: best.a26, and best.mp4 with sound
 
-The policy sees, of the last two steps, where the ball and both paddles are, from RAM. The second player sees Pong in a
-mirror, so both sides play the same game. In half of the games both sides learn; in the other half one side is a
-checkpoint. The one-player game serves as a test only: its opponent is part of the cartridge. Needs the extras `learn`
-and `video`.
+The policy sees, of the last two steps, where the ball and both paddles are and how the ball moves, from RAM. The second
+player sees Pong in a mirror, so both sides play the same game. In half of the games both sides learn; in the other half
+one side is a checkpoint. The one-player game serves as a test only: its opponent is part of the cartridge. Needs the
+extras `learn` and `video`.
 """
 
 import argparse
@@ -25,17 +25,21 @@ import torch.nn.functional as F
 from torch import Tensor, nn
 
 import atari
+from atari.actions import Action
 from atari.learning.evaluation.elo import elo_ratings
 from atari.learning.networks import ActorCritic, Encoder
 from atari.multiplayer import MultiplayerCore
 from atari.multiplayer.video import record_game
 from atari.recording import Replay
 
-GAME: dict[str, Any] = {"repeat_action_probability": 0.25, "num_threads": 1}
-"""Sticky actions make each game another one."""
-ACTIONS = atari.games["pong"].minimal_actions
+GAME: dict[str, Any] = {"obs_type": "ram", "repeat_action_probability": 0.25, "num_threads": 1}
+MODES = (3, 4)
+"""A step moves the ball up or down by less in mode 3 than in the one-player game, and by more in mode 4."""
+ACTIONS = (Action.FIRE, Action.RIGHTFIRE, Action.LEFTFIRE)
+"""FIRE serves, and changes nothing otherwise. So these are all actions that differ in effect, and serve."""
+INDICES = np.array([atari.games["pong"].minimal_actions.index(action) for action in ACTIONS])
 BYTES = [atari.games["pong"].ram_labels[name].index for name in ("ball_x", "ball_y", "player_y", "enemy_y")]
-STACK, VALUES = 2, len(BYTES) + 2
+STACK, VALUES = 2, len(BYTES) + 4
 Bytes = npt.NDArray[np.uint8]
 
 
@@ -45,28 +49,38 @@ Bytes = npt.NDArray[np.uint8]
 class Sight:
     """What both players see: (games, 2, STACK, VALUES) uint8.
 
-    The values are ball x, ball y, the own paddle, the other paddle, the ball's height over the own paddle, and the
-    player, 0 or 255. Columns x and 256 - x of the ball are mirror images; 0 is no ball.
+    The values are ball x, ball y, the own paddle, the other paddle, how far the ball is below the own paddle, how far
+    it has moved in x and in y, and the player, 0 or 255. 128 stands for a distance of 0. Columns x and 256 - x of the
+    ball are mirror images; 0 is no ball.
     """
 
     def __init__(self, games: int) -> None:
         self.seen = np.zeros((games, 2, STACK, VALUES), np.uint8)
+        self.ball = np.zeros((2, games), np.int64)
 
     def push(self, ram: Bytes, started: npt.NDArray[np.bool_] | bool) -> Bytes:
         """Add the RAM (games, 128) after a step; in games that have `started`, it fills the stack."""
-        x, y, first, second = ram[:, BYTES].T
-        zero = np.zeros_like(x)
-        mine = np.stack([x, y, first, second, y - first, zero], 1)
-        yours = np.stack([np.negative(x), y, second, first, y - second, zero + 255], 1)
+        x, y, first, second = ram[:, BYTES].T.astype(np.int64)
+        before = self.ball
+        self.ball = np.stack([x, y])
+        flies = (x > 0) & (before[0] > 0) & (abs(x - before[0]) < 48)  # farther apart, it was served in between
+        dx, dy = np.where(flies, self.ball - before, 0)
+        mine = _values(x, y, first, second, dx, dy, 0)
+        yours = _values(np.where(x > 0, 256 - x, 0), y, second, first, -dx, dy, 255)
         newest = np.stack([mine, yours], 1)[:, :, None]
         older = np.where(np.reshape(started, (-1, 1, 1, 1)), newest, self.seen[:, :, 1:])
         self.seen = np.concatenate([older, newest], 2)
         return self.seen
 
 
+def _values(x: Any, y: Any, own: Any, other: Any, dx: Any, dy: Any, player: int) -> Bytes:
+    distances = (128 + part for part in (y - own, 4 * dx, 4 * dy))
+    return np.stack([x, y, own, other, *distances, np.full_like(x, player)], 1).clip(0, 255).astype(np.uint8)
+
+
 def make_network() -> ActorCritic:
     """A policy and a value function, for one side's observations (batch, STACK, VALUES)."""
-    return ActorCritic(Encoder((STACK, VALUES), "bits", normalize=True), len(ACTIONS))
+    return ActorCritic(Encoder((STACK, VALUES), "mlp", normalize=True), len(ACTIONS))
 
 
 @torch.no_grad()
@@ -78,22 +92,37 @@ def choose(network: ActorCritic, seen: Bytes) -> Tensor:
 # Games of the policy against itself and against checkpoints
 
 
-class SelfPlayGames:
-    """Games whose seats, (game, player), are the learner's or a checkpoint's.
+def make_games(games: int, autoreset_mode: str, mode: int, max_frames: int = 108_000) -> atari.AtariVectorEnv:
+    """Games of two players, with RAM as observations. Sticky actions make each game another one."""
+    return atari.AtariVectorEnv(
+        "pong",
+        games,
+        players=2,
+        mode=mode,
+        autoreset_mode=autoreset_mode,
+        max_num_frames_per_episode=max_frames,
+        **GAME,
+    )
 
-    The first half of the games has two seats of the learner, the second half one, on the left or on the right.
+
+class SelfPlayGames:
+    """Games whose seats, (game, player), are the learner's or a checkpoint's, in equal parts of each mode.
+
+    Of four games, two have two seats of the learner, one has its seat on the left, and one on the right.
     """
 
     def __init__(self, games: int, opponents: int, seed: int) -> None:
-        self.envs = atari.AtariVectorEnv("pong", games, players=2, obs_type="ram", autoreset_mode="SameStep", **GAME)
+        self.envs = [make_games(games // len(MODES), "SameStep", mode) for mode in MODES]
         numbers = np.arange(games)
         learns = np.ones((games, 2), np.bool_)
-        learns[numbers[games // 2 :], numbers[games // 2 :] % 2] = False
+        shared = numbers[numbers % 4 >= 2]
+        learns[shared, shared % 2] = False
         self.learners = np.nonzero(learns)
         self.others = [np.nonzero(~learns)[0][start::opponents] for start in range(opponents)]
         self.pool: list[ActorCritic] = []
         self.sight = Sight(games)
-        self.seen = self.sight.push(self.envs.reset(seed=seed)[0], True)
+        ram = [envs.reset(seed=seed + 1000 * index)[0] for index, envs in enumerate(self.envs)]
+        self.seen = self.sight.push(np.concatenate(ram), True)
         self.actions = np.zeros((games, 2), np.int64)
 
     @property
@@ -107,7 +136,9 @@ class SelfPlayGames:
         for network, games in zip(self.pool, self.others, strict=True):
             seats = games, games % 2
             self.actions[seats] = choose(network, self.seen[seats]).numpy()
-        ram, rewards, terminations, truncations, _ = self.envs.step(self.actions)
+        actions = np.split(INDICES[self.actions], len(MODES))
+        results = [envs.step(part)[:4] for envs, part in zip(self.envs, actions, strict=True)]
+        ram, rewards, terminations, truncations = map(np.concatenate, zip(*results, strict=True))
         ends = terminations | truncations
         self.seen = self.sight.push(ram, ends.any(1))
         return torch.from_numpy(rewards[self.learners]).float(), torch.from_numpy(ends[self.learners]).float()
@@ -126,8 +157,7 @@ class Options:
     horizon: int = 128
     minibatch: int = 1024
     epochs: int = 3
-    learning_rate: float = 5e-4
-    kl_target: float = 0.01
+    learning_rate: float = 1.2e-3
     gamma: float = 0.99
     gae_lambda: float = 0.95
     clip: float = 0.2
@@ -156,10 +186,10 @@ class Learner:
         self.games.pool = self.random.choices(pool, k=options.opponents)
         memory = self._play()
         self.steps += options.horizon * self.seats
+        self.optimizer.param_groups[0]["lr"] = options.learning_rate * max(0.02, 1 - self.steps / options.steps)
         for _ in range(options.epochs):
-            order = torch.randperm(options.horizon * self.seats).split(options.minibatch)
-            divergences = [self._learn(*(part[chosen] for part in memory)) for chosen in order]
-            self._adapt(sum(divergences) / len(divergences))
+            for chosen in torch.randperm(options.horizon * self.seats).split(options.minibatch):
+                self._learn(*(part[chosen] for part in memory))
         self.network.encoder.observe(memory[0][:: options.games])
 
     @torch.no_grad()
@@ -188,19 +218,11 @@ class Learner:
         normal = (advantages - advantages.mean()) / (advantages.std() + 1e-8)
         return [part.flatten(0, 1) for part in (seen, actions, log_probs, normal, returns)]
 
-    def _adapt(self, divergence: float) -> None:
-        """Change the learning rate so that an update moves the policy by about `kl_target`."""
-        target = self.options.kl_target
-        factor = 1 / 1.5 if divergence > 2 * target else 1.5 if divergence < target / 2 else 1
-        for group in self.optimizer.param_groups:
-            group["lr"] = min(max(group["lr"] * factor, 1e-5), 1e-2)
-
-    def _learn(self, seen: Tensor, actions: Tensor, old: Tensor, advantages: Tensor, returns: Tensor) -> float:
-        """Take a step of the optimiser on a minibatch; returns the KL divergence from the policy that played it."""
+    def _learn(self, seen: Tensor, actions: Tensor, old: Tensor, advantages: Tensor, returns: Tensor) -> None:
+        """Take a step of the optimiser on a minibatch."""
         logits, values = self.network(seen)
         log_probs = F.log_softmax(logits, 1)
-        difference = log_probs.gather(1, actions[:, None])[:, 0] - old
-        ratio = difference.exp()
+        ratio = (log_probs.gather(1, actions[:, None])[:, 0] - old).exp()
         clipped = ratio.clamp(1 - self.options.clip, 1 + self.options.clip)
         policy_loss = -torch.min(advantages * ratio, advantages * clipped).mean()
         value_loss = 0.5 * (values - returns).square().mean()
@@ -209,7 +231,6 @@ class Learner:
         (policy_loss + value_loss - self.options.entropy * entropy).backward()
         nn.utils.clip_grad_norm_(self.network.parameters(), 1.0)
         self.optimizer.step()
-        return (ratio - 1 - difference).mean().item()
 
 
 def train(folder: Path, options: Options) -> None:
@@ -218,11 +239,12 @@ def train(folder: Path, options: Options) -> None:
     If the folder has checkpoints, training continues from the newest one, with a new optimiser.
     """
     torch.set_num_threads(1)
-    learner, pool, spent = Learner(options), [], [0.0, 0.0]
+    learner, pool, spent, due = Learner(options), [], [0.0, 0.0], 0.0
     if folder.exists():
         steps, pool = load(folder)
         learner.network.load_state_dict(pool[-1].state_dict())
         learner.steps = steps[-1]
+        due = learner.steps + options.steps / options.checkpoints
         *_, last = csv.reader((folder / "curve.csv").open(newline=""))
         spent = [float(minutes) for minutes in last[1:3]]
     else:
@@ -232,7 +254,8 @@ def train(folder: Path, options: Options) -> None:
     while learner.steps < options.steps or not pool:
         if pool:
             learner.update(pool)
-        if learner.steps >= options.steps * len(pool) / options.checkpoints:
+        if learner.steps >= min(due, options.steps):
+            due += options.steps / options.checkpoints
             pool.append(make_network())
             pool[-1].load_state_dict(learner.network.state_dict())
             torch.save(learner.network.state_dict(), folder / f"step-{learner.steps:08}.pt")
@@ -258,15 +281,13 @@ def append(folder: Path, row: list[Any]) -> None:
 # Tests of strength
 
 
-def score_built_in(network: ActorCritic, games: int = 16, max_frames: int = 18_000) -> float:
+def score_built_in(network: ActorCritic, games: int = 32, max_frames: int = 18_000) -> float:
     """The mean score, -21 .. 21, in the one-player game, in which the cartridge plays the other side."""
-    envs = atari.AtariVectorEnv(
-        "pong", games, obs_type="ram", autoreset_mode="Disabled", max_num_frames_per_episode=max_frames, **GAME
-    )
+    envs = atari.AtariVectorEnv("pong", games, autoreset_mode="Disabled", max_num_frames_per_episode=max_frames, **GAME)
     sight, scores, over = Sight(games), np.zeros(games), np.zeros(games, np.bool_)
     seen = sight.push(envs.reset(seed=1_000_000)[0], True)
     while not over.all():
-        ram, rewards, terminations, truncations, _ = envs.step(choose(network, seen[:, 0]).numpy())
+        ram, rewards, terminations, truncations, _ = envs.step(INDICES[choose(network, seen[:, 0]).numpy()])
         scores += np.where(over, 0, rewards)
         over |= terminations | truncations
         seen = sight.push(ram, False)
@@ -282,10 +303,7 @@ def round_robin(networks: list[ActorCritic], games: int = 8, max_frames: int = 1
     """
     count = len(networks)
     seats = np.array([(i, j) for i in range(count) for j in range(count) if i != j for _ in range(games)])
-    envs = atari.AtariVectorEnv(
-        "pong", len(seats), players=2, obs_type="ram", autoreset_mode="Disabled",
-        max_num_frames_per_episode=max_frames, **GAME,
-    )  # fmt: skip
+    envs = make_games(len(seats), "Disabled", MODES[-1], max_frames)
     sight, points, over = Sight(len(seats)), np.zeros(len(seats)), np.zeros(len(seats), np.bool_)
     seen, actions = sight.push(envs.reset(seed=2_000_000)[0], True), np.zeros(seats.shape, np.int64)
     while not over.all():
@@ -293,7 +311,7 @@ def round_robin(networks: list[ActorCritic], games: int = 8, max_frames: int = 1
             mine = (seats == index) & ~over[:, None]
             if mine.any():
                 actions[mine] = choose(network, seen[mine]).numpy()
-        ram, rewards, terminations, truncations, _ = envs.step(actions)
+        ram, rewards, terminations, truncations, _ = envs.step(INDICES[actions])
         points += np.where(over, 0, rewards[:, 0] - rewards[:, 1])
         over |= (terminations | truncations).any(1)
         seen = sight.push(ram, False)
@@ -364,7 +382,9 @@ def match(folder: Path, frames: int, seed: int) -> list[int]:
     torch.manual_seed(seed)
     steps, networks = load(folder)
     sides = Player([networks[steps.index(one)] for one in best])
-    core = MultiplayerCore("pong", seed=seed, repeat_action_probability=GAME["repeat_action_probability"])
+    core = MultiplayerCore(
+        "pong", mode=MODES[-1], seed=seed, repeat_action_probability=GAME["repeat_action_probability"]
+    )
     record_game(folder / "best.a26", core, sides, frames)
     points = [int(core.ram()[atari.games["pong"].ram_labels[name].index]) for name in ("score_player", "score_enemy")]
     print(f"{best[0]} steps on the right, {best[1]} on the left: {points[0]} to {points[1]} in {sides.frame} frames")

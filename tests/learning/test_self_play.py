@@ -31,10 +31,12 @@ def test_the_second_player_sees_the_game_in_a_mirror(example: Any) -> None:
     ram[0, example.BYTES] = 60, 100, 120, 90
     sight = example.Sight(1)
     first, second = sight.push(ram, True)[0, :, -1].tolist()
-    assert first == [60, 100, 120, 90, 256 - 20, 0]
-    assert second == [256 - 60, 100, 90, 120, 10, 255]
-    ram[0, example.BYTES[0]] = 64
-    assert sight.push(ram, False)[0, 0, :, 0].tolist() == [60, 64]
+    assert first == [60, 100, 120, 90, 128 - 20, 128, 128, 0]
+    assert second == [256 - 60, 100, 90, 120, 128 + 10, 128, 128, 255]
+    ram[0, example.BYTES[:2]] = 64, 98
+    first, second = sight.push(ram, False)[0]
+    assert first[:, 0].tolist() == [60, 64]
+    assert [side[-1, 5:7].tolist() for side in (first, second)] == [[128 + 16, 128 - 8], [128 - 16, 128 - 8]]
     assert sight.push(ram, np.array([True]))[0, 0, :, 0].tolist() == [64, 64]
 
 
@@ -55,7 +57,7 @@ def test_a_seat_of_each_game_learns(example: Any) -> None:
     others = sorted((int(game), int(game) % 2) for group in games.others for game in group)
     assert sorted(seats + others) == [(game, side) for game in range(8) for side in range(2)]
     assert len(seats) == 12
-    games.envs.close()
+    assert [envs.num_envs for envs in games.envs] == [4, 4]
 
 
 def test_a_short_training_a_table_and_a_match(
