@@ -84,26 +84,40 @@ def learning_curve(rows: Sequence[Mapping[str, float]], game: str) -> str:
 
     figure = Figure(figsize=(8, 4.5), layout="constrained")
     axes = figure.add_subplot()
-    shown = [row for row in rows if not math.isnan(row["score"])]
-    most = rows[-1]["frames"]
+    draw_published(axes, game, rows[-1]["frames"])
+    draw_scores(axes, rows, "this run", "#c2410c")
+    draw_levels(axes, game)
+    axes.set_xlabel("million frames")
+    axes.set_ylabel("score of whole games")
+    axes.legend(fontsize="small")
+    text = io.StringIO()
+    figure.savefig(text, format="svg")
+    return text.getvalue().partition("<svg")[1] + text.getvalue().partition("<svg")[2]
+
+
+def draw_published(axes: Any, game: str, most: float) -> None:
+    """Draw published curves of a game until `most` frames, in Matplotlib's axes."""
     for name in CURVES:
         if name in published_names() and game in published(name).games:
             curve = published(name).curve(game)
             known = curve.frames <= most
             if known.sum() > 1:
                 axes.plot(curve.frames[known] / 1e6, curve.mean[known], label=name, linewidth=1)
+
+
+def draw_levels(axes: Any, game: str) -> None:
+    """Draw the scores of random play and of a human, but one far above the curves, which would flatten them."""
+    low, high = axes.get_ylim()
     for name, score in zip(("random", "human"), human_scores().get(game, ()), strict=False):
-        axes.axhline(score, color="gray", linewidth=0.8, linestyle=":" if name == "random" else "--", label=name)
-    axes.plot(
-        [row["frames"] / 1e6 for row in shown], [row["score"] for row in shown], color="#c2410c", label="this run"
-    )
-    axes.set_xlabel("million frames")
-    axes.set_ylabel("score of whole games")
+        if score <= high + (high - low):
+            axes.axhline(score, color="gray", linewidth=0.8, linestyle=":" if name == "random" else "--", label=name)
     axes.grid(alpha=0.3)
-    axes.legend(fontsize="small")
-    text = io.StringIO()
-    figure.savefig(text, format="svg")
-    return text.getvalue().partition("<svg")[1] + text.getvalue().partition("<svg")[2]
+
+
+def draw_scores(axes: Any, rows: Sequence[Mapping[str, float]], label: str, color: str) -> None:
+    """Draw the scores in a training's log over frames, in Matplotlib's axes."""
+    shown = [row for row in rows if not math.isnan(row["score"])]
+    axes.plot([row["frames"] / 1e6 for row in shown], [row["score"] for row in shown], label=label, color=color)
 
 
 def _table(facts: Mapping[str, Any]) -> str:
