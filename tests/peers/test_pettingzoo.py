@@ -13,6 +13,8 @@ from multiplayer.cases import cases, digest
 
 from atari.multiplayer import parallel_env
 
+pytestmark = pytest.mark.peers
+
 ROMS = str(Path(str(ale_py.roms.get_rom_path("pong"))).parent)
 
 
