@@ -4,6 +4,7 @@ import secrets
 import shutil
 import tempfile
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -23,6 +24,8 @@ def cluster() -> Iterator[Any]:
     memory = 200_000_000
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("HOME", folder)  # for ~/ray_results
+        patch.setenv("RAY_TMPDIR", folder)  # for RAY_TMPDIR/ray/ray_current_cluster, a folder that Ray does not make
+        Path(folder, "ray").mkdir()
         patch.setenv("RAY_USAGE_STATS_ENABLED", "0")
         patch.setenv("RAY_AUTH_TOKEN", secrets.token_hex(32))
         patch.setenv("OMP_NUM_THREADS", "1")
