@@ -16,7 +16,7 @@ torch = pytest.importorskip("torch")
 from small_trainings import SUPPORT, make_options  # noqa: E402
 
 from atari.learning import load_policy, record_games  # noqa: E402
-from atari.learning.report import finish  # noqa: E402
+from atari.learning.report import draw_levels, finish  # noqa: E402
 from atari.learning.run import RunFolder  # noqa: E402
 from atari.learning.training import Training  # noqa: E402
 from atari.recording import Replay  # noqa: E402
@@ -201,3 +201,13 @@ def test_ctrl_c_saves_and_says_how_to_go_on(tmp_path: Path) -> None:
     assert training.wait() == 130, printed
     assert f"go on with `atari train --resume {tmp_path / 'run'}`" in printed
     assert Training.resume(tmp_path / "run").agent.steps >= 64
+
+
+def test_a_human_far_above_the_curves_is_not_drawn() -> None:
+    figure = pytest.importorskip("matplotlib.figure")
+    for game, best, labels in (("breakout", 20, ["random", "human"]), ("seaquest", 1000, ["random"])):
+        axes = figure.Figure().add_subplot()
+        axes.plot([0, 1], [0, best], label="_curve")
+        draw_levels(axes, game)
+        assert axes.get_legend_handles_labels()[1] == labels
+        assert axes.get_ylim()[1] < 2 * best
