@@ -59,9 +59,13 @@ def run_policy(path: Path, sample: bool) -> ScoresPolicy:
 
 
 def training_protocol(folder: RunFolder) -> EvaluationProtocol:
-    """A protocol whose games begin and end as in the training, without random actions."""
+    """A protocol whose games begin and end as in the training.
+
+    A part of the actions is random, as at the end of the training: without sticky actions, a greedy policy plays the
+    same few games again and again.
+    """
     options = read_options(folder)
-    played = preset_protocol(options.protocol)
+    played = preset_protocol(options.protocol, episodic_life=options.episodic_life)
     sticky = played.repeat_action_probability if options.sticky is None else options.sticky
     return EvaluationProtocol(
         name="training",
@@ -71,10 +75,10 @@ def training_protocol(folder: RunFolder) -> EvaluationProtocol:
         noop_min=played.noops[0],
         noop_max=played.noops[1],
         max_frames=108_000,
-        epsilon=0.0,
+        epsilon=getattr(options, "epsilon", 0.0),  # PPO draws its actions
         episodes=30,
         preset=options.protocol,
-        lives="continue" if played.fire == "never" else "fire",
+        lives="preset" if played.episodic_life else "continue" if played.fire == "never" else "fire",
     )
 
 

@@ -68,6 +68,34 @@ def test_the_policy_plays_the_same_games_whatever_the_lanes(run: RunFolder, tmp_
     assert [episode.score for episode in Replay.load(tmp_path / "a.a26").episodes] == list(scores[0].scores)
 
 
+@pytest.mark.parametrize(("agent", "epsilon"), [("ppo", 0.0), ("pqn", 0.001), ("dqn", 0.3)])
+def test_a_run_is_evaluated_with_the_random_actions_of_its_end(tmp_path: Path, agent: str, epsilon: float) -> None:
+    given = {"epsilon": epsilon} if agent == "dqn" else {}
+    folder = make_run(tmp_path / "run", agent, steps=64, **given)
+    assert finish(folder, episodes=1).protocol.epsilon == epsilon
+
+
+@pytest.mark.parametrize("protocol", ["envpool", "baselines", "dqn2015", "gymnasium"])
+def test_games_of_the_evaluation_are_those_of_the_training(tmp_path: Path, protocol: str) -> None:
+    from atari.learning import evaluate
+    from atari.learning.environments import TrainingEnvironments
+    from atari.learning.run_policy import run_policy, training_protocol
+    from atari.learning.training import read_options
+
+    episodic = protocol != "gymnasium"  # where a lost life begins a new game in the training
+    folder = make_run(tmp_path / "run", game="breakout", steps=64, protocol=protocol, episodic_life=episodic)
+    policy = run_policy(folder.path, sample=False)
+    policy._scores = lambda images: np.eye(4, dtype=np.float32)[images.reshape(len(images), -1).sum(1) % 4]
+    result = evaluate(policy, "breakout", training_protocol(folder), episodes=1)["breakout"]
+    envs = TrainingEnvironments(read_options(folder), 1)
+    images, lane = envs.reset(seed=result.seeds[0]), np.arange(1)
+    policy.begin("breakout", envs.actions, lane, np.array(result.seeds))
+    while not (ended := envs.take_games()):
+        images, *_ = envs.step(policy(images, lane))
+    envs.close()
+    assert ended[0] == (result.scores[0], result.frames[0])
+
+
 def test_a_policy_of_ram_sees_the_stacks_of_its_training(tmp_path: Path) -> None:
     from atari.learning.environments import TrainingEnvironments
     from atari.learning.run_policy import run_policy

@@ -1,6 +1,7 @@
 """`Player`: a policy in the environments of one game; and the environments that a protocol and a policy need."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from inspect import signature
 from typing import Any
 
@@ -138,18 +139,12 @@ def _image(environment: Mapping[str, Any], protocol: EvaluationProtocol) -> Prot
 
 def _episodes(image: Protocol, protocol: EvaluationProtocol) -> Protocol:
     """The protocol of environments with these images in which games begin, are played and end as in an evaluation."""
-    fire = protocol.lives == "fire"
-    return Protocol(
+    return replace(
+        _lives(protocol),
         pool_rgb=image.pool_rgb,
         max_pool=image.max_pool,
         padding=image.padding,
         end_frames=image.end_frames,
-        order="baselines" if fire else "frames",
-        fire="after_noops" if fire else "never",
-        third_action=fire,
-        fire_counts=False,
-        episodic_life=fire,
-        on_reset="noop" if fire else "continue",
         clip_reward=False,
         repeat_action_probability=protocol.repeat_action_probability,
         full_action_space=protocol.full_action_space,
@@ -157,6 +152,24 @@ def _episodes(image: Protocol, protocol: EvaluationProtocol) -> Protocol:
         max_num_frames_per_episode=protocol.max_frames,
         frame_skip=(protocol.frame_skip, protocol.frame_skip + 1),
     )
+
+
+def _lives(protocol: EvaluationProtocol) -> Protocol:
+    """A protocol of environments in which games begin, and go on after a lost life, as in an evaluation."""
+    if protocol.lives == "preset":  # the stack begins anew, as in trainings whose episodes are lives
+        preset = preset_protocol(protocol.preset, episodic_life=True)
+        after = "continue" if preset.on_reset == "new_game" else preset.on_reset  # whole games are played
+        return replace(preset, on_reset=after, seamless_lives=False, max_frames=None)
+    if protocol.lives == "fire":
+        return Protocol(
+            order="baselines",
+            fire="after_noops",
+            third_action=True,
+            fire_counts=False,
+            episodic_life=True,
+            on_reset="noop",
+        )
+    return Protocol(order="frames", fire="never", fire_counts=False, on_reset="continue")
 
 
 def _actions_of(environment: Mapping[str, Any], game: Game, given: tuple[str, ...]) -> tuple[str, ...]:

@@ -30,9 +30,11 @@ class EvaluationProtocol:
             themselves, as Breakout does if a policy never presses FIRE.
         epsilon: probability of a random action in place of the policy's, drawn each step.
         episodes: whole games of each game, unless the caller of `evaluate` gives another number.
-        preset: of `atari.wrappers.PRESETS`, the images that a policy gets if it does not say which it needs.
+        preset: of `atari.wrappers.PRESETS`, the images that a policy gets if it does not say which it needs, and how
+            games and lives begin if `lives` says so.
         lives: "continue": a lost life is not an event, the game goes on. "fire": as the wrappers of OpenAI's Baselines,
-            with FIRE and the action of index 2 at the start and after each lost life.
+            with FIRE and the action of index 2 at the start and after each lost life. "preset": as the preset begins
+            games and the episodes that follow a lost life.
         frame_skip: frames for each action.
 
     Example:
@@ -53,7 +55,7 @@ class EvaluationProtocol:
     epsilon: float
     episodes: int
     preset: str
-    lives: Literal["continue", "fire"] = "continue"
+    lives: Literal["continue", "fire", "preset"] = "continue"
     frame_skip: int = 4
 
     def __post_init__(self) -> None:
@@ -68,7 +70,7 @@ class EvaluationProtocol:
         check_integer("max_frames", self.max_frames, 1, 100_000_000)
         check_integer("episodes", self.episodes, 1, MAX_EPISODES)
         check_integer("frame_skip", self.frame_skip, 1, 10_000)
-        check_name("lives", self.lives, ("continue", "fire"))
+        check_name("lives", self.lives, ("continue", "fire", "preset"))
         check_name("preset", self.preset, PRESETS)
         known = globals().get("PROTOCOLS", {}).get(self.name)  # which has not been made when its own are
         if known is not None and differences(self, known):
@@ -77,7 +79,11 @@ class EvaluationProtocol:
     def __str__(self) -> str:
         actions = "all 18 actions" if self.full_action_space else "the game's minimal actions"
         noops = f"{self.noop_min}-{self.noop_max} no-ops" if self.noop_max else "no no-ops"
-        lives = "; FIRE at the start and after lost lives" if self.lives == "fire" else ""
+        lives = {
+            "continue": "",
+            "fire": "; FIRE at the start and after lost lives",
+            "preset": f"; games and lives begin as in preset {self.preset}",
+        }[self.lives]
         return (
             f"{self.name}: sticky actions {self.repeat_action_probability:g}, {actions}, {noops}, "
             f"{self.frame_skip} frames an action, epsilon {self.epsilon:g}, at most {self.max_frames:,} frames a game"
@@ -93,7 +99,8 @@ NUMBERS = tuple(
 
 def differences(one: EvaluationProtocol, other: EvaluationProtocol) -> list[str]:
     """In which of `NUMBERS` two protocols differ, in words."""
-    pairs = ((name, getattr(one, name), getattr(other, name)) for name in NUMBERS)
+    names = (*NUMBERS, "preset") if one.lives == "preset" == other.lives else NUMBERS
+    pairs = ((name, getattr(one, name), getattr(other, name)) for name in names)
     return [f"{name} {first} and {second}" for name, first, second in pairs if first != second]
 
 

@@ -24,7 +24,7 @@ def single_game(game, protocol, seed, policy=sums):
     """Score and frames of one game, played with the wrappers of single environments."""
     options = {**preset_options(protocol.preset), "max_num_frames_per_episode": protocol.max_frames}
     env = atari.AtariEnv(game, **options)
-    lives = {} if protocol.lives == "fire" else {"episodic_life": False}
+    lives = {"episodic_life": protocol.lives != "continue"}
     env = preset(env, protocol.preset, clip_reward=False, **lives)
     observation, info = env.reset(seed=seed)
     while True:
@@ -43,6 +43,15 @@ def test_games_are_those_of_the_wrappers(name, game):
     expected = [single_game(game, protocol, episode_seed(5, game, episode)) for episode in range(3)]
     assert list(zip(result.scores, result.frames, strict=True)) == expected
     assert result.truncated == tuple(frames >= protocol.max_frames for _, frames in expected)
+
+
+@pytest.mark.parametrize("name", ["atari100k", "baselines", "dopamine", "dqn2015"])
+@pytest.mark.parametrize("game", ["breakout", "ms_pacman"])
+def test_lives_begin_as_in_the_preset(name, game):
+    protocol = short(name, lives="preset")
+    result = evaluate(sums, game, protocol, episodes=3, seed=5, num_envs=2)[game]
+    expected = [single_game(game, protocol, episode_seed(5, game, episode)) for episode in range(3)]
+    assert list(zip(result.scores, result.frames, strict=True)) == expected
 
 
 def test_a_score_is_that_of_all_lives_and_not_clipped():
