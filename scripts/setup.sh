@@ -1,6 +1,7 @@
 # Sourced by quickstart and test: finds Python, makes the virtual environment, builds the wheel and installs it.
 # Variables: VENV (folder of the environment), EXTRAS (extras to install, for example "video" or "dev"), PYTHONS (commands
-# to try, best first), INSTALL (options of pip for the dependencies).
+# to try, best first), INSTALL (options of pip for the dependencies), TARGETS (what CMake builds beside the wheel, of the
+# same objects). It sets BUILD, the folder that CMake builds in.
 
 say() { printf '\n==> %s\n' "$*"; }
 fail() { printf '\n!!! %s\n' "$*" >&2; exit 1; }
@@ -26,20 +27,25 @@ check_compiler() {
 # Writes pip's output to build/wheel.log, and shows the lines of progress: "[12/40] Building CXX object ...".
 build_wheel() {
   rm -rf build/dist
-  mkdir -p build
-  "$VENV/bin/python" -m pip wheel --verbose --no-deps --wheel-dir build/dist . 2>&1 | tee build/wheel.log |
+  BUILD=build/wheel/$("$VENV/bin/python" -c 'import sys; print("cp%d%d" % sys.version_info[:2])')
+  mkdir -p "$BUILD"
+  SKBUILD_BUILD_DIR=$BUILD SKBUILD_BUILD_TARGETS="all${TARGETS:+;$TARGETS}" \
+    "$VENV/bin/python" -m pip wheel --verbose --no-deps --wheel-dir build/dist . 2>&1 | tee build/wheel.log |
     { grep --line-buffered -oE '^ *\[ *[0-9]+(%|/[0-9]+)\].*|Installing build dependencies: started' || true; }
+}
+
+make_venv() {
+  local python
+  python=$(find_python) || fail "Python 3.10 or newer is missing; install python3 (Debian: apt install python3)."
+  [ ! -x "$VENV/bin/python" ] || return 0
+  say "Making the virtual environment $VENV with $($python --version)"
+  "$python" -m venv "$VENV" ||
+    fail "$python cannot make virtual environments; install venv (Debian: apt install python3-venv)."
 }
 
 set_up() {
   check_compiler
-  local python
-  python=$(find_python) || fail "Python 3.10 or newer is missing; install python3 (Debian: apt install python3)."
-  if [ ! -x "$VENV/bin/python" ]; then
-    say "Making the virtual environment $VENV with $($python --version)"
-    "$python" -m venv "$VENV" ||
-      fail "$python cannot make virtual environments; install venv (Debian: apt install python3-venv)."
-  fi
+  make_venv
   say "Building the wheel (first time: one to five minutes; the whole output is in build/wheel.log)"
   build_wheel || { tail -n 40 build/wheel.log >&2
     fail "The wheel could not be built; the lines above say why. It needs network access to PyPI or a mirror."; }
@@ -49,4 +55,9 @@ set_up() {
   "$VENV/bin/python" -m pip install --quiet --progress-bar off ${INSTALL:-} "$wheel[$EXTRAS]" &&
     "$VENV/bin/python" -m pip install --quiet --force-reinstall --no-deps "$wheel" ||
     fail "The installation failed; the lines above say why. It needs network access to PyPI or a mirror."
+  case "${TARGETS:-}" in
+    *inspection*) cp "$BUILD"/tests/emulator/inspection/atari_inspection.*so "$(site_packages)" ;;
+  esac
 }
+
+site_packages() { "$VENV/bin/python" -c 'import sysconfig; print(sysconfig.get_path("platlib"))'; }

@@ -10,7 +10,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from atari._emulator import Console
+from atari_inspection import Console
 
 FACTS = Path(__file__).parent / "facts"
 TIA_FACTS: dict[str, Any] = json.loads((FACTS / "tia.json").read_text())

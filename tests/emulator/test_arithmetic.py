@@ -4,10 +4,9 @@ import hashlib
 from collections.abc import Iterator
 
 import pytest
+from atari_inspection import Console
 from emulator.machines import MACHINE_FACTS, console
 from emulator.model_6502 import Model6502
-
-from atari._emulator import Console
 
 CODES = {"adc": 0x69, "sbc": 0xE9, "arr": 0x6B}
 

@@ -22,7 +22,7 @@ MOST_STEPS = 200_000
 
 CHILD = """
 import ctypes, os, signal
-from atari._emulator import Console
+from atari_inspection import Console
 image = bytes.fromhex("{image}")
 console = Console(image, "4K", plain=False, translated=True)
 assert console.translated

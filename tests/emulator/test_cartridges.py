@@ -4,9 +4,8 @@ import random
 from collections.abc import Callable
 
 import pytest
+from atari_inspection import Console
 from emulator.machines import MACHINE_FACTS, R, W
-
-from atari._emulator import Console
 
 
 def image_of(size: int, seed: int = 1) -> bytes:

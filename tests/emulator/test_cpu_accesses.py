@@ -1,9 +1,8 @@
 """The bus accesses of one instruction, their order and their times, in the cases that games for the 2600 depend on."""
 
 import pytest
+from atari_inspection import Console
 from emulator.machines import R, W, console, rom, run
-
-from atari._emulator import Console
 
 
 def cycles_of(program: list[int], start: int = 0xF000, **registers: int | bool) -> int:

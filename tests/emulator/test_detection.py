@@ -3,10 +3,10 @@
 import random
 
 import pytest
+from atari_inspection import Console
 from emulator.machines import rom
 
 from atari import roms
-from atari._emulator import Console
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.roms.image import read_image

@@ -3,8 +3,7 @@
 import random
 
 import pytest
-
-from atari._emulator import Console
+from atari_inspection import Console
 
 AMPLITUDES = (0, 4, 5, 9, 6, 10, 11, 15)
 

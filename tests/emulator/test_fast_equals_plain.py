@@ -14,12 +14,12 @@ from typing import Any, ClassVar
 
 import numpy as np
 import pytest
+from atari_inspection import Console, same_state
 from emulator import wild_programs
 from emulator.programs import cpu_program, tia_program
 from emulator.wild_programs import BLANKED_LOOKS, SIZES, STORES_BEFORE_TIA_SPACE
 
 import atari
-from atari._emulator import Console, same_state
 from atari.roms import find
 
 

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import cv2
 import numpy as np
 import pytest
+from atari_inspection import SimdLevel, best_simd_level, pool_gray, resize_area
 
-from atari._emulator import SimdLevel, best_simd_level, pool_gray, resize_area
 from atari.cores import ByteArray, NativeCore
 
 GAMES = {210: "ms_pacman", 214: "carnival", 220: "pooyan", 230: "journey_escape", 250: "mr_do"}

@@ -9,10 +9,9 @@ import random
 from typing import Any
 
 import pytest
+from atari_inspection import Console
 from emulator.machines import JAM, NOP, console, rom, run
 from emulator.model_6502 import OPCODES, Model6502, Opcode
-
-from atari._emulator import Console
 
 REGISTERS = ("a", "x", "y", "sp", "pc", "n", "v", "d", "i", "z", "c")
 SIZES = {"4K": 4096, "F8": 8192, "MB": 65536, "DPC": 10495, "3E": 8192, "E0": 8192, "F6SC": 16384, "FE": 8192}

@@ -1,14 +1,14 @@
 """Rendering spans and converting colours: every SIMD level gives the bytes of a simple version in NumPy."""
 
+import atari_inspection
 import numpy as np
 import pytest
+from atari_inspection import SimdLevel
 
-from atari import _emulator
-from atari._emulator import SimdLevel
 from atari.cores import ByteArray
 from atari.wrappers._palettes import PALETTES
 
-LEVELS = [level for level in SimdLevel if level.value <= _emulator.best_simd_level().value]
+LEVELS = [level for level in SimdLevel if level.value <= atari_inspection.best_simd_level().value]
 """The SIMD levels that this processor supports."""
 
 RANDOM = np.random.default_rng(20)
@@ -36,7 +36,7 @@ def test_every_level_paints_the_same(level: SimdLevel) -> None:
     for first, last in spans:
         layers = random_layers()
         colours = [int(colour) for colour in RANDOM.integers(0, 256, size=4)]
-        row = _emulator.paint(layers, colours, int(first), last, level)
+        row = atari_inspection.paint(layers, colours, int(first), last, level)
         np.testing.assert_array_equal(row, expected_row(layers, colours, int(first), last))
 
 
@@ -51,5 +51,5 @@ def test_colours_are_those_of_the_palette(tv_format: str, level: SimdLevel) -> N
         ].copy()
         repeated[rows // 2, 40:43] ^= 2
         for frame in (noise, repeated):
-            rgb = _emulator.to_rgb(frame, tv_format, level)
+            rgb = atari_inspection.to_rgb(frame, tv_format, level)
             np.testing.assert_array_equal(rgb, PALETTES[tv_format][frame])

@@ -3,9 +3,8 @@
 from typing import Any
 
 import pytest
+from atari_inspection import Console
 from emulator.machines import MACHINE_FACTS, R, W, console, rom
-
-from atari._emulator import Console
 
 INTERVALS = {R.TIM1T: 0, R.TIM8T: 3, R.TIM64T: 6, R.T1024T: 10}
 

@@ -4,9 +4,8 @@ import random
 
 import numpy as np
 import pytest
+from atari_inspection import Console
 from emulator.machines import TIA_FACTS, W, console
-
-from atari._emulator import Console
 
 FACTS = TIA_FACTS["sound"]
 NEXT4 = {

@@ -4,9 +4,8 @@ import itertools
 
 import numpy as np
 import pytest
+from atari_inspection import Console
 from emulator.machines import TIA_FACTS, R, W, beam, console, framebuffer, write_at
-
-from atari._emulator import Console
 
 COLOURS = {"P0": 0x12, "P1": 0x24, "PF": 0x36, "BK": 0x48}
 OBJECTS = ("P0", "P1", "M0", "M1", "BL", "PF")

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
+from atari_inspection import Console
 from emulator.machines import JAM, W, beam, console, framebuffer, write_at
-
-from atari._emulator import Console
 
 WSYNC = [0x85, W.WSYNC]
 

@@ -3,9 +3,8 @@
 from typing import Any
 
 import pytest
+from atari_inspection import Console
 from emulator.machines import R, W, console
-
-from atari._emulator import Console
 
 BUTTONS = (R.INPT4, R.INPT5)
 POTS = (R.INPT0, R.INPT1, R.INPT2, R.INPT3)

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
+from atari_inspection import Console
 from emulator.machines import TIA_FACTS, W, beam, framebuffer, write_at
-
-from atari._emulator import Console
 
 P0, P1, M0, M1, BL = range(5)
 STROBES = {P0: W.RESP0, P1: W.RESP1, M0: W.RESM0, M1: W.RESM1, BL: W.RESBL}

@@ -4,10 +4,9 @@ import random
 
 import numpy as np
 import pytest
+from atari_inspection import Console
 from emulator.machines import TIA_FACTS, W, beam, framebuffer, write_at
 from emulator.model_tia import ball_lit, missile_lit, player_lit, playfield_lit, reversed_bits, row
-
-from atari._emulator import Console
 
 
 def lines_of(machine: Console, positions: range, item: int) -> np.ndarray:

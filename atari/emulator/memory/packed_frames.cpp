@@ -70,7 +70,7 @@ bool PackedFrames::enter(PackedFrame frame, int64_t row) {
     if (!find(frame)) return false;
     Chunk& chunk = entered_[frame.offset / chunk_];
     chunk.newest = std::max(chunk.newest, row);
-    chunk.end = std::max(chunk.end, frame.offset % chunk_ + frame.bytes);
+    chunk.end = std::max<size_t>(chunk.end, frame.offset % chunk_ + frame.bytes);
     return true;
 }
 

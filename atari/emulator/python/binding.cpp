@@ -31,6 +31,16 @@ namespace {
 
 using Array = nb::ndarray<nb::numpy, uint8_t, nb::c_contig, nb::device::cpu>;
 
+Array colours_of(const std::string& format) {
+    const Palette& palette = palette_of(format);
+    auto* const colours = new uint8_t[256 * 3];
+    nb::capsule owner(colours, [](void* memory) noexcept { delete[] static_cast<uint8_t*>(memory); });
+    for (size_t i = 0; i < 256; ++i)
+        for (size_t channel = 0; channel < 3; ++channel)
+            colours[3 * i + channel] = static_cast<uint8_t>(palette.rgb[i] >> (16 - 8 * channel));
+    return Array(colours, {256, 3}, owner);
+}
+
 Shared<Game> make_game(nb::bytes image, const std::string& cartridge, const std::string& format,
                        bool detect_format, int first_line, int height, bool hmove_blanks,
                        std::pair<bool, bool> paddles, bool swap_ports, bool swap_paddles,
@@ -255,14 +265,13 @@ class Emulator : Exclusive {
 
 }  // namespace
 
-void register_inspection(nb::module_& m);  // inspect.cpp
-void register_state(nb::module_& m);       // state.cpp
-void register_vector(nb::module_& m);      // binding_vector.cpp
-void register_memory(nb::module_& m);      // binding_memory.cpp
-void register_causes(nb::module_& m);      // binding_causes.cpp
-void register_labels(nb::module_& m);      // binding_labels.cpp
-void register_writes(nb::module_& m);      // binding_writes.cpp
-void register_xla(nb::module_& m);         // binding_xla.cpp
+void register_state(nb::module_& m);   // state.cpp
+void register_vector(nb::module_& m);  // binding_vector.cpp
+void register_memory(nb::module_& m);  // binding_memory.cpp
+void register_causes(nb::module_& m);  // binding_causes.cpp
+void register_labels(nb::module_& m);  // binding_labels.cpp
+void register_writes(nb::module_& m);  // binding_writes.cpp
+void register_xla(nb::module_& m);     // binding_xla.cpp
 
 }  // namespace atari
 
@@ -398,7 +407,9 @@ NB_MODULE(_emulator, m) {
             new (&resize) AreaResize(rows, height, width);
         });
 
-    register_inspection(m);
+    m.def("palette", &colours_of, "format"_a, nb::sig("def palette(format: str) -> " ARRAY),
+          "Red, green and blue of the 256 palette indices of a TV format, (256, 3).");
+
     register_vector(m);
     register_xla(m);
     register_memory(m);

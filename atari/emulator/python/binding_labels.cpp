@@ -29,7 +29,7 @@ using Parts = std::tuple<int, int, bool, Words, Words>;
 void make_labels(Shared<Labels>* self, const std::vector<Parts>& parts) {
     std::vector<Label> labels;
     for (const auto& [index, mask, decimal, value, visible] : parts) {
-        Label label{index, mask, decimal, Program(value, Label::kVariables, false)};
+        Label label{index, mask, decimal, Program(value, Label::kVariables, false), {}};
         if ((label.hides = !visible.empty())) label.visible = Program(visible, Label::kVariables, false);
         labels.push_back(label);
     }

@@ -23,14 +23,14 @@ struct Mem {
 
 // Arithmetic with two operands, by the number it has in opcodes.
 enum class Alu : uint8_t { add, or_, adc, sbb, and_, sub, xor_, cmp };
-enum class Shift : uint8_t { left = 4, right = 5 };
+enum class ShiftDirection : uint8_t { left = 4, right = 5 };
 enum class If : uint8_t { overflow, not_overflow, below, not_below, zero, not_zero, not_above, above, sign, not_sign };
 
 constexpr If opposite(If condition) { return static_cast<If>(static_cast<int>(condition) ^ 1); }
 
 // A position in the code. Before it is bound, the jumps to it form a linked list: each holds the end of the previous
 // jump in place of its distance.
-struct Label {
+struct JumpLabel {
     int32_t at = -1;
     int32_t last_jump = -1;
 };
@@ -112,15 +112,15 @@ class Assembler {
     }
     void increment8(Reg reg) { code({0xfe}, rax, reg, false, true); }
     void decrement8(Reg reg) { code({0xfe}, rcx, reg, false, true); }
-    void shift(Shift where, Reg reg, uint8_t by) {
+    void shift(ShiftDirection where, Reg reg, uint8_t by) {
         code({0xc1}, static_cast<Reg>(where), reg);
         put(by);
     }
-    void shift64(Shift where, Reg reg, uint8_t by) {
+    void shift64(ShiftDirection where, Reg reg, uint8_t by) {
         code({0xc1}, static_cast<Reg>(where), reg, true);
         put(by);
     }
-    void shift_by_cl(Shift where, Reg reg) { code({0xd3}, static_cast<Reg>(where), reg); }
+    void shift_by_cl(ShiftDirection where, Reg reg) { code({0xd3}, static_cast<Reg>(where), reg); }
     void multiply(Reg to, Reg from, uint32_t by) {
         code({0x69}, to, from);
         put32(by);
@@ -162,28 +162,28 @@ class Assembler {
     void jump(Reg to) { code({0xff}, static_cast<Reg>(4), to); }
     void call(Reg to) { code({0xff}, static_cast<Reg>(2), to); }
 
-    void jump(Label& to) {
+    void jump(JumpLabel& to) {
         put(0xe9);
         distance(to);
     }
-    void jump(If condition, Label& to) {
+    void jump(If condition, JumpLabel& to) {
         put(0x0f);
         put(static_cast<uint8_t>(0x80 + static_cast<int>(condition)));
         distance(to);
     }
-    void call(Label& to) {
+    void call(JumpLabel& to) {
         put(0xe8);
         distance(to);
     }
     // Loads the address of a label.
-    void address_of(Reg to, Label& label) {
+    void address_of(Reg to, JumpLabel& label) {
         prefix(true, to, rax, rax);
         put(0x8d);
         put(static_cast<uint8_t>((to & 7) << 3 | 5));
         distance(label);
     }
-    void bind(Label& label) { bind(label, static_cast<int32_t>(size())); }
-    void bind(Label& label, int32_t at) {
+    void bind(JumpLabel& label) { bind(label, static_cast<int32_t>(size())); }
+    void bind(JumpLabel& label, int32_t at) {
         label.at = at;
         while (label.last_jump >= 0) {
             const int32_t jump = label.last_jump;
@@ -213,7 +213,7 @@ class Assembler {
     void put32(uint32_t value) {
         for (int shift = 0; shift < 32; shift += 8) put(static_cast<uint8_t>(value >> shift));
     }
-    void distance(Label& to) {
+    void distance(JumpLabel& to) {
         put32(static_cast<uint32_t>(to.last_jump));
         const auto here = static_cast<int32_t>(size());
         if (to.at < 0) to.last_jump = here;

@@ -30,7 +30,7 @@ struct Offsets {
     static_assert(!kTranslates || sizeof(type::member) == (size), "translated code accesses it by as many bytes");
 #define ELEMENTS(name, type, member, size, count)                                                     \
     OFFSET(name, type, member, (size) * (count))                                                      \
-    static_assert(sizeof(type::member[0]) == (size), "translated code indexes it by as many bytes");
+    static_assert(!kTranslates || sizeof(type::member[0]) == (size), "translated code indexes it by as many bytes");
 
     OFFSET(at, Registers, at, 8)
     OFFSET(cycles, Registers, cycles, 4)

@@ -73,8 +73,8 @@ void Translator::call_routine(uint16_t handler) {
 // state. If only the block can do that, the entry calls the handler and continues at the next instruction.
 void Translator::emit_entry(const BlockInstruction& instruction) {
     const EntryState& state = instruction.entry;
-    Label& entry = entries_[instruction.place];
-    Label code{code_at_[instruction.place]};
+    JumpLabel& entry = entries_[instruction.place];
+    JumpLabel code{code_at_[instruction.place]};
     if (state.empty()) return a_.bind(entry, code.at);
     a_.bind(entry);
     if (!state.needs_block()) {
@@ -134,7 +134,7 @@ void Translator::load_registers() {
 // Emits a routine that calls a function of the registers and the console, for the decoded instruction whose index is in
 // r8. If that function returns anything but kNext, the routine returns with the carry set and the result in rax. Calls
 // and returns are balanced: a hardware shadow stack requires that.
-void Translator::emit_call(Label& label, Interpreter::Step function) {
+void Translator::emit_call(JumpLabel& label, Interpreter::Step function) {
     a_.bind(label);
     find_instruction();
     save_registers();
@@ -153,7 +153,7 @@ void Translator::emit_call(Label& label, Interpreter::Step function) {
 
 // Turns the index in r8 into the address of the decoded instruction.
 void Translator::find_instruction() {
-    a_.shift64(Shift::left, r8, kInstructionShift);
+    a_.shift64(ShiftDirection::left, r8, kInstructionShift);
     a_.alu64(Alu::add, r8, in_console(Offsets::first_instruction()));
     a_.store64(in_registers(Offsets::at()), r8);
 }
@@ -182,7 +182,7 @@ void Translator::emit_common() {
     a_.alu64(Alu::sub, r8, in_console(Offsets::first_instruction()));
     a_.alu64(Alu::cmp, r8, static_cast<int32_t>(sizeof(DecodedInstruction) * size_));
     a_.jump(If::not_below, left_);
-    a_.shift64(Shift::right, r8, kInstructionShift - kTableShift);
+    a_.shift64(ShiftDirection::right, r8, kInstructionShift - kTableShift);
     a_.address_of(r9, start_);
     a_.load(r8, Mem{r9, -table_size(), r8});
     a_.test(r8, r8);
@@ -209,7 +209,7 @@ void Translator::emit_common() {
 // Emits the routine that calls a handler. For some frequent handlers it first tries the likely cases inline, which
 // return with the carry clear.
 void Translator::emit_routine(uint16_t handler) {
-    Label slow;
+    JumpLabel slow;
     a_.bind(handlers_[handler]);
     const auto [operation, operand] = kKinds[handler];
     if (operation == PHP) emit_push_status(slow);
@@ -219,19 +219,19 @@ void Translator::emit_routine(uint16_t handler) {
 }
 
 // PHP, into RAM or a TIA register.
-void Translator::emit_push_status(Label& slow) {
+void Translator::emit_push_status(JumpLabel& slow) {
     constexpr uint64_t kValues = registers_where([](const TiaRegister& reg) { return reg.store == TiaStore::kValue; });
     a_.move(r10, kNz);
-    a_.shift(Shift::right, r10, 1);
+    a_.shift(ShiftDirection::right, r10, 1);
     a_.alu(Alu::or_, r10, kNz);
     a_.alu(Alu::and_, r10, 0x80);
     a_.alu8(Alu::cmp, in_console(Offsets::overflow()), uint8_t{1});  // sets the carry if V is clear
     a_.alu(Alu::sbb, r11, r11);
     a_.alu(Alu::add, r11, 1);
-    a_.shift(Shift::left, r11, 6);
+    a_.shift(ShiftDirection::left, r11, 6);
     a_.alu(Alu::or_, r10, r11);
     a_.alu8(Alu::or_, r10, in_console(Offsets::modes()));
-    a_.shift(Shift::right, r10, 2);
+    a_.shift(ShiftDirection::right, r10, 2);
     a_.alu8(Alu::cmp, kNz, uint8_t{1});  // sets the carry if Z is set
     a_.alu(Alu::adc, r10, r10);
     a_.address(r10, Mem{kCarry, 0, r10, 2});
@@ -268,7 +268,7 @@ void Translator::emit_push_status(Label& slow) {
 // Loads the operand of the instruction whose index is in r8 into r9.
 void Translator::load_operand() {
     a_.move64(r9, r8);
-    a_.shift64(Shift::left, r9, kInstructionShift);
+    a_.shift64(ShiftDirection::left, r9, kInstructionShift);
     a_.alu64(Alu::add, r9, in_console(Offsets::first_instruction()));
     a_.load16(r9, Mem{r9, Offsets::instruction_operand()});
 }
@@ -288,7 +288,7 @@ void Translator::emit_input(int32_t cost) {
 }
 
 // LDA with an index that leads to an input.
-void Translator::emit_read_input(Operand operand, Label& slow) {
+void Translator::emit_read_input(Operand operand, JumpLabel& slow) {
     if (operand != Operand::RamX && operand != Operand::AnyX && operand != Operand::AnyY) return;
     load_operand();
     a_.move(r10, r9);
@@ -304,13 +304,13 @@ void Translator::emit_read_input(Operand operand, Label& slow) {
         a_.alu(Alu::xor_, r11, r9);
         a_.test(r11, uint32_t{0xff00});
         a_.jump(If::not_zero, slow);  // page crossing
-        a_.shift(Shift::right, r10, 8);
+        a_.shift(ShiftDirection::right, r10, 8);
     }
     emit_input(4);
 }
 
 // PLA from an input, if the byte that is read first is an input too.
-void Translator::emit_pull_input(Label& slow) {
+void Translator::emit_pull_input(JumpLabel& slow) {
     a_.load8(r9, in_console(Offsets::sp()));
     a_.move(r10, r9);
     a_.alu(Alu::and_, r10, 0x88);
@@ -329,7 +329,7 @@ void Translator::emit_pull_input(Label& slow) {
 }
 
 // Loads the target of an RTS, JMP or JSR into r9. r8 is the index of the instruction.
-void Translator::find_target(uint16_t handler, Label& slow) {
+void Translator::find_target(uint16_t handler, JumpLabel& slow) {
     if (handler == RTS_Imp) {
         a_.load8(r8, in_console(Offsets::sp()));
         a_.address(r9, Mem{r8, -0x80});
@@ -337,7 +337,7 @@ void Translator::find_target(uint16_t handler, Label& slow) {
         a_.jump(If::not_below, slow);
         a_.load16(r9, Mem{kRam, 1 - 0x80, r8});
         a_.move(r10, r9);  // the byte there is read too
-        a_.shift(Shift::right, r10, 6);
+        a_.shift(ShiftDirection::right, r10, 6);
         a_.extend8(r10, r10);
         a_.alu64(Alu::cmp, Mem{kConsole, Offsets::pages(), r10, 8}, 0);
         a_.jump(If::zero, slow);
@@ -363,8 +363,8 @@ void Translator::find_target(uint16_t handler, Label& slow) {
 }
 
 // Emits RTS, JMP or JSR to an address that is computed at run time. r8 is the index of the instruction.
-void Translator::emit_far(Label& label, uint16_t handler) {
-    Label slow;
+void Translator::emit_far(JumpLabel& label, uint16_t handler) {
+    JumpLabel slow;
     a_.bind(label);
     a_.store(in_registers(Offsets::at()), r8);  // for the slow path and for `push_return_address`
     find_target(handler, slow);
@@ -373,7 +373,7 @@ void Translator::emit_far(Label& label, uint16_t handler) {
     if (handler == JSR_Far) push_return_address();
     a_.alu(Alu::and_, r9, 0xfc00);
     a_.store(in_console(Offsets::origin()), r9);
-    a_.shift64(Shift::left, r10, kInstructionShift);
+    a_.shift64(ShiftDirection::left, r10, kInstructionShift);
     a_.alu64(Alu::add, r10, in_console(Offsets::first_instruction()));
     a_.store64(in_console(Offsets::base_instruction()), r10);
     a_.alu(Alu::add, kCycles, handler == JMP_Far ? 3 : handler == JMP_Ind ? 5 : 6);
@@ -389,9 +389,9 @@ void Translator::emit_far(Label& label, uint16_t handler) {
 
 // Loads the entry for the address in r9 into r11, and the image offset of its 1 KiB segment into r10. Jumps to `slow`
 // if there is no entry. Uses r8.
-void Translator::find_entry(Label& slow) {
+void Translator::find_entry(JumpLabel& slow) {
     a_.move(r10, r9);
-    a_.shift(Shift::right, r10, 10);
+    a_.shift(ShiftDirection::right, r10, 10);
     a_.alu(Alu::and_, r10, 15);
     a_.load(r11, in_console(Offsets::code_segments()));
     a_.test_bit(r11, r10);
@@ -411,7 +411,7 @@ void Translator::find_entry(Label& slow) {
 void Translator::push_return_address() {
     a_.load64(r8, in_console(Offsets::first_instruction()));
     a_.alu64(Alu::sub, r8, in_console(Offsets::base_instruction()));
-    a_.shift(Shift::right, r8, kInstructionShift);
+    a_.shift(ShiftDirection::right, r8, kInstructionShift);
     a_.alu(Alu::add, r8, in_registers(Offsets::at()));
     a_.alu(Alu::add, r8, in_console(Offsets::origin()));
     a_.alu(Alu::add, r8, 2);

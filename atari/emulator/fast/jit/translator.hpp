@@ -48,15 +48,15 @@ class Translator {
     void emit_entry(const BlockInstruction& instruction);
     void emit_slow_paths();
     void emit_common();
-    void emit_call(Label& label, Interpreter::Step function);
+    void emit_call(JumpLabel& label, Interpreter::Step function);
     void emit_routine(uint16_t handler);
-    void emit_push_status(Label& slow);
-    void emit_read_input(Operand operand, Label& slow);
-    void emit_pull_input(Label& slow);
+    void emit_push_status(JumpLabel& slow);
+    void emit_read_input(Operand operand, JumpLabel& slow);
+    void emit_pull_input(JumpLabel& slow);
     void emit_input(int32_t cost);
-    void emit_far(Label& label, uint16_t handler);
-    void find_target(uint16_t handler, Label& slow);
-    void find_entry(Label& slow);
+    void emit_far(JumpLabel& label, uint16_t handler);
+    void find_target(uint16_t handler, JumpLabel& slow);
+    void find_entry(JumpLabel& slow);
     void push_return_address();
     void find_instruction();
     void load_operand();
@@ -96,7 +96,7 @@ class Translator {
     void emit_store();
     void store_in_ram(Reg value);
     void emit_tia_store(Reg value);
-    void check_deadline(int32_t later, Label& past_deadline);
+    void check_deadline(int32_t later, JumpLabel& past_deadline);
     void write_graphics(Reg value);
     void write_hmove();
     void append_write(Reg value);
@@ -106,7 +106,7 @@ class Translator {
 
     // An out-of-line stub for an unlikely case.
     struct SlowPath {
-        Label from;
+        JumpLabel from;
         enum {
             kHandler,        // the handler runs the instruction, and the block continues at `back`
             kJumpByHandler,  // the handler jumps
@@ -116,7 +116,7 @@ class Translator {
         std::size_t place;
         int32_t cycles, cycles_after;   // not yet added at `from`, and at `back`
         std::optional<CpuRegister> nz;  // the register from which N and Z must be computed
-        Label back;
+        JumpLabel back;
     };
 
     const std::vector<DecodedInstruction>& decoded_;
@@ -124,17 +124,17 @@ class Translator {
     const std::vector<Block> blocks_;
     std::vector<const BlockInstruction*> instructions_;  // by place; null where no block has one
     std::vector<int32_t> code_at_;      // by place: the code, which expects the block-entry state
-    std::vector<Label> entries_;        // by place: the entry, which establishes that state
-    std::vector<Label> handlers_;       // by handler: the routine that calls it
+    std::vector<JumpLabel> entries_;        // by place: the entry, which establishes that state
+    std::vector<JumpLabel> handlers_;       // by handler: the routine that calls it
     std::vector<SlowPath> slow_paths_;
     Assembler a_;
-    Label start_, skip_, dispatch_, return_, call_far_, jump_far_, jump_indirect_, leave_, left_, limit_, exit_;
+    JumpLabel start_, skip_, dispatch_, return_, call_far_, jump_far_, jump_indirect_, leave_, left_, limit_, exit_;
 
     // The instruction that is being translated.
     const BlockInstruction* at_ = nullptr;
     int32_t cycles_ = 0;    // cycles not yet added to kCycles at the start of the instruction
     int32_t write_at_ = 0;  // cycles from kCycles to its TIA write
-    Label slow_;            // the start of its slow path
+    JumpLabel slow_;            // the start of its slow path
 };
 
 }  // namespace atari

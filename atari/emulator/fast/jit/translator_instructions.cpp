@@ -97,7 +97,7 @@ void Translator::emit_branch() {
     }
     const int32_t cycles = cycles_ + decoded_[at_->place].taken;
     if (backward) {
-        Label otherwise;
+        JumpLabel otherwise;
         a_.jump(opposite(taken), otherwise);
         go_to(target, cycles, true);
         a_.bind(otherwise);
@@ -109,7 +109,7 @@ void Translator::emit_branch() {
 
 void Translator::emit_jump() {
     if (at_->operand != Operand::Near) {
-        Label& jump = at_->operand == Operand::Ind ? jump_indirect_ : jump_far_;
+        JumpLabel& jump = at_->operand == Operand::Ind ? jump_indirect_ : jump_far_;
         add_cycles(cycles_);
         a_.move(r8, static_cast<uint32_t>(at_->place));
         a_.jump(at_->operation == RTS ? return_ : at_->operation == JSR ? call_far_ : jump);
@@ -129,7 +129,7 @@ void Translator::emit_jump() {
     if (at_->operation == JSR) {
         a_.load64(r10, in_console(Offsets::first_instruction()));
         a_.alu64(Alu::sub, r10, in_console(Offsets::base_instruction()));
-        a_.shift(Shift::right, r10, kInstructionShift);
+        a_.shift(ShiftDirection::right, r10, kInstructionShift);
         a_.address(r9, Mem{r9, static_cast<int32_t>(at_->place + 2), r10});
         a_.store16(Mem{kRam, -0x81, r8}, r9);
         a_.alu8(Alu::sub, in_console(Offsets::sp()), uint8_t{2});
@@ -149,7 +149,7 @@ void Translator::add_page_crossing(Reg index) {
 // Returns the byte at the address in r9, if it can be read without side effects.
 Translator::Source Translator::paged() {
     a_.move(r10, r9);
-    a_.shift(Shift::right, r10, 6);
+    a_.shift(ShiftDirection::right, r10, 6);
     a_.extend8(r10, r10);
     a_.load64(r11, Mem{kConsole, Offsets::pages(), r10, 8});
     a_.test64(r11, r11);
@@ -197,7 +197,7 @@ void Translator::emit_read() {
             a_.alu(Alu::sub, r8, in_console(Offsets::timer_set_at()));
             a_.move(r9, kX);
             a_.load8(rcx, in_console(Offsets::timer_shift()));
-            a_.shift_by_cl(Shift::right, r8);
+            a_.shift_by_cl(ShiftDirection::right, r8);
             a_.move(kX, r9);
             a_.load8(r9, in_console(Offsets::timer()));
             a_.alu(Alu::sub, r9, r8);
@@ -306,23 +306,23 @@ void Translator::emit_modify() {
         case DEC: a_.decrement8(value); break;
         case ASL: case LSR:
             a_.move(kCarry, value);
-            if (at_->operation == ASL) a_.shift(Shift::right, kCarry, 7);
+            if (at_->operation == ASL) a_.shift(ShiftDirection::right, kCarry, 7);
             else a_.alu(Alu::and_, kCarry, 1);
-            a_.shift(at_->operation == ASL ? Shift::left : Shift::right, value, 1);
+            a_.shift(at_->operation == ASL ? ShiftDirection::left : ShiftDirection::right, value, 1);
             if (at_->operation == ASL) a_.extend8(value, value);
             break;
         case ROL:
             a_.address(r10, Mem{kCarry, 0, value, 2});
             a_.move(kCarry, value);
-            a_.shift(Shift::right, kCarry, 7);
+            a_.shift(ShiftDirection::right, kCarry, 7);
             a_.extend8(value, r10);
             break;
         default:  // ROR
             a_.move(r10, kCarry);
-            a_.shift(Shift::left, r10, 7);
+            a_.shift(ShiftDirection::left, r10, 7);
             a_.move(kCarry, value);
             a_.alu(Alu::and_, kCarry, 1);
-            a_.shift(Shift::right, value, 1);
+            a_.shift(ShiftDirection::right, value, 1);
             a_.alu(Alu::or_, value, r10);
     }
     if (at_->operand == Operand::Acc) {

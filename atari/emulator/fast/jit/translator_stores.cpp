@@ -58,7 +58,7 @@ void Translator::store_in_ram(Reg value) {
 
 // The deadline check: jumps to `past_deadline` if a TIA write `later` cycles after kCycles does not belong to this
 // frame. Uses r8.
-void Translator::check_deadline(int32_t later, Label& past_deadline) {
+void Translator::check_deadline(int32_t later, JumpLabel& past_deadline) {
     if (later < Offsets::kDeadlines) {
         a_.alu(Alu::cmp, kCycles, in_console(Offsets::deadlines() + 4 * later));
     } else {
@@ -131,7 +131,7 @@ void Translator::emit_tia_store(Reg value) {
         case Operand::Motion:
             if (reg == HMM0) {  // may be the Cosmic Ark effect
                 a_.load8(r9, shadow(reg));
-                a_.shift(Shift::right, r9, 4);
+                a_.shift(ShiftDirection::right, r9, 4);
                 a_.alu(Alu::cmp, r9, int32_t{kArkMotion});
                 a_.jump(If::zero, slow_);
             }
@@ -166,7 +166,7 @@ void Translator::wait_for_line() {
 // Rounds a number of cycles down to whole lines.
 void Translator::whole_lines(Reg cycles) {
     a_.multiply(cycles, cycles, kInverse76);
-    a_.shift(Shift::right, cycles, kInverseShift);
+    a_.shift(ShiftDirection::right, cycles, kInverseShift);
     a_.multiply(cycles, cycles, kCyclesPerLine);
 }
 
@@ -203,7 +203,7 @@ void Translator::write_graphics(Reg value) {
         a_.load8(r10, shadow(ENABL));
         a_.store8(in_console(Offsets::old_enabl()), r10);
         a_.alu(Alu::and_, r10, int32_t{bits_of(ENABL)});
-        a_.shift(Shift::left, r10, 7);
+        a_.shift(ShiftDirection::left, r10, 7);
         a_.alu(Alu::or_, r9, r10);
     }
     append_write(value);
@@ -226,23 +226,23 @@ void Translator::write_hmove() {
     a_.address(r8, Mem{kCycles, write_at_});
     a_.store(in_log(Offsets::write_cycle()), r8);
     a_.store(in_log(Offsets::write_reg()), uint32_t{STILL});
-    Label done;
+    JumpLabel done;
     a_.jump(done);
     a_.bind_short(moves);
     a_.bind_short(unusual);
-    a_.shift(Shift::right, r9, 4);
+    a_.shift(ShiftDirection::right, r9, 4);
     a_.alu(Alu::and_, r9, 0x0f0f0f0f);
     a_.move(r11, r9);
-    a_.shift(Shift::right, r11, 4);
+    a_.shift(ShiftDirection::right, r11, 4);
     a_.alu(Alu::or_, r9, r11);
     a_.alu(Alu::and_, r9, 0x00ff00ff);
     a_.move(r11, r9);
-    a_.shift(Shift::right, r11, 8);
+    a_.shift(ShiftDirection::right, r11, 8);
     a_.alu(Alu::or_, r9, r11);
     a_.address(r8, Mem{kCycles, write_at_});
     a_.store(in_log(Offsets::write_cycle()), r8);
     a_.store8(in_log(Offsets::write_reg()), uint8_t{HMOVE});
-    a_.shift(Shift::right, r10, 4);
+    a_.shift(ShiftDirection::right, r10, 4);
     a_.store8(in_log(Offsets::write_value()), r10);
     a_.store16(in_log(Offsets::write_beside()), r9);
     a_.bind(done);

@@ -1,6 +1,5 @@
-// Bindings for tests and inspection. `_emulator.Console` is a console without a game's rules or a seed; its methods run
-// single accesses or instructions. `pool_gray` and `resize_area` are the two steps of an observation. Environments use
-// nothing from this file.
+// The extension module atari_inspection, for tests alone. `Console` is a console without a game's rules or a seed; its
+// methods run single accesses or instructions. `pool_gray` and `resize_area` are the two steps of an observation.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
@@ -324,15 +323,6 @@ Array painted(std::array<Bytes, 3> layers, std::array<uint8_t, 4> colours, int f
     return as_array(row, {kScreenWidth});
 }
 
-Array colours_of(const std::string& format) {
-    const Palette& palette = palette_of(format);
-    uint8_t colours[256][3];
-    for (std::size_t i = 0; i < 256; ++i)
-        for (int channel = 0; channel < 3; ++channel)
-            colours[i][channel] = static_cast<uint8_t>(palette.rgb[i] >> (16 - 8 * channel));
-    return as_array(colours[0], {256, 3});
-}
-
 Array coloured(Frame frame, const std::string& format, std::optional<SimdLevel> level) {
     const size_t rows = frame.shape(0);
     if (rows < 1 || rows > kFrameRows || frame.shape(1) != kScreenWidth)
@@ -343,8 +333,10 @@ Array coloured(Frame frame, const std::string& format, std::optional<SimdLevel> 
 }
 
 }  // namespace
+}  // namespace atari
 
-void register_inspection(nb::module_& m) {
+NB_MODULE(atari_inspection, m) {
+    using namespace atari;
     nb::class_<Snapshot>(m, "ConsoleSnapshot", "A state in memory, as `Console.snapshot` returned it.");
     nb::class_<Console>(m, "Console",
                         "A bare console, driven by hand: for tests and for looking inside.\n\n"
@@ -432,8 +424,6 @@ void register_inspection(nb::module_& m) {
           }, "distance"_a,
           "What the JIT translator's assembler makes of a jump of two bytes over `distance` others, and these.\n"
           "Raises RuntimeError if such a jump does not reach so far.");
-    m.def("palette", &colours_of, "format"_a, nb::sig("def palette(format: str) -> numpy.typing.NDArray[numpy.uint8]"),
-          "Red, green and blue of the 256 palette indices of a TV format, (256, 3).");
     m.def("same_state", &same_state, "first"_a, "second"_a, "complete"_a,
           "Whether two consoles are in the same state to the byte. Unless this is `complete`, framebuffers and\n"
           "collision latches are left out, and a console that runs frames fast goes on deferring them.");
@@ -451,5 +441,3 @@ void register_inspection(nb::module_& m) {
           "A gray frame, (rows, 160), scaled down as by OpenCV's INTER_AREA. `changes` as from `pool_gray`.\n"
           "Raises ValueError if the size is not served.");
 }
-
-}  // namespace atari

@@ -1,0 +1,158 @@
+#!/usr/bin/env python3
+"""Prints which tests concern a changed file: a line of pytest's arguments for each run, the nearest tests first.
+
+The tests mirror the sources: the tests of `atari/vector/results.py` are `tests/vector/test_results.py`, then all of
+`tests/vector`. `PLACES` has the files without a mirror. `scripts/dev test` and `scripts/mutants` use this.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+from collections.abc import Iterator
+from itertools import zip_longest
+from pathlib import Path
+
+TOP = Path(__file__).resolve().parent.parent
+
+PLACES: dict[str, tuple[str, ...]] = {
+    "atari/emulator/machine": ("tests/emulator", "tests/conformance/test_goldens.py"),
+    "atari/emulator/fast": ("tests/emulator", "tests/conformance/test_goldens.py"),
+    "atari/emulator/ale": ("tests/cores", "tests/games", "tests/conformance/test_goldens.py"),
+    "atari/emulator/observations": ("tests/emulator/test_observation.py", "tests/wrappers", "tests/vector"),
+    "atari/emulator/vector": ("tests/vector", "tests/multiplayer/test_vector.py"),
+    "atari/emulator/memory": ("tests/learning/memory",),
+    "atari/emulator/lab": ("tests/lab/test_causes.py",),
+    "atari/emulator/python/binding_memory.cpp": ("tests/learning/memory",),
+    "atari/emulator/python/binding_causes.cpp": ("tests/lab/test_causes.py",),
+    "atari/emulator/python/binding_labels.cpp": ("tests/lab",),
+    "atari/emulator/python/binding_writes.cpp": ("tests/lab",),
+    "atari/emulator/python": ("tests/cores", "tests/vector"),
+    "atari/_emulator.pyi": ("tests/test_emulator_stub.py",),
+    "atari/restorable.py": ("tests/wrappers/test_snapshots.py",),
+    "atari/protocols.py": ("tests/wrappers/test_presets.py",),
+    "atari/sb3.py": ("tests/integrations",),
+    "atari/__init__.py": ("tests/test_import.py",),
+    "atari/_interrupt.py": ("tests/learning/test_commands.py", "tests/cli"),
+    "atari/_sources.py": ("tests/test_import.py",),
+    "atari/__main__.py": ("tests/cli/test_main.py",),
+    "scripts/agents": ("tests/agents",),
+    "scripts/bench": ("tests/test_bench.py",),
+    "scripts/site": ("tests/site",),
+    "scripts": ("tests/test_scripts.py",),
+    "docs": ("tests/test_documented_places.py",),
+    "CONTRIBUTING.md": ("tests/test_documented_places.py",),
+    "examples": ("tests/test_notebook.py",),
+}
+"""By file or folder, its tests where they are not in the folder of the same name; the longest name counts."""
+
+GAME_FILE = re.compile(r"atari/games/(?:data|manuals|interventions/data)/(\w+)\.toml")
+DOCUMENT = re.compile(r"(?:README|CONTRIBUTING|atari/games/SCHEMA|docs/\w[\w-]*)\.md")
+
+
+def runs(file: str) -> list[list[str]]:
+    """The runs of pytest for a file, named from the top of the repository: the arguments of each, nearest first.
+
+    Raises:
+        ValueError: no test concerns the file.
+    """
+    game = GAME_FILE.fullmatch(file)
+    if game:
+        return [["tests/games", "-k", game[1]], ["tests/conformance", "-k", game[1]]]
+    if file.startswith("tests/"):
+        return _runs_of_test_file(file)
+    near, around = [*_mirrors(file), *_importers(file)], [*_around(file)]
+    if DOCUMENT.fullmatch(file):
+        near.insert(0, file)
+    if not near and not around:
+        raise ValueError(
+            f"no test concerns {file}; name the tests, or enter the file into PLACES of scripts/tests_for.py"
+        )
+    return [each for each in (list(dict.fromkeys(near)), around) if each]
+
+
+def _runs_of_test_file(file: str) -> list[list[str]]:
+    """A test file itself; for a file that tests share, the tests that use it, or else its folder."""
+    path = Path(file)
+    if path.name.startswith("test_"):
+        return [[file]]
+    name = re.compile(rf"\b{re.escape(path.stem)}\b")
+    tests = (TOP / "tests" if path.parent.name == "support" else (TOP / path).parent).rglob("test_*.py")
+    users = sorted(test.relative_to(TOP).as_posix() for test in tests if name.search(test.read_text(encoding="utf-8")))
+    return [users or [path.parent.as_posix()]]
+
+
+def _mirrors(file: str) -> Iterator[str]:
+    """The test files that are named like the file, in the part's folder."""
+    path = Path(file)
+    for folder in _folders(path):
+        everywhere = "" if folder == "tests" else "**/"
+        found = sorted((TOP / folder).glob(f"{everywhere}test_{path.stem.strip('_')}*.py"))
+        if found:
+            yield from (test.relative_to(TOP).as_posix() for test in found)
+            return
+
+
+def _importers(file: str) -> Iterator[str]:
+    """The test files that import a module by its own name, at most five."""
+    path = Path(file)
+    if path.suffix != ".py" or path.stem.startswith("__"):
+        return
+    package = ".".join(path.parts[:-1]) if path.parts[0] == "atari" else f"atari.{'.'.join(path.parts[:-1])}"
+    pattern = re.compile(rf"from {package}\.{path.stem} import|from {package} import [^\n]*\b{path.stem}\b")
+    found = [
+        test.relative_to(TOP).as_posix()
+        for test in sorted((TOP / "tests").rglob("test_*.py"))
+        if not {"peers", "distributed", "compiled", "browser", "gpu"} & set(test.parts)
+        and pattern.search(test.read_text(encoding="utf-8"))
+    ]
+    yield from found[:5]
+
+
+def _around(file: str) -> tuple[str, ...]:
+    """The tests of the part that a file is in."""
+    for place in sorted(PLACES, key=len, reverse=True):
+        if file == place or file.startswith(f"{place}/"):
+            return PLACES[place]
+    return tuple(folder for folder in _folders(Path(file))[:1] if folder != "tests")
+
+
+def _folders(path: Path) -> list[str]:
+    """The folders of tests that mirror a file's folder, the deepest first."""
+    parts = path.parts[1:-1] if path.parts[0] == "atari" else path.parts[:-1]
+    names = ["/".join(["tests", *parts[:count]]) for count in range(len(parts), -1, -1)]
+    return [name for name in names if (TOP / name).is_dir()]
+
+
+def merged(files: list[str]) -> list[list[str]]:
+    """The runs of several files: the nearest tests of all of them, then the others; each test once.
+
+    Raises:
+        ValueError: no test concerns one of the files.
+    """
+    levels = [[run for run in level if run] for level in zip_longest(*map(runs, files))]
+    found: list[list[str]] = []
+    for level in levels:
+        plain = dict.fromkeys(test for run in level if "-k" not in run for test in run)
+        found += [[*plain]] if plain else []
+        found += [run for run in level if "-k" in run and run not in found]
+    return found
+
+
+def main() -> None:
+    """Print the runs of the files that the command line names."""
+    parser = argparse.ArgumentParser(
+        description="Print which tests concern a file: a line of pytest's arguments a run."
+    )
+    parser.add_argument("file", nargs="+", help="a file of the repository, named from its top")
+    try:
+        found = merged(parser.parse_args().file)
+    except ValueError as error:
+        sys.exit(f"tests_for.py: {error}")
+    for run in found:
+        print(*run)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,137 @@
+"""Runs the tests that concern a file on mutants of it; `scripts/mutants` has the package and starts this file.
+
+The mutants are drawn by a seed: as many of each part of `PARTS`, the kinds of change in turn. A mutant that does not
+compile is replaced by the next one. The tests of a file are those of `scripts/tests_for.py`. A mutant is killed if one
+of them fails or takes too long.
+"""
+
+import argparse
+import json
+import os
+import random
+import resource
+import subprocess
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[2] / "scripts")]
+
+from mutate import KINDS, Mutant, mutants  # noqa: E402
+from tests_for import runs  # noqa: E402
+
+PARTS = {
+    "options": ("atari/vector/options.py", "atari/vector/settings.py", "atari/validation.py", "atari/registration.py"),
+    "episode": ("atari/emulator/vector/*.cpp",),
+    "wrappers": ("wrappers/*.py",),
+    "jit": ("atari/emulator/fast/jit/*.cpp",),
+    "memory": ("atari/emulator/memory/*.cpp", "atari/learning/memory/*.py"),
+    "rules": ("atari/games/rules.py", "atari/games/compiler.py", "atari/emulator/ale/*.cpp"),
+}
+"""The parts of the package whose files are changed."""
+
+LONGEST = 900
+"""Seconds after which a run of tests counts as failed; a mutant may never end."""
+MOST_MEMORY = 16 << 30
+"""Bytes that a process of the tests may have; a mutant may allocate without end."""
+
+
+def candidates(tree: Path, part: str, seed: int) -> Iterator[Mutant]:
+    """All mutants of a part in a random order, the kinds of change in turn."""
+    rng = random.Random(f"{seed} {part}")
+    files = sorted(file for pattern in PARTS[part] for file in tree.glob(pattern))
+    found = [each for file in files for each in mutants(file.relative_to(tree).as_posix(), file.read_text())]
+    rng.shuffle(found)
+    by_kind = {kind: [each for each in found if each.kind == kind] for kind in KINDS}
+    for number in range(max(map(len, by_kind.values()))):
+        yield from (by_kind[kind][number] for kind in KINDS if number < len(by_kind[kind]))
+
+
+def compiles(tree: Path, mutant: Mutant) -> bool:
+    """Builds the tree; whether it could be built."""
+    if mutant.file.endswith(".py"):
+        return True
+    return subprocess.run([str(tree / "scripts" / "dev")], capture_output=True, cwd=tree).returncode == 0
+
+
+def killer(tree: Path, mutant: Mutant) -> str | None:
+    """The first failing test of the mutant, "(no end)" if the tests do not end, or None."""
+    environment = {**os.environ, "PYTHONSAFEPATH": "1", "SDL_VIDEODRIVER": "dummy", "SDL_AUDIODRIVER": "dummy"}
+    for arguments in runs(mutant.file):
+        command = [str(tree / ".venv-dev" / "bin" / "pytest"), "-x", "-q", "-m", "not peers", "--tb=no", "-n", "2"]
+        try:
+            done = subprocess.run(
+                [*command, "--dist", "loadfile", "-p", "no:cacheprovider", *arguments],
+                cwd=tree, env=environment, capture_output=True, text=True, timeout=LONGEST,
+                preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY)),
+            )  # fmt: skip
+        except subprocess.TimeoutExpired:
+            return "(no end)"
+        if done.returncode not in (0, 5):
+            failed = [line for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
+            return failed[0].split(" - ")[0] if failed else "(a crash)"
+    return None
+
+
+def test(tree: Path, mutant: Mutant) -> dict[str, object] | None:
+    """Applies a mutant, tests it and takes it back; the result, or None if it does not compile."""
+    file = tree / mutant.file
+    text = file.read_text()
+    started = time.monotonic()
+    try:
+        file.write_text(mutant.apply(text))
+        if not compiles(tree, mutant):
+            return None
+        by = killer(tree, mutant)
+    finally:
+        file.write_text(text)
+    seconds = round(time.monotonic() - started)
+    return {"kind": mutant.kind, "killed_by": by, "seconds": seconds, "mutant": mutant.describe(text)}
+
+
+def report(results: list[dict[str, object]]) -> str:
+    """The share killed, by part and in all, and the survivors."""
+    counts, killed = Counter(each["part"] for each in results), Counter(e["part"] for e in results if e["killed_by"])
+    lines = [f"{part}: {killed[part]} of {counts[part]} killed" for part in PARTS if counts[part]]
+    share = sum(killed.values()) / max(len(results), 1)
+    lines.append(f"in all: {sum(killed.values())} of {len(results)} killed, {share:.0%}; the survivors:")
+    return "\n".join(lines + [f"  {each['mutant']}" for each in results if not each["killed_by"]])
+
+
+def main() -> None:
+    """Test the mutants and print the report."""
+    parser = argparse.ArgumentParser(prog="scripts/mutants", description="Test the tests by mutants of the sources.")
+    parser.add_argument("tree", type=Path, help=argparse.SUPPRESS)
+    parser.add_argument("--count", type=int, default=60, help="how many mutants (default 60)")
+    parser.add_argument("--seed", type=int, default=0, help="which ones (default 0)")
+    parser.add_argument("--part", choices=PARTS, action="append", help="only of this part")
+    parser.add_argument("--out", type=Path, help="a JSON file for the results, written after each mutant")
+    parser.add_argument("--list", action="store_true", help="print the mutants and test none")
+    options = parser.parse_args()
+    parts = options.part or list(PARTS)
+    results: list[dict[str, object]] = []
+    for part in parts:
+        wanted = options.count // len(parts)
+        for mutant in candidates(options.tree, part, options.seed):
+            if wanted == 0:
+                break
+            if options.list:
+                print(mutant.describe((options.tree / mutant.file).read_text()))
+                wanted -= 1
+                continue
+            result = test(options.tree, mutant)
+            if result is None:
+                continue
+            wanted -= 1
+            results.append({"part": part, **result})
+            print(f"{result['killed_by'] or 'SURVIVED'} [{result['seconds']} s] {result['mutant']}", flush=True)
+            if options.out:
+                options.out.write_text(json.dumps(results, indent=1) + "\n")
+    if results:
+        print(report(results))
+
+
+if __name__ == "__main__":
+    main()

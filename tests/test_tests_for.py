@@ -1,0 +1,62 @@
+"""`scripts/tests_for.py` finds tests for every file of the product, and the nearest ones first."""
+
+import importlib.util
+import subprocess
+from pathlib import Path
+
+import pytest
+
+TOP = Path(__file__).parent.parent
+SPEC = importlib.util.spec_from_file_location("tests_for", TOP / "scripts" / "tests_for.py")
+assert SPEC is not None
+assert SPEC.loader is not None
+tests_for = importlib.util.module_from_spec(SPEC)
+SPEC.loader.exec_module(tests_for)
+
+
+@pytest.mark.parametrize(
+    ("file", "runs"),
+    [
+        ("atari/vector/results.py", [["tests/vector/test_results.py"], ["tests/vector"]]),
+        ("wrappers/clip_reward.py", [["tests/wrappers/test_clip_reward.py"], ["tests/wrappers"]]),
+        ("atari/env.py", [["tests/test_env.py", "tests/test_env_observers.py", "tests/test_env_snapshots.py"]]),
+        ("atari/emulator/memory/sampling.cpp", [["tests/learning/memory"]]),
+        ("atari/games/data/pong.toml", [["tests/games", "-k", "pong"], ["tests/conformance", "-k", "pong"]]),
+        ("tests/vector/test_ends.py", [["tests/vector/test_ends.py"]]),
+        ("docs/learning.md", [["docs/learning.md"], ["tests/test_documented_places.py"]]),
+    ],
+)
+def test_tests_of_a_file(file: str, runs: list[list[str]]) -> None:
+    found = tests_for.runs(file)
+    assert len(found) == len(runs)
+    for names, expected in zip(found, runs, strict=True):
+        assert names[: len(expected)] == expected
+
+
+def product() -> list[str]:
+    folders = ["atari", "wrappers", "roms"]
+    files = [
+        file for folder in folders for suffix in ("py", "cpp", "hpp") for file in (TOP / folder).rglob(f"*.{suffix}")
+    ]
+    return sorted(file.relative_to(TOP).as_posix() for file in files)
+
+
+def test_every_file_of_the_product_has_tests() -> None:
+    for file in product():
+        for test in (name for run in tests_for.runs(file) for name in run):
+            assert (TOP / test).exists(), f"{file}: {test} does not exist"
+
+
+def test_the_nearest_tests_of_several_files_come_first() -> None:
+    assert tests_for.merged(["atari/vector/results.py", "wrappers/clip_reward.py"])[-1] == [
+        "tests/vector",
+        "tests/wrappers",
+    ]
+
+
+def test_a_file_without_tests_is_an_error() -> None:
+    with pytest.raises(ValueError, match=r"no test concerns nowhere/a\.xyz"):
+        tests_for.runs("nowhere/a.xyz")
+    done = subprocess.run([str(TOP / "scripts" / "tests_for.py"), "nowhere/a.xyz"], capture_output=True, text=True)
+    assert done.returncode == 1
+    assert done.stderr.startswith("tests_for.py: no test concerns")
