@@ -62,7 +62,7 @@ def runs(file: str) -> list[list[str]]:
         return [["tests/games", "-k", game[1]], ["tests/conformance", "-k", game[1]]]
     if file.startswith("tests/"):
         return _runs_of_test_file(file)
-    near, around = [*_mirrors(file), *_importers(file)], [*_around(file)]
+    near, around = [*_mirrors(file)] or [*_importers(file)], [*_around(file)]
     if DOCUMENT.fullmatch(file):
         near.insert(0, file)
     if not near and not around:
