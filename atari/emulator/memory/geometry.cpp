@@ -12,7 +12,7 @@ namespace {
 
 constexpr size_t kPage = 4096;
 constexpr int64_t kMostCells = int64_t{1} << 40;
-constexpr size_t kMostBytes = size_t{1} << 46;
+constexpr uint64_t kMostBytes = uint64_t{1} << 46;
 
 void require(bool good, const char* what) {
     if (!good) throw std::invalid_argument(what);
