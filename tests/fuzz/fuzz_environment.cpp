@@ -41,8 +41,8 @@ constexpr size_t kInstructions = 80;  // of a rule program
 
 std::shared_ptr<const FastCartridge> read_cartridge(Reader& in) {
     static const char* const kTypes[] = {"",     "2K", "4K", "F8", "F8 SWAPPED", "F6", "F4", "F8SC", "F6SC", "F4SC",
-                                         "FASC", "E0", "E7", "FE", "DPC",        "3F", "3E",  "UA",   "CV",   "MB"};
-    static constexpr size_t kSizes[] = {0,     2048,  4096,  8192,  10240, 12288,  16384,  32768,
+                                         "FASC", "E0", "E7", "FE", "DPC",        "3F", "3E", "UA",   "CV",   "MB"};
+    static constexpr size_t kSizes[] = {0,     2048, 4096,  8192, 10240, 12288, 16384,  32768,
                                         65536, 8448, 10495, 3000, 6144,  10496, 524288, 524289};
     const std::string type = kTypes[in.byte() % std::size(kTypes)];
     const size_t size = kSizes[in.byte() % std::size(kSizes)];
@@ -210,12 +210,11 @@ struct Twins {
 void compare_quickly(const Twins<Console>& twins) {
     const auto equal = [](const auto& a, const auto& b) { return std::memcmp(&a, &b, sizeof a) == 0; };
     const Machine &a = twins.fast.machine(), &b = twins.plain.machine();
-    const bool same = a.cycles == b.cycles && equal(a.cpu, b.cpu) && equal(a.riot, b.riot) &&
-                      equal(a.tia.pos, b.tia.pos) &&
-                      a.tia.write_pos == b.tia.write_pos && a.tia.current_line == b.tia.current_line &&
-                      std::equal(twins.fast.cartridge_ram(),
-                                 twins.fast.cartridge_ram() + twins.fast.cartridge_ram_size(),
-                                 twins.plain.cartridge_ram());
+    const bool same =
+        a.cycles == b.cycles && equal(a.cpu, b.cpu) && equal(a.riot, b.riot) && equal(a.tia.pos, b.tia.pos) &&
+        a.tia.write_pos == b.tia.write_pos && a.tia.current_line == b.tia.current_line &&
+        std::equal(twins.fast.cartridge_ram(), twins.fast.cartridge_ram() + twins.fast.cartridge_ram_size(),
+                   twins.plain.cartridge_ram());
     twins.alike(same, "fast and plain frames end alike");
 }
 
@@ -443,10 +442,8 @@ void play_environment(Reader& in) {
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     atari::Reader in(data, size);
     try {
-        if (in.byte() & 1)
-            atari::play_environment(in);
-        else
-            atari::play_console(in);
+        if (in.byte() & 1) atari::play_environment(in);
+        else atari::play_console(in);
     } catch (const std::invalid_argument&) {  // an invalid image, game or program
     } catch (const std::runtime_error&) {     // a mode that cannot be selected
     }

@@ -27,9 +27,13 @@ inline Games load_games(const std::filesystem::path& folder) {
     std::sort(files.begin(), files.end());
     if (files.size() < kTestGames) throw std::runtime_error("the folder holds fewer than ten ROM images (*.bin)");
     std::vector<int32_t> rules;
-    for (auto [op, argument] : std::initializer_list<std::pair<Op, int32_t>>{
-             {Op::kPush, 0x80}, {Op::kPush, 0xff}, {Op::kPositiveSum, 0}, {Op::kRandom, 0}, {Op::kXor, 0},
-             {Op::kStore, 0}, {Op::kEnd, 0}})
+    for (auto [op, argument] : std::initializer_list<std::pair<Op, int32_t>>{{Op::kPush, 0x80},
+                                                                             {Op::kPush, 0xff},
+                                                                             {Op::kPositiveSum, 0},
+                                                                             {Op::kRandom, 0},
+                                                                             {Op::kXor, 0},
+                                                                             {Op::kStore, 0},
+                                                                             {Op::kEnd, 0}})
         rules.insert(rules.end(), {static_cast<int32_t>(op), argument});
     Games games;
     for (size_t i = 0; i < kTestGames; ++i) {

@@ -10,12 +10,14 @@
 namespace atari {
 
 // The steps at the end of an input.
+// clang-format off
 enum class ConsoleStep : uint8_t {
     kFrame, kInstructions, kPress, kLook, kCompare, kChangePlaces, kDamage, kReset, kSamples, kRead, kWrite, kCount
 };
 enum class EnvironmentStep : uint8_t {
     kAct, kReset, kLook, kCompare, kChangePlaces, kRestore, kDamage, kSeed, kSetRam, kMode, kDifficulty, kCount
 };
+// clang-format on
 
 class Reader {
   public:

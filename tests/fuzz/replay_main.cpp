@@ -47,8 +47,8 @@ Bytes read_file(const std::string& path) {
 }
 
 void write_file(const std::filesystem::path& path, const Bytes& bytes) {
-    std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()),
-                                                static_cast<std::streamsize>(bytes.size()));
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 
 // Makes up to eight changes: replaces a byte or a bit, removes or inserts bytes, or appends the end of another input.
@@ -58,9 +58,15 @@ Bytes mutated(Bytes input, const Bytes& other, std::mt19937& random) {
         const size_t at = below(input.size());
         const auto place = input.begin() + static_cast<std::ptrdiff_t>(at);
         switch (random() % 6) {
-            case 0: if (!input.empty()) input[at] = static_cast<uint8_t>(random()); break;
-            case 1: if (!input.empty()) input[at] = static_cast<uint8_t>(input[at] ^ 1u << random() % 8); break;
-            case 2: if (!input.empty()) input[at] = random() % 2 ? 0xff : 0x00; break;
+            case 0:
+                if (!input.empty()) input[at] = static_cast<uint8_t>(random());
+                break;
+            case 1:
+                if (!input.empty()) input[at] = static_cast<uint8_t>(input[at] ^ 1u << random() % 8);
+                break;
+            case 2:
+                if (!input.empty()) input[at] = random() % 2 ? 0xff : 0x00;
+                break;
             case 3:
                 input.erase(place, place + static_cast<std::ptrdiff_t>(below(std::min<size_t>(8, input.size() - at))));
                 break;
@@ -93,8 +99,9 @@ int main(int count, char** arguments) {
     }
 
     const auto start = std::chrono::steady_clock::now();
-    const auto elapsed =
-        [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
+    const auto elapsed = [&] {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    };
     const double seconds = timed ? std::stod(given[1]) : 0;
     const std::filesystem::path current = "fuzz-current-input";  // the file remains if this input ends the process
     const auto play = [&](const Bytes& input) {

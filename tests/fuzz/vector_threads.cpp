@@ -23,9 +23,15 @@ struct Arrays {
         : pixels(rows * kPixels), finals(rows * kPixels), numbers(10 * rows), games(3 * rows), flags(5 * rows) {
         batch.observation.pixels = pixels.data();
         batch.final_observation.pixels = finals.data();
-        int32_t** const columns[10] = {&batch.reward, &batch.environment, &batch.numbers.lives, &batch.numbers.frame,
-                                      &batch.numbers.episode_frame, &batch.game_reward, &batch.game_steps,
-                                       &batch.final_numbers.lives, &batch.final_numbers.frame,
+        int32_t** const columns[10] = {&batch.reward,
+                                       &batch.environment,
+                                       &batch.numbers.lives,
+                                       &batch.numbers.frame,
+                                       &batch.numbers.episode_frame,
+                                       &batch.game_reward,
+                                       &batch.game_steps,
+                                       &batch.final_numbers.lives,
+                                       &batch.final_numbers.frame,
                                        &batch.final_numbers.episode_frame};
         for (size_t i = 0; i < 10; ++i) *columns[i] = numbers.data() + i * rows;
         batch.ended_games = {games.data(), games.data() + rows, games.data() + 2 * rows};

@@ -26,7 +26,9 @@ namespace {
 using namespace atari;
 
 constexpr const char* kNames[] = {
-    "kStep", "kLoop", "kRamCode",
+    "kStep",
+    "kLoop",
+    "kRamCode",
 #define SINGLE(operation, operand) #operation "_" #operand,
 #define PAIR(...)
 #include "fast/interpreter/handlers.def"

@@ -25,8 +25,8 @@ struct Motion {
 
 // The 18 actions in ALE's order.
 constexpr Motion kMotions[18] = {
-    {0, false}, {0, true},  {1, false}, {8, false}, {4, false}, {2, false}, {9, false}, {5, false}, {10, false},
-    {6, false}, {1, true},  {8, true},  {4, true},  {2, true},  {9, true},  {5, true},  {10, true}, {6, true},
+    {0, false}, {0, true}, {1, false}, {8, false}, {4, false}, {2, false}, {9, false}, {5, false}, {10, false},
+    {6, false}, {1, true}, {8, true},  {4, true},  {2, true},  {9, true},  {5, true},  {10, true}, {6, true},
 };
 
 Motion motion(int action) { return action >= 0 && action < 18 ? kMotions[action] : Motion{0, false}; }
@@ -153,7 +153,8 @@ void Environment::clear_rewards() {
 
 // The number of the next frame of the episode; the first has 1. Unsigned, so that it wraps.
 int32_t Environment::next_frame() const {
-    return static_cast<int32_t>(static_cast<uint32_t>(state_.episode_frame) + 1 - static_cast<uint32_t>(state_.first_frame));
+    return static_cast<int32_t>(static_cast<uint32_t>(state_.episode_frame) + 1 -
+                                static_cast<uint32_t>(state_.first_frame));
 }
 
 bool Environment::add_write(std::shared_ptr<const Write> write, bool now) {

@@ -23,22 +23,22 @@ struct Game {
     std::shared_ptr<const FastCartridge> cartridge;
     ConsoleConfig console;
     const Palette* palette = &NTSC;
-    bool detect_format = true;        // run 60 frames before the first reset, as when the format is unknown
-    uint8_t power_on_switches = 0x3f; // SWCHB during those frames
+    bool detect_format = true;         // run 60 frames before the first reset, as when the format is unknown
+    uint8_t power_on_switches = 0x3f;  // SWCHB during those frames
     int32_t paddle_min = 27450, paddle_max = 790196;
-    uint32_t legal_actions = 0x3ffff; // bit a: action a is allowed
+    uint32_t legal_actions = 0x3ffff;  // bit a: action a is allowed
     std::vector<int> starting_actions;
     int default_mode = 0;
 
     // Rules. Variables are numbered. The variables of the definition's `state` have a start value and keep their value
     // between frames.
     int variables = 3;
-    std::vector<int32_t> initial;     // start values of variables 0 .. initial.size()-1
-    std::vector<uint8_t> kept;        // 1 for each of those that a reset does not change
-    int players = 1;                  // that have a reward and lives
+    std::vector<int32_t> initial;  // start values of variables 0 .. initial.size()-1
+    std::vector<uint8_t> kept;     // 1 for each of those that a reset does not change
+    int players = 1;               // that have a reward and lives
     std::array<int, kMaxPlayers> rewards{0}, lives{2};
     int terminal = 1;
-    int mode_variable = 0;            // variable that holds the selected mode
+    int mode_variable = 0;  // variable that holds the selected mode
     Program step, select_mode;
 
     bool paddles() const { return console.paddles[0] || console.paddles[1]; }
@@ -110,7 +110,7 @@ struct ResetTrace {
         std::vector<uint8_t> framebuffers;
     };
     Checkpoint checkpoints[kCheckpoints];
-    uint8_t ram[kFrames][128];  // after every frame
+    uint8_t ram[kFrames][128];                   // after every frame
     std::unique_ptr<const ConsoleSnapshot> end;  // the state after the last frame
 };
 
@@ -131,8 +131,14 @@ class Environment {
     void act(const int* actions, int players, int* rewards);
     int mode() const { return mode_; }
     int difficulty() const { return difficulty_; }
-    void set_mode(int mode) { mode_ = mode; state_.mode = mode; }
-    void set_difficulty(int difficulty) { difficulty_ = difficulty; state_.difficulty = difficulty; }
+    void set_mode(int mode) {
+        mode_ = mode;
+        state_.mode = mode;
+    }
+    void set_difficulty(int difficulty) {
+        difficulty_ = difficulty;
+        state_.difficulty = difficulty;
+    }
 
     int lives(int player = 0) const { return state_.variables[game_->lives[static_cast<size_t>(player)]]; }
     bool game_over() const { return state_.variables[game_->terminal] != 0; }
@@ -197,7 +203,7 @@ class Environment {
     void discard_reward();
     void clear_rewards();
     int32_t next_frame() const;
-    void begin_episode();  // a reset without the writes
+    void begin_episode();                                  // a reset without the writes
     void leave_ram_on_bus() { console_->read_ram(0xff); }  // the last byte of a read of all of RAM
     void press(int action, float strength);
     void hold(int player, int action, float strength);
@@ -219,10 +225,10 @@ class Environment {
     EnvironmentState state_{};
     int mode_, difficulty_ = 0;
     std::shared_ptr<const EnvironmentSnapshot> loaded_;  // the state after a load; null if it depends on the seed
-    std::shared_ptr<const ResetTrace> reset_trace_;  // may be null
+    std::shared_ptr<const ResetTrace> reset_trace_;      // may be null
     Writes writes_;
     Writes* active_writes_ = nullptr;  // `writes_` while there are any and an episode is played
-    int select_budget_ = 0;           // frames left for the selection of a mode
+    int select_budget_ = 0;            // frames left for the selection of a mode
     std::vector<uint8_t> averaged_;
 };
 

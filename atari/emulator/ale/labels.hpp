@@ -15,11 +15,11 @@ inline constexpr int kRamSize = 128;
 struct Label {
     static constexpr int kVariables = 2, kByte = 0, kResult = 1;
 
-    int index = 0;        // of the byte, 0..127
-    int mask = 0xff;      // the bits of the byte that belong to the label; a write keeps the others
-    bool decimal = false; // binary-coded decimal: a write has no digit above 9
+    int index = 0;         // of the byte, 0..127
+    int mask = 0xff;       // the bits of the byte that belong to the label; a write keeps the others
+    bool decimal = false;  // binary-coded decimal: a write has no digit above 9
     Program value, visible;
-    bool hides = true;    // false if it is always visible, whatever `visible` is
+    bool hides = true;  // false if it is always visible, whatever `visible` is
 
     // Throws std::invalid_argument if the index or the mask is out of range.
     void check() const;

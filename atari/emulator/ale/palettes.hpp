@@ -14,6 +14,7 @@ struct Palette {
     uint8_t gray[256];
 };
 
+// clang-format off
 inline constexpr Palette NTSC = {
     {
         0x000000, 0x000000, 0x4a4a4a, 0x4a4a4a, 0x6f6f6f, 0x6f6f6f, 0x8e8e8e, 0x8e8e8e,
@@ -178,6 +179,7 @@ inline constexpr Palette SECAM = {
           0, 255,  58, 121, 121, 255, 152,   0, 188, 255, 217,  63, 233, 255, 255,   0,
     },
 };
+// clang-format on
 
 // Returns the palette of a TV format. Throws std::invalid_argument if there is no such format.
 inline const Palette& palette_of(std::string_view format) {

@@ -9,6 +9,7 @@ namespace atari {
 namespace {
 
 // Returns the number of values that an instruction pops, and the number that it pushes.
+// clang-format off
 std::pair<int, int> stack_effect(const Instruction& instruction) {
     switch (instruction.op) {
         case Op::kPush: case Op::kLoad: case Op::kRandom: return {0, 1};
@@ -21,6 +22,7 @@ std::pair<int, int> stack_effect(const Instruction& instruction) {
         default: return {2, 1};
     }
 }
+// clang-format on
 
 bool jumps(Op op) {
     return op == Op::kJump || op == Op::kJumpIfZero || op == Op::kJumpIfZeroElsePop || op == Op::kJumpIfNotZeroElsePop;

@@ -7,6 +7,7 @@
 
 namespace atari {
 
+// clang-format off
 enum class Op : int32_t {
     kPush,        // argument
     kLoad,        // variable
@@ -32,6 +33,7 @@ enum class Op : int32_t {
     kFail,        // the mode cannot be reached
     kEnd,
 };
+// clang-format on
 inline constexpr int32_t kOpCount = static_cast<int32_t>(Op::kEnd) + 1;
 
 struct Instruction {

@@ -114,7 +114,8 @@ int Writes::add(std::shared_ptr<const Write> write, WriteState& state) {
 }
 
 int Writes::remove(const Write* write) {
-    const auto place = std::find_if(slots_.begin(), slots_.end(), [&](const auto& slot) { return slot.get() == write; });
+    const auto place =
+        std::find_if(slots_.begin(), slots_.end(), [&](const auto& slot) { return slot.get() == write; });
     if (place == slots_.end()) return -1;
     const int slot = static_cast<int>(place - slots_.begin());
     *place = nullptr;

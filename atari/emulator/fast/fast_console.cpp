@@ -60,7 +60,9 @@ void FastConsole::map_cartridge_ram() {
     using Type = CartridgeType;
     unsigned first = 2, count = 2;
     switch (cartridge_->type()) {
-        case Type::kF8SC: case Type::kF6SC: case Type::kF4SC: break;
+        case Type::kF8SC:
+        case Type::kF6SC:
+        case Type::kF4SC: break;
         case Type::kFASC: first = count = 4; break;
         default: return;
     }
@@ -288,7 +290,8 @@ void FastConsole::log_write(uint8_t reg, uint8_t value) {
             beside = shadow.beside_grp1();
             break;
         case TiaStore::kStrobe: shadow.reg[reg] = 1; break;
-        case TiaStore::kHmove: case TiaStore::kCxclr: break;
+        case TiaStore::kHmove:
+        case TiaStore::kCxclr: break;
     }
     // JSR and BRK push two or three bytes in the same cycle. If the stack pointer is in TIA space, these are TIA
     // writes.

@@ -53,7 +53,7 @@ class FastConsole final : public Console {
 
   private:
     friend struct Interpreter;  // interpreter.cpp
-    friend struct Offsets;  // offsets.hpp
+    friend struct Offsets;      // offsets.hpp
 
     void emulate_frame(bool whole) override;
     void write_tia(uint8_t reg, uint8_t value) override {
@@ -101,18 +101,18 @@ class FastConsole final : public Console {
     // enter all of such a segment: a decoded instruction outside plain image is kStep.
     uint32_t code_segments_ = 0;
     uint32_t origin_ = 0;
-    uint32_t deadline_ = 0;         // from this cycle on, a write to the TIA ends the frame
+    uint32_t deadline_ = 0;  // from this cycle on, a write to the TIA ends the frame
     // Element n is the deadline less n cycles. In translated code a write may come n cycles after the cycles added so
     // far. It compares them with element n instead of computing a sum.
     static constexpr int kDeadlines = 80;
     uint32_t deadlines_[kDeadlines] = {};
-    uint32_t cycle_limit_ = 0;      // from this cycle on, the instruction limit may be near
-    uint32_t first_cycle_ = 0;      // the first cycle of line 0
+    uint32_t cycle_limit_ = 0;  // from this cycle on, the instruction limit may be near
+    uint32_t first_cycle_ = 0;  // the first cycle of line 0
     // By port, the value of `input_from` in a frame run by `run_fast`. The last two addresses have no port.
     uint64_t inputs_from_[8] = {0, 0, 0, 0, 0, 0, ~uint64_t{0}, ~uint64_t{0}};
-    uint8_t overflow_ = 0;          // not 0 if V is set
-    uint8_t modes_ = 0;             // D and I as in the status register, and its two bits that are always set
-    TiaWrite* log_end_ = nullptr;      // end of the log of the frame that is running
+    uint8_t overflow_ = 0;         // not 0 if V is set
+    uint8_t modes_ = 0;            // D and I as in the status register, and its two bits that are always set
+    TiaWrite* log_end_ = nullptr;  // end of the log of the frame that is running
     TiaShadow shadow_{};
     const uint8_t* bank_ = nullptr;  // the image from segment_[12] on
     // By bits 6 to 13 of the address, the 64 bytes there if they are RAM or plain image, which can be read without side
@@ -128,12 +128,12 @@ class FastConsole final : public Console {
     RamCode ram_known_[128];
 
     FrameHistory history_;
-    LineCache line_cache_{config_};           // renders logs
+    LineCache line_cache_{config_};  // renders logs
     Collider collider_{m_.tia, config_};
     CollisionCache collision_cache_{m_.tia, collider_};
     const TiaWrite* applied_ = nullptr;          // the TIA's state contains the log up to here
     const TiaWrite* collisions_from_ = nullptr;  // the last CXCLR, or the beginning of the log
-    int32_t end_clock_ = 0;                   // clock of the write that ended the frame
+    int32_t end_clock_ = 0;                      // clock of the write that ended the frame
 
     // The state before the frame, from which the frame runs again if it cannot be deferred.
     Machine machine_before_;

@@ -34,14 +34,14 @@ class FrameHistory {
 
     // All data except the logs. Logs are numbered; -1 means none.
     struct Marks {
-        int current = 0;           // the log of the frame that is running, or that ran last
-        int last = -1;             // the log of the frame before the next one, if that frame was logged
-        int owed[2] = {-1, -1};    // by framebuffer: the log to be rendered into it
-        int pending = -1;          // the log with the first write from which unwatched latches are pending
+        int current = 0;                  // the log of the frame that is running, or that ran last
+        int last = -1;                    // the log of the frame before the next one, if that frame was logged
+        int owed[2] = {-1, -1};           // by framebuffer: the log to be rendered into it
+        int pending = -1;                 // the log with the first write from which unwatched latches are pending
         std::ptrdiff_t pending_from = 0;  // that write's index in the log
-        unsigned read = 0;         // latches that the game has ever read
-        unsigned watched = 0xffff; // latches that are kept up to date
-        bool cleared = false;      // CXCLR was written in the frame that is running, or in the last one
+        unsigned read = 0;                // latches that the game has ever read
+        unsigned watched = 0xffff;        // latches that are kept up to date
+        bool cleared = false;             // CXCLR was written in the frame that is running, or in the last one
     };
 
     struct Snapshot {

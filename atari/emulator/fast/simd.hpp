@@ -28,7 +28,7 @@ inline SimdLevel best_simd_level() {
 #if ATARI_X86_SIMD
     static const SimdLevel best = [] {
         const bool avx512 = __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl") &&
-                           __builtin_cpu_supports("avx512vbmi");
+                            __builtin_cpu_supports("avx512vbmi");
         return avx512 ? SimdLevel::kAvx512 : __builtin_cpu_supports("avx2") ? SimdLevel::kAvx2 : SimdLevel::kScalar;
     }();
     return best;

@@ -65,8 +65,8 @@ struct Moment {
 class Causes::Worker {
   public:
     Worker(const Causes& causes, const std::shared_ptr<const Game>& game)
-        : causes_(causes), environment_(game, Settings{0.0, 1, 0, false, false, false}, 0),
-          bytes(kRamBytes), pixels(static_cast<size_t>(kRamBytes) * causes.height_ * kScreenWidth),
+        : causes_(causes), environment_(game, Settings{0.0, 1, 0, false, false, false}, 0), bytes(kRamBytes),
+          pixels(static_cast<size_t>(kRamBytes) * causes.height_ * kScreenWidth),
           moments_(static_cast<size_t>(causes.frames_)) {}
 
     void explore(const EnvironmentSnapshot& state, const uint8_t* actions, int number);
@@ -235,8 +235,8 @@ bool Causes::Worker::compare_screens(const Moment& twin, ForkEffect& effect) {
 }
 
 Causes::Causes(std::shared_ptr<const Game> game, int values, int frames, int threads, uint64_t seed)
-    : values_(values), frames_(frames), height_(std::max(game->console.height, 200)), seed_(seed),
-      bytes_(kRamBytes), pixels_(static_cast<size_t>(kRamBytes) * height_ * kScreenWidth) {
+    : values_(values), frames_(frames), height_(std::max(game->console.height, 200)), seed_(seed), bytes_(kRamBytes),
+      pixels_(static_cast<size_t>(kRamBytes) * height_ * kScreenWidth) {
     if (values < 1 || values > kMostForkValues || frames < 1 || frames > kMostForkFrames || threads < 1)
         throw std::invalid_argument("values must be within 1..64, frames within 1..60, threads at least 1");
     for (int i = 0; i < threads; ++i) workers_.push_back(std::make_unique<Worker>(*this, game));

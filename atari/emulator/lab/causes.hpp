@@ -30,15 +30,15 @@ struct ByteCauses {
 // A fork with a visible effect, or an effect on reward or lives. Differences are the fork's value less the twin's.
 struct ForkEffect {
     int32_t state, byte, old_value, new_value;
-    int32_t old_then, new_then;  // the byte in twin and fork after frame `frame`
-    int32_t frame;               // 1 ..: pixels differed first in this frame; 0: never
+    int32_t old_then, new_then;                // the byte in twin and fork after frame `frame`
+    int32_t frame;                             // 1 ..: pixels differed first in this frame; 0: never
     int32_t left, top, right, bottom, pixels;  // the box of these pixels, inclusive, and their number
     // The shift along x, or along y, that maps the twin's pixels to the fork's, or 0; percentage of pixels that it
     // explains; and of pixels whose colour has no counterpart, which is small if something moves.
     int32_t dx, dx_score, dy, dy_score, unbalanced;
-    int32_t reward, lives;       // in the first frame
+    int32_t reward, lives;              // in the first frame
     int32_t reward_later, lives_later;  // of all frames; after the last one
-    int32_t over;                // the fork's game was over, and the twin's was not
+    int32_t over;                       // the fork's game was over, and the twin's was not
 };
 inline constexpr int kForkEffectNumbers = sizeof(ForkEffect) / sizeof(int32_t);
 

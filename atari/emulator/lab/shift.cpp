@@ -30,8 +30,8 @@ int misses(const ScreenDifference& difference, const uint8_t* old_screen, const 
 
 }  // namespace
 
-Shift find_shift(const ScreenDifference& difference, const uint8_t* old_screen, const uint8_t* new_screen,
-                 bool along_x, int height) {
+Shift find_shift(const ScreenDifference& difference, const uint8_t* old_screen, const uint8_t* new_screen, bool along_x,
+                 int height) {
     const int size = static_cast<int>(difference.places.size());
     if (size == 0 || size > kMostPlaces) return {};
     const int span = along_x ? difference.right - difference.left : difference.bottom - difference.top;

@@ -8,7 +8,7 @@ namespace atari {
 
 // The pixels that differ between two screens of 160 columns.
 struct ScreenDifference {
-    std::vector<int> places;  // row by row
+    std::vector<int> places;                           // row by row
     int left = 160, top = 0, right = -1, bottom = -1;  // their box, inclusive
 };
 
@@ -18,8 +18,8 @@ struct Shift {
 
 // Returns the shift along x or y that best maps the old screen to the new one, if it explains at least 80 % of the
 // differing pixels; among equals the shortest.
-Shift find_shift(const ScreenDifference& difference, const uint8_t* old_screen, const uint8_t* new_screen,
-                 bool along_x, int height);
+Shift find_shift(const ScreenDifference& difference, const uint8_t* old_screen, const uint8_t* new_screen, bool along_x,
+                 int height);
 
 // Returns the percentage of differing pixels whose colour on one screen has no counterpart on the other. If something
 // moves over a background of its own, the same colours appear on both.

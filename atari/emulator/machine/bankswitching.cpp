@@ -27,7 +27,10 @@ void Console::map_segments() {
         case Type::kE0:
             for (int i = 0; i < 4; ++i) first[i] = 1024u * cart.slice[i];
             break;
-        case Type::k3F: case Type::k3E: case Type::kCV: case Type::kE7: {
+        case Type::k3F:
+        case Type::k3E:
+        case Type::kCV:
+        case Type::kE7: {
             const bool last_is_7 = cartridge_->type() == Type::kE7;
             for (uint32_t i = 0; i < 2; ++i) first[i] = 2048u * (last_is_7 ? cart.slice[0] : cart.bank) + 1024 * i;
             for (uint32_t i = 0; i < 2; ++i) first[2 + i] = (last_is_7 ? 16384 : size) - 2048 + 1024 * i;
@@ -64,7 +67,9 @@ uint8_t Console::read_cartridge(uint16_t address) {
         case Type::kCV:
             if (offset < 0x800) return cart_ram_[offset & 0x3ff];
             break;
-        case Type::kF8SC: case Type::kF6SC: case Type::kF4SC:
+        case Type::kF8SC:
+        case Type::kF6SC:
+        case Type::kF4SC:
             if (offset >= 0x80 && offset < 0x100) return cart_ram_[offset & 0x7f];
             hotspot(offset, true);
             break;
@@ -81,7 +86,9 @@ void Console::write_cartridge(uint16_t address, uint8_t value) {
     const uint16_t offset = address & 0xfff;
     switch (cartridge_->type()) {
         case Type::kDPC: return write_dpc(offset, value);
-        case Type::kF8SC: case Type::kF6SC: case Type::kF4SC:
+        case Type::kF8SC:
+        case Type::kF6SC:
+        case Type::kF4SC:
             if (offset < 0x80) cart_ram_[offset] = value;
             break;
         case Type::kFASC:
@@ -119,8 +126,11 @@ void Console::hotspot(uint16_t offset, bool reading) {
         if (offset >= first && offset < first + count) cart.bank = static_cast<uint8_t>(offset - first);
     };
     switch (cartridge_->type()) {
-        case Type::kF8: case Type::kF8Swapped: case Type::kF8SC: switch_bank(0xff8, 2); break;
-        case Type::kF6: case Type::kF6SC: switch_bank(0xff6, 4); break;
+        case Type::kF8:
+        case Type::kF8Swapped:
+        case Type::kF8SC: switch_bank(0xff8, 2); break;
+        case Type::kF6:
+        case Type::kF6SC: switch_bank(0xff6, 4); break;
         case Type::kF4: switch_bank(0xff4, 8); break;
         case Type::kF4SC:
             if (reading) switch_bank(0xff4, 8);  // a defect of the reference that is kept
@@ -232,8 +242,8 @@ void Console::write_dpc(uint16_t offset, uint8_t value) {
             break;
         case 1: cart.bottom[i] = value; break;
         case 2:
-            cart.counter[i] = static_cast<uint16_t>((cart.counter[i] & 0x700) |
-                                                    (i >= 5 && cart.music[i] ? cart.top[i] : value));
+            cart.counter[i] =
+                static_cast<uint16_t>((cart.counter[i] & 0x700) | (i >= 5 && cart.music[i] ? cart.top[i] : value));
             break;
         case 3:
             cart.counter[i] = static_cast<uint16_t>((value & 7) << 8 | (cart.counter[i] & 0xff));
@@ -263,10 +273,8 @@ void Console::update_dpc_music() {
             low -= whole <= top ? whole : whole % (top + 1);
             if (low < 0) low += top + 1;
         }
-        if (low <= cart.bottom[i])
-            cart.flag[i] = 0;
-        else if (low <= top)
-            cart.flag[i] = 0xff;
+        if (low <= cart.bottom[i]) cart.flag[i] = 0;
+        else if (low <= top) cart.flag[i] = 0xff;
         cart.counter[i] = static_cast<uint16_t>((cart.counter[i] & 0x700) | low);
     }
 }
@@ -275,7 +283,10 @@ void Console::update_dpc_music() {
 void Console::reset_cartridge() {
     CartridgeState& cart = m_.cart;
     switch (cartridge_->type()) {
-        case Type::kF8: case Type::kF8SC: case Type::kDPC: case Type::kMB: cart.bank = 1; break;
+        case Type::kF8:
+        case Type::kF8SC:
+        case Type::kDPC:
+        case Type::kMB: cart.bank = 1; break;
         case Type::kFASC: cart.bank = 2; break;
         default: cart.bank = 0; break;
     }

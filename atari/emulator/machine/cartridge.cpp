@@ -14,11 +14,12 @@ using Bytes = std::vector<uint8_t>;
 struct TypeRow {
     const char* name;
     CartridgeType type;
-    size_t image_size;    // minimum, in bytes
+    size_t image_size;  // minimum, in bytes
     size_t ram_size;
     size_t random_bytes;
 };
 
+// clang-format off
 constexpr std::array<TypeRow, 19> kTypes = {{
     {"2K", CartridgeType::k2K, 2048, 0, 0},
     {"4K", CartridgeType::k4K, 4096, 0, 0},
@@ -40,6 +41,7 @@ constexpr std::array<TypeRow, 19> kTypes = {{
     {"CV", CartridgeType::kCV, 2048, 1024, 1024},
     {"MB", CartridgeType::kMB, 65536, 0, 0},
 }};
+// clang-format on
 
 const TypeRow& row(CartridgeType type) { return kTypes[static_cast<size_t>(type)]; }
 
@@ -87,12 +89,18 @@ bool looks_3e(const Bytes& image) { return any_of(image, {{0x85, 0x3e, 0xa9, 0x0
 bool looks_3f(const Bytes& image) { return occurrences(image, {0x85, 0x3f}) >= 2; }
 bool looks_ua(const Bytes& image) { return any_of(image, {{0x8d, 0x40, 0x02}}); }
 bool looks_e0(const Bytes& image) {
-    return any_of(image, {{0x8d, 0xe0, 0x1f}, {0x8d, 0xe0, 0x5f}, {0x8d, 0xe9, 0xff},
-                          {0xad, 0xe9, 0xff}, {0xad, 0xed, 0xff}, {0xad, 0xf3, 0xbf}});
+    return any_of(image, {{0x8d, 0xe0, 0x1f},
+                          {0x8d, 0xe0, 0x5f},
+                          {0x8d, 0xe9, 0xff},
+                          {0xad, 0xe9, 0xff},
+                          {0xad, 0xed, 0xff},
+                          {0xad, 0xf3, 0xbf}});
 }
 bool looks_fe(const Bytes& image) {
-    return any_of(image, {{0x20, 0x00, 0xd0, 0xc6, 0xc5}, {0x20, 0xc3, 0xf8, 0xa5, 0x82},
-                          {0xd0, 0xfb, 0x20, 0x73, 0xfe}, {0x20, 0x00, 0xf0, 0x84, 0xd6}});
+    return any_of(image, {{0x20, 0x00, 0xd0, 0xc6, 0xc5},
+                          {0x20, 0xc3, 0xf8, 0xa5, 0x82},
+                          {0xd0, 0xfb, 0x20, 0x73, 0xfe},
+                          {0x20, 0x00, 0xf0, 0x84, 0xd6}});
 }
 
 CartridgeType recognise(const Bytes& image) {
@@ -144,23 +152,26 @@ Cartridge::Cartridge(std::vector<uint8_t> image, const std::string& type) : imag
         throw std::invalid_argument("a cartridge of type " + type_name() + " needs an image of at least " +
                                     std::to_string(row(type_).image_size) + " bytes, this one has " +
                                     std::to_string(image_.size()));
-    if (type_ == CartridgeType::k3F || type_ == CartridgeType::k3E)
-        image_.resize(image_.size() / 2048 * 2048);
+    if (type_ == CartridgeType::k3F || type_ == CartridgeType::k3E) image_.resize(image_.size() / 2048 * 2048);
 }
 
 Window Cartridge::plain_window() const {
     const auto window = [](unsigned from, unsigned to) { return Window{from, to - from}; };
     switch (type_) {
         case CartridgeType::kE0: return window(0, 0xfe0);
-        case CartridgeType::k3E: case CartridgeType::kCV: return window(0x800, 0x1000);
+        case CartridgeType::k3E:
+        case CartridgeType::kCV: return window(0x800, 0x1000);
         case CartridgeType::kE7: return window(0xa00, 0xfe0);
-        case CartridgeType::kF8SC: case CartridgeType::kF6SC: return window(0x100, 0xff6);
+        case CartridgeType::kF8SC:
+        case CartridgeType::kF6SC: return window(0x100, 0xff6);
         case CartridgeType::kF4SC: return window(0x100, 0xff4);
         case CartridgeType::kFASC: return window(0x200, 0xff8);
         case CartridgeType::kDPC: return window(0x80, 0xfc0);
         case CartridgeType::kMB: return window(0, 0xff0);
-        case CartridgeType::kF8: case CartridgeType::kF8Swapped: case CartridgeType::kF6: case CartridgeType::kF4:
-            return window(0, 0xff4);
+        case CartridgeType::kF8:
+        case CartridgeType::kF8Swapped:
+        case CartridgeType::kF6:
+        case CartridgeType::kF4: return window(0, 0xff4);
         default: return window(0, 0x1000);
     }
 }

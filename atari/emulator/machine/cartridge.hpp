@@ -9,8 +9,10 @@
 
 namespace atari {
 
+// clang-format off
 enum class CartridgeType : uint8_t { k2K, k4K, kF8, kF8Swapped, kF6, kF4, kF8SC, kF6SC, kF4SC, kFASC, kE0, kE7, kFE,
                                      kDPC, k3F, k3E, kUA, kCV, kMB };
+// clang-format on
 
 // A part of the 4 KiB window at which the processor addresses the cartridge.
 struct Window {
@@ -26,9 +28,9 @@ class Cartridge {
 
     CartridgeType type() const { return type_; }
     std::string type_name() const;
-    bool watches_tia() const;    // accesses of the TIA switch banks
-    size_t ram_size() const;     // bytes of RAM on the cartridge
-    size_t random_bytes() const; // bytes of it filled from the machine's generator at each reset
+    bool watches_tia() const;     // accesses of the TIA switch banks
+    size_t ram_size() const;      // bytes of RAM on the cartridge
+    size_t random_bytes() const;  // bytes of it filled from the machine's generator at each reset
     const uint8_t* image() const { return image_.data(); }
     size_t size() const { return image_.size(); }
     // The part of the window that maps ROM in every bank, without RAM, registers or addresses that switch banks.

@@ -40,10 +40,10 @@ inline constexpr auto kDpcRandom = [] {
 
 // The settings of a console that stay constant while a game is loaded.
 struct ConsoleConfig {
-    int first_line = 34;       // scan line of the framebuffer's first row
-    int height = 210;          // rows of the framebuffer
-    bool pal = false;          // PAL rules: 342 lines, colour loss
-    bool hmove_blanks = true;  // HMOVE blanks eight pixels at the left edge
+    int first_line = 34;               // scan line of the framebuffer's first row
+    int height = 210;                  // rows of the framebuffer
+    bool pal = false;                  // PAL rules: 342 lines, colour loss
+    bool hmove_blanks = true;          // HMOVE blanks eight pixels at the left edge
     bool paddles[2] = {false, false};  // left and right jack; otherwise a joystick
     bool swap_ports = false;
     bool swap_paddles = false;
@@ -128,12 +128,10 @@ class Console {
     uint8_t read(uint16_t address) {
         const unsigned offset = address & 0xfff;
         uint8_t value;
-        if (!(address & 0x1000))
-            value = read_chip(address);
+        if (!(address & 0x1000)) value = read_chip(address);
         else if (offset - plain_.from < plain_.size)
             value = cartridge_->image()[segment_[address >> 10 & 15] + (offset & 0x3ff)];
-        else
-            value = read_cartridge(address);
+        else value = read_cartridge(address);
         m_.bus = value;
         m_.cpu.last_access_was_read = true;
         return value;
@@ -157,7 +155,7 @@ class Console {
     // called a few times a frame at most.
     virtual void emulate_frame(bool whole);  // to the frame's end; `whole`: from its start
     virtual void write_tia(uint8_t reg, uint8_t value);
-    virtual void before_tia_read(int reg);   // brings the TIA's state up to a read of a register
+    virtual void before_tia_read(int reg);  // brings the TIA's state up to a read of a register
     virtual void end_frame();
     virtual void map_segments();
     virtual const uint8_t* rendered(int buffer) { return framebuffers_[buffer]; }
@@ -248,19 +246,19 @@ class Console {
     void restore_from(const ConsoleSnapshot& snapshot, bool swapped);
 
     Machine m_{};
-    Window plain_;              // of the cartridge
+    Window plain_;  // of the cartridge
     const uint8_t* image_;
     // Offsets in the image of the window's 1 KiB segments, by bits 10 to 13 of the address.
     uint32_t segment_[16] = {};
     std::vector<uint8_t> cart_ram_;
-    bool watches_tia_;          // of the cartridge
+    bool watches_tia_;  // of the cartridge
     std::shared_ptr<const Cartridge> cartridge_;
     ConsoleConfig config_;
     Framebuffers framebuffers_;
     MachineRandom random_;
 
-    Mask masks_[6];                   // of the objects, computed when needed
-    unsigned stale_ = kAllObjects;    // which of them are out of date
+    Mask masks_[6];                 // of the objects, computed when needed
+    unsigned stale_ = kAllObjects;  // which of them are out of date
 };
 
 }  // namespace atari

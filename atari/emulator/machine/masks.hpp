@@ -134,8 +134,7 @@ inline constexpr struct {
 inline Mask player_mask(uint8_t graphics, int position, int mode, bool skip_first) {
     Mask mask;
     if (mode == 5 || mode == 7) {
-        if (!skip_first)
-            mask.add(mode == 5 ? kStretched<2>[graphics] : kStretched<4>[graphics], (position + 1) % 160);
+        if (!skip_first) mask.add(mode == 5 ? kStretched<2>[graphics] : kStretched<4>[graphics], (position + 1) % 160);
         return mask;
     }
     for (int copy = skip_first ? 1 : 0; copy < kCopies[mode].count; ++copy)

@@ -11,8 +11,7 @@ struct MersenneTwister {
 
     void seed(uint32_t value) {
         words[0] = value;
-        for (uint32_t i = 1; i < 624; ++i)
-            words[i] = 1812433253u * (words[i - 1] ^ (words[i - 1] >> 30)) + i;
+        for (uint32_t i = 1; i < 624; ++i) words[i] = 1812433253u * (words[i - 1] ^ (words[i - 1] >> 30)) + i;
         position = 624;
     }
 

@@ -59,9 +59,9 @@ enum MissileVariant : uint8_t { kPlain, kWide, kOff };  // the shape of missile 
 // The state at the start of a line that, with the writes in the line, determines its look. Clocks are three a CPU
 // cycle.
 struct TiaCommon {
-    int32_t drawn_to;     // the framebuffer is complete up to this clock
-    int32_t pending;      // and may be rendered with the present state up to this one
-    uint32_t playfield;   // 20 bits: PF0 high nibble, PF1, PF2
+    int32_t drawn_to;    // the framebuffer is complete up to this clock
+    int32_t pending;     // and may be rendered with the present state up to this one
+    uint32_t playfield;  // 20 bits: PF0 high nibble, PF1, PF2
     uint8_t vblank, ctrlpf;
     uint8_t nusiz[2], colour[4];  // colour: P0, P1, PF, BK
     uint8_t grp[2], old_grp[2];
@@ -72,7 +72,7 @@ struct TiaCommon {
     MissileVariant m0_variant;
     Flag hmove_blank, cosmic_ark;
     uint8_t ark_counter;
-    uint8_t unused;      // always 0, because states are compared byte by byte
+    uint8_t unused;  // always 0, because states are compared byte by byte
 };
 
 // Positions, which determine a line's look if their object is visible or is placed in it; see line_cache.hpp.
@@ -129,8 +129,8 @@ struct CartridgeState {
 
 // The state of controllers and console switches. `Environment` writes it between frames.
 struct Inputs {
-    uint8_t switches;       // SWCHB
-    uint8_t stick[2];       // bits 0-3: up, down, left, right pressed; player A, player B
+    uint8_t switches;  // SWCHB
+    uint8_t stick[2];  // bits 0-3: up, down, left, right pressed; player A, player B
     Flag fire[2];
     int32_t resistance[4];  // of the paddles
     Flag paddle_fire[4];

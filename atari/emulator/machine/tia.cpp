@@ -26,8 +26,12 @@ void Console::write_tia(uint8_t reg, uint8_t value) {
         case VSYNC: write_vsync(value); break;
         case VBLANK: write_vblank(value); break;
         case WSYNC: halt_until_line_start(); break;
-        case NUSIZ0: case NUSIZ1: write_nusiz(second, value); break;
-        case COLUP0: case COLUP1: case COLUPF: case COLUBK:
+        case NUSIZ0:
+        case NUSIZ1: write_nusiz(second, value); break;
+        case COLUP0:
+        case COLUP1:
+        case COLUPF:
+        case COLUBK:
             change(t.colour[reg - COLUP0],
                    static_cast<uint8_t>((value & 0xfe) | (config_.pal ? t.last_line_count & 1 : 0)), 0);
             break;
@@ -36,17 +40,26 @@ void Console::write_tia(uint8_t reg, uint8_t value) {
             change(t.ctrlpf, value, 1u << kPF | 1u << kBL);
             if (hpos < 147) change(t.pf_reflect, (value & 1) != 0, 1u << kPF);
             break;
-        case REFP0: case REFP1: change(t.refp[reg - REFP0], (value & 8) != 0, 1u << (reg - REFP0)); break;
+        case REFP0:
+        case REFP1: change(t.refp[reg - REFP0], (value & 8) != 0, 1u << (reg - REFP0)); break;
         case PF0: change(t.playfield, (t.playfield & ~0xfu) | value >> 4, 1u << kPF); break;
         case PF1: change(t.playfield, (t.playfield & ~0xff0u) | value << 4, 1u << kPF); break;
         case PF2: change(t.playfield, (t.playfield & ~0xff000u) | value << 12, 1u << kPF); break;
-        case RESP0: case RESP1: reset_player(second, hpos); break;
-        case RESM0: case RESM1: reset_missile(second, hpos); break;
+        case RESP0:
+        case RESP1: reset_player(second, hpos); break;
+        case RESM0:
+        case RESM1: reset_missile(second, hpos); break;
         case RESBL: reset_ball(hpos); break;
-        case AUDC0: case AUDC1: case AUDF0: case AUDF1: case AUDV0: case AUDV1: m_.sound.write(reg, value); break;
+        case AUDC0:
+        case AUDC1:
+        case AUDF0:
+        case AUDF1:
+        case AUDV0:
+        case AUDV1: m_.sound.write(reg, value); break;
         case GRP0: write_graphics(0, value); break;
         case GRP1: write_graphics(1, value); break;
-        case ENAM0: case ENAM1:
+        case ENAM0:
+        case ENAM1:
             if (t.resmp[reg - ENAM0]) t.enam[reg - ENAM0] = value & 2;
             else change(t.enam[reg - ENAM0], (value & 2) != 0, 0);
             break;
@@ -62,10 +75,15 @@ void Console::write_tia(uint8_t reg, uint8_t value) {
                 t.ark_counter = 0;
             }
             [[fallthrough]];
-        case HMP0: case HMP1: case HMM1: case HMBL: t.hm[reg - HMP0] = value >> 4; break;
-        case VDELP0: case VDELP1: change(t.vdelp[reg - VDELP0], (value & 1) != 0, 1u << (reg - VDELP0)); break;
+        case HMP0:
+        case HMP1:
+        case HMM1:
+        case HMBL: t.hm[reg - HMP0] = value >> 4; break;
+        case VDELP0:
+        case VDELP1: change(t.vdelp[reg - VDELP0], (value & 1) != 0, 1u << (reg - VDELP0)); break;
         case VDELBL: change(t.vdelbl, (value & 1) != 0, 0); break;
-        case RESMP0: case RESMP1: release_missile(second, value); break;
+        case RESMP0:
+        case RESMP1: release_missile(second, value); break;
         case HMOVE: hmove(hpos / 3); break;
         case HMCLR: std::fill_n(t.hm, 5, uint8_t{0}); break;
         case CXCLR:

@@ -16,6 +16,7 @@
 
 namespace atari {
 
+// clang-format off
 enum Register : uint8_t {
     VSYNC = 0x00, VBLANK, WSYNC, RSYNC, NUSIZ0, NUSIZ1, COLUP0, COLUP1, COLUPF, COLUBK, CTRLPF, REFP0, REFP1,
     PF0, PF1, PF2, RESP0, RESP1, RESM0, RESM1, RESBL, AUDC0, AUDC1, AUDF0, AUDF1, AUDV0, AUDV1,
@@ -26,28 +27,33 @@ enum Register : uint8_t {
     PRIORITY,   // CTRLPF, but neither the reflection nor the ball's size changes
     STILL       // HMOVE, at its ordinary cycle and without a motion
 };
+// clang-format on
 
 // The class of a register's writes in the write log. The decoder derives the kind of a store's operand from it.
 enum class TiaStore : uint8_t {
-    kNone,   // no register, or one without an effect on the frame
-    kVsync, kVblank,
+    kNone,  // no register, or one without an effect on the frame
+    kVsync,
+    kVblank,
     kWsync,
-    kValue,  // only holds its value: a write of an equal value changes nothing
-    kNusiz,  // as kValue, unless a strobe hides a copy, or the Cosmic Ark effect is active
-    kCtrlpf, // as kValue, unless a late reflect is pending
-    kGrp0, kGrp1,  // as kValue, unless a delayed copy changes
-    kStrobe, // acts at every write
-    kMotion, // its value takes effect when HMOVE is written
-    kHmove, kHmclr, kCxclr,
+    kValue,   // only holds its value: a write of an equal value changes nothing
+    kNusiz,   // as kValue, unless a strobe hides a copy, or the Cosmic Ark effect is active
+    kCtrlpf,  // as kValue, unless a late reflect is pending
+    kGrp0,
+    kGrp1,    // as kValue, unless a delayed copy changes
+    kStrobe,  // acts at every write
+    kMotion,  // its value takes effect when HMOVE is written
+    kHmove,
+    kHmclr,
+    kCxclr,
     kSound,
 };
 
 // The effect of a write on collisions.
 enum class Collides : uint8_t {
     kNever,
-    kByLook,   // changes the object's shape, not its position: may be deferred until the object could collide
-    kTricks,   // only ends the Cosmic Ark effect or a strobe's hiding
-    kAlways,   // later writes depend on its effect
+    kByLook,  // changes the object's shape, not its position: may be deferred until the object could collide
+    kTricks,  // only ends the Cosmic Ark effect or a strobe's hiding
+    kAlways,  // later writes depend on its effect
 };
 
 // In a set of objects: a missile or the ball is placed, which may depend on the time of HMOVE.

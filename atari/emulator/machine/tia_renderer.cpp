@@ -87,12 +87,14 @@ uint8_t shown_graphics(const Tia& t, int player) { return t.vdelp[player] ? t.ol
 
 Mask object_mask(const Tia& t, int object) {
     switch (object) {
-        case kP0: case kP1: {
+        case kP0:
+        case kP1: {
             const uint8_t graphics = shown_graphics(t, object);  // its high bit is rendered first, unless reflected
             return player_mask(t.refp[object] ? graphics : kReversed[graphics], t.pos[object], t.nusiz[object] & 7,
                                t.skip_first[object]);
         }
-        case kM0: case kM1: {
+        case kM0:
+        case kM1: {
             const uint8_t nusiz = t.nusiz[object - kM0];
             const MissileVariant variant = object == kM0 ? t.m0_variant : kPlain;
             const int size = (nusiz >> 4 & 3) | (variant == kWide ? 1 : 0);
@@ -106,8 +108,10 @@ Mask object_mask(const Tia& t, int object) {
 bool Console::enabled(int object) const {
     const Tia& t = m_.tia;
     switch (object) {
-        case kP0: case kP1: return shown_graphics(t, object) != 0;
-        case kM0: case kM1: return t.enam[object - kM0] && !t.resmp[object - kM0];
+        case kP0:
+        case kP1: return shown_graphics(t, object) != 0;
+        case kM0:
+        case kM1: return t.enam[object - kM0] && !t.resmp[object - kM0];
         case kBL: return t.vdelbl ? t.old_enabl : t.enabl;
         default: return t.playfield != 0;
     }

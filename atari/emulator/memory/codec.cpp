@@ -21,7 +21,8 @@ uint64_t word_at(const uint8_t* bytes) {
 }
 
 int equal_bytes(uint64_t difference) {
-    return (std::endian::native == std::endian::little ? std::countr_zero(difference) : std::countl_zero(difference)) / 8;
+    return (std::endian::native == std::endian::little ? std::countr_zero(difference) : std::countl_zero(difference)) /
+           8;
 }
 
 // Returns how many bytes from `start` are equal.

@@ -121,8 +121,10 @@ bool Frames::reload(int64_t first, int64_t head, int64_t first_final, int64_t fi
     return true;
 }
 
-Frames::Reader::Reader(const Frames& frames) : frames_(frames), decoded_(frames.packed_ ? frames.geometry_.parts.size() : 0) {
-    for (size_t part = 0; part < decoded_.size(); ++part) decoded_[part].frame.resize(frames.geometry_.parts[part].bytes);
+Frames::Reader::Reader(const Frames& frames)
+    : frames_(frames), decoded_(frames.packed_ ? frames.geometry_.parts.size() : 0) {
+    for (size_t part = 0; part < decoded_.size(); ++part)
+        decoded_[part].frame.resize(frames.geometry_.parts[part].bytes);
 }
 
 const std::vector<uint8_t>& Frames::Reader::decode(size_t part, int64_t row, int64_t lane) {
@@ -143,8 +145,7 @@ const std::vector<uint8_t>& Frames::Reader::decode(size_t part, int64_t row, int
     return decoded.frame;
 }
 
-void Frames::Reader::read(size_t part, int64_t row, int64_t lane, int64_t head, uint8_t* to,
-                          const uint8_t* ahead) {
+void Frames::Reader::read(size_t part, int64_t row, int64_t lane, int64_t head, uint8_t* to, const uint8_t* ahead) {
     const size_t bytes = frames_.geometry_.parts[part].bytes;
     if (frames_.packed_ && row < head) std::memcpy(to, decode(part, row, lane).data(), bytes);
     else copy(to, frames_.row(part, row) + static_cast<size_t>(lane) * bytes, bytes, ahead);

@@ -54,9 +54,7 @@ class Frames {
     };
 
   private:
-    size_t cell(int64_t row, int64_t lane) const {
-        return static_cast<size_t>(row % slots_ * geometry_.lanes + lane);
-    }
+    size_t cell(int64_t row, int64_t lane) const { return static_cast<size_t>(row % slots_ * geometry_.lanes + lane); }
     size_t final_slot(int64_t entry) const { return static_cast<size_t>(entry % geometry_.finals); }
     PackedFrame* packed_table(size_t offset) const { return reinterpret_cast<PackedFrame*>(block_ + offset); }
     PackedFrame pack(size_t part, int64_t row, const uint8_t* frame, const uint8_t* before);

@@ -37,8 +37,8 @@ void Geometry::check() const {
     require(std::isfinite(exponent) && exponent >= 0 && exponent <= 100, "priority_exponent must be within 0..100");
     const double cells = static_cast<double>(rows + history() + 2 + margin) * static_cast<double>(lanes);
     const double frame = static_cast<double>(compressed ? 0 : frame_bytes());
-    const double most = cells * (frame + static_cast<double>(action_bytes) + 64) +
-                        static_cast<double>(finals) * (frame + 64);
+    const double most =
+        cells * (frame + static_cast<double>(action_bytes) + 64) + static_cast<double>(finals) * (frame + 64);
     require(most < static_cast<double>(kMostBytes), "the memory would be larger than 2**46 bytes");
     if (!compressed) return;
     require(packed_bytes <= kMostBytes, "compressed_bytes must be at most 2**46");

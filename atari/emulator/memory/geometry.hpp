@@ -19,16 +19,16 @@ struct Part {
 
 struct Geometry {
     int64_t lanes;
-    int64_t rows;      // steps of a lane that can be sampled; a row is one step of all lanes
-    int64_t margin;    // rows that are written before what they overwrite must be saved
-    int64_t finals;    // final observations of episodes whose row has the first frame of the next one
+    int64_t rows;    // steps of a lane that can be sampled; a row is one step of all lanes
+    int64_t margin;  // rows that are written before what they overwrite must be saved
+    int64_t finals;  // final observations of episodes whose row has the first frame of the next one
     std::vector<Part> parts;
     size_t action_bytes;
     Autoreset autoreset;
-    bool repeat_first;    // pad a stack with the first frame of the episode, not with zeros
+    bool repeat_first;  // pad a stack with the first frame of the episode, not with zeros
     bool prioritised;
-    double exponent;      // of priorities
-    bool saved;           // to a file: rows have checksums
+    double exponent;  // of priorities
+    bool saved;       // to a file: rows have checksums
     bool compressed;
     size_t packed_bytes;  // for compressed frames
 
@@ -61,11 +61,11 @@ struct Layout {
     explicit Layout(const Geometry& geometry);
 
     size_t section_bytes;
-    size_t sections[2];         // the saved state, written in turn
+    size_t sections[2];  // the saved state, written in turn
     size_t actions, rewards, flags, checks;
     size_t final_owners, final_checks;
-    std::vector<size_t> frames;   // by part: slots x lanes frames; if compressed, three rows of frames
-    std::vector<size_t> finals;   // by part; empty if compressed
+    std::vector<size_t> frames;  // by part: slots x lanes frames; if compressed, three rows of frames
+    std::vector<size_t> finals;  // by part; empty if compressed
     std::vector<size_t> packed_frames, packed_finals;  // by part: where a frame is in `packed`
     size_t packed = 0;
     size_t bytes;

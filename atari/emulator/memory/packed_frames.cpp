@@ -55,8 +55,8 @@ PackedFrame PackedFrames::store(const uint8_t* code, size_t size, int64_t row) {
 }
 
 const uint8_t* PackedFrames::find(PackedFrame frame) const {
-    const bool good = frame.offset / chunk_ < chunks_ && frame.bytes >= 1 &&
-                      frame.bytes <= chunk_ - frame.offset % chunk_;
+    const bool good =
+        frame.offset / chunk_ < chunks_ && frame.bytes >= 1 && frame.bytes <= chunk_ - frame.offset % chunk_;
     return good ? bytes_ + frame.offset : nullptr;
 }
 

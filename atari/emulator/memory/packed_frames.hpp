@@ -40,9 +40,9 @@ class PackedFrames {
 
     size_t chunk_, chunks_, chunks_of_row_;
     uint8_t* bytes_;
-    std::deque<Chunk> used_;  // by age
+    std::deque<Chunk> used_;                                                 // by age
     std::priority_queue<size_t, std::vector<size_t>, std::greater<>> free_;  // the lowest first: few are ever touched
-    std::vector<Chunk> entered_;  // by index
+    std::vector<Chunk> entered_;                                             // by index
 };
 
 }  // namespace atari::memory

@@ -49,8 +49,8 @@ void ReplayMemory::reset(const uint8_t* mask, const std::vector<const uint8_t*>&
         if (!mask[lane]) continue;
         std::vector<const uint8_t*> last;
         for (size_t part = 0; part < frames.size(); ++part) last.push_back(lane_frames(part, state_.head, 0));
-        const bool follows_step = before >= state_.tail && !(flags(before, lane) & kNoStep) &&
-                                  !(flags(state_.head, lane) & kFirst);
+        const bool follows_step =
+            before >= state_.tail && !(flags(before, lane) & kNoStep) && !(flags(state_.head, lane) & kFirst);
         if (follows_step) push_final(before, lane, last, lane);
         for (size_t part = 0; part < frames.size(); ++part) {
             const size_t bytes = geometry_.parts[part].bytes;

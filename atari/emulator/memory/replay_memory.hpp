@@ -31,8 +31,8 @@ struct StepResults {
 
 // How to sample.
 struct Choice {
-    int64_t count;   // steps
-    int64_t reach;   // n of n-step returns; the length of sequences
+    int64_t count;  // steps
+    int64_t reach;  // n of n-step returns; the length of sequences
     double discount;
     std::optional<double> beta;  // of importance weights: by priority; nothing is uniform
     std::vector<int> stacks;     // by part, the frames of an observation
@@ -143,7 +143,7 @@ class ReplayMemory {
     float* const rewards_;
     uint8_t* const flags_;
     uint64_t* const checks_;
-    int64_t* const final_owners_;   // index of the step whose next observation it is
+    int64_t* const final_owners_;  // index of the step whose next observation it is
     uint64_t* const final_checks_;
 
     State state_{};
@@ -151,7 +151,7 @@ class ReplayMemory {
     Frames frames_;
     ValidSteps valid_;
     std::optional<SumTree> tree_;
-    bool saving_ = false;           // whether the last saved state must stay readable: there is one, in a file
+    bool saving_ = false;  // whether the last saved state must stay readable: there is one, in a file
     State saved_{};
     uint64_t saves_ = 0;
 };

@@ -272,68 +272,75 @@ void ReplayMemory::sample(const Choice& choice, const Target& target) {
     if (target.next.empty() && choice.reach != 1)
         throw std::invalid_argument("a batch of shared frames is for n=1, not " + std::to_string(choice.reach));
     const std::vector<int64_t> indices = draw(choice, target.weights);
-    share(choice.count, choice.threads, [&] { return Writer(*this); }, [&](Writer& writer, int64_t at) {
-        const auto i = static_cast<size_t>(at);
-        const int64_t row = indices[i] / geometry_.lanes, lane = indices[i] % geometry_.lanes;
-        constexpr size_t kAhead = 6;
-        if (i + kAhead < indices.size()) prefetch_step(indices[i + kAhead]);
-        if (i + 1 < indices.size()) writer.look_ahead(indices[i], indices[i + 1]);
-        else writer.look_ahead_no_more();
-        const Transition transition = walk(row, lane, choice.reach, choice.discount);
-        target.indices[i] = indices[i];
-        std::memcpy(target.actions + i * geometry_.action_bytes,
-                    actions_ + static_cast<size_t>(cell(row, lane)) * geometry_.action_bytes, geometry_.action_bytes);
-        target.rewards[i] = static_cast<float>(transition.reward);
-        target.discounts[i] = static_cast<float>(transition.discount);
-        target.terminated[i] = transition.terminated;
-        target.truncated[i] = transition.truncated;
-        const Source next = source(row, lane, transition.steps);
-        for (size_t part = 0; part < geometry_.parts.size(); ++part) {
-            const int frames = choice.stacks[part];
-            const size_t bytes = geometry_.parts[part].bytes, size = bytes * static_cast<size_t>(frames);
-            uint8_t* const observation = target.observations[part] + i * (size + (target.next.empty() ? bytes : 0));
-            writer.write(part, lane, {row, -1}, frames, observation);
-            if (target.next.empty()) writer.write(part, lane, next, 1, observation + size);
-            else writer.write(part, lane, next, frames, target.next[part] + i * size, observation, row);
-        }
-    });
+    share(
+        choice.count, choice.threads, [&] { return Writer(*this); },
+        [&](Writer& writer, int64_t at) {
+            const auto i = static_cast<size_t>(at);
+            const int64_t row = indices[i] / geometry_.lanes, lane = indices[i] % geometry_.lanes;
+            constexpr size_t kAhead = 6;
+            if (i + kAhead < indices.size()) prefetch_step(indices[i + kAhead]);
+            if (i + 1 < indices.size()) writer.look_ahead(indices[i], indices[i + 1]);
+            else writer.look_ahead_no_more();
+            const Transition transition = walk(row, lane, choice.reach, choice.discount);
+            target.indices[i] = indices[i];
+            std::memcpy(target.actions + i * geometry_.action_bytes,
+                        actions_ + static_cast<size_t>(cell(row, lane)) * geometry_.action_bytes,
+                        geometry_.action_bytes);
+            target.rewards[i] = static_cast<float>(transition.reward);
+            target.discounts[i] = static_cast<float>(transition.discount);
+            target.terminated[i] = transition.terminated;
+            target.truncated[i] = transition.truncated;
+            const Source next = source(row, lane, transition.steps);
+            for (size_t part = 0; part < geometry_.parts.size(); ++part) {
+                const int frames = choice.stacks[part];
+                const size_t bytes = geometry_.parts[part].bytes, size = bytes * static_cast<size_t>(frames);
+                uint8_t* const observation = target.observations[part] + i * (size + (target.next.empty() ? bytes : 0));
+                writer.write(part, lane, {row, -1}, frames, observation);
+                if (target.next.empty()) writer.write(part, lane, next, 1, observation + size);
+                else writer.write(part, lane, next, frames, target.next[part] + i * size, observation, row);
+            }
+        });
 }
 
 void ReplayMemory::sample_sequences(const Choice& choice, const Target& target) {
     const std::vector<int64_t> indices = draw(choice, nullptr);
     const auto length = static_cast<size_t>(choice.reach);
-    share(choice.count, choice.threads, [&] { return Writer(*this); }, [&](Writer& writer, int64_t at) {
-        const auto i = static_cast<size_t>(at);
-        const int64_t row = indices[i] / geometry_.lanes, lane = indices[i] % geometry_.lanes;
-        const auto steps = static_cast<size_t>(walk(row, lane, choice.reach, 1.0).steps);
-        target.indices[i] = indices[i];
-        for (size_t step = 0; step < length; ++step) {
-            const size_t to = i * length + step;
-            const bool inside = step < steps;
-            const int64_t now = row + static_cast<int64_t>(step);
-            const Transition one = inside ? walk(now, lane, 1, 1.0) : Transition{};
-            uint8_t* const action = target.actions + to * geometry_.action_bytes;
-            if (inside)
-                std::memcpy(action, actions_ + static_cast<size_t>(cell(now, lane)) * geometry_.action_bytes,
-                            geometry_.action_bytes);
-            else std::memset(action, 0, geometry_.action_bytes);
-            target.rewards[to] = static_cast<float>(one.reward);
-            target.terminated[to] = one.terminated;
-            target.truncated[to] = one.truncated;
-            target.mask[to] = inside;
-        }
-        for (size_t part = 0; part < geometry_.parts.size(); ++part) {
-            const int frames = choice.stacks[part];
-            const size_t size = geometry_.parts[part].bytes * static_cast<size_t>(frames);
-            uint8_t* to = target.observations[part] + i * (length + 1) * size;
-            const uint8_t* older = nullptr;
-            for (size_t step = 0; step <= length; older = to, to += size, ++step) {
+    share(
+        choice.count, choice.threads, [&] { return Writer(*this); },
+        [&](Writer& writer, int64_t at) {
+            const auto i = static_cast<size_t>(at);
+            const int64_t row = indices[i] / geometry_.lanes, lane = indices[i] % geometry_.lanes;
+            const auto steps = static_cast<size_t>(walk(row, lane, choice.reach, 1.0).steps);
+            target.indices[i] = indices[i];
+            for (size_t step = 0; step < length; ++step) {
+                const size_t to = i * length + step;
+                const bool inside = step < steps;
                 const int64_t now = row + static_cast<int64_t>(step);
-                if (step > steps) std::memset(to, 0, size);
-                else writer.write(part, lane, source(row, lane, static_cast<int64_t>(step)), frames, to, older, now - 1);
+                const Transition one = inside ? walk(now, lane, 1, 1.0) : Transition{};
+                uint8_t* const action = target.actions + to * geometry_.action_bytes;
+                if (inside)
+                    std::memcpy(action, actions_ + static_cast<size_t>(cell(now, lane)) * geometry_.action_bytes,
+                                geometry_.action_bytes);
+                else std::memset(action, 0, geometry_.action_bytes);
+                target.rewards[to] = static_cast<float>(one.reward);
+                target.terminated[to] = one.terminated;
+                target.truncated[to] = one.truncated;
+                target.mask[to] = inside;
             }
-        }
-    });
+            for (size_t part = 0; part < geometry_.parts.size(); ++part) {
+                const int frames = choice.stacks[part];
+                const size_t size = geometry_.parts[part].bytes * static_cast<size_t>(frames);
+                uint8_t* to = target.observations[part] + i * (length + 1) * size;
+                const uint8_t* older = nullptr;
+                for (size_t step = 0; step <= length; older = to, to += size, ++step) {
+                    const int64_t now = row + static_cast<int64_t>(step);
+                    if (step > steps) std::memset(to, 0, size);
+                    else
+                        writer.write(part, lane, source(row, lane, static_cast<int64_t>(step)), frames, to, older,
+                                     now - 1);
+                }
+            }
+        });
 }
 
 }  // namespace atari::memory

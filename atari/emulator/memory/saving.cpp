@@ -79,8 +79,7 @@ int ReplayMemory::newest_section() const {
         if (never || torn || older) return i;
     }
     for (int i = 0; i < 2; ++i)
-        if (!complete[i])
-            throw std::invalid_argument("the saved state is damaged" + place(layout_.sections[i]));
+        if (!complete[i]) throw std::invalid_argument("the saved state is damaged" + place(layout_.sections[i]));
     throw std::invalid_argument("the two saved states do not follow each other" + place(layout_.sections[0]));
 }
 
@@ -88,9 +87,8 @@ void ReplayMemory::check_state(const State& state) const {
     const bool good = state.head >= 0 && state.head < (int64_t{1} << 62) / geometry_.lanes && state.tail >= 0 &&
                       state.tail <= state.head && state.head - state.tail <= geometry_.rows && state.finals >= 0 &&
                       state.steps >= 0 && state.started <= 1 && (state.started || state.head == 0) &&
-                      std::isfinite(state.greatest) && state.greatest >= 0 &&
-                      state.first_final >= 0 && state.first_final <= state.finals &&
-                      state.finals - state.first_final <= geometry_.finals;
+                      std::isfinite(state.greatest) && state.greatest >= 0 && state.first_final >= 0 &&
+                      state.first_final <= state.finals && state.finals - state.first_final <= geometry_.finals;
     const bool drawn = std::any_of(std::begin(state.generator.words), std::end(state.generator.words),
                                    [](uint64_t word) { return word != 0; });
     if (!good || !drawn) throw std::invalid_argument("the saved state has numbers that cannot be");

@@ -51,14 +51,14 @@ struct Generator {
 };
 
 struct State {
-    int64_t head;          // the pending row: its frames are there, its actions are not. Rows count from 0 for ever
-    int64_t tail;          // the oldest row that can be sampled; tail <= head, and equal if there is none
-    int64_t finals;        // final observations ever stored
-    int64_t first_final;   // the oldest of them that belongs to a step from `tail` on
-    int64_t steps;         // of all lanes, ever added
+    int64_t head;         // the pending row: its frames are there, its actions are not. Rows count from 0 for ever
+    int64_t tail;         // the oldest row that can be sampled; tail <= head, and equal if there is none
+    int64_t finals;       // final observations ever stored
+    int64_t first_final;  // the oldest of them that belongs to a step from `tail` on
+    int64_t steps;        // of all lanes, ever added
     Generator generator;
-    double greatest;       // priority so far: that of new steps
-    uint64_t started;      // whether row 0 has its frames
+    double greatest;   // priority so far: that of new steps
+    uint64_t started;  // whether row 0 has its frames
 };
 
 // Precedes a saved state. While the state is being written, `begun` is greater than `completed` by 2.

@@ -23,7 +23,8 @@ class ValidSteps {
         words_[word(index)] ^= uint64_t{1} << (index & 63);
         const int64_t change = value ? 1 : -1;
         total_ += change;
-        for (size_t i = static_cast<size_t>(index) / kBlock + 1; i < sums_.size(); i += i & (~i + 1)) sums_[i] += change;
+        for (size_t i = static_cast<size_t>(index) / kBlock + 1; i < sums_.size(); i += i & (~i + 1))
+            sums_[i] += change;
     }
 
     int64_t total() const { return total_; }

@@ -67,8 +67,8 @@ TARGET_AVX512 inline void across_avx512(const uint8_t* pixels, const AreaResize:
     const __m512i window = _mm512_loadu_si512(pixels);
     __m512 sums = _mm512_setzero_ps();
     for (int n = 0; n < depth; ++n) {
-        const __m512i chosen = _mm512_maskz_permutexvar_epi8(0x1111111111111111, _mm512_loadu_si512(taps[n].pixel),
-                                                             window);
+        const __m512i chosen =
+            _mm512_maskz_permutexvar_epi8(0x1111111111111111, _mm512_loadu_si512(taps[n].pixel), window);
         sums = _mm512_add_ps(sums, _mm512_mul_ps(_mm512_cvtepi32_ps(chosen), _mm512_loadu_ps(taps[n].weight)));
     }
     _mm512_storeu_ps(results, sums);
@@ -191,12 +191,12 @@ INLINED void AreaResize::run(const uint8_t* frame, const uint32_t* changes, uint
 
 #if ATARI_X86_SIMD
 TARGET_AVX2 void AreaResize::run_avx2(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first,
-                               int last) const {
+                                      int last) const {
     run<across_avx2, lanes_of(SimdLevel::kAvx2)>(frame, changes, out, first, last);
 }
 
 TARGET_AVX512 void AreaResize::run_avx512(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first,
-                                 int last) const {
+                                          int last) const {
     run<across_avx512, lanes_of(SimdLevel::kAvx512)>(frame, changes, out, first, last);
 }
 #endif

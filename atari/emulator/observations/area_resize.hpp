@@ -71,11 +71,11 @@ class AreaResize {
     SimdLevel level_;
     std::vector<Tap> down_;  // ordered by source, and so by result
     std::vector<Sources> sources_;
-    std::vector<size_t> first_taps_;  // of each result, in down_
-    std::vector<Window> windows_;     // 21 at most
+    std::vector<size_t> first_taps_;                // of each result, in down_
+    std::vector<Window> windows_;                   // 21 at most
     uint32_t windows_with_[kScreenWidth / 8] = {};  // by columns 8k .. 8k+7, the windows in them, a bit each
-    std::vector<Taps> across_;  // depth_ for each window
-    int depth_ = 0;             // the largest number of taps that a result has in its row
+    std::vector<Taps> across_;                      // depth_ for each window
+    int depth_ = 0;                                 // the largest number of taps that a result has in its row
 };
 
 }  // namespace atari

@@ -26,8 +26,9 @@ ObservationStack::ObservationStack(Environment& environment, const ObservationSe
                                    std::shared_ptr<const Resizer> resizer,
                                    std::shared_ptr<const GrayOfPairs> gray_of_pairs)
     : environment_(environment), settings_(settings), resizer_(std::move(resizer)),
-      gray_of_pairs_(std::move(gray_of_pairs)),
-      planes_(settings.pixels == PixelFormat::kNone ? 0 : settings.pixels == PixelFormat::kRgb ? 3 : 1),
+      gray_of_pairs_(std::move(gray_of_pairs)), planes_(settings.pixels == PixelFormat::kNone  ? 0
+                                                        : settings.pixels == PixelFormat::kRgb ? 3
+                                                                                               : 1),
       pools_last_again_(settings.max_pool && settings.end_frames == EndFrames::kGymnasium && !is_screen_rgb()) {
     const Palette& palette = *environment.game()->palette;
     tables_[0] = settings_.pixels == PixelFormat::kGrayOfRgb ? gray_of_pairs_->values.data() : palette.gray;
@@ -90,8 +91,7 @@ void ObservationStack::skip_ended(int left, bool ended) {
         return add(first, last);
     }
     switch (settings_.end_frames) {
-        case EndFrames::kLast:
-            return add(current(), current());
+        case EndFrames::kLast: return add(current(), current());
         case EndFrames::kGymnasium:  // without the frame that ended the episode; with the frame before, if it was noted
             if (!pools) break;
             return add_pooled_with_last();

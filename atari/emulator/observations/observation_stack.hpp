@@ -103,21 +103,21 @@ class ObservationStack {
     const std::shared_ptr<const Resizer> resizer_;
     const std::shared_ptr<const GrayOfPairs> gray_of_pairs_;
     const int planes_;
-    const uint8_t* tables_[3];           // by plane, of 256 values; for kGrayOfRgb `gray_of_pairs_`
-    std::vector<uint8_t> colours_;       // for kRgb: the memory of `tables_`
+    const uint8_t* tables_[3];      // by plane, of 256 values; for kGrayOfRgb `gray_of_pairs_`
+    std::vector<uint8_t> colours_;  // for kRgb: the memory of `tables_`
     // With EndFrames::kGymnasium, an episode may end with the last frame pooled once more. The console holds the two
     // framebuffers, with the numbers `last_`, that the last frame was pooled from. Where it cannot, `pooled_` holds the
     // planes of that frame before it was resized. At most one of the two is in use.
     const bool pools_last_again_;
     int last_[2] = {-1, -1};
     std::vector<uint8_t> pooled_;
-    std::vector<uint8_t> late_;          // for kBaselines: the last frame of the last whole skip
-    std::vector<uint8_t> early_;         // a copy of the skip's last frame but one, where the console overwrites it
+    std::vector<uint8_t> late_;   // for kBaselines: the last frame of the last whole skip
+    std::vector<uint8_t> early_;  // a copy of the skip's last frame but one, where the console overwrites it
     bool early_noted_ = false, early_copied_ = false;
-    std::vector<uint32_t> looks_[2];     // by row, looks of the two frames of the newest resized frame; 0 is unknown
-    std::vector<uint8_t> ring_;          // of `stack` resized frames
-    size_t frame_size_;                  // bytes of a resized frame
-    int newest_ = 0;                     // slot of the newest resized frame
+    std::vector<uint32_t> looks_[2];  // by row, looks of the two frames of the newest resized frame; 0 is unknown
+    std::vector<uint8_t> ring_;       // of `stack` resized frames
+    size_t frame_size_;               // bytes of a resized frame
+    int newest_ = 0;                  // slot of the newest resized frame
 };
 
 }  // namespace atari

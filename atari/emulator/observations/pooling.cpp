@@ -40,8 +40,7 @@ void pool_eight(const uint8_t* early, const uint8_t* late, const uint8_t* table,
         for (int i = 0; i < 8; ++i) out[i] = std::max(table[early[i]], table[late[i]]);
     else if (early_word != std::rotl(early_word, 8))
         for (int i = 0; i < 8; ++i) out[i] = table[early[i]];
-    else
-        std::memset(out, table[early[0]], 8);
+    else std::memset(out, table[early[0]], 8);
 }
 
 void pool_eight_pairs(const uint8_t* early, const uint8_t* late, const uint8_t* table, uint8_t* out) {
@@ -50,8 +49,7 @@ void pool_eight_pairs(const uint8_t* early, const uint8_t* late, const uint8_t* 
     std::memcpy(&late_word, late, 8);
     if (early_word != std::rotl(early_word, 8) || late_word != std::rotl(late_word, 8))
         for (int i = 0; i < 8; ++i) out[i] = table[early[i] << 8 | late[i]];
-    else
-        std::memset(out, table[early[0] << 8 | late[0]], 8);
+    else std::memset(out, table[early[0] << 8 | late[0]], 8);
 }
 
 template <auto changes_of, auto eight>
@@ -111,7 +109,7 @@ TARGET_AVX512 inline uint32_t changes_avx512(const Avx512Row& a, const Avx512Row
 }
 
 TARGET_AVX512 void pool_avx512(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
-                      uint32_t* changes) {
+                               uint32_t* changes) {
     const Avx512Table grays = avx512_table(table);
     Avx512Row early_above{}, late_above{}, pooled{};
     for (int row = 0; row < rows; ++row, early += kScreenWidth, late += kScreenWidth, out += kScreenWidth) {
@@ -120,8 +118,8 @@ TARGET_AVX512 void pool_avx512(const uint8_t* early, const uint8_t* late, int ro
             row > 0 ? changes_avx512(early_row, early_above) | changes_avx512(late_row, late_above) : kWholeRow;
         if (changes[row])
             for (int part = 0; part < 3; ++part)
-                pooled.part[part] = _mm512_max_epu8(look_up(grays, early_row.part[part]),
-                                                    look_up(grays, late_row.part[part]));
+                pooled.part[part] =
+                    _mm512_max_epu8(look_up(grays, early_row.part[part]), look_up(grays, late_row.part[part]));
         store_row(out, pooled);
         early_above = early_row;
         late_above = late_row;
@@ -129,13 +127,12 @@ TARGET_AVX512 void pool_avx512(const uint8_t* early, const uint8_t* late, int ro
 }
 
 TARGET_AVX2 void pool_avx2(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
-                    uint32_t* changes) {
+                           uint32_t* changes) {
     pool<changes_avx2, pool_eight>(early, late, rows, table, out, changes);
 }
 
 TARGET_AVX2 void pool_pairs_avx2(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table,
-                                 uint8_t* out,
-                    uint32_t* changes) {
+                                 uint8_t* out, uint32_t* changes) {
     pool<changes_avx2, pool_eight_pairs>(early, late, rows, table, out, changes);
 }
 #endif

@@ -41,18 +41,17 @@ Array colours_of(const std::string& format) {
     return Array(colours, {256, 3}, owner);
 }
 
-Shared<Game> make_game(nb::bytes image, const std::string& cartridge, const std::string& format,
-                       bool detect_format, int first_line, int height, bool hmove_blanks,
-                       std::pair<bool, bool> paddles, bool swap_ports, bool swap_paddles,
-                       std::pair<int, int> paddle_range, int power_on_switches,
+Shared<Game> make_game(nb::bytes image, const std::string& cartridge, const std::string& format, bool detect_format,
+                       int first_line, int height, bool hmove_blanks, std::pair<bool, bool> paddles, bool swap_ports,
+                       bool swap_paddles, std::pair<int, int> paddle_range, int power_on_switches,
                        const std::vector<int>& legal_actions, const std::vector<int>& starting_actions,
                        int default_mode, int variables, const std::vector<int32_t>& initial,
-                       const std::vector<bool>& kept, std::vector<int> outputs,
-                       const std::vector<int32_t>& step, const std::vector<int32_t>& select_mode) {
+                       const std::vector<bool>& kept, std::vector<int> outputs, const std::vector<int32_t>& step,
+                       const std::vector<int32_t>& select_mode) {
     auto game = std::make_shared<Game>();
     const auto* bytes = static_cast<const uint8_t*>(image.data());
-    game->cartridge = std::make_shared<const FastCartridge>(std::vector<uint8_t>(bytes, bytes + image.size()),
-                                                            cartridge);
+    game->cartridge =
+        std::make_shared<const FastCartridge>(std::vector<uint8_t>(bytes, bytes + image.size()), cartridge);
     game->console.first_line = first_line;
     game->console.height = height;
     game->console.pal = format == "PAL";
@@ -122,9 +121,9 @@ class Emulator : Exclusive {
              const std::vector<double>& player_probabilities) {
         if (frame_skip < 1 || frame_skip > kMaxFrameSkip)
             throw std::invalid_argument("frame_skip must be within 1..10000");
-        const Settings settings{probability,      frame_skip, max_frames,    sound,
-                                colour_averaging, plain,      one_generator, second_player_starts,
-                                player_probabilities};
+        const Settings settings{probability,   frame_skip,           max_frames,
+                                sound,         colour_averaging,     plain,
+                                one_generator, second_player_starts, player_probabilities};
         environment_ = std::make_unique<Environment>(game.value, settings, seed);
     }
 
@@ -160,9 +159,7 @@ class Emulator : Exclusive {
     }
 
     State clone_state(bool include_rng) {
-        return locked([&](Environment& e) {
-            return State{e.game(), include_rng, e.snapshot(), {}, 0};
-        });
+        return locked([&](Environment& e) { return State{e.game(), include_rng, e.snapshot(), {}, 0}; });
     }
 
     void restore_state(const State& state) {
@@ -171,7 +168,8 @@ class Emulator : Exclusive {
     }
 
     void add_write(const Shared<Write>& write, bool now) {
-        if (!locked([&](Environment& e) { return e.add_write(write.value, now); })) throw nb::value_error(kTooManyWrites);
+        if (!locked([&](Environment& e) { return e.add_write(write.value, now); }))
+            throw nb::value_error(kTooManyWrites);
     }
 
     int remove_write(const Shared<Write>& write) {
@@ -206,12 +204,18 @@ class Emulator : Exclusive {
             for (size_t i = 0; good && i < shape.size(); ++i) good = array.shape(i) == shape[i];
             if (!good) throw nb::value_error(expectation(shape).c_str());
             const nb::object fixed = prevent_resize(out);
-            locked([&](Environment& e) { fill(e, array.data()); return 0; });
+            locked([&](Environment& e) {
+                fill(e, array.data());
+                return 0;
+            });
             return out;
         }
         auto* bytes = new uint8_t[size];
         nb::capsule owner(bytes, [](void* memory) noexcept { delete[] static_cast<uint8_t*>(memory); });
-        locked([&](Environment& e) { fill(e, bytes); return 0; });
+        locked([&](Environment& e) {
+            fill(e, bytes);
+            return 0;
+        });
         return nb::cast(Array(bytes, shape.size(), shape.data(), owner));
     }
 
@@ -292,12 +296,12 @@ NB_MODULE(_emulator, m) {
     m.doc() = "The native emulator, bound. Use it through atari.cores.NativeCore, which checks options and finds ROMs.";
 
     nb::class_<Shared<Game>>(m, "Game", "A game, compiled: cartridge, console, rules. Immutable; emulators share it.")
-        .def_prop_ro("cartridge_type", [](const Shared<Game>& game) { return game.value->cartridge->type_name(); },
-                     "The bank switching that was given or recognised, for example \"F8\".");
+        .def_prop_ro(
+            "cartridge_type", [](const Shared<Game>& game) { return game.value->cartridge->type_name(); },
+            "The bank switching that was given or recognised, for example \"F8\".");
 
     m.def("make_game", &make_game, nb::kw_only(), "image"_a, "cartridge"_a, "format"_a, "detect_format"_a,
-          "first_line"_a,
-          "height"_a, "hmove_blanks"_a, "paddles"_a, "swap_ports"_a, "swap_paddles"_a, "paddle_range"_a,
+          "first_line"_a, "height"_a, "hmove_blanks"_a, "paddles"_a, "swap_ports"_a, "swap_paddles"_a, "paddle_range"_a,
           "power_on_switches"_a, "legal_actions"_a, "starting_actions"_a, "default_mode"_a, "variables"_a, "initial"_a,
           "kept"_a, "outputs"_a, "step"_a, "select_mode"_a,
           "Check and assemble a game; raises ValueError if the image or a rule program is not sound.");
@@ -322,52 +326,84 @@ NB_MODULE(_emulator, m) {
     nb::class_<Emulator>(m, "Emulator", "A running game. The lock of the interpreter is released while it emulates.")
         .def(nb::init<const Shared<Game>&, double, int, int, bool, bool, uint32_t, bool, bool, bool,
                       const std::vector<double>&>(),
-             nb::kw_only(), "game"_a,
-             "repeat_action_probability"_a, "frame_skip"_a, "max_num_frames_per_episode"_a, "sound"_a,
-             "color_averaging"_a, "seed"_a, "plain"_a = false, "one_generator"_a = false, "second_player_starts"_a = false,
-             "player_probabilities"_a = std::vector<double>{},
+             nb::kw_only(), "game"_a, "repeat_action_probability"_a, "frame_skip"_a, "max_num_frames_per_episode"_a,
+             "sound"_a, "color_averaging"_a, "seed"_a, "plain"_a = false, "one_generator"_a = false,
+             "second_player_starts"_a = false, "player_probabilities"_a = std::vector<double>{},
              "`plain`: by the plain interpreter and TIA, which are slower and give the same.")
-        .def("seed", [](Emulator& x, uint32_t seed) { x.locked([&](Environment& e) { e.seed(seed); return 0; }); },
-             "seed"_a)
-        .def("reset", [](Emulator& x) { x.locked([](Environment& e) { e.reset(); return 0; }); })
+        .def(
+            "seed",
+            [](Emulator& x, uint32_t seed) {
+                x.locked([&](Environment& e) {
+                    e.seed(seed);
+                    return 0;
+                });
+            },
+            "seed"_a)
+        .def("reset",
+             [](Emulator& x) {
+                 x.locked([](Environment& e) {
+                     e.reset();
+                     return 0;
+                 });
+             })
         .def("act", &Emulator::act, "action"_a.none(), "strength"_a.none() = 1.0,
              nb::sig("def act(self, action: int, strength: float = 1.0) -> int"))
         .def("act_players", &Emulator::act_players, "actions"_a,
              nb::sig("def act_players(self, actions: collections.abc.Sequence[int]) -> list[int]"),
              "Hold an action of each of the first players; a reward for each.")
         .def_prop_ro("player_lives", &Emulator::player_lives, "Of each player that the rules know.")
-        .def("set_mode", [](Emulator& x, int mode) { x.locked([&](Environment& e) { e.set_mode(mode); return 0; }); },
-             "mode"_a)
-        .def("set_difficulty",
-             [](Emulator& x, int difficulty) {
-                 x.locked([&](Environment& e) { e.set_difficulty(difficulty); return 0; });
-             },
-             "difficulty"_a)
+        .def(
+            "set_mode",
+            [](Emulator& x, int mode) {
+                x.locked([&](Environment& e) {
+                    e.set_mode(mode);
+                    return 0;
+                });
+            },
+            "mode"_a)
+        .def(
+            "set_difficulty",
+            [](Emulator& x, int difficulty) {
+                x.locked([&](Environment& e) {
+                    e.set_difficulty(difficulty);
+                    return 0;
+                });
+            },
+            "difficulty"_a)
         .def_prop_ro("lives", [](Emulator& x) { return x.briefly([](Environment& e) { return e.lives(); }); })
         .def_prop_ro("game_over", number(&Environment::game_over))
         .def_prop_ro("truncated", number(&Environment::truncated))
         .def_prop_ro("frame_number", number(&Environment::frame_number))
         .def_prop_ro("episode_frame_number", number(&Environment::episode_frame_number))
-        .def("ram",
-             [](Emulator& x, nb::object out) {
-                 return x.filled({128}, out, [](Environment& e, uint8_t* to) { std::copy_n(e.ram(), 128, to); });
-             }, "out"_a = nb::none(), nb::sig(RETURNS_ARRAY("ram")))
-        .def("audio",
-             [](Emulator& x, nb::object out) {
-                 return x.filled({kAudioSamples}, out,
-                                 [](Environment& e, uint8_t* to) { std::copy_n(e.audio(), kAudioSamples, to); });
-             }, "out"_a = nb::none(), nb::sig(RETURNS_ARRAY("audio")))
+        .def(
+            "ram",
+            [](Emulator& x, nb::object out) {
+                return x.filled({128}, out, [](Environment& e, uint8_t* to) { std::copy_n(e.ram(), 128, to); });
+            },
+            "out"_a = nb::none(), nb::sig(RETURNS_ARRAY("ram")))
+        .def(
+            "audio",
+            [](Emulator& x, nb::object out) {
+                return x.filled({kAudioSamples}, out,
+                                [](Environment& e, uint8_t* to) { std::copy_n(e.audio(), kAudioSamples, to); });
+            },
+            "out"_a = nb::none(), nb::sig(RETURNS_ARRAY("audio")))
         .def("screen", array(&Environment::screen, false), "out"_a = nb::none(), nb::sig(RETURNS_ARRAY("screen")))
         .def("screen_rgb", array(&Environment::screen_rgb, true), "out"_a = nb::none(),
              nb::sig(RETURNS_ARRAY("screen_rgb")))
         .def("screen_grayscale", array(&Environment::screen_gray, false), "out"_a = nb::none(),
              nb::sig(RETURNS_ARRAY("screen_grayscale")))
-        .def("set_ram",
-             [](Emulator& x, int index, int value) {
-                 if (index < 0 || index > 127) throw nb::value_error("index must be within 0..127");
-                 if (value < 0 || value > 255) throw nb::value_error("value must be within 0..255");
-                 x.locked([&](Environment& e) { e.set_ram(index, value); return 0; });
-             }, "index"_a, "value"_a)
+        .def(
+            "set_ram",
+            [](Emulator& x, int index, int value) {
+                if (index < 0 || index > 127) throw nb::value_error("index must be within 0..127");
+                if (value < 0 || value > 255) throw nb::value_error("value must be within 0..255");
+                x.locked([&](Environment& e) {
+                    e.set_ram(index, value);
+                    return 0;
+                });
+            },
+            "index"_a, "value"_a)
         .def("redraw", array(&Environment::redraw, true), "out"_a = nb::none(), nb::sig(RETURNS_ARRAY("redraw")))
         .def("add_write", &Emulator::add_write, "write"_a, "now"_a = false,
              "Apply a write at each frame from here on, and with `now` at once; ValueError if there are MOST_WRITES.")
@@ -390,16 +426,17 @@ NB_MODULE(_emulator, m) {
                            "Raises ValueError if the size is not served: larger than the frame, narrower than 11, or\n"
                            "dividing the frame's in both directions.")
         .def(nb::init<int, int, int>(), "rows"_a, "height"_a, "width"_a)
-        .def("__call__",
-             [](const AreaResize& resize, Frame frame, Small out) {
-                 if (static_cast<int>(frame.shape(0)) != resize.rows() || frame.shape(1) != kScreenWidth ||
-                     static_cast<int>(out.shape(0)) != resize.height() ||
-                     static_cast<int>(out.shape(1)) != resize.width())
-                     throw nb::value_error("the frame or `out` is not of the shape that this was made for");
-                 resize(frame.data(), nullptr, out.data());
-             },
-             "frame"_a, nb::arg("out").noconvert(),
-             nb::sig("def __call__(self, frame: " ARRAY ", out: " ARRAY ") -> None"))
+        .def(
+            "__call__",
+            [](const AreaResize& resize, Frame frame, Small out) {
+                if (static_cast<int>(frame.shape(0)) != resize.rows() || frame.shape(1) != kScreenWidth ||
+                    static_cast<int>(out.shape(0)) != resize.height() ||
+                    static_cast<int>(out.shape(1)) != resize.width())
+                    throw nb::value_error("the frame or `out` is not of the shape that this was made for");
+                resize(frame.data(), nullptr, out.data());
+            },
+            "frame"_a, nb::arg("out").noconvert(),
+            nb::sig("def __call__(self, frame: " ARRAY ", out: " ARRAY ") -> None"))
         .def("__getstate__",
              [](const AreaResize& resize) { return std::tuple(resize.rows(), resize.height(), resize.width()); })
         .def("__setstate__", [](AreaResize& resize, const std::tuple<int, int, int>& size) {

@@ -41,7 +41,8 @@ class CausesBinding : Exclusive {
             kept.push_back(nb::borrow(item));
             const State& state = nb::cast<const State&>(item);
             if (!state.game || image_digest(*state.game) != image_digest(*game_))
-                throw nb::value_error("a state is not one that clone_state returned in this process, or of another game");
+                throw nb::value_error(
+                    "a state is not one that clone_state returned in this process, or of another game");
             snapshots.push_back(&state.snapshot);
         }
         if (actions.shape(0) != kept.size() || actions.shape(1) != static_cast<size_t>(causes_->frames()) || first < 0)
@@ -94,10 +95,11 @@ void register_causes(nb::module_& m) {
     nb::class_<CausesBinding>(m, "Causes", "What each byte of RAM causes; see emulator/lab/causes.hpp.")
         .def(nb::init<const Shared<Game>&, int, int, int, uint64_t>(), nb::kw_only(), "game"_a, "values"_a, "frames"_a,
              "threads"_a, "seed"_a)
-        .def("explore", &CausesBinding::explore, "states"_a, "actions"_a, "first"_a,
-             nb::sig("def explore(self, states: list[State], actions: numpy.typing.NDArray[numpy.uint8], first: int) -> "
-                     "None"),
-             "Count what changes of each byte cause from these states, with the actions of each state's frames.")
+        .def(
+            "explore", &CausesBinding::explore, "states"_a, "actions"_a, "first"_a,
+            nb::sig("def explore(self, states: list[State], actions: numpy.typing.NDArray[numpy.uint8], first: int) -> "
+                    "None"),
+            "Count what changes of each byte cause from these states, with the actions of each state's frames.")
         .def("counts", &CausesBinding::counts, nb::sig("def counts(self) -> numpy.typing.NDArray[numpy.uint32]"),
              "The fields of `ByteCauses`, a row for each byte.")
         .def("effects", &CausesBinding::effects, nb::sig("def effects(self) -> numpy.typing.NDArray[numpy.int32]"),

@@ -70,21 +70,24 @@ std::vector<int32_t> possible_values(const Shared<Labels>& labels, int label, Ra
 
 void register_labels(nb::module_& m) {
     nb::class_<Shared<Labels>>(m, "Labels", "Labels of RAM bytes, compiled. Use it through atari.lab.")
-        .def("__init__", &make_labels, "labels"_a,
-             "`labels` are tuples: index 0..127, mask 0..255, whether the byte is binary-coded decimal, and the programs\n"
-             "of the value and of whether it is visible, which may be empty; variable 0 is the byte, variable 1 the result.")
+        .def(
+            "__init__", &make_labels, "labels"_a,
+            "`labels` are tuples: index 0..127, mask 0..255, whether the byte is binary-coded decimal, and the programs\n"
+            "of the value and of whether it is visible, which may be empty; variable 0 is the byte, variable 1 the result.")
         .def("__len__", [](const Shared<Labels>& labels) { return labels.value->size(); })
         .def("evaluate", &evaluate, "ram"_a, nb::arg("values").noconvert(), nb::arg("visible").noconvert(),
-             nb::sig("def evaluate(self, ram: " ARRAY("uint8") ", values: " ARRAY("int32") ", visible: " ARRAY("bool")
-                     ") -> None"),
+             nb::sig("def evaluate(self, ram: " ARRAY("uint8") ", values: " ARRAY("int32") ", visible: " ARRAY(
+                 "bool") ") -> None"),
              "Fill `values` and `visible`, (labels, rows), from `ram`, (rows, 128). Values that are not visible are 0.")
-        .def("byte_of",
-             [](const Shared<Labels>& labels, int label, Ram ram, int value) {
-                 check(labels, label, ram);
-                 return labels.value->byte_of(static_cast<size_t>(label), ram.data(), value);
-             }, "label"_a, "ram"_a, "value"_a,
-             nb::sig("def byte_of(self, label: int, ram: " ARRAY("uint8") ", value: int) -> int"),
-             "The byte that gives a label this value in this RAM, or -1.")
+        .def(
+            "byte_of",
+            [](const Shared<Labels>& labels, int label, Ram ram, int value) {
+                check(labels, label, ram);
+                return labels.value->byte_of(static_cast<size_t>(label), ram.data(), value);
+            },
+            "label"_a, "ram"_a, "value"_a,
+            nb::sig("def byte_of(self, label: int, ram: " ARRAY("uint8") ", value: int) -> int"),
+            "The byte that gives a label this value in this RAM, or -1.")
         .def("possible_values", &possible_values, "label"_a, "ram"_a,
              nb::sig("def possible_values(self, label: int, ram: " ARRAY("uint8") ") -> list[int]"),
              "The values that a write can give a label in this RAM, in ascending order.");

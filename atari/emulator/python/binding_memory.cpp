@@ -37,7 +37,8 @@ class Arrays {
         Values<T> values;
         if (!nb::try_cast(array, values, false) || values.size() != size)
             throw nb::value_error((std::string(name) + " must be a writable C-contiguous array of " +
-                                   std::to_string(size) + " values of its type").c_str());
+                                   std::to_string(size) + " values of its type")
+                                      .c_str());
         held_.push_back(nb::borrow(array));
         held_.push_back(prevent_resize(array));
         return values.data();
@@ -47,8 +48,9 @@ class Arrays {
     const T* readable(nb::handle array, size_t size, const char* name) {
         Values<const T> values;
         if (!nb::try_cast(array, values, false) || values.size() != size)
-            throw nb::value_error((std::string(name) + " must be a C-contiguous array of " + std::to_string(size) +
-                                   " values of its type").c_str());
+            throw nb::value_error(
+                (std::string(name) + " must be a C-contiguous array of " + std::to_string(size) + " values of its type")
+                    .c_str());
         held_.push_back(nb::borrow(array));
         return values.data();
     }
@@ -59,8 +61,9 @@ class Arrays {
 
 void check_process(uint32_t made_in) {
     if (made_in != process_generation)
-        throw std::runtime_error("this replay memory was made before the process was forked; make or open it in the "
-                                 "process that uses it");
+        throw std::runtime_error(
+            "this replay memory was made before the process was forked; make or open it in the "
+            "process that uses it");
 }
 
 // The memory as Python threads share it. The block is an object that Python releases.
@@ -134,7 +137,8 @@ struct BoundTarget {
             const int stack = this->stacks[part];
             if (stack < 1 || stack > geometry.parts[part].stack)
                 throw nb::value_error(("stack_num must be within 1.." + std::to_string(geometry.parts[part].stack) +
-                                       ", that of the memory").c_str());
+                                       ", that of the memory")
+                                          .c_str());
             const auto frames = static_cast<size_t>(stack + (length || has_next ? 0 : 1));
             const size_t size = shown * frames * geometry.parts[part].bytes;
             target.observations.push_back(arrays.writable<uint8_t>(observations[part], size, "observations"));
@@ -238,8 +242,8 @@ void reset(BoundMemory& bound, nb::object mask, const std::vector<nb::object>& f
         return;
     }
     Arrays arrays;
-    const auto* const chosen =
-        reinterpret_cast<const uint8_t*>(arrays.readable<bool>(mask, static_cast<size_t>(bound.geometry().lanes), "mask"));
+    const auto* const chosen = reinterpret_cast<const uint8_t*>(
+        arrays.readable<bool>(mask, static_cast<size_t>(bound.geometry().lanes), "mask"));
     const std::vector<const uint8_t*> parts = parts_of(arrays, bound.geometry(), frames);
     bound.use([&](memory::ReplayMemory& memory) { memory.reset(chosen, parts); });
 }
@@ -290,43 +294,55 @@ void update_priorities(BoundMemory& bound, nb::object indices, nb::object priori
 void register_memory(nb::module_& m) {
     nb::class_<Geometry>(m, "ReplayGeometry", "The sizes of a replay memory. ValueError if a number is out of range.")
         .def("__init__", &make_geometry, nb::kw_only(), "lanes"_a, "rows"_a, "margin"_a, "finals"_a, "parts"_a,
-             "action_bytes"_a, "autoreset"_a, "repeat_first"_a, "exponent"_a.none(), "saved"_a,
-             "packed_bytes"_a.none(),
+             "action_bytes"_a, "autoreset"_a, "repeat_first"_a, "exponent"_a.none(), "saved"_a, "packed_bytes"_a.none(),
              "`rows` and `margin` are steps of each lane. `parts` has for each the bytes of a frame, the bytes from a\n"
              "pixel to the one below, and the most frames of an observation. `autoreset` is 0 NEXT_STEP, 1 SAME_STEP,\n"
              "2 DISABLED. With `packed_bytes`, frames are compressed into so many bytes.")
         .def_static("least_packed_bytes", &memory::least_packed_bytes, "geometry"_a,
                     "The least `packed_bytes` with which a memory of these sizes works.")
-        .def_prop_ro("block_bytes", [](const Geometry& geometry) { return memory::Layout(geometry).bytes; },
-                     "Bytes of the block that a memory of these sizes lies in.")
-        .def_prop_ro("packed_offset", [](const Geometry& geometry) { return memory::Layout(geometry).packed; },
-                     "Where the compressed frames begin, which are written bit by bit as they are needed.");
-    nb::class_<BoundMemory>(m, "ReplayMemory", "The frames and steps of a replay memory. Use it through atari.learning.")
-        .def("__init__", [](BoundMemory* self, const Geometry& geometry, nb::object block) {
-                 new (self) BoundMemory(geometry, std::move(block));
-             }, "geometry"_a, "block"_a,
-             nb::sig("def __init__(self, geometry: ReplayGeometry, block: " ARRAY("uint8") ") -> None"),
-             "`block` has `geometry.block_bytes` bytes: zeros, or those of a memory of this geometry, then call `load`.")
-        .def("next_place", [](BoundMemory& bound) {
-                 return bound.use_briefly([](memory::ReplayMemory& memory) { return memory.next_place(); });
-             }, "The place of the next row's frames, in 0 .. places-1.")
-        .def("places", [](BoundMemory& bound, size_t part) {
-                 return bound.use_briefly([&](memory::ReplayMemory& memory) {
-                     if (part >= memory.geometry().parts.size()) throw nb::index_error("there is no such part");
-                     return std::pair(memory.frames_offset(part), memory.places());
-                 });
-             }, "part"_a, "Where the frames of a part begin in the block, and for how many rows there is a place.")
-        .def("seed", [](BoundMemory& bound, uint64_t seed) {
-                 bound.use_briefly([&](memory::ReplayMemory& memory) { memory.seed(seed); });
-             }, "seed"_a)
+        .def_prop_ro(
+            "block_bytes", [](const Geometry& geometry) { return memory::Layout(geometry).bytes; },
+            "Bytes of the block that a memory of these sizes lies in.")
+        .def_prop_ro(
+            "packed_offset", [](const Geometry& geometry) { return memory::Layout(geometry).packed; },
+            "Where the compressed frames begin, which are written bit by bit as they are needed.");
+    nb::class_<BoundMemory>(m, "ReplayMemory",
+                            "The frames and steps of a replay memory. Use it through atari.learning.")
+        .def(
+            "__init__",
+            [](BoundMemory* self, const Geometry& geometry, nb::object block) {
+                new (self) BoundMemory(geometry, std::move(block));
+            },
+            "geometry"_a, "block"_a,
+            nb::sig("def __init__(self, geometry: ReplayGeometry, block: " ARRAY("uint8") ") -> None"),
+            "`block` has `geometry.block_bytes` bytes: zeros, or those of a memory of this geometry, then call `load`.")
+        .def(
+            "next_place",
+            [](BoundMemory& bound) {
+                return bound.use_briefly([](memory::ReplayMemory& memory) { return memory.next_place(); });
+            },
+            "The place of the next row's frames, in 0 .. places-1.")
+        .def(
+            "places",
+            [](BoundMemory& bound, size_t part) {
+                return bound.use_briefly([&](memory::ReplayMemory& memory) {
+                    if (part >= memory.geometry().parts.size()) throw nb::index_error("there is no such part");
+                    return std::pair(memory.frames_offset(part), memory.places());
+                });
+            },
+            "part"_a, "Where the frames of a part begin in the block, and for how many rows there is a place.")
+        .def(
+            "seed",
+            [](BoundMemory& bound, uint64_t seed) {
+                bound.use_briefly([&](memory::ReplayMemory& memory) { memory.seed(seed); });
+            },
+            "seed"_a)
         .def("reset", &reset, "mask"_a.none(), "frames"_a,
-             nb::sig("def reset(self, mask: " ARRAY("bool") " | None, frames: Sequence[" ARRAY("uint8")
-                     "]) -> None"),
+             nb::sig("def reset(self, mask: " ARRAY("bool") " | None, frames: Sequence[" ARRAY("uint8") "]) -> None"),
              "Begin episodes in all lanes, with the next row's frames; or in those of `mask`, with `frames`.")
         .def("add", &add, "actions"_a, "rewards"_a, "terminated"_a, "truncated"_a, "finals"_a,
-             nb::sig("def add(self, actions: " ARRAY("uint8") ", rewards: " ARRAY("float32") ", terminated: "
-                     ARRAY("bool") ", truncated: " ARRAY("bool") ", finals: Sequence[" ARRAY("uint8")
-                     "]) -> None"),
+             nb::sig("def add(self, actions: " ARRAY("uint8") ", rewards: " ARRAY("float32") ", terminated: " ARRAY(
+                 "bool") ", truncated: " ARRAY("bool") ", finals: Sequence[" ARRAY("uint8") "]) -> None"),
              "Complete a step of all lanes; the next row's frames have been written. `actions` are bytes.")
         .def("try_add", &try_add, "actions"_a, "rewards"_a, "terminated"_a, "truncated"_a,
              nb::sig("def try_add(self, actions: object, rewards: object, terminated: object, truncated: object) "
@@ -334,38 +350,48 @@ void register_memory(nb::module_& m) {
              "As `add`, if the arrays are int64, int32 and bool, of one axis; returns whether they were.")
         .def("observe", &observe, "stacks"_a, "to"_a,
              nb::sig("def observe(self, stacks: Sequence[int], to: Sequence[" ARRAY("uint8") "]) -> None"))
-        .def("count", [](BoundMemory& bound, int64_t reach) {
-                 return bound.use_briefly([&](memory::ReplayMemory& memory) { return memory.count(reach); });
-             }, "reach"_a)
+        .def(
+            "count",
+            [](BoundMemory& bound, int64_t reach) {
+                return bound.use_briefly([&](memory::ReplayMemory& memory) { return memory.count(reach); });
+            },
+            "reach"_a)
         .def("sample", &sample, "target"_a, "reach"_a, "discount"_a, "beta"_a.none(), "threads"_a)
         .def("update_priorities", &update_priorities, "indices"_a, "priorities"_a,
-             nb::sig("def update_priorities(self, indices: " ARRAY("int64") ", priorities: " ARRAY("float64")
-                     ") -> None"))
-        .def("save", [](BoundMemory& bound) { bound.use([](memory::ReplayMemory& memory) { memory.save(); }); },
-             "Make the present state the one that `load` finds.")
-        .def("load", [](BoundMemory& bound, bool verify) {
-                 bound.use([&](memory::ReplayMemory& memory) { memory.load(verify); });
-             }, "verify"_a, "Read the last saved state; ValueError says what is damaged. `verify` reads all frames.")
-        .def_prop_ro("numbers", [](BoundMemory& bound) {
-                 return bound.use_briefly([](memory::ReplayMemory& memory) {
-                     const memory::State& state = memory.state();
-                     return std::tuple(state.started != 0, state.steps, memory.saves(), memory.used_bytes());
-                 });
-             }, "Whether there was a reset, the steps ever added, the saves, and the bytes in use.");
+             nb::sig(
+                 "def update_priorities(self, indices: " ARRAY("int64") ", priorities: " ARRAY("float64") ") -> None"))
+        .def(
+            "save", [](BoundMemory& bound) { bound.use([](memory::ReplayMemory& memory) { memory.save(); }); },
+            "Make the present state the one that `load` finds.")
+        .def(
+            "load",
+            [](BoundMemory& bound, bool verify) {
+                bound.use([&](memory::ReplayMemory& memory) { memory.load(verify); });
+            },
+            "verify"_a, "Read the last saved state; ValueError says what is damaged. `verify` reads all frames.")
+        .def_prop_ro(
+            "numbers",
+            [](BoundMemory& bound) {
+                return bound.use_briefly([](memory::ReplayMemory& memory) {
+                    const memory::State& state = memory.state();
+                    return std::tuple(state.started != 0, state.steps, memory.saves(), memory.used_bytes());
+                });
+            },
+            "Whether there was a reset, the steps ever added, the saves, and the bytes in use.");
     nb::class_<BoundTarget>(m, "ReplayTarget", "The arrays of a batch. `sample` writes to them.")
-        .def(nb::init<const BoundMemory&, int64_t, int64_t, std::vector<int>, const std::vector<nb::object>&,
-                      const std::vector<nb::object>&, nb::object, nb::object, nb::object, nb::object, nb::object,
-                      nb::object, nb::object, nb::object>(),
-             "memory"_a, "count"_a, "length"_a, "stacks"_a, "observations"_a, "next_observations"_a, "actions"_a,
-             "rewards"_a, "terminations"_a, "truncations"_a, "indices"_a, "discounts"_a.none(), "weights"_a.none(),
-             "mask"_a.none(),
-             nb::sig("def __init__(self, memory: ReplayMemory, count: int, length: int, stacks: Sequence[int], "
-                     "observations: Sequence[" ARRAY("uint8") "], next_observations: Sequence[" ARRAY("uint8")
-                     "], actions: " ARRAY("uint8") ", rewards: " ARRAY("float32") ", terminations: " ARRAY("bool")
-                     ", truncations: " ARRAY("bool") ", indices: " ARRAY("int64") ", discounts: " ARRAY("float32")
-                     " | None, weights: " ARRAY("float32") " | None, mask: " ARRAY("bool") " | None) -> None"),
-             "For sequences `length` is theirs, and they have a mask; for transitions it is 0. Transitions of one step may\n"
-             "have no `next_observations`; then each observation has one more frame, the newest of the next one.");
+        .def(
+            nb::init<const BoundMemory&, int64_t, int64_t, std::vector<int>, const std::vector<nb::object>&,
+                     const std::vector<nb::object>&, nb::object, nb::object, nb::object, nb::object, nb::object,
+                     nb::object, nb::object, nb::object>(),
+            "memory"_a, "count"_a, "length"_a, "stacks"_a, "observations"_a, "next_observations"_a, "actions"_a,
+            "rewards"_a, "terminations"_a, "truncations"_a, "indices"_a, "discounts"_a.none(), "weights"_a.none(),
+            "mask"_a.none(),
+            nb::sig(
+                "def __init__(self, memory: ReplayMemory, count: int, length: int, stacks: Sequence[int], "
+                "observations: Sequence[" ARRAY("uint8") "], next_observations: Sequence[" ARRAY("uint8") "], actions: " ARRAY("uint8") ", rewards: " ARRAY("float32") ", terminations: " ARRAY(
+                    "bool") ", truncations: " ARRAY("bool") ", indices: " ARRAY("int64") ", discounts: " ARRAY("float32") " | None, weights: " ARRAY("float32") " | None, mask: " ARRAY("bool") " | None) -> None"),
+            "For sequences `length` is theirs, and they have a mask; for transitions it is 0. Transitions of one step may\n"
+            "have no `next_observations`; then each observation has one more frame, the newest of the next one.");
 }
 
 }  // namespace atari

@@ -28,11 +28,12 @@ void make_gray_of_pairs(Shared<GrayOfPairs>* self, nb::bytes values) {
 }  // namespace
 
 void register_settings(nb::module_& m) {
-    nb::enum_<EpisodeKind>(m, "EpisodeKind", 
-                           "In which order no-ops, FIRE, lost lives and the frame skip are applied: as in ale-py's "
-                           "AtariVectorEnv,\n"
-                           "as by wrappers of single frames inside of the frame skip, or as in OpenAI's Baselines; or a game\n"
-                           "of several players.")
+    nb::enum_<EpisodeKind>(
+        m, "EpisodeKind",
+        "In which order no-ops, FIRE, lost lives and the frame skip are applied: as in ale-py's "
+        "AtariVectorEnv,\n"
+        "as by wrappers of single frames inside of the frame skip, or as in OpenAI's Baselines; or a game\n"
+        "of several players.")
         .value("ALE", EpisodeKind::kAle)
         .value("FRAMES", EpisodeKind::kFrames)
         .value("BASELINES", EpisodeKind::kBaselines)
@@ -100,18 +101,18 @@ void register_settings(nb::module_& m) {
                            "and\n"
                            "eight of the episode's generator.")
         .def(nb::init<>())
-        .def_prop_rw("game", [](const MemberSpec& x) { return Shared<Game>{x.game}; },
-                     [](MemberSpec& x, const Shared<Game>& game) { x.game = game.value; })
+        .def_prop_rw(
+            "game", [](const MemberSpec& x) { return Shared<Game>{x.game}; },
+            [](MemberSpec& x, const Shared<Game>& game) { x.game = game.value; })
         .def_rw("actions", &MemberSpec::actions)
         .def_rw("action_set", &MemberSpec::action_set)
         .def_rw("mode", &MemberSpec::mode, nb::arg().none())
         .def_rw("difficulty", &MemberSpec::difficulty, nb::arg().none())
         .def_rw("seed", &MemberSpec::seed)
-        .def_prop_rw("gray_of_pairs", [](const MemberSpec& x) { return Shared<GrayOfPairs>{x.gray_of_pairs}; },
-                     [](MemberSpec& x, const Shared<GrayOfPairs>* table) {
-                         x.gray_of_pairs = table ? table->value : nullptr;
-                     },
-                     nb::for_setter(nb::arg("table").none()));
+        .def_prop_rw(
+            "gray_of_pairs", [](const MemberSpec& x) { return Shared<GrayOfPairs>{x.gray_of_pairs}; },
+            [](MemberSpec& x, const Shared<GrayOfPairs>* table) { x.gray_of_pairs = table ? table->value : nullptr; },
+            nb::for_setter(nb::arg("table").none()));
 }
 
 }  // namespace atari

@@ -31,15 +31,16 @@ T* rows_of(BoundBatch& batch, nb::object array, size_t size, const char* what) {
     if (array.is_none()) return nullptr;
     Rows<T> rows;
     if (!nb::try_cast(array, rows, false) || rows.size() != size)
-        throw nb::value_error((std::string(what) + " must be a writable C-contiguous array of " + std::to_string(size) +
-                               " values").c_str());
+        throw nb::value_error(
+            (std::string(what) + " must be a writable C-contiguous array of " + std::to_string(size) + " values")
+                .c_str());
     batch.arrays.push_back(array);
     batch.arrays.push_back(prevent_resize(array));
     return rows.data();
 }
 
 void make_batch(BoundBatch* self, BoundEngine& engine, nb::object pixels, nb::object ram, nb::object final_pixels,
-                       nb::object final_ram, nb::object numbers, nb::object games, nb::object flags) {
+                nb::object final_ram, nb::object numbers, nb::object games, nb::object flags) {
     auto bound = BoundBatch{};
     const size_t rows = bound.rows = engine.rows();
     bound.pixels = engine.pixels();
@@ -80,7 +81,7 @@ void make_batch(BoundBatch* self, BoundEngine& engine, nb::object pixels, nb::ob
 BoundBatch aimed_at(const BoundBatch& batch, nb::object pixels, nb::object ram) {
     BoundBatch bound{{}, {}, {}, batch.rows, batch.pixels, batch.players};
     const Batch::Observation observation = {rows_of<uint8_t>(bound, pixels, batch.rows * batch.pixels, "pixels"),
-                                rows_of<uint8_t>(bound, ram, 128 * batch.rows, "ram")};
+                                            rows_of<uint8_t>(bound, ram, 128 * batch.rows, "ram")};
     bound.shown.swap(bound.arrays);
     bound.arrays = batch.arrays;
     bound.batch = batch.batch;
@@ -150,29 +151,25 @@ void register_vector_ram(EngineClass& engine);  // binding_vector_ram.cpp
 
 void register_vector(nb::module_& m) {
     register_settings(m);
-    nb::enum_<VectorEngine::RamOf>(m, "RamOf",
-                                   "The RAM now, that of the last result, or of that the one before a reset in the last step.")
+    nb::enum_<VectorEngine::RamOf>(
+        m, "RamOf", "The RAM now, that of the last result, or of that the one before a reset in the last step.")
         .value("NOW", VectorEngine::RamOf::kNow)
         .value("RESULT", VectorEngine::RamOf::kResult)
         .value("FINAL", VectorEngine::RamOf::kFinal);
     nb::class_<BoundBatch> batch(m, "Batch",
-                           "Arrays for the results of a batch. Threads write to them between start and receive.");
-    batch.def("__init__", &make_batch, "engine"_a, nb::kw_only(), "pixels"_a.none(), "ram"_a.none(),
-             "final_pixels"_a.none(),
-             "final_ram"_a.none(), "numbers"_a, "games"_a, "flags"_a,
-             nb::sig("def __init__(self, engine: VectorEngine, *, pixels: " ARRAY("uint8")
-                     " | None, ram: " ARRAY("uint8")
-                     " | None, final_pixels: " ARRAY("uint8") " | None, final_ram: " ARRAY("uint8")
-                     " | None, numbers: " ARRAY("int32") ", games: " ARRAY("float64")
-                     ", flags: " ARRAY("bool") ") -> None"),
-             "`numbers` is int32: reward, reward before clipping, lives, lives of the final observation, each (rows,\n"
-             "players); environment, frame and episode frame number, steps of the game, frame and episode frame number\n"
-             "of the final observation, each (rows,). `games` is float64: score (rows, players), frames and seconds\n"
-             "(rows,) of the game that ended. `flags` is bool: terminated and truncated (rows, players); game over, has\n"
-             "a final observation, a game ended, each (rows,).");
+                                 "Arrays for the results of a batch. Threads write to them between start and receive.");
+    batch.def(
+        "__init__", &make_batch, "engine"_a, nb::kw_only(), "pixels"_a.none(), "ram"_a.none(), "final_pixels"_a.none(),
+        "final_ram"_a.none(), "numbers"_a, "games"_a, "flags"_a,
+        nb::sig("def __init__(self, engine: VectorEngine, *, pixels: " ARRAY("uint8") " | None, ram: " ARRAY("uint8") " | None, final_pixels: " ARRAY(
+            "uint8") " | None, final_ram: " ARRAY("uint8") " | None, numbers: " ARRAY("int32") ", games: " ARRAY("float64") ", flags: " ARRAY("bool") ") -> None"),
+        "`numbers` is int32: reward, reward before clipping, lives, lives of the final observation, each (rows,\n"
+        "players); environment, frame and episode frame number, steps of the game, frame and episode frame number\n"
+        "of the final observation, each (rows,). `games` is float64: score (rows, players), frames and seconds\n"
+        "(rows,) of the game that ended. `flags` is bool: terminated and truncated (rows, players); game over, has\n"
+        "a final observation, a game ended, each (rows,).");
     batch.def("aimed_at", &aimed_at, "pixels"_a.none(), "ram"_a.none(),
-              nb::sig("def aimed_at(self, pixels: " ARRAY("uint8") " | None, ram: " ARRAY("uint8")
-                      " | None) -> Batch"),
+              nb::sig("def aimed_at(self, pixels: " ARRAY("uint8") " | None, ram: " ARRAY("uint8") " | None) -> Batch"),
               "A batch with other arrays of observations, which shares the other arrays.");
     nb::class_<BoundSnapshot>(m, "MemberSnapshot",
                               "The state of an environment of a vector, in memory. It can be pickled.")
@@ -190,8 +187,7 @@ void register_vector(nb::module_& m) {
     nb::class_<Loan>(m, "Loan", nb::type_slots(kLoanSlots),
                      "A share in an array's memory, for `numpy.ndarray(buffer=)`.");
     nb::class_<ArrayLender>(m, "ArrayLender", "Lends the memory of a uint8 array, without a copy.")
-        .def(nb::init<nb::object>(), "array"_a,
-             nb::sig("def __init__(self, array: " ARRAY("uint8") ") -> None"))
+        .def(nb::init<nb::object>(), "array"_a, nb::sig("def __init__(self, array: " ARRAY("uint8") ") -> None"))
         .def("lend", &ArrayLender::lend)
         .def_prop_ro("lent", &ArrayLender::lent,
                      "Whether a loan exists: an array made of one, or a view or tensor of that.");
@@ -199,25 +195,27 @@ void register_vector(nb::module_& m) {
                            "The lock of a vector environment, for `with`. RuntimeError in a forked process.")
         .def(nb::init<>())
         .def("__enter__", &VectorLock::enter)
-        .def("__exit__", [](VectorLock& lock, nb::handle, nb::handle, nb::handle) { lock.exit(); }, "type"_a.none(),
-             "value"_a.none(), "traceback"_a.none());
+        .def(
+            "__exit__", [](VectorLock& lock, nb::handle, nb::handle, nb::handle) { lock.exit(); }, "type"_a.none(),
+            "value"_a.none(), "traceback"_a.none());
     EngineClass engine(m, "VectorEngine",
                        "Environments played by a pool of threads. Use it through atari.AtariVectorEnv.");
     engine.def("__init__", &make_engine, "members"_a, "episode"_a, "observation"_a, "settings"_a)
-        .def("start", &BoundEngine::start, "actions"_a, "strengths"_a.none(), "batch"_a.none(),
-             "environments"_a = nb::none(),
-             nb::sig("def start(self, actions: " ARRAY("int64") ", strengths: " ARRAY("float32")
-                     " | None, batch: Batch | None, environments: " ARRAY("int64") " | None = None) -> None"),
-             "Begin a step of the environments of the last batch; the batch is where results go if it is of all of "
-             "them.\n"
-             "`environments` are those to step, in the order of the actions. If a batch has all, they may be some: the\n"
-             "rows of the others show the last results again.")
-        .def("reset", &BoundEngine::reset, "mask"_a, "seeded"_a, "seeds"_a, "batch"_a.none(),
-             "new_games"_a = false,
-             nb::sig("def reset(self, mask: " ARRAY("bool") ", seeded: " ARRAY("bool") ", seeds: " ARRAY("uint32")
-                     ", batch: Batch | None, new_games: bool = False) -> None"),
-             "Begin a reset of the environments in `mask`; `seeds` as above. With `new_games`, none continues its game\n"
-             "after a lost life.")
+        .def(
+            "start", &BoundEngine::start, "actions"_a, "strengths"_a.none(), "batch"_a.none(),
+            "environments"_a = nb::none(),
+            nb::sig("def start(self, actions: " ARRAY("int64") ", strengths: " ARRAY(
+                "float32") " | None, batch: Batch | None, environments: " ARRAY("int64") " | None = None) -> None"),
+            "Begin a step of the environments of the last batch; the batch is where results go if it is of all of "
+            "them.\n"
+            "`environments` are those to step, in the order of the actions. If a batch has all, they may be some: the\n"
+            "rows of the others show the last results again.")
+        .def(
+            "reset", &BoundEngine::reset, "mask"_a, "seeded"_a, "seeds"_a, "batch"_a.none(), "new_games"_a = false,
+            nb::sig("def reset(self, mask: " ARRAY("bool") ", seeded: " ARRAY("bool") ", seeds: " ARRAY(
+                "uint32") ", batch: Batch | None, new_games: bool = False) -> None"),
+            "Begin a reset of the environments in `mask`; `seeds` as above. With `new_games`, none continues its game\n"
+            "after a lost life.")
         .def("receive", &BoundEngine::receive, "batch"_a,
              "Wait for a batch of results; whether an episode or a game ended in it.")
         .def_prop_ro("sent", &BoundEngine::sent, "Whether a batch has been sent and not received.")
@@ -230,24 +228,29 @@ void register_vector(nb::module_& m) {
         .def("load", &BoundEngine::load, "environment"_a, "state"_a);
     register_vector_ram(engine);
     engine
-        .def("numbers", [](BoundEngine& x, int i) {
-                 return x.get(i, [players = static_cast<int>(x.players())](Environment& e) {
-                     std::vector<int> numbers{e.frame_number(), e.episode_frame_number()};
-                     for (int player = 0; player < players; ++player) numbers.push_back(e.lives(player));
-                     return numbers;
-                 });
-             }, "environment"_a, "Frame number, episode frame number, and the lives of each player.")
-        .def("mode", [](BoundEngine& x, int i) { return x.get(i, [](Environment& e) { return e.mode(); }); },
-             "environment"_a)
-        .def("difficulty",
-             [](BoundEngine& x, int i) { return x.get(i, [](Environment& e) { return e.difficulty(); }); },
-             "environment"_a)
-        .def("set_mode",
-             [](BoundEngine& x, int i, int mode) { x.get(i, [&](Environment& e) { e.set_mode(mode); }); },
-             "environment"_a, "mode"_a)
-        .def("set_difficulty",
-             [](BoundEngine& x, int i, int value) { x.get(i, [&](Environment& e) { e.set_difficulty(value); }); },
-             "environment"_a, "difficulty"_a);
+        .def(
+            "numbers",
+            [](BoundEngine& x, int i) {
+                return x.get(i, [players = static_cast<int>(x.players())](Environment& e) {
+                    std::vector<int> numbers{e.frame_number(), e.episode_frame_number()};
+                    for (int player = 0; player < players; ++player) numbers.push_back(e.lives(player));
+                    return numbers;
+                });
+            },
+            "environment"_a, "Frame number, episode frame number, and the lives of each player.")
+        .def(
+            "mode", [](BoundEngine& x, int i) { return x.get(i, [](Environment& e) { return e.mode(); }); },
+            "environment"_a)
+        .def(
+            "difficulty", [](BoundEngine& x, int i) { return x.get(i, [](Environment& e) { return e.difficulty(); }); },
+            "environment"_a)
+        .def(
+            "set_mode", [](BoundEngine& x, int i, int mode) { x.get(i, [&](Environment& e) { e.set_mode(mode); }); },
+            "environment"_a, "mode"_a)
+        .def(
+            "set_difficulty",
+            [](BoundEngine& x, int i, int value) { x.get(i, [&](Environment& e) { e.set_difficulty(value); }); },
+            "environment"_a, "difficulty"_a);
 }
 
 }  // namespace atari

@@ -37,49 +37,62 @@ void register_vector_ram(EngineClass& engine) {
              nb::sig("def screen_rgb(self, environment: int) -> " ARRAY("uint8")))
         .def("redraw", &screen_of<&Environment::redraw>, "environment"_a,
              nb::sig("def redraw(self, environment: int) -> " ARRAY("uint8")))
-        .def("ram", [](BoundEngine& x, int i) {
-                 const auto ram = x.get(i, [](Environment& e) {
-                     return std::vector<uint8_t>(e.ram(), e.ram() + 128);
-                 });
-                 return nb::bytes(ram.data(), ram.size());
-             }, "environment"_a)
-        .def("copy_rams", [](BoundEngine& x, List<int64_t> environments, Rams out, VectorEngine::RamOf of) {
-                 if (out.shape(0) != environments.shape(0) || out.shape(1) != 128)
-                     throw nb::value_error("out must be of shape (environments, 128)");
-                 std::vector<int> numbers;
-                 for (size_t i = 0; i < environments.size(); ++i)
-                     numbers.push_back(static_cast<int>(std::clamp<int64_t>(environments(i), -1, INT32_MAX)));
-                 const std::vector<uint8_t> rams = x.rams(numbers, of);
-                 std::copy(rams.begin(), rams.end(), out.data());
-             }, "environments"_a, nb::arg("out").noconvert(), "of"_a,
-             nb::sig("def copy_rams(self, environments: " ARRAY("int64") ", out: " ARRAY("uint8")
-                     ", of: RamOf) -> None"),
-             "Copy the RAM of environments to the rows of `out`.")
-        .def("evaluate_labels",
-             [](BoundEngine& x, const Shared<Labels>& labels, List<int32_t> environments, Table<int32_t> values,
-                Table<bool> visible, VectorEngine::RamOf of) {
-                 const size_t count = labels.value->size(), rows = environments.size();
-                 if (values.shape(0) != count || values.shape(1) != rows || visible.shape(0) != count ||
-                     visible.shape(1) != rows)
-                     throw nb::value_error("values and visible must be of shape (labels, environments)");
-                 const std::vector<uint8_t> rams = x.rams({environments.data(), environments.data() + rows}, of);
-                 labels.value->evaluate(rams.data(), rows, values.data(), reinterpret_cast<uint8_t*>(visible.data()));
-             }, "labels"_a, "environments"_a, nb::arg("values").noconvert(), nb::arg("visible").noconvert(), "of"_a,
-             nb::sig("def evaluate_labels(self, labels: Labels, environments: " ARRAY("int32") ", values: " ARRAY("int32")
-                     ", visible: " ARRAY("bool") ", of: RamOf) -> None"),
-             "As `copy_rams`, then `labels.evaluate` with the copies.")
-        .def("set_ram", [](BoundEngine& x, int i, int index, int value) {
-                 x.get(i, [&](Environment& e) { e.set_ram(index & 127, value & 255); });
-             }, "environment"_a, "index"_a, "value"_a)
-        .def("add_write",
-             [](BoundEngine& x, int i, const Shared<Write>& write, bool now) {
-                 if (!x.get(i, [&](Environment& e) { return e.add_write(write.value, now); }))
-                     throw nb::value_error(kTooManyWrites);
-             }, "environment"_a, "write"_a, "now"_a = false, "As Emulator.add_write.")
-        .def("remove_write",
-             [](BoundEngine& x, int i, const Shared<Write>& write) {
-                 x.get(i, [&](Environment& e) { e.remove_write(write.value.get()); });
-             }, "environment"_a, "write"_a);
+        .def(
+            "ram",
+            [](BoundEngine& x, int i) {
+                const auto ram = x.get(i, [](Environment& e) { return std::vector<uint8_t>(e.ram(), e.ram() + 128); });
+                return nb::bytes(ram.data(), ram.size());
+            },
+            "environment"_a)
+        .def(
+            "copy_rams",
+            [](BoundEngine& x, List<int64_t> environments, Rams out, VectorEngine::RamOf of) {
+                if (out.shape(0) != environments.shape(0) || out.shape(1) != 128)
+                    throw nb::value_error("out must be of shape (environments, 128)");
+                std::vector<int> numbers;
+                for (size_t i = 0; i < environments.size(); ++i)
+                    numbers.push_back(static_cast<int>(std::clamp<int64_t>(environments(i), -1, INT32_MAX)));
+                const std::vector<uint8_t> rams = x.rams(numbers, of);
+                std::copy(rams.begin(), rams.end(), out.data());
+            },
+            "environments"_a, nb::arg("out").noconvert(), "of"_a,
+            nb::sig(
+                "def copy_rams(self, environments: " ARRAY("int64") ", out: " ARRAY("uint8") ", of: RamOf) -> None"),
+            "Copy the RAM of environments to the rows of `out`.")
+        .def(
+            "evaluate_labels",
+            [](BoundEngine& x, const Shared<Labels>& labels, List<int32_t> environments, Table<int32_t> values,
+               Table<bool> visible, VectorEngine::RamOf of) {
+                const size_t count = labels.value->size(), rows = environments.size();
+                if (values.shape(0) != count || values.shape(1) != rows || visible.shape(0) != count ||
+                    visible.shape(1) != rows)
+                    throw nb::value_error("values and visible must be of shape (labels, environments)");
+                const std::vector<uint8_t> rams = x.rams({environments.data(), environments.data() + rows}, of);
+                labels.value->evaluate(rams.data(), rows, values.data(), reinterpret_cast<uint8_t*>(visible.data()));
+            },
+            "labels"_a, "environments"_a, nb::arg("values").noconvert(), nb::arg("visible").noconvert(), "of"_a,
+            nb::sig("def evaluate_labels(self, labels: Labels, environments: " ARRAY("int32") ", values: " ARRAY(
+                "int32") ", visible: " ARRAY("bool") ", of: RamOf) -> None"),
+            "As `copy_rams`, then `labels.evaluate` with the copies.")
+        .def(
+            "set_ram",
+            [](BoundEngine& x, int i, int index, int value) {
+                x.get(i, [&](Environment& e) { e.set_ram(index & 127, value & 255); });
+            },
+            "environment"_a, "index"_a, "value"_a)
+        .def(
+            "add_write",
+            [](BoundEngine& x, int i, const Shared<Write>& write, bool now) {
+                if (!x.get(i, [&](Environment& e) { return e.add_write(write.value, now); }))
+                    throw nb::value_error(kTooManyWrites);
+            },
+            "environment"_a, "write"_a, "now"_a = false, "As Emulator.add_write.")
+        .def(
+            "remove_write",
+            [](BoundEngine& x, int i, const Shared<Write>& write) {
+                x.get(i, [&](Environment& e) { e.remove_write(write.value.get()); });
+            },
+            "environment"_a, "write"_a);
 }
 
 }  // namespace atari

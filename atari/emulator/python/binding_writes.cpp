@@ -17,10 +17,12 @@ using namespace nb::literals;
 namespace atari {
 namespace {
 
-Program program(const std::vector<int32_t>& words) { return words.empty() ? Program() : Program(words, kWriteVariables, false); }
+Program program(const std::vector<int32_t>& words) {
+    return words.empty() ? Program() : Program(words, kWriteVariables, false);
+}
 
-Shared<Write> make_write(int index, int mask, bool every_frame, bool at_reset, const std::vector<int32_t>& frames, bool once,
-                         bool paid, bool remembers, const std::vector<int32_t>& condition,
+Shared<Write> make_write(int index, int mask, bool every_frame, bool at_reset, const std::vector<int32_t>& frames,
+                         bool once, bool paid, bool remembers, const std::vector<int32_t>& condition,
                          const std::vector<int32_t>& value, const std::vector<int32_t>& label,
                          const std::string& definition) {
     auto write = std::make_shared<Write>();
@@ -47,10 +49,12 @@ Shared<Write> make_write(int index, int mask, bool every_frame, bool at_reset, c
 
 void register_writes(nb::module_& m) {
     nb::class_<Shared<Write>>(m, "Write", "A write to RAM, compiled. Immutable; emulators share it.")
-        .def_prop_ro("definition", [](const Shared<Write>& write) { return write.value->definition; },
-                     "The text that `make_write` was given.")
-        .def_prop_ro("label_values", [](const Shared<Write>& write) { return write.value->label_values; },
-                     "The value of the label for each byte; empty if it depends on other bytes, or there is no label.");
+        .def_prop_ro(
+            "definition", [](const Shared<Write>& write) { return write.value->definition; },
+            "The text that `make_write` was given.")
+        .def_prop_ro(
+            "label_values", [](const Shared<Write>& write) { return write.value->label_values; },
+            "The value of the label for each byte; empty if it depends on other bytes, or there is no label.");
     m.attr("MOST_WRITES") = kMaxWrites;
     m.def("make_write", &make_write, nb::kw_only(), "index"_a, "mask"_a, "every_frame"_a, "at_reset"_a, "frames"_a,
           "once"_a, "paid"_a, "remembers"_a, "condition"_a, "value"_a, "label"_a, "definition"_a,

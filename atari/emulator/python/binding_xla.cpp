@@ -203,9 +203,7 @@ void send(Port& port, const CallFrame& call) {
     port.engine->send_natively(actions, &environments, port.staging);
 }
 
-void recv(Port& port, const CallFrame& call) {
-    port.engine->receive_natively(results_of(port, call.results));
-}
+void recv(Port& port, const CallFrame& call) { port.engine->receive_natively(results_of(port, call.results)); }
 
 xla::Error* failure(const CallFrame& call, xla::ErrorCode code, const char* what) {
     xla::ErrorCreateArguments arguments{sizeof arguments, nullptr, what, code};
@@ -216,8 +214,9 @@ template <void (*work)(Port&, const CallFrame&)>
 void execute(const CallFrame& call) {
     const uint64_t handle = pass_handle(call);
     const std::shared_ptr<Port> port = ports().find(handle);
-    const XlaError closed(xla::kNotFound, "there is no environment of this handle: it was closed, or is of another "
-                                          "process; call envs.xla() for a new one");
+    const XlaError closed(xla::kNotFound,
+                          "there is no environment of this handle: it was closed, or is of another "
+                          "process; call envs.xla() for a new one");
     if (!port) throw closed;
     const std::lock_guard guard(port->lock);
     if (!port->engine) throw closed;
@@ -296,8 +295,7 @@ nb::dict targets() {
 }  // namespace
 
 void register_xla(nb::module_& m) {
-    nb::class_<XlaPort>(m, "XlaPort",
-                        "A vector engine for functions compiled by JAX, until this object has gone.")
+    nb::class_<XlaPort>(m, "XlaPort", "A vector engine for functions compiled by JAX, until this object has gone.")
         .def(nb::init<nb::handle_t<BoundEngine>, bool, bool>(), "engine"_a, "pixels"_a, "ram"_a,
              nb::sig("def __init__(self, engine: VectorEngine, pixels: bool, ram: bool) -> None"))
         .def_prop_ro("handle", &XlaPort::handle, "Eight bytes by which handlers find the engine.");

@@ -153,7 +153,8 @@ class BoundEngine : Exclusive {
             check_ready();
             if (environments && environments->size() != rows())
                 throw nb::value_error("env_id must have as many rows as a batch");
-            begin(actions, std::vector<float>(actions.size(), 1.0f), environments, queued() ? nullptr : &staging, [] {});
+            begin(actions, std::vector<float>(actions.size(), 1.0f), environments, queued() ? nullptr : &staging,
+                  [] {});
         });
     }
 
@@ -203,8 +204,8 @@ class BoundEngine : Exclusive {
                 snapshots.push_back(copies[i].within(*engine_, environments[i]));
                 if (!snapshots[i])
                     throw nb::value_error(("snapshot " + std::to_string(i) + " is of another game than environment " +
-                                           std::to_string(environments[i]) +
-                                           ", or was taken with other options").c_str());
+                                           std::to_string(environments[i]) + ", or was taken with other options")
+                                              .c_str());
             }
             for (size_t i = 0; i < copies.size(); ++i) engine_->restore(environments[i], std::move(snapshots[i]));
         });
@@ -273,12 +274,21 @@ class BoundEngine : Exclusive {
         };
         const std::vector<int>& recent = engine_->recent();
         const bool received = briefly([&] {
-            return engine_->pending() == 0 || std::all_of(environments.begin(), environments.end(), [&](int environment) {
-                return std::find(recent.begin(), recent.end(), environment) != recent.end();
-            });
+            return engine_->pending() == 0 ||
+                   std::all_of(environments.begin(), environments.end(), [&](int environment) {
+                       return std::find(recent.begin(), recent.end(), environment) != recent.end();
+                   });
         });
-        if (received) briefly([&] { check_received(environments); copy(); });
-        else locked([&] { check_idle(environments); copy(); });
+        if (received)
+            briefly([&] {
+                check_received(environments);
+                copy();
+            });
+        else
+            locked([&] {
+                check_idle(environments);
+                copy();
+            });
         return rams;
     }
 
@@ -383,8 +393,8 @@ class BoundEngine : Exclusive {
         for (size_t i = 0; i < numbers.size(); ++i) {
             const std::string which = "environment " + std::to_string(numbers[i]) + " in row " + std::to_string(i);
             if (numbers[i] < 0 || numbers[i] >= engine_->size())
-                throw nb::index_error((which + " does not exist; env_id is within 0.." +
-                                       std::to_string(engine_->size() - 1)).c_str());
+                throw nb::index_error(
+                    (which + " does not exist; env_id is within 0.." + std::to_string(engine_->size() - 1)).c_str());
             if (!available[static_cast<size_t>(numbers[i])])
                 throw nb::value_error((which + " is given twice, or is not of the last batch").c_str());
             available[static_cast<size_t>(numbers[i])] = false;
@@ -393,8 +403,8 @@ class BoundEngine : Exclusive {
         if (environments.empty()) throw nb::value_error("env_id must name at least one environment");
         if (engine_->batch_size() < engine_->size() && environments.size() != engine_->recent().size())
             throw nb::value_error(("with batch_size < num_envs, env_id must name all " +
-                                   std::to_string(engine_->recent().size()) +
-                                   " environments of the last batch").c_str());
+                                   std::to_string(engine_->recent().size()) + " environments of the last batch")
+                                      .c_str());
         return environments;
     }
 
@@ -408,11 +418,12 @@ class BoundEngine : Exclusive {
             const int most = engine_->actions_of(environments[i / players]) - 1;
             if (actions[i] < 0 || actions[i] > most)
                 throw nb::value_error(("action " + std::to_string(actions[i]) + " in row " +
-                                       std::to_string(i / players) +
-                                       " is not within 0.." + std::to_string(most)).c_str());
+                                       std::to_string(i / players) + " is not within 0.." + std::to_string(most))
+                                          .c_str());
             if (!(std::abs(strengths[i]) <= 1000.0f))  // negated, so that NaN fails too
-                throw nb::value_error(("the strength in row " + std::to_string(i) +
-                                       " must be finite and at most 1000 in magnitude").c_str());
+                throw nb::value_error(
+                    ("the strength in row " + std::to_string(i) + " must be finite and at most 1000 in magnitude")
+                        .c_str());
         }
     }
 

@@ -50,9 +50,11 @@ void parse(State* self, nb::bytes serialized) {
     if (!std::equal(kMagic, kMagic + sizeof kMagic, header.magic))
         throw nb::value_error("these bytes are not a state; pass what serialize() returned");
     if (header.version != kStateVersion)
-        throw nb::value_error(("the state has version " + std::to_string(header.version) + ", this release reads version " +
-                               std::to_string(kStateVersion)).c_str());
-    new (self) State{nullptr, header.include_rng != 0, {}, {data + sizeof header, data + serialized.size()}, header.image};
+        throw nb::value_error(("the state has version " + std::to_string(header.version) +
+                               ", this release reads version " + std::to_string(kStateVersion))
+                                  .c_str());
+    new (self)
+        State{nullptr, header.include_rng != 0, {}, {data + sizeof header, data + serialized.size()}, header.image};
 }
 
 bool equal(const State& a, const State& b) {
@@ -105,7 +107,7 @@ std::vector<uint8_t> State::serialize() const {
 
 void register_state(nb::module_& m) {
     m.attr("STATE_VERSION") = kStateVersion;
-    const auto number = [](int32_t EnvironmentState::*field) {
+    const auto number = [](int32_t EnvironmentState::* field) {
         return [field](const State& state) { return state.numbers().*field; };
     };
     const auto itself = [](nb::object state, nb::args) { return state; };
@@ -116,8 +118,9 @@ void register_state(nb::module_& m) {
         .def("serialize", &serialized, "The state as bytes, for this release and machine.")
         .def("equals", &equal, "other"_a)
         .def("__eq__", &equal, "other"_a, nb::is_operator(), nb::sig("def __eq__(self, other: object) -> bool"))
-        .def("__ne__", [](const State& a, const State& b) { return !equal(a, b); }, "other"_a, nb::is_operator(),
-             nb::sig("def __ne__(self, other: object) -> bool"))
+        .def(
+            "__ne__", [](const State& a, const State& b) { return !equal(a, b); }, "other"_a, nb::is_operator(),
+            nb::sig("def __ne__(self, other: object) -> bool"))
         .def("__hash__", [](const State&) -> int { throw nb::type_error("unhashable type: 'State'"); })
         .def("__copy__", itself, nb::sig("def __copy__(self) -> State"))
         .def("__deepcopy__", itself, nb::sig("def __deepcopy__(self, memo: object) -> State"))

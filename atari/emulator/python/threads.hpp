@@ -72,8 +72,9 @@ class Lock {
         for (uint32_t holder = 0; !holder_.compare_exchange_weak(holder, own, std::memory_order_acquire); holder = 0) {
             if (holder == own) holder_.wait(holder, std::memory_order_relaxed);
             else if (holder != 0)
-                throw std::runtime_error("another thread was in a call of this object when this process was forked; "
-                                         "make a new object in this process");
+                throw std::runtime_error(
+                    "another thread was in a call of this object when this process was forked; "
+                    "make a new object in this process");
         }
     }
     void unlock() {

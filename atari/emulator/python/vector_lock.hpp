@@ -12,8 +12,9 @@ namespace atari {
 
 inline void check_process(uint32_t made_in) {
     if (made_in != process_generation)
-        throw std::runtime_error("this vector environment was made before the process was forked, and has no threads "
-                                 "here; make it in the new process, or start that with the method 'spawn'");
+        throw std::runtime_error(
+            "this vector environment was made before the process was forked, and has no threads "
+            "here; make it in the new process, or start that with the method 'spawn'");
 }
 
 // The lock of a vector environment in Python, which is held from the choice of a buffer to its loan. The thread that

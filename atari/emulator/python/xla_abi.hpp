@@ -29,8 +29,8 @@ enum ErrorCode : int32_t {
     kInternal = 13,
 };
 
-constexpr int32_t kMetadata = 1;      // the type of an extension
-constexpr int32_t kExecute = 3;       // the stage in which a function does its work
+constexpr int32_t kMetadata = 1;       // the type of an extension
+constexpr int32_t kExecute = 3;        // the stage in which a function does its work
 constexpr int32_t kBufferOperand = 1;  // the only kind of argument and of result used here
 
 struct Error;  // XLA's own

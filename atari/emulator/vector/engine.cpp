@@ -246,8 +246,8 @@ bool VectorEngine::load(int environment, const uint8_t* in) {
     if (!episode(environment).load(in + 1)) return false;
     Outcome& outcome = slot(environment).outcome;
     const auto out = static_cast<uint8_t>(*in >> 4 & ((1 << players_) - 1));
-    outcome = {{}, (*in & 1) != 0, (*in & 2) != 0, out, (*in & 4) != 0, (*in & 8) != 0, {},
-               episode(environment).game_steps()};
+    outcome = {
+        {}, (*in & 1) != 0, (*in & 2) != 0, out, (*in & 4) != 0, (*in & 8) != 0, {}, episode(environment).game_steps()};
     return true;
 }
 

@@ -101,7 +101,7 @@ class VectorEngine {
         return result_rams_.data() + 128 * static_cast<size_t>(environment);
     }
     const Game& game(int environment) const { return *slot(environment).member.episode->environment().game(); }
-    int players() const { return players_; }  // of each environment
+    int players() const { return players_; }                                        // of each environment
     size_t pixels() const { return slot(0).member.episode->observation().size(); }  // bytes of an observation
     // The state of a member as bytes. `load` returns false and changes nothing if no such member can have saved the
     // bytes.
@@ -145,7 +145,7 @@ class VectorEngine {
         Seed seed_value{};
         int actions[kMaxPlayers]{};
         float strength = 1.0f;
-        Outcome outcome;  // of the last step
+        Outcome outcome;                      // of the last step
         std::optional<EndedGame> ended_game;  // in the last task
         bool has_final = false;
         std::vector<uint8_t> final_pixels;  // used while the row of the batch is not known
@@ -172,7 +172,7 @@ class VectorEngine {
     std::vector<Slot> slots_;
     std::vector<int> recent_;
     std::vector<uint8_t> result_rams_;  // 128 bytes for each environment
-    const Batch* batch_ = nullptr;  // of all environments: the threads write to it
+    const Batch* batch_ = nullptr;      // of all environments: the threads write to it
     std::unique_ptr<ThreadPool> pool_;
     long process_;  // the process that made the threads
 };

@@ -37,9 +37,10 @@ struct Outcome {
 
 // A whole game that ended: over in the emulator, or truncated.
 struct EndedGame {
-    OfPlayers<int64_t> score;  // the sum of all rewards since the emulator's reset, no-ops and FIRE included, not clipped
-    int frames;                // emulated since that reset
-    double seconds;            // since that reset
+    OfPlayers<int64_t>
+        score;       // the sum of all rewards since the emulator's reset, no-ops and FIRE included, not clipped
+    int frames;      // emulated since that reset
+    double seconds;  // since that reset
 };
 
 // AleEpisode, FrameEpisode, BaselinesEpisode, MultiplayerEpisode
@@ -52,17 +53,17 @@ struct EpisodeSettings {
     EpisodeKind kind = EpisodeKind::kAle;
     int players = 1;  // more for kMultiplayer only
     double repeat_action_probability = 0.0;
-    int max_num_frames_per_episode = 0;  // the emulator's limit: no-ops count, 0 is no limit
-    std::pair<int, int> frame_skip{4, 5};  // each step draws from first .. second-1
-    std::pair<int, int> noops{0, 29};      // an episode begins with first .. second no-ops
-    bool fire_counts = true;               // whether FIRE is one of the no-ops
+    int max_num_frames_per_episode = 0;        // the emulator's limit: no-ops count, 0 is no limit
+    std::pair<int, int> frame_skip{4, 5};      // each step draws from first .. second-1
+    std::pair<int, int> noops{0, 29};          // an episode begins with first .. second no-ops
+    bool fire_counts = true;                   // whether FIRE is one of the no-ops
     FirePress fire = FirePress::kBeforeNoops;  // in games that have FIRE
     bool episodic_life = false, life_loss_info = false;
     OnReset on_reset = OnReset::kNewGame;
     bool last_life = false;       // whether losing the last life counts if the game continues after it
     bool seamless_lives = false;  // a lost life does not cut the skip and its reset does not clear the stack
     bool clip_reward = true;
-    int max_frames = 108000;      // the episode's limit, without the no-ops and FIRE that begin it
+    int max_frames = 108000;  // the episode's limit, without the no-ops and FIRE that begin it
 
     Settings emulator() const {
         Settings settings{repeat_action_probability, 1, max_num_frames_per_episode};

@@ -43,8 +43,7 @@ StartActions start_actions(const std::vector<int>& actions, const std::vector<in
     const auto has = [&](int action) {
         return std::find(action_set.begin(), action_set.end(), action) != action_set.end();
     };
-    return {has(0), has(1), action_set.size() > 2 ? action_set[2] : 0,
-            actions.empty() ? 0 : actions[0]};
+    return {has(0), has(1), action_set.size() > 2 ? action_set[2] : 0, actions.empty() ? 0 : actions[0]};
 }
 
 }  // namespace

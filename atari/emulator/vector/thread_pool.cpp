@@ -111,7 +111,8 @@ void ThreadPool::start(int thread) {
 void ThreadPool::run(int thread) {
     while (!stop_) {
         const uint32_t seen = submissions_;
-        while (!stop_ && work_on_one(static_cast<size_t>(thread))) {}
+        while (!stop_ && work_on_one(static_cast<size_t>(thread))) {
+        }
         if (!stop_) wait_while(submissions_, seen);
     }
 }

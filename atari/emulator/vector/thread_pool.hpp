@@ -61,14 +61,14 @@ class ThreadPool {
     const bool queued_;
     std::vector<std::unique_ptr<Range>> ranges_;
     std::vector<std::thread> threads_;
-    std::atomic<uint32_t> started_{0};      // threads that have what they need, or lack memory
+    std::atomic<uint32_t> started_{0};  // threads that have what they need, or lack memory
     std::atomic<bool> lacks_memory_{false};
     std::atomic<uint32_t> submissions_{0};  // counts, and wakes the threads
     std::atomic<uint32_t> done_{0};         // counts, and wakes the thread that waits
     std::atomic<bool> stop_{false};
     uint32_t awaited_ = 0;  // of `done_`
     int pending_ = 0;
-    std::mutex mutex_;  // of the members below
+    std::mutex mutex_;           // of the members below
     std::vector<int> finished_;  // has room for all items, so that adding one cannot fail
     std::exception_ptr deferred_error_;
 };

@@ -42,13 +42,13 @@ std::unique_ptr<Console> make(nb::bytes image, const std::string& cartridge, int
         throw nb::value_error("the framebuffer must lie within 300 lines");
     const auto* bytes = static_cast<const uint8_t*>(image.data());
     const std::vector<uint8_t> copy(bytes, bytes + image.size());
-    const ConsoleConfig config{first_line, height, pal, hmove_blanks, {paddles.first, paddles.second}, swap_ports,
-                               swap_paddles};
+    const ConsoleConfig config{first_line, height,      pal, hmove_blanks, {paddles.first, paddles.second},
+                               swap_ports, swap_paddles};
     std::unique_ptr<Console> console;
     if (plain) console = std::make_unique<Console>(std::make_shared<const Cartridge>(copy, cartridge), config);
     else
-        console = std::make_unique<FastConsole>(std::make_shared<const FastCartridge>(copy, cartridge, translated),
-                                                config);
+        console =
+            std::make_unique<FastConsole>(std::make_shared<const FastCartridge>(copy, cartridge, translated), config);
     console->construct();
     console->reset();
     return console;
@@ -160,9 +160,9 @@ nb::dict state(const Console& console) {
     tia["ark_counter"] = t.ark_counter;
     tia["current"] = t.current;
     const std::pair<const char*, Flag> flags[9] = {
-        {"enabl", t.enabl}, {"old_enabl", t.old_enabl}, {"vdelbl", t.vdelbl}, {"pf_mirror", t.pf_reflect},
-        {"hmove_blank", t.hmove_blank}, {"cosmic_ark", t.cosmic_ark}, {"dump_on", t.dump_on}, {"partial", t.partial},
-        {"greyed", t.greyed}};
+        {"enabl", t.enabl},          {"old_enabl", t.old_enabl},     {"vdelbl", t.vdelbl},
+        {"pf_mirror", t.pf_reflect}, {"hmove_blank", t.hmove_blank}, {"cosmic_ark", t.cosmic_ark},
+        {"dump_on", t.dump_on},      {"partial", t.partial},         {"greyed", t.greyed}};
     for (const auto& [name, flag] : flags) tia[name] = static_cast<bool>(flag);
 
     cart["bank"] = m.cart.bank;
@@ -178,7 +178,7 @@ nb::dict state(const Console& console) {
 
     const std::pair<const char*, const uint8_t*> channels[6] = {{"audc", m.sound.audc}, {"audf", m.sound.audf},
                                                                 {"audv", m.sound.audv}, {"counter", m.sound.counter},
-                                                                {"p4", m.sound.p4}, {"p5", m.sound.p5}};
+                                                                {"p4", m.sound.p4},     {"p5", m.sound.p5}};
     for (const auto& [name, values] : channels) sound[name] = as_list(values, 2);
 
     all["cycles"] = m.cycles;
@@ -308,8 +308,7 @@ Array resized(Frame frame, int height, int width, const std::optional<std::vecto
 }
 
 // Returns a row of 160 zeros with pixels first .. last-1 filled at a SIMD level.
-Array painted(std::array<Bytes, 3> layers, std::array<uint8_t, 4> colours, int first, int last,
-              SimdLevel level) {
+Array painted(std::array<Bytes, 3> layers, std::array<uint8_t, 4> colours, int first, int last, SimdLevel level) {
     if (first < 0 || first >= last || last > kScreenWidth) throw nb::value_error("0 <= first < last <= 160 is needed");
     Mask masks[3];
     for (size_t i = 0; i < 3; ++i) {
@@ -352,37 +351,46 @@ NB_MODULE(atari_inspection, m) {
         .def("reset", &Console::reset, "The reset of all chips, as a game is reset. RAM survives.")
         .def("read", &Console::read, "address"_a, "A read on the bus, at the present cycle; an int within 0..255.")
         .def("write", &Console::write, "address"_a, "value"_a, "A write on the bus, at the present cycle.")
-        .def("step", [](Console& x) { if (!x.machine().cpu.jammed) x.run_instruction(); },
-             "Run one instruction; nothing once an illegal opcode has stopped the processor.")
+        .def(
+            "step",
+            [](Console& x) {
+                if (!x.machine().cpu.jammed) x.run_instruction();
+            },
+            "Run one instruction; nothing once an illegal opcode has stopped the processor.")
         .def("start_frame", &Console::start_frame, "Begin a frame: cycles count from 0 again, lines keep their phase.")
         .def("run_frame", &Console::run_frame, "Run until the frame ends, for at most 25000 instructions.")
-        .def_prop_rw("cycles", [](const Console& x) { return x.machine().cycles; },
-                     [](Console& x, uint32_t cycles) { x.raw_machine().cycles = cycles; },
-                     "Processor cycles since the frame began; the chips see what is set here as time.")
+        .def_prop_rw(
+            "cycles", [](const Console& x) { return x.machine().cycles; },
+            [](Console& x, uint32_t cycles) { x.raw_machine().cycles = cycles; },
+            "Processor cycles since the frame began; the chips see what is set here as time.")
         .def_prop_ro("scan_lines", &Console::scan_lines, "Lines since the frame began.")
         .def_prop_ro("registers", &registers, nb::for_getter(nb::sig("def registers(self, /) -> dict[str, int]")),
                      "Of the processor: a, x, y, sp, pc, and the flags n, v, d, i, z, c as bools.")
         .def("set_registers", &set_registers, "changes"_a, nb::sig("def set_registers(self, **changes: int) -> None"),
              "Change some of `registers`, given by name.")
-        .def_prop_rw("ram", [](const Console& x) { return as_bytes(x.ram(), 128); }, &set_ram, "The 128 bytes of RAM.")
-        .def_prop_ro("cartridge_ram",
-                     [](const Console& x) { return as_bytes(x.cartridge_ram(), x.cartridge_ram_size()); },
-                     "The cartridge's own RAM, empty if it has none.")
+        .def_prop_rw(
+            "ram", [](const Console& x) { return as_bytes(x.ram(), 128); }, &set_ram, "The 128 bytes of RAM.")
+        .def_prop_ro(
+            "cartridge_ram", [](const Console& x) { return as_bytes(x.cartridge_ram(), x.cartridge_ram_size()); },
+            "The cartridge's own RAM, empty if it has none.")
         .def_prop_ro("translated", &translated, "Whether there is translated code of the program.")
         .def_prop_ro("cartridge_type", [](const Console& x) { return x.cartridge().type_name(); })
-        .def_prop_rw("positions", [](const Console& x) { return as_list(x.machine().tia.pos); }, &set_positions,
-                     nb::for_getter(nb::sig("def positions(self, /) -> list[int]")),
-                     "Of player 0, player 1, missile 0, missile 1 and ball: five columns within 0..159.")
+        .def_prop_rw(
+            "positions", [](const Console& x) { return as_list(x.machine().tia.pos); }, &set_positions,
+            nb::for_getter(nb::sig("def positions(self, /) -> list[int]")),
+            "Of player 0, player 1, missile 0, missile 1 and ball: five columns within 0..159.")
         .def("framebuffer", &framebuffer, nb::sig("def framebuffer(self) -> numpy.typing.NDArray[numpy.uint8]"),
              "The current frame's framebuffer up to the latest access of the TIA: uint8 (height, 160), palette "
              "indices.")
-        .def("make_samples",
-             [](Console& x) {
-                 uint8_t samples[kAudioSamples];
-                 x.make_samples(samples);
-                 return as_array(samples, {kAudioSamples});
-             }, nb::sig("def make_samples(self) -> numpy.typing.NDArray[numpy.uint8]"),
-             "The next 512 samples of sound: uint8 (512,), unsigned around 128.")
+        .def(
+            "make_samples",
+            [](Console& x) {
+                uint8_t samples[kAudioSamples];
+                x.make_samples(samples);
+                return as_array(samples, {kAudioSamples});
+            },
+            nb::sig("def make_samples(self) -> numpy.typing.NDArray[numpy.uint8]"),
+            "The next 512 samples of sound: uint8 (512,), unsigned around 128.")
         .def("set_inputs", &set_inputs, nb::kw_only(), "switches"_a = 0x3f, "sticks"_a = std::array<int, 2>{0, 0},
              "fire"_a = std::array<bool, 2>{false, false}, "resistances"_a = std::array<int32_t, 4>{0, 0, 0, 0},
              "paddle_fire"_a = std::array<bool, 4>{false, false, false, false},
@@ -413,17 +421,19 @@ NB_MODULE(atari_inspection, m) {
                   "level: SimdLevel | None = None) -> "
                   "numpy.typing.NDArray[numpy.uint8]"),
           "A frame of palette indices, (rows, 160), in the colours of a TV format.");
-    m.def("short_jump",
-          [](size_t distance) {
-              if (distance > 1000) throw nb::value_error("distance must be within 0..1000");
-              Assembler code;
-              const ShortJump jump = code.jump_short(If::zero);
-              for (size_t i = 0; i < distance; ++i) code.ret();
-              code.bind_short(jump);
-              return as_bytes(code.bytes().data(), code.size());
-          }, "distance"_a,
-          "What the JIT translator's assembler makes of a jump of two bytes over `distance` others, and these.\n"
-          "Raises RuntimeError if such a jump does not reach so far.");
+    m.def(
+        "short_jump",
+        [](size_t distance) {
+            if (distance > 1000) throw nb::value_error("distance must be within 0..1000");
+            Assembler code;
+            const ShortJump jump = code.jump_short(If::zero);
+            for (size_t i = 0; i < distance; ++i) code.ret();
+            code.bind_short(jump);
+            return as_bytes(code.bytes().data(), code.size());
+        },
+        "distance"_a,
+        "What the JIT translator's assembler makes of a jump of two bytes over `distance` others, and these.\n"
+        "Raises RuntimeError if such a jump does not reach so far.");
     m.def("same_state", &same_state, "first"_a, "second"_a, "complete"_a,
           "Whether two consoles are in the same state to the byte. Unless this is `complete`, framebuffers and\n"
           "collision latches are left out, and a console that runs frames fast goes on deferring them.");

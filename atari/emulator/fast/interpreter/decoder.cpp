@@ -39,8 +39,8 @@ constexpr auto kSuperinstructions = [] {
 
 // Returns the superinstruction of two handlers, or the first handler if there is none.
 uint16_t superinstruction_of(uint16_t first, uint16_t second) {
-    const auto row = std::lower_bound(kSuperinstructions.begin(), kSuperinstructions.end(),
-                                      Superinstruction{first, second, 0});
+    const auto row =
+        std::lower_bound(kSuperinstructions.begin(), kSuperinstructions.end(), Superinstruction{first, second, 0});
     return row->first == first && row->second == second ? row->handler : first;
 }
 
@@ -54,7 +54,11 @@ bool one_bank(Type type) {
 size_t slice_size(Type type) {
     switch (type) {
         case Type::kE0: return 1024;
-        case Type::k2K: case Type::kE7: case Type::k3F: case Type::k3E: case Type::kCV: return 2048;
+        case Type::k2K:
+        case Type::kE7:
+        case Type::k3F:
+        case Type::k3E:
+        case Type::kCV: return 2048;
         default: return 4096;
     }
 }
@@ -67,7 +71,9 @@ bool plain_in_image(const Cartridge& cartridge, size_t offset) {
     switch (cartridge.type()) {
         case Type::kE0: return offset < 7168 || within(0xc00 + offset % 1024, plain);  // slice 7 is always the last
         case Type::kE7: return offset >= 14336 && within(0x800 + offset % 2048, plain);
-        case Type::k3F: case Type::k3E: case Type::kCV: return true;  // checked again when the code is entered
+        case Type::k3F:
+        case Type::k3E:
+        case Type::kCV: return true;  // checked again when the code is entered
         case Type::k2K: return true;
         default: return within(offset % 4096, plain);
     }
@@ -161,9 +167,7 @@ Operand operand_of(Opcode opcode, uint16_t& operand, const Cartridge& cartridge,
 // belong to TIA space, where programs read what is on the bus, and collisions up to the clock at which the last write
 // shows. Handlers do not log a write that changes nothing. No write shows later than eight clocks after it, in which a
 // program that has stored runs one instruction of two cycles, of two bytes at most.
-int undecoded_after(Operation operation) {
-    return is_store(operation) || operation == PHA || operation == PHP ? 3 : 1;
-}
+int undecoded_after(Operation operation) { return is_store(operation) || operation == PHA || operation == PHP ? 3 : 1; }
 
 bool is_expiry(uint16_t address) { return (address & 0x1285) == 0x285; }
 
@@ -188,8 +192,10 @@ Loop loop_of(const DecodedInstruction& first, const DecodedInstruction& second, 
 // Returns the cycles of one round; for a loop with WSYNC, of the instructions after WSYNC.
 int round_cycles(Loop loop, const DecodedInstruction& second, const DecodedInstruction& third) {
     switch (loop) {
-        case Loop::kLinesX: case Loop::kLinesY: return 2 + third.taken;
-        case Loop::kTimer: case Loop::kExpiry: return 4 + second.taken;
+        case Loop::kLinesX:
+        case Loop::kLinesY: return 2 + third.taken;
+        case Loop::kTimer:
+        case Loop::kExpiry: return 4 + second.taken;
         default: return 2 + second.taken;
     }
 }

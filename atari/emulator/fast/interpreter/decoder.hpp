@@ -20,6 +20,7 @@ namespace atari {
 class Cartridge;
 
 // The kind of an operand, as far as the bytes of the instruction determine it.
+// clang-format off
 enum class Operand : uint8_t {
     Imp, Acc, Imm, Rel,
     Near, Far, Ind,    // jumps: within the 4 KiB bank, anywhere, through a pointer
@@ -40,6 +41,7 @@ enum class Operand : uint8_t {
     TiaA, Grp0A, Grp1A,  // the same by an address of two bytes
     kCount
 };
+// clang-format on
 
 // Returns the kind of operand that a TIA register is to a store.
 constexpr Operand stored_in(uint8_t reg) {
@@ -67,6 +69,7 @@ constexpr auto kStoredIn = [] {
 }();
 
 // Returns the length in bytes of an instruction with such an operand.
+// clang-format off
 constexpr int length_of(Operand operand) {
     switch (operand) {
         case Operand::Imp: case Operand::Acc: return 1;
@@ -97,14 +100,15 @@ constexpr uint32_t store_cost(Operand operand) {
         default: return 3;
     }
 }
+// clang-format on
 constexpr uint32_t modify_cost(Operand operand) {
     return operand == Operand::Acc ? 2 : operand == Operand::Ram ? 5 : 6;
 }
 
 enum Handler : uint16_t {
-    kStep,     // falls back to the plain interpreter for one instruction
-    kLoop,     // a loop of which all rounds but the last can be skipped (loops.hpp)
-    kRamCode,  // an instruction in RAM, which may have changed since it was decoded
+    kStep,        // falls back to the plain interpreter for one instruction
+    kLoop,        // a loop of which all rounds but the last can be skipped (loops.hpp)
+    kRamCode,     // an instruction in RAM, which may have changed since it was decoded
     kTranslated,  // only reached through `code`: translated code begins here (translated_code.hpp)
 #define SINGLE(operation, operand) operation##_##operand,
 #define PAIR(o1, k1, o2, k2) o1##_##k1##_##o2##_##k2,
@@ -117,8 +121,10 @@ enum class Loop : uint8_t {
     kNone,
     kTimer,   // LDA, LDX or LDY of INTIM; BNE, BPL or BMI
     kExpiry,  // LDA, LDX, LDY or BIT of TIMINT; BPL
-    kCountX, kCountY,  // DEX or DEY; BNE or BPL
-    kLinesX, kLinesY,  // the same after a WSYNC
+    kCountX,
+    kCountY,  // DEX or DEY; BNE or BPL
+    kLinesX,
+    kLinesY,  // the same after a WSYNC
     kDivide,  // SBC of a constant; BCS
 };
 

@@ -20,10 +20,10 @@ struct Registers {
 };
 
 enum Exit {
-    kNext,     // continue at r.at
+    kNext,       // continue at r.at
     kInterpret,  // fall back for the instruction at r.at; nothing has changed
-    kLeave,    // the frame has ended, or the window shows another bank: check before continuing
-    kLimit,    // the instruction limit may be near
+    kLeave,      // the frame has ended, or the window shows another bank: check before continuing
+    kLimit,      // the instruction limit may be near
 };
 
 constexpr bool is_read(int op) {
@@ -31,9 +31,7 @@ constexpr bool is_read(int op) {
            op == LDX || op == LDY || op == ORA || op == SBC;
 }
 constexpr bool is_store(int op) { return op == STA || op == STX || op == STY; }
-constexpr bool is_modify(int op) {
-    return op == ASL || op == DEC || op == INC || op == LSR || op == ROL || op == ROR;
-}
+constexpr bool is_modify(int op) { return op == ASL || op == DEC || op == INC || op == LSR || op == ROL || op == ROR; }
 
 // The bodies of the handlers; a friend of the console.
 struct Interpreter {
@@ -141,7 +139,8 @@ struct Interpreter {
     // `address` above the sixteenth, which the sum of base and index may set, are ignored.
     INLINE static uint32_t read_any(R& r, FastConsole& c, uint32_t address, uint32_t bus, bool& slow) {
         const uint8_t* page = c.pages_[address >> 6 & 255];
-        if (page) [[likely]] return page[address & 63];
+        if (page) [[likely]]
+            return page[address & 63];
         slow = true;
         return read_port(c, r.cycles, address & 0xffff, bus);
     }
@@ -246,7 +245,8 @@ struct Interpreter {
             // sign of o ^ 0xff differs from the sum's exactly if o's differs from A's.
             uint32_t sum = op == ADC ? r.a + r.carry + o : r.a + r.carry + 0xff - o;
             c.overflow_ = (r.a ^ sum) & (op == ADC ? o ^ sum : r.a ^ o) & 0x80;
-            if (c.m_.cpu.d) [[unlikely]] sum = decimal_sum<op>(c, r.a, r.carry, o);
+            if (c.m_.cpu.d) [[unlikely]]
+                sum = decimal_sum<op>(c, r.a, r.carry, o);
             r.carry = sum >> 8;
             r.nz = r.a = sum & 0xff;
         }

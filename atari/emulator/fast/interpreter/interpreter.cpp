@@ -3,6 +3,7 @@
 
 namespace atari {
 
+// clang-format off
 // A handler ends with the jump to the next handler. If the compiler has labels as values, the decoded instruction holds
 // the next handler's label and every handler has a jump of its own, which the host processor predicts separately.
 // Otherwise all handlers return to one switch.
@@ -115,6 +116,7 @@ stop:
     c.m_.cpu.pc = static_cast<uint16_t>(pc);
     return exit;
 }
+// clang-format on
 
 const void* Interpreter::label(uint16_t handler) {
 #if COMPUTED_GOTO
@@ -157,12 +159,14 @@ constexpr auto kFirstOf = [] {
 }  // namespace
 
 // By handler of a single instruction.
+// clang-format off
 constexpr Interpreter::Step Interpreter::kSteps[] = {
     nullptr, nullptr, nullptr, nullptr,
 #define SINGLE(operation, operand) run_single<operation, Operand::operand>,
 #define PAIR(...)
 #include "handlers.def"
 };
+// clang-format on
 
 void Interpreter::run_counted(FastConsole& c, int left) {
     Registers r;
@@ -237,6 +241,7 @@ bool Interpreter::write_port(FastConsole& c, uint32_t cycles, uint32_t address, 
 
 bool Interpreter::write_register(uint32_t& cycles, FastConsole& c, uint32_t reg, uint32_t value) {
     switch (kStoredIn[reg]) {
+        // clang-format off
 #define KIND(kind) \
     case Operand::kind: write_tia<Operand::kind>(cycles, c, reg, value); return true;
         KIND(Tia) KIND(Strobe) KIND(Nusiz) KIND(Motion) KIND(Hmove) KIND(Ctrlpf) KIND(Grp0) KIND(Grp1)
@@ -244,6 +249,7 @@ bool Interpreter::write_register(uint32_t& cycles, FastConsole& c, uint32_t reg,
         KIND(Hmclr) KIND(Cxclr)
 #undef KIND
         default: return false;
+        // clang-format on
     }
 }
 

@@ -67,6 +67,7 @@ class Finder {
 
 // --- what an instruction does ---
 
+// clang-format off
 constexpr bool is_read_inline(Operand operand) {
     switch (operand) {
         case Operand::Imm: case Operand::Fixed: case Operand::Ram: case Operand::RamA: case Operand::RamX:
@@ -86,6 +87,7 @@ constexpr bool is_implied_inline(int op) {
     }
 }
 
+// clang-format on
 constexpr bool is_inlined(Kind kind) {
     const auto [operation, operand] = kind;
     if (operand == Operand::Rel || operation == JMP || operation == JSR || operation == RTS) return true;
@@ -101,6 +103,7 @@ constexpr bool sets_nz(int op) {
 }
 
 // Returns the register whose value an inlined instruction leaves in N and Z; none if N and Z depend on something else.
+// clang-format off
 constexpr std::optional<CpuRegister> nz_register(Kind kind) {
     switch (kind.operation) {
         case LDA: case AND: case ORA: case EOR: case ADC: case SBC: case TXA: case TYA: case PLA: return CpuRegister::A;
@@ -112,6 +115,7 @@ constexpr std::optional<CpuRegister> nz_register(Kind kind) {
         default: return {};
     }
 }
+// clang-format on
 
 // Returns whether translated code runs this without reading or changing N and Z.
 constexpr bool leaves_nz(Kind kind) {
@@ -188,8 +192,8 @@ void count_cycles(std::vector<BlockInstruction>& instructions) {
 BlockInstruction describe(const std::vector<DecodedInstruction>& decoded, std::size_t place) {
     const DecodedInstruction& instruction = decoded[place];
     const Kind kind = kind_of(instruction);
-    return {place, kind.operation, kind.operand, instruction.operand, instruction.handler == kLoop,
-            is_inlined(kind), {}};
+    return {place, kind.operation, kind.operand, instruction.operand, instruction.handler == kLoop, is_inlined(kind),
+            {}};
 }
 
 }  // namespace

@@ -55,23 +55,23 @@ struct EntryState {
 };
 
 struct BlockInstruction {
-    std::size_t place;   // offset of the first byte in the image
+    std::size_t place;  // offset of the first byte in the image
     Operation operation;
     Operand operand;
-    uint16_t given;      // the operand's value, as in the decoded instruction
-    bool loops;          // begins a loop of which all rounds but the last are skipped
-    bool is_inlined;     // translated code runs it; otherwise it calls the handler
+    uint16_t given;   // the operand's value, as in the decoded instruction
+    bool loops;       // begins a loop of which all rounds but the last are skipped
+    bool is_inlined;  // translated code runs it; otherwise it calls the handler
 
     EntryState entry;
-    int32_t cycles_after = 0;    // not yet added after the instruction: `entry.cycles` of the next one
-    bool omits_nz = false;       // N and Z are replaced before anything reads them
+    int32_t cycles_after = 0;  // not yet added after the instruction: `entry.cycles` of the next one
+    bool omits_nz = false;     // N and Z are replaced before anything reads them
 };
 
 struct Block {
     std::vector<BlockInstruction> instructions;  // at least one
-    std::size_t next = 0;        // the place after the last instruction
-    bool ends_in_jump = false;   // JMP or RTS: `next` is not reached
-    bool falls_through = false;  // the next block of the list begins at `next`
+    std::size_t next = 0;                        // the place after the last instruction
+    bool ends_in_jump = false;                   // JMP or RTS: `next` is not reached
+    bool falls_through = false;                  // the next block of the list begins at `next`
 };
 
 inline bool is_jump(Operation operation) { return operation == JMP || operation == JSR || operation == RTS; }
@@ -83,11 +83,14 @@ std::size_t target_place(const std::vector<DecodedInstruction>& decoded, std::si
 // Returns whether translated code stores to such an operand inline, in the likely case.
 constexpr bool is_stored_inline(Operand operand) {
     switch (operand) {
-        case Operand::Ram: case Operand::RamA: case Operand::RamX: case Operand::RamY:
-        case Operand::AnyX: case Operand::AnyY: case Operand::IndY:
-            return true;
-        default:
-            return operand >= Operand::Tia && operand != Operand::Cxclr;
+        case Operand::Ram:
+        case Operand::RamA:
+        case Operand::RamX:
+        case Operand::RamY:
+        case Operand::AnyX:
+        case Operand::AnyY:
+        case Operand::IndY: return true;
+        default: return operand >= Operand::Tia && operand != Operand::Cxclr;
     }
 }
 

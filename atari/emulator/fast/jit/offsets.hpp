@@ -25,11 +25,11 @@ inline constexpr bool kTranslates = false;
 struct Offsets {
     // A field of `size` bytes, which is the width of the accesses of translated code. ELEMENTS is an array of such
     // fields.
-#define OFFSET(name, type, member, size)                                                              \
-    static constexpr int32_t name() { return static_cast<int32_t>(offsetof(type, member)); }          \
+#define OFFSET(name, type, member, size)                                                     \
+    static constexpr int32_t name() { return static_cast<int32_t>(offsetof(type, member)); } \
     static_assert(!kTranslates || sizeof(type::member) == (size), "translated code accesses it by as many bytes");
-#define ELEMENTS(name, type, member, size, count)                                                     \
-    OFFSET(name, type, member, (size) * (count))                                                      \
+#define ELEMENTS(name, type, member, size, count) \
+    OFFSET(name, type, member, (size) * (count))  \
     static_assert(!kTranslates || sizeof(type::member[0]) == (size), "translated code indexes it by as many bytes");
 
     OFFSET(at, Registers, at, 8)

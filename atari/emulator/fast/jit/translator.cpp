@@ -100,9 +100,7 @@ void Translator::emit_slow_paths() {
                 call_handler(path.place);
                 a_.jump(dispatch_);
                 break;
-            case SlowPath::kBranchTaken:
-                go_to(path.place, 0, false);
-                break;
+            case SlowPath::kBranchTaken: go_to(path.place, 0, false); break;
             case SlowPath::kLimit:
                 a_.move(r8, static_cast<uint32_t>(path.place));
                 a_.jump(limit_);

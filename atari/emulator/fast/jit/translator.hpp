@@ -123,9 +123,9 @@ class Translator {
     const std::size_t size_;
     const std::vector<Block> blocks_;
     std::vector<const BlockInstruction*> instructions_;  // by place; null where no block has one
-    std::vector<int32_t> code_at_;      // by place: the code, which expects the block-entry state
-    std::vector<JumpLabel> entries_;        // by place: the entry, which establishes that state
-    std::vector<JumpLabel> handlers_;       // by handler: the routine that calls it
+    std::vector<int32_t> code_at_;                       // by place: the code, which expects the block-entry state
+    std::vector<JumpLabel> entries_;                     // by place: the entry, which establishes that state
+    std::vector<JumpLabel> handlers_;                    // by handler: the routine that calls it
     std::vector<SlowPath> slow_paths_;
     Assembler a_;
     JumpLabel start_, skip_, dispatch_, return_, call_far_, jump_far_, jump_indirect_, leave_, left_, limit_, exit_;
@@ -134,7 +134,7 @@ class Translator {
     const BlockInstruction* at_ = nullptr;
     int32_t cycles_ = 0;    // cycles not yet added to kCycles at the start of the instruction
     int32_t write_at_ = 0;  // cycles from kCycles to its TIA write
-    JumpLabel slow_;            // the start of its slow path
+    JumpLabel slow_;        // the start of its slow path
 };
 
 }  // namespace atari

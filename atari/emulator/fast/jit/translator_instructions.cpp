@@ -27,7 +27,12 @@ void Translator::emit(const BlockInstruction& instruction) {
     }
     if (slow_.last_jump < 0) return;
     const auto what = is_jump(instruction.operation) ? SlowPath::kJumpByHandler : SlowPath::kHandler;
-    slow_paths_.push_back({slow_, what, instruction.place, before, instruction.cycles_after, instruction.entry.nz,
+    slow_paths_.push_back({slow_,
+                           what,
+                           instruction.place,
+                           before,
+                           instruction.cycles_after,
+                           instruction.entry.nz,
                            {static_cast<int32_t>(a_.size())}});
 }
 
@@ -79,15 +84,18 @@ void Translator::emit_branch() {
     const bool backward = target <= at_->place;
     If taken = If::zero;
     switch (at_->operation) {
-        case BNE: case BEQ:
+        case BNE:
+        case BEQ:
             a_.test8(kNz, kNz);
             taken = at_->operation == BEQ ? If::zero : If::not_zero;
             break;
-        case BPL: case BMI:
+        case BPL:
+        case BMI:
             a_.test(kNz, uint32_t{0x180});
             taken = at_->operation == BPL ? If::zero : If::not_zero;
             break;
-        case BCC: case BCS:
+        case BCC:
+        case BCS:
             a_.test(kCarry, kCarry);
             taken = at_->operation == BCC ? If::zero : If::not_zero;
             break;
@@ -166,13 +174,12 @@ void Translator::emit_read() {
     const auto cost = static_cast<int32_t>(read_cost(at_->operand));
     Source source{{}, {}, r8};
     switch (at_->operand) {
-        case Operand::Imm: case Operand::Fixed:
-            source.constant = static_cast<uint8_t>(at_->given);
-            break;
-        case Operand::Ram: case Operand::RamA:
-            source.memory = in_ram(at_->given);
-            break;
-        case Operand::RamX: case Operand::RamY:
+        case Operand::Imm:
+        case Operand::Fixed: source.constant = static_cast<uint8_t>(at_->given); break;
+        case Operand::Ram:
+        case Operand::RamA: source.memory = in_ram(at_->given); break;
+        case Operand::RamX:
+        case Operand::RamY:
             indexed_ram();
             source.memory = Mem{kRam, 0, r8};
             break;
@@ -184,7 +191,8 @@ void Translator::emit_read() {
             a_.alu(Alu::add, r8, 0x80);
             a_.alu(Alu::or_, r8, at_->given & 0x3f);
             break;
-        case Operand::RomX: case Operand::RomY: {
+        case Operand::RomX:
+        case Operand::RomY: {
             const Reg index = index_of(at_->operand);
             a_.load64(r9, in_console(Offsets::bank()));
             add_page_crossing(index);
@@ -205,7 +213,8 @@ void Translator::emit_read() {
             a_.address(r8, Mem{r9, -1});
             break;
         }
-        case Operand::AnyX: case Operand::AnyY:
+        case Operand::AnyX:
+        case Operand::AnyY:
             a_.address(r9, Mem{index_of(at_->operand), at_->given});
             source = paged();
             add_page_crossing(index_of(at_->operand));
@@ -247,17 +256,23 @@ void Translator::set_nz(Reg of) {
 
 void Translator::operate(const Source& source) {
     switch (at_->operation) {
-        case LDA: case LDX: case LDY: {
+        case LDA:
+        case LDX:
+        case LDY: {
             const Reg to = at_->operation == LDA ? kA : at_->operation == LDX ? kX : kY;
             read_into(to, source);
             set_nz(to);
             break;
         }
-        case AND: case ORA: case EOR:
+        case AND:
+        case ORA:
+        case EOR:
             combine(at_->operation == AND ? Alu::and_ : at_->operation == ORA ? Alu::or_ : Alu::xor_, kA, source);
             set_nz(kA);
             break;
-        case CMP: case CPX: case CPY:
+        case CMP:
+        case CPX:
+        case CPY:
             a_.move(kNz, at_->operation == CMP ? kA : at_->operation == CPX ? kX : kY);
             combine(Alu::sub, kNz, source);
             a_.set(If::not_below, kCarry);
@@ -304,7 +319,8 @@ void Translator::emit_modify() {
     switch (at_->operation) {
         case INC: a_.increment8(value); break;
         case DEC: a_.decrement8(value); break;
-        case ASL: case LSR:
+        case ASL:
+        case LSR:
             a_.move(kCarry, value);
             if (at_->operation == ASL) a_.shift(ShiftDirection::right, kCarry, 7);
             else a_.alu(Alu::and_, kCarry, 1);
@@ -351,7 +367,8 @@ void Translator::emit_implied() {
         case INY: step(kY, true); break;
         case DEX: step(kX, false); break;
         case DEY: step(kY, false); break;
-        case CLD: case SED: {
+        case CLD:
+        case SED: {
             const bool on = at_->operation == SED;
             a_.store8(in_console(Offsets::decimal()), uint8_t{on});
             if (on) a_.alu8(Alu::or_, in_console(Offsets::modes()), uint8_t{8});
@@ -359,12 +376,8 @@ void Translator::emit_implied() {
             break;
         }
         case NOP: break;
-        case CLC:
-            a_.move(kCarry, uint32_t{0});
-            break;
-        case SEC:
-            a_.move(kCarry, uint32_t{1});
-            break;
+        case CLC: a_.move(kCarry, uint32_t{0}); break;
+        case SEC: a_.move(kCarry, uint32_t{1}); break;
         case CLV: a_.store8(in_console(Offsets::overflow()), uint8_t{0}); break;
         case TXS: a_.store8(in_console(Offsets::sp()), kX); break;
         case TSX:

@@ -25,14 +25,15 @@ Reg stored_by(Operation operation) { return operation == STX ? kX : operation ==
 void Translator::emit_store() {
     const Reg value = stored_by(at_->operation);
     switch (at_->operand) {
-        case Operand::Ram: case Operand::RamA:
-            a_.store8(in_ram(at_->given), value);
-            break;
-        case Operand::RamX: case Operand::RamY:
+        case Operand::Ram:
+        case Operand::RamA: a_.store8(in_ram(at_->given), value); break;
+        case Operand::RamX:
+        case Operand::RamY:
             indexed_ram();
             a_.store8(Mem{kRam, 0, r8}, value);
             break;
-        case Operand::AnyX: case Operand::AnyY:
+        case Operand::AnyX:
+        case Operand::AnyY:
             a_.address(r8, Mem{index_of(at_->operand), at_->given});
             store_in_ram(value);
             break;
@@ -41,8 +42,7 @@ void Translator::emit_store() {
             a_.alu(Alu::add, r8, kY);
             store_in_ram(value);
             break;
-        default:
-            emit_tia_store(value);
+        default: emit_tia_store(value);
     }
 }
 
@@ -75,7 +75,8 @@ void Translator::emit_tia_store(Reg value) {
     write_at_ = cycles_ + cost;
     check_deadline(write_at_, slow_);
     switch (at_->operand) {
-        case Operand::Tia: case Operand::TiaA: {
+        case Operand::Tia:
+        case Operand::TiaA: {
             a_.alu8(Alu::cmp, shadow(reg), value);
             const ShortJump same = a_.jump_short(If::zero);
             a_.store8(shadow(reg), value);
@@ -121,9 +122,7 @@ void Translator::emit_tia_store(Reg value) {
             a_.bind_short(same);
             break;
         }
-        case Operand::Hmove:
-            write_hmove();
-            break;
+        case Operand::Hmove: write_hmove(); break;
         case Operand::Strobe:
             a_.store8(shadow(reg), uint8_t{1});
             append_write(value);
@@ -137,9 +136,10 @@ void Translator::emit_tia_store(Reg value) {
             }
             a_.store8(shadow(reg), value);
             break;
-        case Operand::Grp0: case Operand::Grp0A: case Operand::Grp1: case Operand::Grp1A:
-            write_graphics(value);
-            break;
+        case Operand::Grp0:
+        case Operand::Grp0A:
+        case Operand::Grp1:
+        case Operand::Grp1A: write_graphics(value); break;
         case Operand::Sound: {
             a_.move(r9, value);
             a_.alu(Alu::and_, r9, int32_t{bits_of(static_cast<uint8_t>(reg))});
@@ -150,8 +150,7 @@ void Translator::emit_tia_store(Reg value) {
             a_.store(shadow(HMP0), uint32_t{0});
             a_.store8(shadow(HMBL), uint8_t{0});
             break;
-        default:
-            wait_for_line();
+        default: wait_for_line();
     }
 }
 

@@ -22,10 +22,15 @@ void set_graphics_of(TiaLine& t, unsigned player, const TiaWrite& write) {
 void set_register(TiaLine& t, const TiaWrite& write) {
     const uint8_t reg = write.reg, value = write.value;
     switch (reg) {
-        case REFP0: case REFP1: t.refp[reg - REFP0] = value & bits_of(REFP0); break;
-        case PF0: case PF1: case PF2: t.playfield = with_playfield(t.playfield, reg, value); break;
-        case GRP0: case GRP1: set_graphics_of(t, reg - GRP0, write); break;
-        case ENAM0: case ENAM1: t.enam[reg - ENAM0] = value & bits_of(ENAM0); break;
+        case REFP0:
+        case REFP1: t.refp[reg - REFP0] = value & bits_of(REFP0); break;
+        case PF0:
+        case PF1:
+        case PF2: t.playfield = with_playfield(t.playfield, reg, value); break;
+        case GRP0:
+        case GRP1: set_graphics_of(t, reg - GRP0, write); break;
+        case ENAM0:
+        case ENAM1: t.enam[reg - ENAM0] = value & bits_of(ENAM0); break;
         case ENABL: t.enabl = value & bits_of(ENABL); break;
         default: break;
     }
@@ -90,8 +95,7 @@ TiaLine Collider::state_at(int32_t clock) {
     advance(clock);
     bring_up(set_of({STILL}));
     TiaLine state = t_;
-    for (Registers rest = noted_; rest; rest &= rest - 1)
-        set_register(state, *latest_[std::countr_zero(rest)]);
+    for (Registers rest = noted_; rest; rest &= rest - 1) set_register(state, *latest_[std::countr_zero(rest)]);
     state.ctrlpf &= kShapesOfCtrlpf;
     // The same values as after `skip_to_pending`.
     if (state.pending >= t_.draw_start)
@@ -146,17 +150,21 @@ INLINE void Collider::apply_one(const TiaWrite& write) {
             }
             t.vblank = value;
             break;
-        case NUSIZ0: case NUSIZ1: write_nusiz(reg - NUSIZ0, value, clock); break;
+        case NUSIZ0:
+        case NUSIZ1: write_nusiz(reg - NUSIZ0, value, clock); break;
         case CTRLPF: write_ctrlpf(value, (write.cycle - first_cycle_) % kCyclesPerLine, clock); break;
-        case REFP0: case REFP1:
+        case REFP0:
+        case REFP1:
             if (t.refp[reg - REFP0] != ((value & bits_of(REFP0)) != 0)) advance(clock + delay_of(REFP0));
             apply_noted(write);
             break;
-        case PF0: case PF1: case PF2:
-            write_playfield(write, shown_at(write, first_cycle_));
-            break;
-        case RESP0: case RESP1: reset_player(reg - RESP0, hpos(), clock); break;
-        case RESM0: case RESM1: {
+        case PF0:
+        case PF1:
+        case PF2: write_playfield(write, shown_at(write, first_cycle_)); break;
+        case RESP0:
+        case RESP1: reset_player(reg - RESP0, hpos(), clock); break;
+        case RESM0:
+        case RESM1: {
             const unsigned second = reg - RESM0;
             advance(clock + delay_of(RESM0));
             bring_up(set_of({STILL}));
@@ -173,7 +181,8 @@ INLINE void Collider::apply_one(const TiaWrite& write) {
             break;
         case GRP0: write_graphics(0, write, clock); break;
         case GRP1: write_graphics(1, write, clock); break;
-        case ENAM0: case ENAM1:
+        case ENAM0:
+        case ENAM1:
             if (!t.resmp[reg - ENAM0]) advance(clock);
             set_enam(reg - ENAM0, value);
             break;
@@ -190,7 +199,8 @@ INLINE void Collider::apply_one(const TiaWrite& write) {
             t.ark_counter = 0;
             reconsider();
             break;
-        case VDELP0: case VDELP1: {
+        case VDELP0:
+        case VDELP1: {
             const unsigned player = reg - VDELP0;
             advance(clock);
             bring_up(kLooks);
@@ -206,7 +216,8 @@ INLINE void Collider::apply_one(const TiaWrite& write) {
             enable(kBL, t.vdelbl ? t.old_enabl : t.enabl);
             reconsider();
             break;
-        case RESMP0: case RESMP1: release_missile(reg - RESMP0, value, clock); break;
+        case RESMP0:
+        case RESMP1: release_missile(reg - RESMP0, value, clock); break;
         case STILL:
             advance(clock);
             apply_noted(write);
@@ -248,18 +259,22 @@ void Collider::apply_noted(const TiaWrite& write) {
     Tia& t = t_;
     const uint8_t value = write.value;
     switch (write.reg) {
-        case REFP0: case REFP1:
+        case REFP0:
+        case REFP1:
             set_register(t, write);
             outdate(write.reg - REFP0);
             break;
-        case PF0: case PF1: case PF2:
+        case PF0:
+        case PF1:
+        case PF2:
             set_register(t, write);
             if (t.playfield) enable(kPF, true);  // never disabled here, because its bits change from line to line
             moved(bit_of(kPF));
             break;
         case GRP0: set_graphics(0, write); break;
         case GRP1: set_graphics(1, write); break;
-        case ENAM0: case ENAM1: set_enam(write.reg - ENAM0, value); break;
+        case ENAM0:
+        case ENAM1: set_enam(write.reg - ENAM0, value); break;
         case ENABL: set_enabl(value); break;
         case STILL:
             if (config_.hmove_blanks) blank(static_cast<int32_t>(3 * write.cycle));

@@ -116,29 +116,29 @@ class Collider {
 
     Tia& t_;
     const ConsoleConfig& config_;
-    uint32_t first_cycle_ = 0;     // first cycle of line 0
-    int32_t from_ = 0;             // the beam at the frame's beginning
-    int32_t blanked_at_ = 0;       // the beam at the last HMOVE that blanks
-    bool line_end_acts_ = true;    // the end of a line would change the state
-    bool collecting_ = true;       // collisions are being found
+    uint32_t first_cycle_ = 0;   // first cycle of line 0
+    int32_t from_ = 0;           // the beam at the frame's beginning
+    int32_t blanked_at_ = 0;     // the beam at the last HMOVE that blanks
+    bool line_end_acts_ = true;  // the end of a line would change the state
+    bool collecting_ = true;     // collisions are being found
 
-    unsigned watched_ = 0xffff;    // collision latches to find
-    unsigned enabled_ = 0;         // objects that are visible at all, a bit each
-    unsigned unset_ = 0xffff;      // watched latches that are not set yet
-    unsigned open_pairs_ = 0;      // latches of `unset_` whose two objects are enabled
+    unsigned watched_ = 0xffff;  // collision latches to find
+    unsigned enabled_ = 0;       // objects that are visible at all, a bit each
+    unsigned unset_ = 0xffff;    // watched latches that are not set yet
+    unsigned open_pairs_ = 0;    // latches of `unset_` whose two objects are enabled
     // `touching_`: pairs of objects that could collide at their positions. `unknown_`: pairs not checked yet.
     unsigned touching_ = 0, unknown_ = 0xffff;
 
-    bool known_ = false;           // `possible_` is valid
-    unsigned possible_ = 0;        // open pairs that touch
-    bool idle_ = false;            // no pair can collide and no line end acts: the beam counts as at `pending`
+    bool known_ = false;     // `possible_` is valid
+    unsigned possible_ = 0;  // open pairs that touch
+    bool idle_ = false;      // no pair can collide and no line end acts: the beam counts as at `pending`
 
-    bool chosen_ = false;          // `acting_` is valid; until then all registers act
+    bool chosen_ = false;  // `acting_` is valid; until then all registers act
     Registers acting_ = ~0ull;
     uint32_t acting_playfield_ = 0;  // bits of the playfield near objects
     int acted_ = 0;
     Registers noted_ = 0;
-    const TiaWrite* latest_[64];      // latest write of each noted register
+    const TiaWrite* latest_[64];  // latest write of each noted register
 
     // Computed when needed: the pixels of each object, and the playfield bits that it could collide with.
     unsigned stale_ = kAllObjects;

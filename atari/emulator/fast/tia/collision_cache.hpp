@@ -42,9 +42,9 @@ class CollisionCache {
         uint16_t first;       // index of the block's first TIA write
         uint16_t collisions;  // latches at the block's beginning
         int32_t blanked_at;
-        bool exact;           // `collisions` is exact; otherwise the latches will be cleared before they are read
-        uint16_t acted;       // number of TIA writes in the block that acted
-        uint8_t involved;     // objects that show or are placed, and kPlacing
+        bool exact;        // `collisions` is exact; otherwise the latches will be cleared before they are read
+        uint16_t acted;    // number of TIA writes in the block that acted
+        uint8_t involved;  // objects that show or are placed, and kPlacing
     };
 
     int32_t clock_of(int block) const { return frame_start_ + kClocksPerLine * kLines * block; }
@@ -67,8 +67,8 @@ class CollisionCache {
     unsigned latches_ = 0;
     int32_t frame_start_ = 0;
     const TiaWrite *log_ = nullptr, *log_before_ = nullptr;
-    uint64_t written_ = 0;         // registers written in the current block so far
-    int acted_ = 0;                // TIA writes that acted before the current block
+    uint64_t written_ = 0;  // registers written in the current block so far
+    int acted_ = 0;         // TIA writes that acted before the current block
     // The log contains the previous frame's writes up to `agreed_`, `moved_` entries further on.
     int agreed_ = -1, moved_ = 0;
     Block blocks_[kMostBlocks + 1];

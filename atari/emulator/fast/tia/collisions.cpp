@@ -140,7 +140,8 @@ void Collider::choose_acting() {
     acting_playfield_ = 0;
     unsigned pairs = kPairsOf[enabled_ | bit_of(kPF)] & unset_ & kPairsWith[bit_of(kPF)];
     if (!(enabled_ & bit_of(kPF)) && pairs) acting_playfield_ = ~0u;
-    else for (; pairs; pairs &= pairs - 1) acting_playfield_ |= playfield_near(lowest_pair(pairs).a);
+    else
+        for (; pairs; pairs &= pairs - 1) acting_playfield_ |= playfield_near(lowest_pair(pairs).a);
     if (acting_playfield_ & 0xf) acting_ |= set_of({PF0});
     if (acting_playfield_ & 0xff0) acting_ |= set_of({PF1});
     if (acting_playfield_ & 0xff000) acting_ |= set_of({PF2});

@@ -50,8 +50,7 @@ const TiaWrite* DeferredRenderer::draw_line(const TiaWrite* first, const TiaWrit
     begin_line();
     int32_t pending = t.pending;
     const TiaWrite* write = first;
-    for (; write != last && static_cast<int32_t>(3 * write->cycle) < line_end; ++write)
-        apply_one(t, *write, pending);
+    for (; write != last && static_cast<int32_t>(3 * write->cycle) < line_end; ++write) apply_one(t, *write, pending);
     t.pending = pending;
     reach(line_end);
     return write;
@@ -82,14 +81,19 @@ INLINE void DeferredRenderer::apply_one(Tia& t, const TiaWrite& write, int32_t& 
             if ((t.vblank ^ value) & kBlanks) advance(pending);
             t.vblank = value;
             break;
-        case NUSIZ0: case NUSIZ1: write_nusiz(reg - NUSIZ0, value, pending); break;
-        case COLUP0: case COLUP1: case COLUPF: case COLUBK: {
+        case NUSIZ0:
+        case NUSIZ1: write_nusiz(reg - NUSIZ0, value, pending); break;
+        case COLUP0:
+        case COLUP1:
+        case COLUPF:
+        case COLUBK: {
             const uint8_t colour = colour_of(value, config_.pal, t);
             if (t.colour[reg - COLUP0] != colour) advance(pending);
             t.colour[reg - COLUP0] = colour;
             break;
         }
-        case CTRLPF: case PRIORITY: {
+        case CTRLPF:
+        case PRIORITY: {
             const bool at_once = cycle % kCyclesPerLine < kLateReflect;
             if (t.ctrlpf == value && (!at_once || t.pf_reflect == (value & kReflects))) break;
             advance(pending);
@@ -99,7 +103,8 @@ INLINE void DeferredRenderer::apply_one(Tia& t, const TiaWrite& write, int32_t& 
             outdate(bit_of(kPF) | bit_of(kBL));
             break;
         }
-        case REFP0: case REFP1: {
+        case REFP0:
+        case REFP1: {
             const unsigned player = reg - REFP0;
             involved_ |= kTiaRegisters[reg].objects;
             if (t.refp[player] == ((value & bits_of(REFP0)) != 0)) break;
@@ -108,9 +113,13 @@ INLINE void DeferredRenderer::apply_one(Tia& t, const TiaWrite& write, int32_t& 
             outdate(bit_of(player));
             break;
         }
-        case PF0: case PF1: case PF2: write_playfield(with_playfield(t.playfield, reg, value), pending); break;
-        case RESP0: case RESP1: reset_player(reg - RESP0, hpos(), clock, pending); break;
-        case RESM0: case RESM1: {
+        case PF0:
+        case PF1:
+        case PF2: write_playfield(with_playfield(t.playfield, reg, value), pending); break;
+        case RESP0:
+        case RESP1: reset_player(reg - RESP0, hpos(), clock, pending); break;
+        case RESM0:
+        case RESM1: {
             const unsigned second = reg - RESM0;
             involved_ |= kTiaRegisters[reg].objects;
             advance(pending);
@@ -127,7 +136,8 @@ INLINE void DeferredRenderer::apply_one(Tia& t, const TiaWrite& write, int32_t& 
             break;
         case GRP0: write_graphics(0, value, pending); break;
         case GRP1: write_graphics(1, value, pending); break;
-        case ENAM0: case ENAM1: {
+        case ENAM0:
+        case ENAM1: {
             const unsigned missile = reg - ENAM0;
             if (t.enam[missile] == ((value & bits_of(ENAM0)) != 0)) break;
             if (!t.resmp[missile]) {
@@ -153,7 +163,8 @@ INLINE void DeferredRenderer::apply_one(Tia& t, const TiaWrite& write, int32_t& 
             t.cosmic_ark = line_end_acts_ = true;
             t.ark_counter = 0;
             break;
-        case VDELP0: case VDELP1: {
+        case VDELP0:
+        case VDELP1: {
             const unsigned player = reg - VDELP0;
             if (t.vdelp[player] == ((value & bits_of(VDELP0)) != 0)) break;
             advance(pending);
@@ -168,7 +179,8 @@ INLINE void DeferredRenderer::apply_one(Tia& t, const TiaWrite& write, int32_t& 
             t.vdelbl = value & bits_of(VDELBL);
             enable(kBL, t.vdelbl ? t.old_enabl : t.enabl);
             break;
-        case RESMP0: case RESMP1: {
+        case RESMP0:
+        case RESMP1: {
             const unsigned second = reg - RESMP0;
             if (t.resmp[second] == ((value & bits_of(RESMP0)) != 0)) break;
             advance(pending);
@@ -182,7 +194,8 @@ INLINE void DeferredRenderer::apply_one(Tia& t, const TiaWrite& write, int32_t& 
             enable(kM0 + second, t.enam[second] && !t.resmp[second]);
             break;
         }
-        case HMOVE: case STILL: move_objects(write, cycle % kCyclesPerLine, clock, pending); break;
+        case HMOVE:
+        case STILL: move_objects(write, cycle % kCyclesPerLine, clock, pending); break;
         default: break;
     }
 }

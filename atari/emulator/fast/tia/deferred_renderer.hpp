@@ -71,10 +71,10 @@ class DeferredRenderer {
 
     Tia& t_;
     const ConsoleConfig& config_;
-    uint8_t* row_ = nullptr;      // row of the line that ends at `line_end_`
+    uint8_t* row_ = nullptr;  // row of the line that ends at `line_end_`
     int32_t line_end_ = 0;
-    uint32_t first_cycle_ = 0;    // first cycle of line 0
-    unsigned enabled_ = 0;        // objects that are visible at all, a bit each
+    uint32_t first_cycle_ = 0;  // first cycle of line 0
+    unsigned enabled_ = 0;      // objects that are visible at all, a bit each
     unsigned involved_ = 0;
     bool line_end_acts_ = false;  // the end of a line would change the state
 
@@ -82,7 +82,7 @@ class DeferredRenderer {
     unsigned stale_ = kAllObjects;
     Mask masks_[6];
     bool layers_known_ = false;
-    Layers layers_;              // the pixel sets to paint; valid while only colours change
+    Layers layers_;  // the pixel sets to paint; valid while only colours change
 };
 
 }  // namespace atari

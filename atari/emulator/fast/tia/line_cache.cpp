@@ -32,8 +32,8 @@ void LineCache::draw(const FrameLog& log, Framebuffers& framebuffers, int buffer
     const bool comparable = known_ > 0;
     if (log.start.frame_start != frame_start_) known_ = 0;  // clocks have another origin
     frame_start_ = log.start.frame_start;
-    Drawing d{log.start, {d.tia, config_}, pixels, framebuffers[buffer ^ 1], buffer, log.writes, log.writes + log.size,
-              log.writes};
+    Drawing d{log.start,  {d.tia, config_},      pixels,    framebuffers[buffer ^ 1], buffer,
+              log.writes, log.writes + log.size, log.writes};
     d.beam.begin(pixels);
 
     const int framebuffer_end = config_.first_line + config_.height;

@@ -45,9 +45,9 @@ class LineCache {
         const uint8_t* const other_pixels;
         const int buffer;
         const TiaWrite *const log, *const end;
-        const TiaWrite* next;       // first TIA write that has not been applied
+        const TiaWrite* next;  // first TIA write that has not been applied
         int line = 0;
-        bool live = true;        // if false, `tia` is that of the previous frame, without `difference`
+        bool live = true;  // if false, `tia` is that of the previous frame, without `difference`
         Difference difference{};
         // The log has the previous frame's TIA writes up to `agreed`, `moved` entries further on. All of them in lines
         // before `agreed_lines` agree.
@@ -76,8 +76,8 @@ class LineCache {
     int known_ = 0;
     int32_t frame_start_ = 0;
     const TiaWrite* log_ = nullptr;
-    uint16_t first_[kMostLines + 1];  // first TIA write of each line
-    uint8_t involved_[kMostLines];    // objects that show or are placed, and kPlacing
+    uint16_t first_[kMostLines + 1];     // first TIA write of each line
+    uint8_t involved_[kMostLines];       // objects that show or are placed, and kPlacing
     std::vector<TiaCommon> beginnings_;  // by line, and one for the end of the last line
     std::vector<TiaPlaces> places_;
 

@@ -31,10 +31,10 @@ int agreeing(const TiaWrite* a, const TiaWrite* b, int count);
 
 // The difference between two beginnings of a line, in the fields that may differ.
 struct Difference {
-    unsigned objects;    // objects that differ, a bit each, and kPlacing
+    unsigned objects;  // objects that differ, a bit each, and kPlacing
     // byte by byte as in TiaPlaces: the distance to subtract from each position, modulo the line's width
     uint64_t positions;
-    uint64_t flags;      // bits that change in the bytes after the positions
+    uint64_t flags;  // bits that change in the bytes after the positions
     int32_t last_hmove;
 };
 

@@ -17,10 +17,10 @@ namespace atari {
 // that is left out would not delay the next one: writes are at least nine clocks apart, and no delay is longer. So are
 // reads, except of instructions in TIA space; there the program has stored by `log_write` (decoder.cpp).
 struct TiaShadow {
-    uint8_t reg[64];      // RESP0, RESP1: strobed since the last NUSIZ, which ends the strobe's hiding
+    uint8_t reg[64];  // RESP0, RESP1: strobed since the last NUSIZ, which ends the strobe's hiding
     uint8_t old_grp0, old_grp1, old_enabl;  // values of GRP0, GRP1 and ENABL in the delayed copies
-    bool late_reflect;    // late reflect: CTRLPF bit 0 changed so late that it takes effect at the line's end
-    bool ark;             // the Cosmic Ark motion effect may be active
+    bool late_reflect;  // late reflect: CTRLPF bit 0 changed so late that it takes effect at the line's end
+    bool ark;           // the Cosmic Ark motion effect may be active
 
     // Makes this the shadow of a TIA whose state is up to date.
     void fill(const Tia& t) {

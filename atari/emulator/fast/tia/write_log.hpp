@@ -14,7 +14,7 @@ namespace atari {
 struct TiaWrite {
     uint32_t cycle;
     uint8_t reg;
-    uint8_t value;    // under HMOVE: the motion of the ball
+    uint8_t value;  // under HMOVE: the motion of the ball
     // Under HMOVE: the motions of the other objects, a nibble each, player 0 lowest. Under GRP0 and GRP1: the new
     // delayed copy of the other player's graphics. Under GRP1, bit 8 is the new delayed copy of ENABL.
     uint16_t beside;
