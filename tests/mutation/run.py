@@ -9,7 +9,6 @@ import argparse
 import json
 import os
 import random
-import resource
 import subprocess
 import sys
 import time
@@ -34,8 +33,6 @@ PARTS = {
 
 LONGEST = 900
 """Seconds after which a run of tests counts as failed; a mutant may never end."""
-MOST_MEMORY = 16 << 30
-"""Bytes that a process of the tests may have; a mutant may allocate without end."""
 
 
 def candidates(tree: Path, part: str, seed: int) -> Iterator[Mutant]:
@@ -49,44 +46,82 @@ def candidates(tree: Path, part: str, seed: int) -> Iterator[Mutant]:
         yield from (by_kind[kind][number] for kind in KINDS if number < len(by_kind[kind]))
 
 
-def compiles(tree: Path, mutant: Mutant) -> bool:
-    """Builds the tree; whether it could be built."""
-    if mutant.file.endswith(".py"):
-        return True
-    return subprocess.run([str(tree / "scripts" / "dev")], capture_output=True, cwd=tree).returncode == 0
+class Tests:
+    """The tests of a tree. Test files that have killed a mutant run before the others: they find most of the next ones."""
 
+    def __init__(self, tree: Path) -> None:
+        self.tree = tree
+        self.killers: list[str] = []
+        self.passed: set[str] = set()
+        self.is_built = True
 
-def killer(tree: Path, mutant: Mutant) -> str | None:
-    """The first failing test of the mutant, "(no end)" if the tests do not end, or None."""
-    environment = {**os.environ, "PYTHONSAFEPATH": "1", "SDL_VIDEODRIVER": "dummy", "SDL_AUDIODRIVER": "dummy"}
-    for arguments in runs(mutant.file):
-        command = [str(tree / ".venv-dev" / "bin" / "pytest"), "-x", "-q", "-m", "not peers", "--tb=no", "-n", "2"]
+    def build(self) -> bool:
+        """Build the C++ of the tree as it stands; whether that was possible."""
+        done = subprocess.run([str(self.tree / "scripts" / "dev")], capture_output=True, cwd=self.tree)
+        self.is_built = done.returncode == 0
+        return self.is_built
+
+    def check(self, file: str) -> None:
+        """Run the tests of an unchanged file, once for each set of tests.
+
+        Raises:
+            SystemExit: one fails, so it would kill every mutant.
+        """
+        for arguments in runs(file):
+            if str(arguments) not in self.passed:
+                if not self.is_built:
+                    self.build()
+                by = self.first_failure(arguments)
+                if by:
+                    sys.exit(f"scripts/mutants: {by} fails without a mutant")
+                self.passed.add(str(arguments))
+
+    def killer(self, file: str) -> str | None:
+        """The first failing test of a changed file, "(no end)" if the tests do not end, or None."""
+        found = runs(file)
+        tests = [name for arguments in found if "-k" not in arguments for name in arguments]
+        likely = [each for each in self.killers if any(each == test or each.startswith(f"{test}/") for test in tests)]
+        for arguments in [*([likely[:3]] if likely else []), *found]:
+            by = self.first_failure(arguments)
+            if by:
+                name = by.removeprefix("FAILED ").removeprefix("ERROR ").partition("::")[0]
+                if name.startswith("tests/"):
+                    self.killers = [name, *(each for each in self.killers if each != name)]
+                return by
+        return None
+
+    def first_failure(self, arguments: list[str]) -> str | None:
+        """Run pytest until a test fails."""
+        environment = {**os.environ, "PYTHONSAFEPATH": "1", "SDL_VIDEODRIVER": "dummy", "SDL_AUDIODRIVER": "dummy"}
+        command = [str(self.tree / ".venv-dev" / "bin" / "pytest"), "-x", "-q", "-m", "not peers", "--tb=no", "-n", "2"]
         try:
             done = subprocess.run(
                 [*command, "--dist", "loadfile", "-p", "no:cacheprovider", *arguments],
-                cwd=tree, env=environment, capture_output=True, text=True, timeout=LONGEST,
-                preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY)),
+                cwd=self.tree, env=environment, capture_output=True, text=True, timeout=LONGEST,
             )  # fmt: skip
         except subprocess.TimeoutExpired:
             return "(no end)"
-        if done.returncode not in (0, 5):
-            failed = [line for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
-            return failed[0].split(" - ")[0] if failed else "(a crash)"
-    return None
+        if done.returncode in (0, 5):  # 5: no test was selected
+            return None
+        failed = [line for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
+        return failed[0].split(" - ")[0] if failed else "(a crash)"
 
 
-def test(tree: Path, mutant: Mutant) -> dict[str, object] | None:
+def test(tests: Tests, mutant: Mutant) -> dict[str, object] | None:
     """Applies a mutant, tests it and takes it back; the result, or None if it does not compile."""
-    file = tree / mutant.file
+    file = tests.tree / mutant.file
     text = file.read_text()
+    tests.check(mutant.file)
     started = time.monotonic()
     try:
         file.write_text(mutant.apply(text))
-        if not compiles(tree, mutant):
+        compiled = file.suffix != ".py"
+        if (compiled or not tests.is_built) and not tests.build():
             return None
-        by = killer(tree, mutant)
+        by = tests.killer(mutant.file)
     finally:
         file.write_text(text)
+        tests.is_built = tests.is_built and not compiled  # the next build has the file as it was
     seconds = round(time.monotonic() - started)
     return {"kind": mutant.kind, "killed_by": by, "seconds": seconds, "mutant": mutant.describe(text)}
 
@@ -112,6 +147,7 @@ def main() -> None:
     options = parser.parse_args()
     parts = options.part or list(PARTS)
     results: list[dict[str, object]] = []
+    tests = Tests(options.tree)
     for part in parts:
         wanted = options.count // len(parts)
         for mutant in candidates(options.tree, part, options.seed):
@@ -121,7 +157,7 @@ def main() -> None:
                 print(mutant.describe((options.tree / mutant.file).read_text()))
                 wanted -= 1
                 continue
-            result = test(options.tree, mutant)
+            result = test(tests, mutant)
             if result is None:
                 continue
             wanted -= 1
