@@ -78,7 +78,9 @@ def test_an_option_of_presets_without_one() -> None:
 
 @pytest.mark.parametrize("door", ["preset", "vector"])
 def test_two_names_of_one_option(door: str) -> None:
-    with pytest.raises(TypeError, match="clip_reward and reward_clipping are two names of one option; give one of them"):
+    with pytest.raises(
+        TypeError, match="clip_reward and reward_clipping are two names of one option; give one of them"
+    ):
         DOORS[door][1](clip_reward=True, reward_clipping=True)
 
 

@@ -1,0 +1,168 @@
+"""What the inspector's session writes and opens: replays, saved states, interventions, labels, clips."""
+
+import sys
+from pathlib import Path
+
+import pytest
+from inspector_tools import LIVES, PADDLE, Sweeper, new_session, play
+from numpy.testing import assert_array_equal
+
+from atari.env import AtariEnv
+from atari.games.interventions import load_file
+from atari.lab.inspector import export
+from atari.lab.inspector.sources import session_of_replay, session_of_snapshot
+from atari.lab.interventions import check
+from atari.recording import RecordReplay, Replay
+from atari.recording.replay import replay as replay_module
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+
+def test_a_replay_holds_bytes_in_no_frame_before_their_freeze(tmp_path: Path) -> None:
+    session = new_session()
+    play(session, 60)
+    session.freeze(PADDLE, 60)
+    play(session, 20)
+    path = export.write_replay(session, tmp_path / "a.a26")
+    seen = [int(session.main.ram_at(frame)[PADDLE]) for frame in range(1, 81)]
+    assert len(set(seen[:60])) > 1
+    assert seen[60:] == [60] * 20
+    replay = Replay.load(path)
+    assert [int(replay.seek(frame).ram()[PADDLE]) for frame in range(1, 81)] == seen
+
+
+def test_names() -> None:
+    session = new_session()
+    session.name(70, "speed")
+    for name, text in (("lives", "the name of byte 57"), ("a b", "letters, digits"), ("é", "letters")):
+        with pytest.raises(ValueError, match=text):
+            session.name(71, name)
+    table = tomllib.loads(export.labels_toml(session))
+    assert table["ram"]["speed"]["index"] == 70
+    session.name(70, "")
+    with pytest.raises(ValueError, match="no byte was named"):
+        export.labels_toml(session)
+
+
+def test_replay_of_what_was_played(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(replay_module, "_CHUNKS_PER_CHECKPOINT", 1)
+    session = new_session()
+    with pytest.raises(ValueError, match="no frame was played"):
+        export.write_replay(session, tmp_path / "a.a26")
+    play(session, 100)
+    session.freeze(LIVES, 1)
+    play(session, 200)
+    session.freeze(PADDLE, 90)
+    session.new_game()
+    session.step(40)
+    session.release(LIVES)
+    session.release(PADDLE)
+    session.poke(PADDLE, 90)
+    play(session, 50)
+    path = export.write_replay(session, tmp_path / "a.a26")
+    replay = Replay.load(path)
+    assert replay.verify()
+    again = session_of_replay(path)
+    assert (again.at, again.main.end) == (0, session.main.end)
+    for frame in (391, 0, 99, 101, 300, 302, 341, 342, 320):
+        again.seek(frame)
+        session.seek(frame)
+        assert_array_equal(again.ram(), session.ram())
+        assert (again.main.score, again.over) == (session.main.score, session.over)
+        if frame:
+            number = frame - (frame > 300)  # in a replay, a reset is no frame
+            assert_array_equal(replay.seek(number).ram(), session.ram())
+    again.release(LIVES)
+    again.step(100)
+    assert again.ram()[PADDLE] != 90
+
+
+def test_a_replay_with_sticky_actions_seeds_and_rewinding(tmp_path: Path) -> None:
+    env = AtariEnv("pong")
+    recording = RecordReplay(env, tmp_path / "pong.a26")
+    recording.reset(seed=3)
+    rams = []
+    for step in range(60):
+        recording.step(step % 6)
+        if step == 20:
+            saved = env.snapshot()
+        if step == 40:
+            env.restore(saved)
+        rams.append(env.core.ram())
+    recording.close()
+    session = session_of_replay(tmp_path / "pong.a26")
+    assert session.main.end == 241
+    session.seek(241)
+    assert_array_equal(session.ram(), rams[-1])
+    session.seek(1 + 4 * 21)
+    assert_array_equal(session.ram(), rams[20])
+
+
+@pytest.mark.parametrize("kind", ["env", "core", "other"])
+def test_saved_states(kind: str, tmp_path: Path) -> None:
+    env = AtariEnv("seaquest", difficulty=1)
+    env.reset(seed=1)
+    for _ in range(20):
+        env.step(1)
+    path = tmp_path / "a.state"
+    path.write_bytes({"env": env.snapshot(), "core": env.core.snapshot(), "other": b"x" * 40}[kind])
+    if kind == "other":
+        with pytest.raises(ValueError, match=r"a\.state cannot be opened as a saved state"):
+            session_of_snapshot(path)
+        return
+    session = session_of_snapshot(path)
+    assert_array_equal(session.ram(), env.core.ram())
+    assert session.game.id == "seaquest"
+
+
+def test_interventions_are_toml() -> None:
+    session = new_session()
+    with pytest.raises(ValueError, match="nothing is frozen"):
+        export.interventions_toml(session)
+    session.freeze(LIVES)
+    play(session, 30)
+    session.poke(PADDLE, 80)
+    table = tomllib.loads(export.interventions_toml(session))
+    assert table["frozen_lives"]["writes"] == [{"to": LIVES, "value": 5, "when": when} for when in ("reset", "frame")]
+    assert table["poke_1_player_x"]["writes"] == [{"to": PADDLE, "value": 80, "when": 30}]
+
+
+def test_an_environment_plays_the_exported_interventions(tmp_path: Path) -> None:
+    session = new_session()
+    session.freeze(LIVES, 3)
+    play(session, 30)
+    session.poke(PADDLE, 80)
+    session.name(PADDLE + 1, "mine")
+    session.freeze(PADDLE + 1, 9)
+    play(session, 60)
+    path = tmp_path / "own.toml"
+    path.write_text(export.interventions_toml(session))
+    known = load_file(path, "breakout")
+    assert sorted(known) == ["frozen_lives", "frozen_mine", "poke_1_player_x"]
+    assert all(check("breakout", one) for one in known.values() if one.check)
+    names = ("frozen_lives", "poke_1_player_x")
+    items = [f"{path}#{name}" for name in names]
+    options = {"frameskip": 1, "repeat_action_probability": 0.0, "full_action_space": True}
+    env = AtariEnv("breakout", interventions=items, **options)
+    env.reset(seed=0)
+    agent = Sweeper()
+    agent.begin(env.core)
+    for frame in range(1, 31):
+        env.step(agent.act(env.core))
+        if frame < 30:
+            assert_array_equal(env.core.ram(), session.main.ram_at(frame))
+    assert (env.core.ram()[LIVES], env.core.ram()[PADDLE]) == (3, 80)
+
+
+def test_a_clip(tmp_path: Path) -> None:
+    av = pytest.importorskip("av")
+    session = new_session()
+    play(session, 120)
+    with pytest.raises(ValueError, match=r"a clip is within frames 0\.\.120"):
+        export.write_clip(session, tmp_path / "a.mp4", 100, 130)
+    export.write_clip(session, tmp_path / "a.mp4", 60, 120)
+    with av.open(str(tmp_path / "a.mp4")) as container:
+        assert sum(1 for _ in container.decode(video=0)) == 60
