@@ -30,6 +30,11 @@ PLACES: dict[str, tuple[str, ...]] = {
     "atari/emulator/python/binding_writes.cpp": ("tests/lab",),
     "atari/emulator/python": ("tests/cores", "tests/vector"),
     "atari/_emulator.pyi": ("tests/test_emulator_stub.py",),
+    "atari/env.py": ("tests/conformance/test_ale_goldens.py", "tests/conformance/test_env_equals_ale_py.py"),
+    "atari/registration.py": ("tests/conformance/test_ids.py", "tests/games/test_own_games.py", "tests/vector"),
+    "atari/validation.py": ("tests/test_env.py", "tests/wrappers", "tests/vector"),
+    "atari/games/interventions": ("tests/lab",),
+    "atari/games": ("tests/games", "tests/conformance/test_ale_goldens.py"),
     "atari/restorable.py": ("tests/wrappers/test_snapshots.py",),
     "atari/protocols.py": ("tests/wrappers/test_presets.py",),
     "atari/sb3.py": ("tests/integrations",),
@@ -86,7 +91,7 @@ def _runs_of_test_file(file: str) -> list[list[str]]:
 def _mirrors(file: str) -> Iterator[str]:
     """The test files that are named like the file, in the part's folder."""
     path = Path(file)
-    for folder in _folders(path):
+    for folder in [*_folders(path), *(place for place in _around(file) if (TOP / place).is_dir())]:
         everywhere = "" if folder == "tests" else "**/"
         found = sorted((TOP / folder).glob(f"{everywhere}test_{path.stem.strip('_')}*.py"))
         if found:
