@@ -18,7 +18,11 @@ TOP = Path(__file__).resolve().parent.parent
 
 PLACES: dict[str, tuple[str, ...]] = {
     "atari/emulator/machine": ("tests/emulator", "tests/conformance/test_goldens.py"),
-    "atari/emulator/fast": ("tests/emulator", "tests/conformance/test_goldens.py"),
+    "atari/emulator/fast": (
+        "tests/emulator/test_fast_equals_plain.py",
+        "tests/emulator",
+        "tests/conformance/test_goldens.py",
+    ),
     "atari/emulator/ale": ("tests/cores", "tests/games", "tests/conformance/test_goldens.py"),
     "atari/emulator/observations": ("tests/emulator/test_observation.py", "tests/wrappers", "tests/vector"),
     "atari/emulator/vector": ("tests/vector", "tests/multiplayer/test_vector.py"),
@@ -68,6 +72,8 @@ def runs(file: str) -> list[list[str]]:
     if file.startswith("tests/"):
         return _runs_of_test_file(file)
     near, around = [*_mirrors(file)] or [*_importers(file)], [*_around(file)]
+    if not near and around and around[0].endswith(".py"):
+        near = [around[0]]
     if DOCUMENT.fullmatch(file):
         near.insert(0, file)
     if not near and not around:
