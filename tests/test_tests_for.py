@@ -19,7 +19,15 @@ SPEC.loader.exec_module(tests_for)
     [
         ("atari/vector/results.py", [["tests/vector/test_results.py"], ["tests/vector"]]),
         ("wrappers/clip_reward.py", [["tests/wrappers/test_clip_reward.py"], ["tests/wrappers"]]),
-        ("atari/env.py", [["tests/test_env.py", "tests/test_env_observers.py", "tests/test_env_snapshots.py"]]),
+        (
+            "atari/env.py",
+            [
+                ["tests/test_env.py", "tests/test_env_observers.py", "tests/test_env_snapshots.py"],
+                ["tests/conformance/test_ale_goldens.py"],
+            ],
+        ),
+        ("atari/emulator/vector/engine.cpp", [["tests/vector/test_engine_misuse.py"], ["tests/vector"]]),
+        ("atari/emulator/fast/fast_console.cpp", [["tests/emulator/test_fast_equals_plain.py"], []]),
         ("atari/emulator/memory/sampling.cpp", [["tests/learning/memory"]]),
         ("atari/games/data/pong.toml", [["tests/games", "-k", "pong"], ["tests/conformance", "-k", "pong"]]),
         ("tests/vector/test_ends.py", [["tests/vector/test_ends.py"]]),
