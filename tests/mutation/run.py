@@ -7,6 +7,7 @@ of them fails or takes too long.
 
 import argparse
 import json
+import math
 import os
 import random
 import subprocess
@@ -14,6 +15,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Iterator
+from itertools import cycle, islice
 from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[2] / "scripts")]
@@ -141,30 +143,28 @@ def main() -> None:
     parser.add_argument("tree", type=Path, help=argparse.SUPPRESS)
     parser.add_argument("--count", type=int, default=60, help="how many mutants (default 60)")
     parser.add_argument("--seed", type=int, default=0, help="which ones (default 0)")
+    parser.add_argument("--minutes", type=float, default=math.inf, help="draw no mutant after this time")
     parser.add_argument("--part", choices=PARTS, action="append", help="only of this part")
     parser.add_argument("--out", type=Path, help="a JSON file for the results, written after each mutant")
     parser.add_argument("--list", action="store_true", help="print the mutants and test none")
     options = parser.parse_args()
     parts = options.part or list(PARTS)
+    drawn = {part: candidates(options.tree, part, options.seed) for part in parts}
+    if options.list:
+        for mutant in (mutant for part in parts for mutant in islice(drawn[part], options.count // len(parts))):
+            print(mutant.describe((options.tree / mutant.file).read_text()))
+        return
     results: list[dict[str, object]] = []
-    tests = Tests(options.tree)
-    for part in parts:
-        wanted = options.count // len(parts)
-        for mutant in candidates(options.tree, part, options.seed):
-            if wanted == 0:
-                break
-            if options.list:
-                print(mutant.describe((options.tree / mutant.file).read_text()))
-                wanted -= 1
-                continue
-            result = test(tests, mutant)
-            if result is None:
-                continue
-            wanted -= 1
-            results.append({"part": part, **result})
-            print(f"{result['killed_by'] or 'SURVIVED'} [{result['seconds']} s] {result['mutant']}", flush=True)
-            if options.out:
-                options.out.write_text(json.dumps(results, indent=1) + "\n")
+    tests, started = Tests(options.tree), time.monotonic()
+    # The parts in turn, so that a run that ends early has as many mutants of each.
+    for part in islice(cycle(parts), options.count):
+        if time.monotonic() - started > 60 * options.minutes:
+            break
+        result = next(filter(None, (test(tests, mutant) for mutant in drawn[part])))
+        results.append({"part": part, **result})
+        print(f"{result['killed_by'] or 'SURVIVED'} [{result['seconds']} s] {result['mutant']}", flush=True)
+        if options.out:
+            options.out.write_text(json.dumps(results, indent=1) + "\n")
     if results:
         print(report(results))
 
