@@ -10,11 +10,13 @@ import json
 import math
 import os
 import random
+import signal
 import subprocess
 import sys
 import time
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import suppress
 from itertools import cycle, islice
 from pathlib import Path
 
@@ -33,8 +35,8 @@ PARTS = {
 }
 """The parts of the package whose files are changed."""
 
-LONGEST = 900
-"""Seconds after which a run of tests counts as failed; a mutant may never end."""
+SLOWER = 4
+"""How many times as long as without a mutant a run of tests may take; then it counts as failed: the mutant may not end."""
 
 
 def candidates(tree: Path, part: str, seed: int) -> Iterator[Mutant]:
@@ -54,7 +56,8 @@ class Tests:
     def __init__(self, tree: Path) -> None:
         self.tree = tree
         self.killers: list[str] = []
-        self.passed: set[str] = set()
+        self.seconds: dict[str, float] = {}
+        """By the tests of a run, how long they take without a mutant."""
         self.is_built = True
 
     def build(self) -> bool:
@@ -70,21 +73,23 @@ class Tests:
             SystemExit: one fails, so it would kill every mutant.
         """
         for arguments in runs(file):
-            if str(arguments) not in self.passed:
+            if str(arguments) not in self.seconds:
                 if not self.is_built:
                     self.build()
-                by = self.first_failure(arguments)
+                started = time.monotonic()
+                by = self.first_failure(arguments, math.inf)
                 if by:
                     sys.exit(f"scripts/mutants: {by} fails without a mutant")
-                self.passed.add(str(arguments))
+                self.seconds[str(arguments)] = time.monotonic() - started
 
     def killer(self, file: str) -> str | None:
         """The first failing test of a changed file, "(no end)" if the tests do not end, or None."""
         found = runs(file)
         tests = [name for arguments in found if "-k" not in arguments for name in arguments]
         likely = [each for each in self.killers if any(each == test or each.startswith(f"{test}/") for test in tests)]
+        longest = SLOWER * max(self.seconds[str(arguments)] for arguments in found) + 30
         for arguments in [*([likely[:3]] if likely else []), *found]:
-            by = self.first_failure(arguments)
+            by = self.first_failure(arguments, longest)
             if by:
                 name = by.removeprefix("FAILED ").removeprefix("ERROR ").partition("::")[0]
                 if name.startswith("tests/"):
@@ -92,20 +97,27 @@ class Tests:
                 return by
         return None
 
-    def first_failure(self, arguments: list[str]) -> str | None:
-        """Run pytest until a test fails."""
+    def first_failure(self, arguments: list[str], longest: float) -> str | None:
+        """Run pytest until a test fails, or for so many seconds."""
         environment = {**os.environ, "PYTHONSAFEPATH": "1", "SDL_VIDEODRIVER": "dummy", "SDL_AUDIODRIVER": "dummy"}
         command = [str(self.tree / ".venv-dev" / "bin" / "pytest"), "-x", "-q", "-m", "not peers", "--tb=no", "-n", "2"]
+        command += ["--dist", "loadfile", "-p", "no:cacheprovider", *arguments]
+        # A session of its own, so that the processes of the tests end with it.
+        process = subprocess.Popen(
+            command, cwd=self.tree, env=environment, text=True, start_new_session=True,
+            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        )  # fmt: skip
         try:
-            done = subprocess.run(
-                [*command, "--dist", "loadfile", "-p", "no:cacheprovider", *arguments],
-                cwd=self.tree, env=environment, capture_output=True, text=True, timeout=LONGEST,
-            )  # fmt: skip
+            output, _ = process.communicate(timeout=None if longest == math.inf else longest)
         except subprocess.TimeoutExpired:
             return "(no end)"
-        if done.returncode in (0, 5):  # 5: no test was selected
+        finally:
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+        if process.returncode in (0, 5):  # 5: no test was selected
             return None
-        failed = [line for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
+        failed = [line for line in output.splitlines() if line.startswith(("FAILED", "ERROR"))]
         return failed[0].split(" - ")[0] if failed else "(a crash)"
 
 
