@@ -35,8 +35,10 @@ PARTS = {
 }
 """The parts of the package whose files are changed."""
 
-SLOWER = 4
-"""How many times as long as without a mutant a run of tests may take; then it counts as failed: the mutant may not end."""
+LONGEST_TEST = 90
+"""Seconds that a test may take; then its process ends, and it counts as failed. The mutant may not end."""
+LONGEST_RUN = 900
+"""Seconds that a run of tests may take."""
 
 
 def candidates(tree: Path, part: str, seed: int) -> Iterator[Mutant]:
@@ -56,8 +58,7 @@ class Tests:
     def __init__(self, tree: Path) -> None:
         self.tree = tree
         self.killers: list[str] = []
-        self.seconds: dict[str, float] = {}
-        """By the tests of a run, how long they take without a mutant."""
+        self.passed: set[str] = set()
         self.is_built = True
 
     def build(self) -> bool:
@@ -73,23 +74,21 @@ class Tests:
             SystemExit: one fails, so it would kill every mutant.
         """
         for arguments in runs(file):
-            if str(arguments) not in self.seconds:
+            if str(arguments) not in self.passed:
                 if not self.is_built:
                     self.build()
-                started = time.monotonic()
-                by = self.first_failure(arguments, math.inf)
+                by = self.first_failure(arguments)
                 if by:
                     sys.exit(f"scripts/mutants: {by} fails without a mutant")
-                self.seconds[str(arguments)] = time.monotonic() - started
+                self.passed.add(str(arguments))
 
     def killer(self, file: str) -> str | None:
         """The first failing test of a changed file, "(no end)" if the tests do not end, or None."""
         found = runs(file)
         tests = [name for arguments in found if "-k" not in arguments for name in arguments]
         likely = [each for each in self.killers if any(each == test or each.startswith(f"{test}/") for test in tests)]
-        longest = SLOWER * max(self.seconds[str(arguments)] for arguments in found) + 30
         for arguments in [*([likely[:3]] if likely else []), *found]:
-            by = self.first_failure(arguments, longest)
+            by = self.first_failure(arguments)
             if by:
                 name = by.removeprefix("FAILED ").removeprefix("ERROR ").partition("::")[0]
                 if name.startswith("tests/"):
@@ -97,10 +96,11 @@ class Tests:
                 return by
         return None
 
-    def first_failure(self, arguments: list[str], longest: float) -> str | None:
-        """Run pytest until a test fails, or for so many seconds."""
+    def first_failure(self, arguments: list[str]) -> str | None:
+        """Run pytest until a test fails; its name, or None."""
         environment = {**os.environ, "PYTHONSAFEPATH": "1", "SDL_VIDEODRIVER": "dummy", "SDL_AUDIODRIVER": "dummy"}
         command = [str(self.tree / ".venv-dev" / "bin" / "pytest"), "-x", "-q", "-m", "not peers", "--tb=no", "-n", "2"]
+        command += ["-o", f"faulthandler_timeout={LONGEST_TEST}", "-o", "faulthandler_exit_on_timeout=true"]
         command += ["--dist", "loadfile", "-p", "no:cacheprovider", *arguments]
         # A session of its own, so that the processes of the tests end with it.
         process = subprocess.Popen(
@@ -108,7 +108,7 @@ class Tests:
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
         )  # fmt: skip
         try:
-            output, _ = process.communicate(timeout=None if longest == math.inf else longest)
+            output, _ = process.communicate(timeout=LONGEST_RUN)
         except subprocess.TimeoutExpired:
             return "(no end)"
         finally:
