@@ -101,7 +101,7 @@ class Tests:
         environment = {**os.environ, "PYTHONSAFEPATH": "1", "SDL_VIDEODRIVER": "dummy", "SDL_AUDIODRIVER": "dummy"}
         command = [str(self.tree / ".venv-dev" / "bin" / "pytest"), "-x", "-q", "-m", "not peers", "--tb=no", "-n", "2"]
         command += ["-o", f"faulthandler_timeout={LONGEST_TEST}", "-o", "faulthandler_exit_on_timeout=true"]
-        command += ["--dist", "loadfile", "-p", "no:cacheprovider", *arguments]
+        command += ["--max-worker-restart", "0", "--dist", "loadfile", "-p", "no:cacheprovider", *arguments]
         # A session of its own, so that the processes of the tests end with it.
         process = subprocess.Popen(
             command, cwd=self.tree, env=environment, text=True, start_new_session=True,
