@@ -1,4 +1,4 @@
-"""What the inspector's session writes and opens: replays, saved states, interventions, labels, clips."""
+"""The inspector's session writes and opens files: replays, saved states, interventions, labels, clips."""
 
 import sys
 from pathlib import Path

@@ -1,8 +1,8 @@
 """Runs the tests that concern a file on mutants of it; `scripts/mutants` has the package and starts this file.
 
 The mutants are drawn by a seed: as many of each part of `PARTS`, the kinds of change in turn. A mutant that does not
-compile is replaced by the next one. The tests of a file are those of `scripts/tests_for.py`. A mutant is killed if one
-of them fails or takes too long.
+compile is replaced by the next one. `scripts/tests_for.py` names the tests of a file. A mutant is killed if one of them
+fails or takes too long.
 """
 
 import argparse
