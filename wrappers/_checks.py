@@ -6,7 +6,6 @@ import gymnasium
 import numpy as np
 from gymnasium import spaces
 
-from atari.actions import Action
 from atari.env import AtariEnv
 from atari.restorable import layers
 
@@ -82,9 +81,12 @@ def noop_action(env: Environment) -> Any:
 
 
 def step_noop(env: Environment) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
-    """A step of NOOP. If NOOP is not in the action space, the core plays one frame of it directly."""
+    """A step of NOOP. If NOOP is not in the action space, the `AtariEnv` plays it in place of the step's action."""
     if has_noop(env):
         return env.step(noop_action(env))
     atari = require_atari(env, "a NOOP")
-    reward = atari.play_frames(Action.NOOP, 1)
-    return atari._get_obs(), reward, atari.core.game_over, atari.core.truncated, atari._info()
+    atari._only_noop = True
+    try:
+        return env.step(0)
+    finally:
+        atari._only_noop = False

@@ -71,6 +71,8 @@ class EpisodicLife(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
         if self._atari is not None and self._atari._restored:
             warn_of_restore(self.env, "EpisodicLife")
         observation, reward, terminated, truncated, info = self.env.step(action)
+        if self._atari is not None and self._atari._only_noop:  # a NOOP that is no action does not count as a step
+            return observation, reward, terminated, truncated, info
         self._last = observation, info
         return observation, reward, self.observe(info["lives"], terminated, truncated), truncated, info
 

@@ -1,6 +1,8 @@
+import gymnasium
+import numpy as np
 import pytest
 
-from atari.wrappers import EpisodicLife
+from atari.wrappers import DqnPreprocessing, EpisodicLife
 
 
 def lives(t):
@@ -113,6 +115,29 @@ def test_games_without_lives(scripted):
     env.reset()
     assert episode(env) == (5, True, False)
     assert env.reset()[1]["frame"] == 0
+
+
+@pytest.mark.parametrize("reduced", [False, True], ids=["NOOP is an action", "NOOP is no action"])
+def test_outside_of_a_frame_skip_the_noop_is_a_whole_one(game_env, reduced):
+    inner, twin = game_env("breakout"), DqnPreprocessing(game_env("breakout"))
+    if reduced:
+        inner._action_set = inner._action_set[1:]
+        inner.action_space = gymnasium.spaces.Discrete(3)
+    env = EpisodicLife(DqnPreprocessing(inner))
+    env.reset(seed=0)
+    twin.reset(seed=0)
+    terminated = False
+    while not terminated:
+        *_, terminated, _, info = env.step(2 - reduced)
+        twin.step(2)
+        if info["episode_frame_number"] < 8:
+            env.step(1 - reduced)
+            twin.step(1)
+    observation, info = env.reset()
+    expected, *_, expected_info = twin.step(0)
+    np.testing.assert_array_equal(observation, expected)
+    assert info == expected_info
+    np.testing.assert_array_equal(env.step(2 - reduced)[0], twin.step(2)[0])
 
 
 def test_refuses(scripted):
