@@ -19,6 +19,7 @@ from gymnasium import logger, spaces
 from atari.actions import PLAYER_ACTIONS, Action, in_continuous_space, joystick_action, make_action_space
 from atari.cores import CORES, ByteArray, Core, snapshot, writes
 from atari.cores.ale_interface import AleInterface, AleSettings
+from atari.cores.ale_random import AleRandom
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.games.interventions import Intervention, resolve
@@ -158,6 +159,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             sound_obs=self.sound_obs,
         )
         self._core_options = self.ale_settings.core_options()
+        self._ale_random: AleRandom | None = None  # of episodes that are seeded as by ale-py's vector environment
         self.seed_game()
         self._np_random_seed = -1
         self.core = self._make_core()
@@ -293,12 +295,21 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             The two words drawn from the seed: of `np_random`, and of the emulator.
 
         Raises:
-            TypeError, ValueError: the seed is no integer of 0 or more.
+            TypeError, ValueError: the seed is no integer of 0 or more, or not below 2**31 where episodes are seeded as
+                by ale-py's vector environment.
         """
         words = np.random.SeedSequence(seed).generate_state(2)
+        if self._ale_random is not None:
+            words[1] = self._ale_random.seed(seed)
         self._np_random = np.random.Generator(np.random.PCG64(np.random.SeedSequence(int(words[0]))))
         self.ale_settings.set_seed(int(words[1]))
         return words[0], words[1]
+
+    def draw(self, low: int, high: int) -> int:
+        """A number within low..high-1 from the generator of episodes, which draws no-ops and frame skips."""
+        if self._ale_random is None:
+            return int(self.np_random.integers(low, high))
+        return low + self._ale_random.below(high - low)
 
     def load_game(self) -> None:
         """Load the game again: with the seed of `seed_game`, what was set by `ale`, and the environment's mode.
@@ -366,7 +377,8 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             "np_random": self.np_random.bit_generator.state,
             "game": [self._game.score, self._game.steps, self._game.first_frame],
         }
-        return snapshot.pack(facts, {"core": self.core.snapshot()})
+        more_facts, more_blobs = self._ale_seeding()
+        return snapshot.pack(facts | more_facts, {"core": self.core.snapshot(), **more_blobs})
 
     def restore(self, data: bytes) -> None:
         """Continue from a snapshot.
@@ -384,16 +396,20 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         facts, blobs = snapshot.unpack(data)
         if facts.get("of") == "play":
             facts, blobs = self._of_play(blobs)
-        snapshot.require(facts, {"of": "AtariEnv"})
-        snapshot.require_blobs(blobs, "core")
+        facts.setdefault("seeding", "gymnasium")
+        own, own_blobs = self._ale_seeding()
+        snapshot.require(facts, {"of": "AtariEnv", "seeding": own.get("seeding", "gymnasium")})
+        snapshot.require_blobs(blobs, "core", *own_blobs)
         phase: Any = facts.get("phase")
         if phase not in get_args(Phase):
             raise ValueError(f"the snapshot is damaged: its phase is none of {', '.join(get_args(Phase))}")
         generator = self.np_random.bit_generator
         state = snapshot.check_generator(facts.get("np_random"), type(generator))
         game = _read_game(facts.get("game", [0.0, 0, 0]))
+        ale_random = AleRandom.of_state(blobs["ale_random"]) if own_blobs else None
         self.core.restore(blobs["core"])
         generator.state = state
+        self._ale_random = ale_random
         self._phase = phase
         self._game, self._ended_game = game, None
         self._restored = True
@@ -404,13 +420,22 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         facts, blobs = snapshot.unpack(blobs.get("env", b""))
         own, _ = snapshot.unpack(self.core.snapshot())
         options = {name: own[name] for name in ("sound", "repeat_action_probability", "max_num_frames_per_episode")}
-        return facts, {**blobs, "core": snapshot.with_options(blobs.get("core", b""), **options)}
+        more_facts, more_blobs = self._ale_seeding()
+        core = snapshot.with_options(blobs.get("core", b""), **options)
+        return facts | more_facts, {**blobs, "core": core, **more_blobs}
+
+    def _ale_seeding(self) -> tuple[dict[str, Any], dict[str, bytes]]:
+        """The fact and the blob of a snapshot that say how episodes are seeded; none where they are as Gymnasium's."""
+        if self._ale_random is None:
+            return {}, {}
+        return {"seeding": "ale"}, {"ale_random": self._ale_random.state()}
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickling and copying keep the position in the game, and the writes of `Freeze` and `Poke`."""
         ale = {"ale_settings": copy.deepcopy(self.ale_settings), "core_options": self._core_options}
         facts = {"options": self._options, "sound": self.core.sound, "spec": copy.deepcopy(self.spec)}
         facts["restored"] = self._restored
+        facts["ale_random"] = self._ale_random
         facts["writes"] = writes.definitions(_slots(self.core))
         return {**ale, **facts, "np_random_seed": self._np_random_seed, "snapshot": self.snapshot()}
 
@@ -424,6 +449,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             self.make_sound()
         if writes.definitions(_slots(self.core)) != state["writes"]:
             self.core.writes = writes.writes_of(self.game, state["writes"])  # type: ignore[attr-defined]
+        self._ale_random = state["ale_random"]
         self.restore(state["snapshot"])
         self._np_random_seed = state["np_random_seed"]
         self._restored = state["restored"]
@@ -496,7 +522,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
     def _draw_frameskip(self) -> int:
         if isinstance(self._frameskip, int):
             return self._frameskip
-        return int(self.np_random.integers(*self._frameskip))
+        return self.draw(*self._frameskip)
 
     def _ale_action(self, action: Any) -> tuple[int, float]:
         """The ALE action number and the strength of an action of the action space."""

@@ -1,0 +1,26 @@
+"""`AleSeeding`: episodes that are seeded and drawn as those of ale-py's vector environment."""
+
+from typing import Any
+
+import gymnasium
+from gymnasium.utils import RecordConstructorArgs
+
+from atari.cores.ale_random import AleRandom
+from atari.restorable import Restorable
+from atari.wrappers._checks import Environment, require_atari
+
+
+class AleSeeding(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+    """Let `reset(seed=...)` seed the emulator with the seed itself, and the numbers of no-ops and frames too.
+
+    The `AtariEnv` keeps the generator, for its snapshots and copies; this wrapper gives it one, also when
+    `gymnasium.make(env.spec)` makes the environment again. Seeds are below 2**31.
+
+    Args:
+        env: an `AtariEnv`, possibly wrapped.
+    """
+
+    def __init__(self, env: Environment) -> None:
+        RecordConstructorArgs.__init__(self)
+        super().__init__(env)
+        require_atari(env, "AleSeeding")._ale_random = AleRandom()
