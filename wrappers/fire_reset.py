@@ -52,9 +52,14 @@ class FireReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
                 self._actions.append(2)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Reset, then press FIRE."""
+        """Reset, then press FIRE.
+
+        Args:
+            seed: of the environment.
+            options: with "fire" false, FIRE is not pressed; all are passed on.
+        """
         observation, info = self.env.reset(seed=seed, options=options)
-        for action in self._actions:
+        for action in self._actions if (options or {}).get("fire", True) else ():
             observation, _, terminated, truncated, step_info = self.env.step(action)
             info.update(step_info)
             if terminated or truncated:

@@ -9,9 +9,10 @@ from typing import Any
 import gymnasium
 from gymnasium.utils import RecordConstructorArgs
 
-from atari.restorable import Restorable
+from atari.restorable import Restorable, layers
 from atari.validation import check_integer
-from atari.wrappers._checks import Environment, action_meanings, step_noop
+from atari.wrappers._checks import Environment, action_meanings, draw, step_noop
+from atari.wrappers.fire_reset import FireReset
 
 
 class NoopReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
@@ -19,7 +20,7 @@ class NoopReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
 
     The number is drawn from `env.unwrapped.np_random` as Gymnasium's and Stable-Baselines3's wrappers draw it, so equal
     seeds give equal starts; `reset(options={"noops": n})` sets it instead. If the episode ends meanwhile, the
-    environment is reset and the rest is played. With `noop_max=0` nothing is drawn or played.
+    environment is reset and the rest is played. With `noop_max=0` nothing is played.
 
     Args:
         env: without frame skip, a step is one frame.
@@ -27,9 +28,12 @@ class NoopReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
         noop_min: the least number, 0..noop_max.
         fire_counts: play one less in games with a FIRE action, because FIRE, pressed by `FireReset`, counts as one
             of them (EnvPool, ale-py's vector environment).
+        fire_again: whether an inner `FireReset` presses FIRE again when the environment is reset because the episode
+            ended meanwhile; it does not in ale-py's vector environment.
 
     Raises:
-        TypeError, ValueError: `noop_max` or `noop_min` is not an integer, or out of range.
+        TypeError, ValueError: `noop_max` or `noop_min` is not an integer, or out of range; `fire_again` is false
+            and there is no inner `FireReset`.
 
     Example:
         >>> import atari
@@ -39,12 +43,25 @@ class NoopReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
         True
     """
 
-    def __init__(self, env: Environment, noop_max: int = 30, noop_min: int = 1, *, fire_counts: bool = False) -> None:
-        noop_max = check_integer("noop_max", noop_max, 0, 100_000)
+    def __init__(
+        self,
+        env: Environment,
+        noop_max: int = 30,
+        noop_min: int = 1,
+        *,
+        fire_counts: bool = False,
+        fire_again: bool = True,
+    ) -> None:
+        noop_max = check_integer("noop_max", noop_max, 0, 1_000_000)
         noop_min = min(noop_min, noop_max) if noop_max == 0 else check_integer("noop_min", noop_min, 0, noop_max)
-        RecordConstructorArgs.__init__(self, noop_max=noop_max, noop_min=noop_min, fire_counts=fire_counts)
+        if not fire_again and not any(isinstance(layer, FireReset) for layer in layers(env)):
+            raise ValueError("fire_again=False is about an inner FireReset, and there is none; leave it out")
+        RecordConstructorArgs.__init__(
+            self, noop_max=noop_max, noop_min=noop_min, fire_counts=fire_counts, fire_again=fire_again
+        )
         super().__init__(env)
         self.noop_max, self.noop_min = noop_max, noop_min
+        self._fire_again = fire_again
         self._fires = int(fire_counts and "FIRE" in action_meanings(env))
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
@@ -52,23 +69,22 @@ class NoopReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
 
         Args:
             seed: of the environment, from which the number of no-ops is drawn too.
-            options: "noops" is the number of no-ops, 0 or more; the rest is the environment's.
+            options: "noops" is the number of no-ops, 0 or more; all are passed on.
 
         Raises:
             TypeError, ValueError: "noops" is not such a number; nothing is reset.
         """
         forced = (options or {}).get("noops")
         if forced is not None:
-            forced = check_integer("noops", forced, 0, 100_000)
+            forced = check_integer("noops", forced, 0, 1_000_000)
         observation, info = self.env.reset(seed=seed, options=options)
+        again = options if self._fire_again else {**(options or {}), "fire": False}
         for _ in range(self._draw() if forced is None else forced):
             observation, _, terminated, truncated, step_info = step_noop(self.env)
             info.update(step_info)
             if terminated or truncated:
-                observation, info = self.env.reset(seed=seed, options=options)
+                observation, info = self.env.reset(seed=seed, options=again)
         return observation, info
 
     def _draw(self) -> int:
-        if self.noop_max == 0:
-            return 0
-        return int(self.unwrapped.np_random.integers(self.noop_min, self.noop_max + 1)) - self._fires
+        return draw(self.env, self.noop_min, self.noop_max + 1) - self._fires

@@ -33,6 +33,16 @@ def test_then_action_2(scripted):
     assert info["frame"] == 2
 
 
+def test_an_option_leaves_it_out(scripted):
+    env = FireReset(scripted(), then_action_2=True)
+    _, info = env.reset(seed=3, options={"fire": False})
+    assert env.unwrapped.actions == []
+    assert info["frame"] == 0
+    assert env.unwrapped.resets == [(3, {"fire": False})]
+    env.reset(options={"fire": True})
+    assert env.unwrapped.actions == [1, 2]
+
+
 def test_resets_again_if_fire_ends_the_episode_and_shows_the_new_one(scripted):
     env = FireReset(scripted(ends=2), then_action_2=True)
     observation, info = env.reset()

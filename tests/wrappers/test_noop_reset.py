@@ -2,7 +2,16 @@ import gymnasium
 import numpy as np
 import pytest
 
-from atari.wrappers import NoopReset
+from atari.wrappers import (
+    DqnPreprocessing,
+    EpisodicLife,
+    FireReset,
+    FrameSkip,
+    FrameStack,
+    Grayscale,
+    NoopReset,
+)
+from atari.wrappers._checks import step_noop
 
 
 def number_of_noops(env, seed):
@@ -93,6 +102,80 @@ def test_does_nothing_where_that_is_no_action(game_env, game):
     np.testing.assert_array_equal(observation, expected)
     np.testing.assert_array_equal(env.unwrapped.core.ram(), full.core.ram())
     assert {key: info[key] for key in expected_info} == expected_info
+
+
+@pytest.mark.parametrize(
+    ("layer", "arguments"),
+    [(Grayscale, {}), (FrameSkip, {}), (FrameStack, {}), (DqnPreprocessing, {}), (DqnPreprocessing, {"frame_skip": 3})],
+)
+def test_where_that_is_no_action_each_layer_plays_it(game_env, layer, arguments):
+    """Outside of a frame skip a no-op is a whole skip, and the observation is as after any other step."""
+    env = NoopReset(layer(game_env("backgammon"), **arguments))
+    full = layer(game_env("backgammon", full_action_space=True), **arguments)
+    observation, info = env.reset(seed=0, options={"noops": 6})
+    full.reset(seed=0)
+    for _ in range(6):
+        expected, *_, expected_info = full.step(0)
+    assert observation in env.observation_space
+    np.testing.assert_array_equal(observation, expected)
+    assert {key: info[key] for key in expected_info} == expected_info
+    for action in (0, 1, 2):  # which are again those of the game
+        name = env.unwrapped.get_action_meanings()[action]
+        expected = full.step(full.unwrapped.get_action_meanings().index(name))[0]
+        np.testing.assert_array_equal(env.step(action)[0], expected)
+
+
+def without_noop(env):
+    """The environment without its first action, as of a game that lacks NOOP."""
+    env._action_set = env._action_set[1:]
+    env.action_space = gymnasium.spaces.Discrete(len(env._action_set))
+    return env
+
+
+def test_where_that_is_no_action_an_inner_episodic_life_does_not_see_it(game_env):
+    """Lives lost in the no-ops are compared at the next step."""
+    env = NoopReset(EpisodicLife(without_noop(game_env("breakout"))))
+    env.reset(seed=0, options={"noops": 3})
+    env.unwrapped.core.set_ram(0x39, 4)  # a life less
+    *_, terminated, truncated, info = step_noop(env.env)
+    assert (terminated, truncated, info["lives"], info["episode_frame_number"]) == (False, False, 4, 4)
+    *_, terminated, truncated, info = env.step(0)
+    assert (terminated, truncated, info["lives"], info["episode_frame_number"]) == (True, False, 4, 5)
+
+
+def test_a_noop_that_fails_leaves_the_actions(game_env):
+    env = NoopReset(game_env("backgammon"))
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        step_noop(env.env)
+    with pytest.raises(ValueError, match="action 99 is not within"):
+        env.unwrapped.step(99)
+
+
+class TestFireAgain:
+    """Breakout with a limit of 5 frames, which ends the episode in its no-ops."""
+
+    @pytest.mark.parametrize(
+        ("arguments", "frames"),
+        # FIRE and 4 no-ops, twice, then FIRE and 2; or FIRE and 4, then 5, then 1.
+        [({}, 3), ({"fire_again": True}, 3), ({"fire_again": False}, 1)],
+    )
+    def test_frames(self, game_env, arguments, frames):
+        env = NoopReset(FireReset(game_env("breakout", max_num_frames_per_episode=5)), **arguments)
+        assert env.reset(seed=0, options={"noops": 10})[1]["episode_frame_number"] == frames
+
+    def test_options_are_passed_on(self, scripted):
+        env = NoopReset(FireReset(scripted(ends=3)), fire_again=False)
+        env.reset(seed=4, options={"noops": 3})
+        assert env.unwrapped.actions == [1, 0, 0, 0]
+        assert env.unwrapped.resets == [(4, {"noops": 3}), (4, {"noops": 3, "fire": False})]
+        env.reset()
+        assert env.unwrapped.actions[4] == 1, "the next reset presses it"
+
+    def test_needs_an_inner_fire_reset(self, scripted, game_env):
+        for env in (scripted(), EpisodicLife(game_env("breakout"))):
+            with pytest.raises(ValueError, match="fire_again=False is about an inner FireReset, and there is none"):
+                NoopReset(env, fire_again=False)
+        NoopReset(FireReset(scripted(meanings=["NOOP", "UP"])), fire_again=False).reset()
 
 
 @pytest.mark.parametrize(
