@@ -9,6 +9,7 @@ has the parameters of each.
 """
 
 import contextlib
+import inspect
 from collections.abc import Callable
 from functools import partial
 from typing import Any, Literal, get_args
@@ -31,6 +32,8 @@ from atari.wrappers.episodic_life import EpisodicLife
 from atari.wrappers.frame_stack import Padding
 
 EndFrames = Literal["last", "gymnasium", "baselines", "envpool"]
+DqnObsType = Literal["image", "ram"]
+ScreenSize = int | tuple[int | None, int | None] | None
 
 # Layers whose `step` need not be called for each frame: checks, and `EpisodicLife`, whose rule this wrapper applies.
 _TRANSPARENT = (OrderEnforcing, PassiveEnvChecker, EpisodicLife)
@@ -41,6 +44,7 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
 
     Observations are (stack_size, rows, columns) uint8, with `grayscale=False` (stack_size, rows, columns, 3), with
     `stack_size=None` without the first axis; each is a new array. The oldest frame comes first. Rewards are summed.
+    With `obs_type="ram"` they are the RAM after the skip, (128,) uint8, and no frame is rendered.
 
     Wrappers that only act at a reset (`NoopReset`, `FireReset`) and `EpisodicLife` can be inside without a cost. If
     any other inner wrapper changes `step`, or each frame is rendered, frames are played through its `step`, which is
@@ -49,8 +53,10 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
 
     Args:
         env: an `AtariEnv` that plays one frame a step, possibly wrapped.
-        frame_skip: frames for each action.
-        screen_size: side of the square image, or (width, height), as Gymnasium's `AtariPreprocessing` has it.
+        frame_skip: frames for each action, or (low, high) for a random number within low..high-1 at each step, drawn
+            from the environment's generator before the first frame.
+        screen_size: side of the square image, or (width, height), as Gymnasium's `AtariPreprocessing` has it; None in
+            place of a number or of all is the size of the screen.
         stack_size: frames in an observation; None is one frame without an axis for it.
         grayscale: False keeps red, green and blue.
         max_pool: take the maximum of the last two frames of a skip; False takes the last one.
@@ -67,10 +73,12 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         seamless_lives: a life lost in an inner `EpisodicLife` neither cuts the skip short nor clears the stack at the
             reset that follows (EnvPool).
         max_frames: truncate after this many frames, not counting those of inner wrappers; None is never.
+        obs_type: "image" or "ram". RAM is neither stacked nor pooled; the arguments about images stay as they are then.
+            `RamObservation` around this one adds the RAM to images.
 
     Raises:
         TypeError, ValueError: an argument is of the wrong kind or out of range; the environment is no `AtariEnv`, gives
-            RAM, or skips frames already.
+            RAM in place of the pixels that are to be preprocessed, or skips frames already.
 
     Example:
         >>> import atari
@@ -87,8 +95,8 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
     def __init__(
         self,
         env: Environment,
-        frame_skip: int = 4,
-        screen_size: int | tuple[int, int] = 84,
+        frame_skip: int | tuple[int, int] = 4,
+        screen_size: ScreenSize = 84,
         stack_size: int | None = 4,
         *,
         grayscale: bool = True,
@@ -98,12 +106,14 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         end_frames: EndFrames = "last",
         seamless_lives: bool = False,
         max_frames: int | None = None,
+        obs_type: DqnObsType = "image",
     ) -> None:
+        arguments = {name: value for name, value in locals().items() if name not in ("self", "env", "__class__")}
         self._atari = require_atari(env, "DqnPreprocessing")
-        require_pixels(env, "DqnPreprocessing")
+        _check_observations(env, arguments)
         require_single_frames(env, "DqnPreprocessing")
-        frame_skip = check_integer("frame_skip", frame_skip, 1, 10_000)
-        self._size = _check_size(screen_size)
+        low, high = _check_frame_skip(frame_skip)
+        self._size = _check_size(screen_size, self._atari.game.screen.shape)
         if stack_size is not None:
             stack_size = check_integer("stack_size", stack_size, 1, 10_000)
         if max_frames is not None:
@@ -112,23 +122,14 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         check_name("end_frames", end_frames, get_args(EndFrames))
         if pool_rgb and end_frames not in ("last", "baselines"):
             raise ValueError(f"pool_rgb goes with end_frames='last' or 'baselines', got {end_frames!r}")
-        RecordConstructorArgs.__init__(
-            self,
-            frame_skip=frame_skip,
-            screen_size=screen_size,
-            stack_size=stack_size,
-            grayscale=grayscale,
-            max_pool=max_pool,
-            pool_rgb=pool_rgb,
-            padding_type=padding_type,
-            end_frames=end_frames,
-            seamless_lives=seamless_lives,
-            max_frames=max_frames,
-        )
+        frame_skip = low if high == low + 1 else (low, high)
+        given = {"frame_skip": frame_skip, "stack_size": stack_size, "max_frames": max_frames}
+        RecordConstructorArgs.__init__(self, **{**arguments, **given})
         super().__init__(env)
         self.frame_skip = frame_skip
         self._max_frames = max_frames
-        self._frames_read = 2 if max_pool and frame_skip > 1 else 1
+        self._reads_ram = obs_type == "ram"
+        self._frames_read = 0 if self._reads_ram else 2 if max_pool and high > 2 else 1
         self._pads_zero = padding_type == "zero"
         self._end_frames = end_frames
         self._direct = _can_drive_directly(env, self._atari)
@@ -144,22 +145,25 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
     def _make_buffers(self, stack_size: int | None) -> None:
         """Arrays for the frames from the emulator (gray values, palette indices or colours) and for the stack."""
         colours = () if self._grayscale else (3,)
-        raw = (*self._atari.game.screen.shape, *colours)
+        raw: tuple[int, ...] = (*self._atari.game.screen.shape, *colours)
+        image: tuple[int, ...] = (self._size[1], self._size[0], *colours)
+        if self._reads_ram:
+            raw = image = (0,)
         self._early: ByteArray = np.zeros(raw, np.uint8)  # the last frame but one of a skip
         self._late: ByteArray = np.zeros(raw, np.uint8)  # the last one
         self._pooled: ByteArray = np.zeros(raw, np.uint8)
         self._stacked = stack_size is not None
-        image = (self._size[1], self._size[0], *colours)
         self._stack: ByteArray = np.zeros((stack_size or 1, *image), np.uint8)
         self._shrink = _shrinker(self._atari.game.screen.shape[0], self._size, self._grayscale)
-        self.observation_space = spaces.Box(0, 255, self._stack.shape if self._stacked else image, np.uint8)
+        shown = (128,) if self._reads_ram else self._stack.shape if self._stacked else image
+        self.observation_space = spaces.Box(0, 255, shown, np.uint8)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset; the observation is the screen after the resets of the inner wrappers.
 
         Args:
             seed: of the environment.
-            options: for the inner wrappers: "noops" (`NoopReset`), "new_game" (`EpisodicLife`).
+            options: for the inner wrappers: "noops" (`NoopReset`), "fire" (`FireReset`), "new_game" (`EpisodicLife`).
         """
         if self._max_frames is not None and self._frames_played >= self._max_frames:
             options = {**(options or {}), "new_game": True}  # an inner EpisodicLife has no access to this limit
@@ -167,15 +171,21 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         same_game = self._life is not None and self._life.same_game
         if not same_game:
             self._frames_played = 0
+        return self._first_observation(same_game), {**info, **self._atari._info()}
+
+    def _first_observation(self, same_game: bool) -> ByteArray:
+        """The observation after a reset, which has continued the same game or begun a new one."""
+        if self._reads_ram:
+            return self._atari.core.ram()
         fill = not same_game or self._seamless_life is None
         if same_game and self._atari.core.frame_number == self._frame_number:
-            observation = self._push(None, fill)
-        else:
-            shown, other = (self._late, self._early) if self._end_frames == "gymnasium" else (self._early, self._late)
-            self._read(shown)
-            other.fill(0)
-            observation = self._push(self._single(shown), fill)
-        return observation, {**info, **self._atari._info()}
+            return self._push(None, fill)
+        # The array of the image that is shown again if the first skip is cut short.
+        kept_late = self._end_frames == "gymnasium" or self._frames_read == 1
+        shown, other = (self._late, self._early) if kept_late else (self._early, self._late)
+        self._read(shown)
+        other.fill(0)
+        return self._push(self._single(shown), fill)
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Play the action until the skip or the episode ends."""
@@ -184,8 +194,9 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         play = self._play_direct if self._direct else self._play_through
         move = self._atari._ale_action(action) if self._direct else action
         seamless = self._seamless_life
+        skip = self.frame_skip if isinstance(self.frame_skip, int) else self._atari.draw(*self.frame_skip)
         total = 0.0
-        left = self.frame_skip
+        left = skip
         ended = False
         while left and not ended:
             reward, terminated, truncated = play(move)
@@ -201,7 +212,9 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
                 self._read(self._early if left else self._late)
         if seamless is not None and seamless.life_lost:
             terminated = not truncated
-        observation = self._push(self._final_frame(whole=left == 0))
+        if skip == 1 < self._frames_read:
+            np.copyto(self._early, self._late)  # a skip of one frame has no other to pool
+        observation = self._atari.core.ram() if self._reads_ram else self._push(self._final_frame(whole=left == 0))
         info = self._atari._info() if self._direct else self._info
         self._frame_number = info["frame_number"]
         return observation, total, terminated, truncated, info
@@ -271,12 +284,42 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         return observation
 
 
-def _check_size(screen_size: Any) -> tuple[int, int]:
-    """`screen_size` as (width, height)."""
+_ALSO_OF_RAM = ("frame_skip", "seamless_lives", "max_frames", "obs_type")
+
+
+def _check_observations(env: Environment, arguments: dict[str, Any]) -> None:
+    """Check that the environment and the arguments fit what is observed."""
+    if check_name("obs_type", arguments["obs_type"], get_args(DqnObsType)) == "image":
+        require_pixels(env, "DqnPreprocessing")
+        return
+    if not isinstance(env.observation_space, spaces.Box):
+        raise ValueError("DqnPreprocessing(obs_type='ram') has no sound; make the environment with sound_obs=False")
+    parameters = inspect.signature(DqnPreprocessing).parameters
+    for name, value in arguments.items():
+        if name not in _ALSO_OF_RAM and value != parameters[name].default:
+            raise ValueError(f"{name}={value!r} is about images and has no effect with obs_type='ram'; leave it out")
+
+
+def _check_frame_skip(frame_skip: Any) -> tuple[int, int]:
+    """`frame_skip` as (low, high), for low..high-1 frames."""
+    if not isinstance(frame_skip, (tuple, list)):
+        frames = check_integer("frame_skip", frame_skip, 1, 10_000)
+        return frames, frames + 1
+    if len(frame_skip) != 2:
+        raise ValueError(f"frame_skip must be an integer or (low, high), got {frame_skip!r}")
+    low, high = (check_integer("frame_skip", frames, 1, 10_001) for frames in frame_skip)
+    if low >= high:
+        raise ValueError(f"frame_skip (low, high) is low..high-1 frames and needs low < high, got {frame_skip!r}")
+    return low, high
+
+
+def _check_size(screen_size: Any, screen: tuple[int, int]) -> tuple[int, int]:
+    """`screen_size` as (width, height), with the size (rows, columns) of the screen for None."""
     pair = screen_size if isinstance(screen_size, (tuple, list)) else (screen_size, screen_size)
     if len(pair) != 2:
         raise ValueError(f"screen_size must be an integer or (width, height), got {screen_size!r}")
-    width, height = (check_integer("screen_size", length, 1, 10_000) for length in pair)
+    given = (own if length is None else length for length, own in zip(pair, reversed(screen), strict=True))
+    width, height = (check_integer("screen_size", length, 1, 10_000) for length in given)
     return width, height
 
 

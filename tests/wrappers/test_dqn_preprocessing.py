@@ -50,6 +50,9 @@ PREPROCESSED = {
     "colour": ({"grayscale": False}, lambda gray, rgb: small(np.maximum(*rgb[-2:]))),
     "tall": ({"screen_size": (84, 110)}, lambda gray, rgb: small(np.maximum(*gray[-2:]), (84, 110))),
     "full size": ({"screen_size": (160, 210)}, lambda gray, rgb: np.maximum(*gray[-2:])),
+    "the screen's size": ({"screen_size": None}, lambda gray, rgb: np.maximum(*gray[-2:])),
+    "the screen's rows": ({"screen_size": (84, None)}, lambda gray, rgb: small(np.maximum(*gray[-2:]), (84, 210))),
+    "the screen in colour": ({"screen_size": None, "grayscale": False}, lambda gray, rgb: np.maximum(*rgb[-2:])),
     "Gymnasium": ({"end_frames": "gymnasium"}, lambda gray, rgb: small(np.maximum(*gray[-2:]))),
     "Baselines": ({"end_frames": "baselines"}, lambda gray, rgb: small(np.maximum(*gray[-2:]))),
     "EnvPool": ({"end_frames": "envpool"}, lambda gray, rgb: small(np.maximum(*gray[-2:]))),
@@ -120,6 +123,104 @@ def test_the_end_inside_a_skip(game_env, played, layer):
         observation, _, terminated, truncated, info = env.step(3)
         assert (terminated, truncated, info["episode_frame_number"]) == (False, True, 4 + played)
         np.testing.assert_array_equal(observation[-1], small(frame))
+
+
+class Shown:
+    """The new frame of an observation after each skip, as `end_frames` describes it."""
+
+    def __init__(self, mode, first):
+        self.mode, self.image, self.late = mode, first, np.zeros_like(first)
+
+    def after(self, frames, skip, ended):
+        """The frame after these frames of a skip, the last of which ended the episode or not."""
+        whole = len(frames) == skip
+        last_two = whole or len(frames) == skip - 1
+        if whole and not (ended and self.mode == "gymnasium"):
+            self.late = frames[-1]
+            self.image = pooled(*frames[-2:])
+        elif self.mode == "last":
+            self.image = frames[-1]
+        elif self.mode == "gymnasium" and whole and skip > 1:
+            self.image = pooled(frames[-2], self.image)
+        elif self.mode == "baselines" and last_two:
+            self.image = pooled(frames[-1], self.late)
+        elif self.mode == "envpool" and last_two:
+            self.image = frames[-1]
+        return small(self.image)
+
+
+@pytest.mark.parametrize("layer", [lambda env: env, Through], ids=["direct", "through"])
+@pytest.mark.parametrize("mode", SHOWN_AT_THE_END)
+@pytest.mark.parametrize("frame_skip", [(1, 3), (1, 5), (2, 4), (4, 5), (1, 2)])
+def test_random_skips(game_env, frame_skip, mode, layer):
+    """With limits that end the episode in the first steps, of which each is long or short."""
+    ends = []
+    for limit in range(1, 14):
+        options = {"max_num_frames_per_episode": limit}
+        env = DqnPreprocessing(layer(game_env("seaquest", **options)), frame_skip, end_frames=mode)
+        raw = game_env("seaquest", **options)
+        env.reset(seed=limit)
+        raw.reset(seed=limit)
+        shown = Shown(mode, raw.core.screen_grayscale())
+        truncated = False
+        while not truncated:
+            skip = int(raw.np_random.integers(*frame_skip))
+            frames = play(raw, 3, skip)[0]
+            observation, *_, truncated, info = env.step(3)
+            assert truncated == raw.core.truncated
+            assert info == raw._info()
+            np.testing.assert_array_equal(observation[-1], shown.after(frames, skip, truncated))
+        assert env.np_random.bit_generator.state == raw.np_random.bit_generator.state
+        ends.append((len(frames), skip))
+    assert len(set(ends)) >= min(3, frame_skip[1] - 1)
+
+
+def test_a_range_of_one_length_is_a_number(game_env):
+    env = DqnPreprocessing(game_env("pong"), (3, 4))
+    assert env.frame_skip == 3
+    env.reset(seed=0)
+    assert env.step(0)[4]["episode_frame_number"] == 3
+    assert DqnPreprocessing(game_env("pong"), [2, 5]).frame_skip == (2, 5)
+
+
+@pytest.mark.parametrize("mode", SHOWN_AT_THE_END)
+def test_without_pooling_a_first_skip_that_is_cut_shows_the_reset_or_the_end(game_env, mode):
+    env = DqnPreprocessing(game_env("seaquest", max_num_frames_per_episode=2), max_pool=False, end_frames=mode)
+    first, _ = env.reset(seed=0)
+    frame = env.step(3)[0][-1]
+    last = small(env.unwrapped.core.screen_grayscale())
+    assert not np.array_equal(first[-1], last)
+    np.testing.assert_array_equal(frame, last if mode == "last" else first[-1])
+
+
+@pytest.mark.parametrize("obs_type", ["rgb", "ram"])
+@pytest.mark.parametrize("layer", [lambda env: env, Through], ids=["direct", "through"])
+def test_ram(game_env, layer, obs_type):
+    inner = FireReset(EpisodicLife(layer(game_env("breakout", obs_type=obs_type)), "continue"))
+    env = DqnPreprocessing(inner, (2, 5), obs_type="ram", max_frames=150)
+    images = DqnPreprocessing(FireReset(EpisodicLife(game_env("breakout"), "continue")), (2, 5), max_frames=150)
+    assert env.observation_space == game_env("breakout", obs_type="ram").observation_space
+    ends = 0
+    for seed in (3, 4, None):
+        observation, info = env.reset(seed=seed)
+        assert info == images.reset(seed=seed)[1]
+        ended = False
+        while not ended:
+            np.testing.assert_array_equal(observation, images.unwrapped.core.ram())
+            assert observation in env.observation_space
+            observation, *rest = env.step(2)
+            assert rest == list(images.step(2)[1:])
+            ended = rest[1] or rest[2]
+            ends += ended
+    assert ends == 3
+
+
+def test_ram_renders_nothing(game_env, monkeypatch):
+    env = DqnPreprocessing(game_env("breakout", obs_type="ram"), obs_type="ram")
+    for method in ("_read", "_push"):
+        monkeypatch.setattr(env, method, None)
+    env.reset(seed=0)
+    env.step(1)
 
 
 @pytest.mark.parametrize("name", wrappers.PRESETS)
@@ -254,6 +355,16 @@ def test_step_needs_a_reset_and_an_action_of_the_space(game_env):
         ({"sound_obs": True}, {}, ValueError, "sound_obs=False"),
         ({"frameskip": 4}, {}, ValueError, "AtariEnv inside it already plays 4 a step.*frameskip=1"),
         ({}, {"frame_skip": 0}, ValueError, "frame_skip must be within 1"),
+        ({}, {"frame_skip": (0, 3)}, ValueError, "frame_skip must be within 1"),
+        ({}, {"frame_skip": (3, 3)}, ValueError, r"low..high-1 frames and needs low < high, got \(3, 3\)"),
+        ({}, {"frame_skip": (1, 2, 3)}, ValueError, r"an integer or \(low, high\), got \(1, 2, 3\)"),
+        ({}, {"frame_skip": 2.5}, TypeError, "frame_skip must be an integer"),
+        ({}, {"obs_type": "rgb"}, ValueError, "obs_type must be one of 'image', 'ram', got 'rgb'"),
+        ({"sound_obs": True}, {"obs_type": "ram"}, ValueError, "has no sound; make .* sound_obs=False"),
+        ({}, {"obs_type": "ram", "stack_size": 2}, ValueError, "stack_size=2 is about images and has no effect with"),
+        ({}, {"obs_type": "ram", "screen_size": None}, ValueError, "screen_size=None is about images"),
+        ({}, {"obs_type": "ram", "end_frames": "envpool"}, ValueError, "end_frames='envpool' is about images"),
+        ({"frameskip": 4}, {"obs_type": "ram"}, ValueError, "AtariEnv inside it already plays 4 a step"),
         ({}, {"screen_size": 0}, ValueError, "screen_size must be within 1"),
         ({}, {"screen_size": (84, 84, 84)}, ValueError, r"an integer or \(width, height\)"),
         ({}, {"screen_size": 84.5}, TypeError, "screen_size must be an integer"),
