@@ -15,6 +15,7 @@ from atari.wrappers.fire_reset import FireReset
 from atari.wrappers.frame_skip import FrameSkip
 from atari.wrappers.frame_stack import FrameStack, LazyStack
 from atari.wrappers.grayscale import Grayscale
+from atari.wrappers.life_loss_info import LifeLossInfo
 from atari.wrappers.noop_reset import NoopReset
 from atari.wrappers.presets import PRESETS, Preset, preset, preset_options
 from atari.wrappers.ram_observation import RamObservation
@@ -31,6 +32,7 @@ __all__ = [
     "FrameStack",
     "Grayscale",
     "LazyStack",
+    "LifeLossInfo",
     "NoopReset",
     "Preset",
     "RamObservation",

@@ -1,0 +1,61 @@
+"""`LifeLossInfo`: a lost life is reported as a termination, and the game goes on.
+
+A learner that cuts its returns at lost lives, as with `EpisodicLife`, plays whole games here, without a reset after
+each life; this is `life_loss_info` of ale-py's vector environment.
+"""
+
+from typing import Any
+
+import gymnasium
+from gymnasium.utils import RecordConstructorArgs
+
+from atari.restorable import Restorable, layers
+from atari.wrappers._checks import Environment, require_atari
+from atari.wrappers.episodic_life import EpisodicLife
+
+
+class LifeLossInfo(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+    """Report a lost life as `terminated`. The next step goes on with the game; only a reset begins a new one.
+
+    The lives after a step are compared with those before it. Put it outside of a frame skip, and leave `EpisodicLife`
+    out. A loss in the step that reaches a limit is both, terminated and truncated; ale-py's vector environment then
+    shows the loss alone, and resets.
+
+    Args:
+        env: an `AtariEnv`, possibly wrapped.
+        last_life: also report the loss of the last life when the game is not over yet; some games (Bank Heist, Frogger)
+            continue for a while with no life left.
+
+    Raises:
+        TypeError: the environment is no `AtariEnv`.
+        ValueError: an inner `EpisodicLife` ends the episodes at lost lives.
+
+    Example:
+        >>> import atari
+        >>> from atari.wrappers import LifeLossInfo
+        >>> env = LifeLossInfo(atari.make("breakout"))
+        >>> observation, info = env.reset(seed=0)
+        >>> lost = False
+        >>> while not lost:
+        ...     observation, reward, lost, truncated, info = env.step(1)
+        >>> info["lives"]
+        4
+        >>> env.step(1)[4]["lives"]
+        4
+    """
+
+    def __init__(self, env: Environment, *, last_life: bool = False) -> None:
+        self._atari = require_atari(env, "LifeLossInfo")
+        if any(isinstance(layer, EpisodicLife) for layer in layers(env)):
+            raise ValueError("an inner EpisodicLife ends the episodes that LifeLossInfo lets go on; leave one out")
+        RecordConstructorArgs.__init__(self, last_life=last_life)
+        super().__init__(env)
+        self._last_life = last_life
+
+    def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+        """Step; terminated also if it cost a life."""
+        before = self._atari.core.lives
+        observation, reward, terminated, truncated, info = self.env.step(action)
+        lives = self._atari.core.lives
+        lost = lives < before and (lives > 0 or self._last_life)
+        return observation, reward, terminated or lost, truncated, info
