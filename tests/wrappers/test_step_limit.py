@@ -1,0 +1,47 @@
+import gymnasium
+import pytest
+from gymnasium.wrappers import TimeLimit
+
+from atari.wrappers import DqnPreprocessing, FrameStack
+from atari.wrappers._step_limit import StepLimit
+
+
+def ends(env, steps):
+    return [env.step(0)[2:4] for _ in range(steps)]
+
+
+def test_truncates_as_gymnasiums_does(scripted):
+    for end in (2, 3, 9):
+        env, theirs = StepLimit(scripted(ends=end), 3), TimeLimit(scripted(ends=end), 3)
+        for _ in range(2):
+            env.reset()
+            theirs.reset()
+            assert ends(env, 3) == ends(theirs, 3)
+
+
+def test_a_spec_has_it_where_it_is(game_env):
+    """Gymnasium's is made around the emulator by a spec, and would count frames."""
+    base = gymnasium.make("PongNoFrameskip-v4", disable_env_checker=True)
+    env = StepLimit(DqnPreprocessing(base), 5)
+    remade = gymnasium.make(env.spec)
+    assert str(remade) == str(env)
+    remade.reset(seed=0)
+    assert ends(remade, 5) == [(False, False)] * 4 + [(False, True)]
+    assert remade.unwrapped.core.episode_frame_number == 20
+
+
+@pytest.mark.parametrize("steps", [None, 0, 3])
+def test_snapshots_have_the_steps(game_env, steps):
+    env, other = (StepLimit(FrameStack(game_env("pong")), 5) for _ in range(2))
+    if steps is not None:
+        env.reset(seed=0)
+        ends(env, steps)
+        other.restore(env.snapshot())
+        assert ends(other, 5 - steps) == [(False, False)] * (4 - steps) + [(False, True)]
+    assert StepLimit(FrameStack(game_env("pong")), 5).snapshot() != env.snapshot() or steps is None
+
+
+def test_refuses_another_limit(game_env):
+    env, other = StepLimit(game_env("pong"), 5), StepLimit(game_env("pong"), 6)
+    with pytest.raises(ValueError, match="taken with other arguments of StepLimit"):
+        env.restore(other.snapshot())
