@@ -79,11 +79,17 @@ def rollout(env: gymnasium.Env, actions: list[Any]) -> list[Any]:
     results = []
     for action in actions:
         observation, reward, terminated, truncated, info = env.step(action)
-        results.append((np.array(_arrays(observation)), reward, terminated, truncated, dict(info)))
+        results.append((np.array(_arrays(observation)), reward, terminated, truncated, timeless(info)))
         if terminated or truncated:
             observation, info = env.reset()
-            results.append((np.array(_arrays(observation)), dict(info)))
+            results.append((np.array(_arrays(observation)), timeless(info)))
     return results
+
+
+def timeless(info: dict[str, Any]) -> dict[str, Any]:
+    """The info without the seconds that a game took."""
+    episode = {name: value for name, value in info.get("episode", {}).items() if name != "t"}
+    return {**info, "episode": episode}
 
 
 def _arrays(observation: Any) -> Any:

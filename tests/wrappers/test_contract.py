@@ -4,8 +4,10 @@ from functools import partial
 
 import gymnasium
 import pytest
+from tasks import ALE, task
 
 from atari import wrappers
+from atari.wrappers.layers import wrap
 
 
 def make(wrap, **options):
@@ -20,13 +22,34 @@ SINGLE = {
     "StickyActions": wrappers.StickyActions,
     "ClipReward": wrappers.ClipReward,
     "FrameStack": wrappers.FrameStack,
+    "LifeLossInfo": wrappers.LifeLossInfo,
+    "NoopReset after FIRE": lambda env: wrappers.NoopReset(wrappers.FireReset(env), fire_again=False),
     "Grayscale": wrappers.Grayscale,
     "Resize": wrappers.Resize,
     "RamObservation": wrappers.RamObservation,
     "DqnPreprocessing": wrappers.DqnPreprocessing,
     "DqnPreprocessing in colour": partial(wrappers.DqnPreprocessing, grayscale=False, stack_size=None),
+    "DqnPreprocessing of random skips": partial(wrappers.DqnPreprocessing, frame_skip=(1, 5), max_frames=70),
+    "DqnPreprocessing of the screen": partial(wrappers.DqnPreprocessing, screen_size=None, max_pool=False),
+    "DqnPreprocessing of RAM": partial(wrappers.DqnPreprocessing, obs_type="ram"),
     "RamObservation outside": lambda env: wrappers.RamObservation(wrappers.DqnPreprocessing(env)),
 }
+
+
+TASKS = {
+    "ALE": task(**ALE, frameskip=(2, 5), obs_type="rgb", max_episode_steps=17),
+    "FIRE outside": task(noops=(0, 6), fire="after_noops", fire_unit="skip", episodic_life=True, on_reset="continue"),
+    "lives outside": task(fire="before_noops", noops=(1, 3), episodic_life=True, lives_unit="skip", obs_type="dict"),
+    "both outside": task(
+        fire="after_noops", third_action=True, fire_unit="skip", episodic_life=True, lives_unit="skip", on_reset="noop"
+    ),
+    "RAM": task(obs_type="ram", stack_num=None, life_loss_info=True, max_episode_steps=30, reward_clipping=True),
+}
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_task(contract, name):
+    contract(partial(make, wrap=lambda env: wrap(env, TASKS[name])))
 
 
 @pytest.mark.parametrize("name", SINGLE)

@@ -11,11 +11,13 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.wrappers import RecordEpisodeStatistics, TimeLimit, TransformReward
+from tasks import ALE, task
 
 import atari
 from atari import AtariEnv, wrappers
 from atari.cores import snapshot
 from atari.recording import RecordReplay, RecordVideo
+from atari.wrappers.layers import wrap
 
 PRESETS = sorted(wrappers.PRESETS)
 
@@ -83,12 +85,24 @@ def test_every_wrapper_has_snapshots() -> None:
             layer = layer.env
 
 
+OUTSIDE: dict[str, Any] = {"fire": "after_noops", "fire_unit": "skip", "episodic_life": True}
+
 STACKS: dict[str, Any] = {
     "lazy": lambda env: wrappers.FrameStack(wrappers.Grayscale(env), lazy=True),
     "rendered": lambda env: wrappers.preset(env, "dqn2015"),
     "lives that continue": lambda env: wrappers.NoopReset(wrappers.EpisodicLife(env, "continue")),
     "sticky": lambda env: wrappers.DqnPreprocessing(wrappers.StickyActions(env)),
     "sticky outside": lambda env: wrappers.StickyActions(wrappers.FrameSkip(env)),
+    "random skips": lambda env: wrappers.DqnPreprocessing(env, (1, 5), end_frames="gymnasium"),
+    "RAM": lambda env: wrappers.LifeLossInfo(wrappers.DqnPreprocessing(env, (1, 5), obs_type="ram", max_frames=90)),
+    "ALE": lambda env: wrap(env, task(**ALE, frameskip=(2, 5), max_episode_steps=25)),
+    "FIRE and lives outside": lambda env: wrap(
+        env, task(**OUTSIDE, third_action=True, lives_unit="skip", on_reset="noop", padding="reset")
+    ),
+    "FIRE outside": lambda env: wrap(env, task(**OUTSIDE, on_reset="continue", noops=(1, 6), max_frames=200)),
+    "lives outside": lambda env: wrap(
+        env, task(fire="before_noops", noops=(1, 6), episodic_life=True, lives_unit="skip", on_reset="continue")
+    ),
     "Gymnasium's": lambda env: wrappers.ClipReward(TimeLimit(wrappers.FrameStack(env), 25)),
     "Gymnasium's without a state": lambda env: wrappers.FrameStack(TransformReward(env, lambda reward: 2 * reward)),
 }
@@ -258,9 +272,17 @@ def forged(facts: dict[str, Any], blobs: dict[str, bytes]) -> list[bytes]:
     return made
 
 
-@pytest.mark.parametrize("name", ["baselines", "dqn2015", "envpool"])
+def ale_task() -> Any:
+    env = wrap(
+        AtariEnv("breakout", frameskip=1), task(**ALE, frameskip=(1, 4), episodic_life=True, max_episode_steps=70)
+    )
+    env.reset(seed=1)
+    return env
+
+
+@pytest.mark.parametrize("name", ["baselines", "dqn2015", "envpool", "ALE"])
 def test_a_forged_snapshot_raises_and_changes_nothing(name: str) -> None:
-    env = started(name)
+    env = ale_task() if name == "ALE" else started(name)
     played(env, 40)
     before = env.snapshot()
     for data in forged(*snapshot.unpack(before)):

@@ -1,0 +1,112 @@
+"""The wrappers that play a task around a single environment, and the order in which they are nested.
+
+S is the frame skip, `DqnPreprocessing`; L is `EpisodicLife`, N `NoopReset`, F `FireReset`. From the inside out:
+
+============= ============== ======================= ==================
+`fire_unit`   `lives_unit`   FIRE after no-ops       FIRE before no-ops
+============= ============== ======================= ==================
+"frame"       "frame"        L N F S                 L F N S
+"frame"       "skip"         N F S L                 F N S L
+"skip"        "frame"        L N S F
+"skip"        "skip"         N S L F
+============= ============== ======================= ==================
+
+A layer inside of S plays single frames, a layer outside of it whole skips. A layer whose reset finds the episode ended
+resets the layers inside of it once more, and goes on.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import gymnasium
+
+from atari.wrappers._ale_seeding import AleSeeding
+from atari.wrappers._checks import Environment
+from atari.wrappers._game_statistics import GameStatistics
+from atari.wrappers._step_limit import StepLimit
+from atari.wrappers.clip_reward import ClipReward
+from atari.wrappers.dqn_preprocessing import DqnPreprocessing
+from atari.wrappers.episodic_life import EpisodicLife
+from atari.wrappers.fire_reset import FireReset
+from atari.wrappers.frame_stack import FrameStack
+from atari.wrappers.life_loss_info import LifeLossInfo
+from atari.wrappers.noop_reset import NoopReset
+from atari.wrappers.ram_observation import RamObservation
+
+Layer = tuple[type[gymnasium.Wrapper[Any, Any, Any, Any]], Mapping[str, Any]]
+
+
+def wrap(env: Environment, task: Any) -> Environment:
+    """Put the wrappers of a task around an `AtariEnv` made with `frameskip=1` and the task's other options."""
+    for wrapper, arguments in layers_of(task):
+        env = wrapper(env, **arguments)
+    return env
+
+
+def layers_of(task: Any) -> Iterator[Layer]:
+    """The wrappers of a task and their arguments, from the inside out."""
+    outside = [*_of_unit(_lives(task), task.lives_unit, "skip"), *_of_unit(_fire(task), task.fire_unit, "skip")]
+    if task.seeding == "ale":
+        yield AleSeeding, {}
+    yield from _of_unit(_lives(task), task.lives_unit, "frame")
+    fire = _of_unit(_fire(task), task.fire_unit, "frame")
+    yield from fire + _noops(task) if task.fire == "before_noops" else _noops(task) + fire
+    yield DqnPreprocessing, _preprocessing(task, stacks=not outside)
+    yield from outside
+    if outside and task.obs_type != "ram" and task.stack_num is not None:
+        yield FrameStack, {"stack_size": task.stack_num, "padding_type": task.padding}
+    if task.obs_type in ("dict", "rgb_dict"):
+        yield RamObservation, {}
+    yield from _reports(task)
+
+
+def _of_unit(layers: list[Layer], unit: str, wanted: str) -> list[Layer]:
+    return layers if unit == wanted else []
+
+
+def _lives(task: Any) -> list[Layer]:
+    if not task.episodic_life:
+        return []
+    return [(EpisodicLife, {"on_reset": task.on_reset, "last_life": task.last_life})]
+
+
+def _fire(task: Any) -> list[Layer]:
+    return [] if task.fire == "never" else [(FireReset, {"then_action_2": task.third_action})]
+
+
+def _noops(task: Any) -> list[Layer]:
+    low, high = task.noops
+    if high == 0 and task.seeding != "ale":  # which draws their number all the same
+        return []
+    arguments = {"noop_max": high, "noop_min": low, "fire_counts": task.fire_counts}
+    if task.fire == "before_noops":
+        arguments["fire_again"] = task.fire_again
+    return [(NoopReset, arguments)]
+
+
+def _preprocessing(task: Any, *, stacks: bool) -> dict[str, Any]:
+    skip = {"frame_skip": task.frameskip, "seamless_lives": task.seamless_lives, "max_frames": task.max_frames}
+    if task.obs_type == "ram":
+        return {**skip, "obs_type": "ram"}
+    image = {
+        "screen_size": (task.img_width, task.img_height),
+        "stack_size": task.stack_num if stacks else None,
+        "grayscale": task.obs_type in ("grayscale", "dict"),
+        "max_pool": task.maxpool,
+        "pool_rgb": task.pool_rgb,
+        "end_frames": task.end_frames,
+    }
+    if stacks:
+        image["padding_type"] = task.padding
+    return {**skip, **image}
+
+
+def _reports(task: Any) -> Iterator[Layer]:
+    """The layers that change no frame: what is reported of each step, and the limit of steps."""
+    if task.life_loss_info:
+        yield LifeLossInfo, {"last_life": task.last_life}
+    if task.max_episode_steps is not None:
+        yield StepLimit, {"max_episode_steps": task.max_episode_steps}
+    yield GameStatistics, {}
+    if task.reward_clipping:
+        yield ClipReward, {}
