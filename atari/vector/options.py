@@ -29,7 +29,7 @@ from atari.roms.image import read_image
 from atari.validation import check_clip_reward, check_frameskip, check_integer, check_name, check_probability
 from atari.vector.layout import Layout
 from atari.vector.players import check_modes, check_players, fill_defaults
-from atari.vector.settings import NO_LIMIT, episode_settings, filled, observation_settings
+from atari.vector.settings import NO_LIMIT, filled, filled_by_name, task_of
 
 _INT64, _ndarray = np.dtype(np.int64), np.ndarray  # found once: they are used at every step
 
@@ -162,10 +162,16 @@ class VectorOptions:
             first_core=self.thread_affinity_offset,
             autoreset=_emulator.Autoreset[self.autoreset_mode.name],
         )
-        observation = observation_settings(
-            self.protocol, self._pixel_format(), self.img_height, self.img_width, self.stack_num
+        task = task_of(
+            self.protocol,
+            self.players,
+            img_height=self.img_height,
+            img_width=self.img_width,
+            stack_num=self.stack_num,
         )
-        engine = _emulator.VectorEngine(members, episode_settings(self.protocol, self.players), observation, threads)
+        episode = filled_by_name(_emulator.EpisodeSettings(), task)
+        observation = filled_by_name(_emulator.ObservationSettings(), task, pixels=self._pixel_format())
+        engine = _emulator.VectorEngine(members, episode, observation, threads)
         for index, made in enumerate(writes):
             for write in made:
                 engine.add_write(index, write)

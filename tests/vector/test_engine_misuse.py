@@ -83,7 +83,7 @@ MISUSES = {
     "a member without a game": ("engine_of(_emulator.MemberSpec())", "ValueError"),
     "an action number that ALE does not have": ("engine_of(spec(actions=[99]))", "ValueError"),
     "a negative action number": ("engine_of(spec(actions=[-1]))", "ValueError"),
-    "a skip without end": ("engine_of(spec(), frame_skip=(2**31 - 2, 2**31 - 1))", "ValueError"),
+    "a skip without end": ("engine_of(spec(), frameskip=(2**31 - 2, 2**31 - 1))", "ValueError"),
     "no-ops without end": ("engine_of(spec(), noops=(2**31 - 1, 2**31 - 1))", "ValueError"),
     "a core with a skip without end": (
         "_emulator.Emulator(game=spec().game, repeat_action_probability=0.0, frame_skip=2**31 - 1,"

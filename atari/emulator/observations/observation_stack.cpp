@@ -29,7 +29,7 @@ ObservationStack::ObservationStack(Environment& environment, const ObservationSe
       gray_of_pairs_(std::move(gray_of_pairs)), planes_(settings.pixels == PixelFormat::kNone  ? 0
                                                         : settings.pixels == PixelFormat::kRgb ? 3
                                                                                                : 1),
-      pools_last_again_(settings.max_pool && settings.end_frames == EndFrames::kGymnasium && !is_screen_rgb()) {
+      pools_last_again_(settings.maxpool && settings.end_frames == EndFrames::kGymnasium && !is_screen_rgb()) {
     const Palette& palette = *environment.game()->palette;
     tables_[0] = settings_.pixels == PixelFormat::kGrayOfRgb ? gray_of_pairs_->values.data() : palette.gray;
     if (settings_.pixels == PixelFormat::kRgb) {
@@ -39,8 +39,8 @@ ObservationStack::ObservationStack(Environment& environment, const ObservationSe
     }
     const auto planes = static_cast<size_t>(planes_);
     if (planes && settings_.end_frames == EndFrames::kBaselines) late_.resize(plane_size());
-    frame_size_ = planes * static_cast<size_t>(settings_.height) * static_cast<size_t>(settings_.width);
-    ring_.resize(frame_size_ * static_cast<size_t>(settings_.stack));
+    frame_size_ = planes * static_cast<size_t>(settings_.img_height) * static_cast<size_t>(settings_.img_width);
+    ring_.resize(frame_size_ * static_cast<size_t>(settings_.stack_num));
 }
 
 void ObservationStack::begin(bool new_stack) {
@@ -63,7 +63,7 @@ void ObservationStack::repeat(bool new_stack) {
     const uint8_t* const last = newest_slot();
     for (uint8_t* slot = ring_.data(); slot != ring_.data() + ring_.size(); slot += frame_size_) {
         if (slot == last) continue;
-        if (settings_.pads_zero) std::memset(slot, 0, frame_size_);
+        if (settings_.padding == Padding::kZero) std::memset(slot, 0, frame_size_);
         else std::memcpy(slot, last, frame_size_);
     }
 }
@@ -71,8 +71,7 @@ void ObservationStack::repeat(bool new_stack) {
 // Notes the last frame but one of a skip. The console renders the next frame into its other framebuffer. It continues a
 // partial frame in place, so a partial frame is copied.
 void ObservationStack::frame_played(int left, bool ended) {
-    if (left != 1 || !planes_ || !settings_.max_pool || (ended && settings_.end_frames == EndFrames::kGymnasium))
-        return;
+    if (left != 1 || !planes_ || !settings_.maxpool || (ended && settings_.end_frames == EndFrames::kGymnasium)) return;
     early_noted_ = true;
     early_copied_ = environment_.console().machine().tia.partial;
     if (early_copied_) early_.assign(current().pixels, current().pixels + plane_size());
@@ -174,11 +173,11 @@ void ObservationStack::find_changed_rows(Frame early, Frame late, uint8_t* chang
 // Copies the result rows whose source rows have not changed from the newest resized frame.
 // (tests/vector/test_equals_ale_py.py and test_presets.py compare every byte)
 void ObservationStack::add_changed_rows(Frame early, Frame late, const AreaResize& resize) {
-    const int results = settings_.height;
+    const int results = settings_.img_height;
     uint8_t changed[kFrameRows];
     PooledPlane pooled;
     find_changed_rows(early, late, changed);
-    const auto width = static_cast<size_t>(settings_.width);
+    const auto width = static_cast<size_t>(settings_.img_width);
     const auto is_new = [&](int result) {
         const auto [first, last] = resize.sources(result);
         return std::find(changed + first, changed + last + 1, uint8_t{1}) != changed + last + 1;
@@ -248,7 +247,7 @@ void ObservationStack::add_pooled_with_last() {
 }
 
 uint8_t* ObservationStack::next_slot() {
-    newest_ = (newest_ + 1) % settings_.stack;
+    newest_ = (newest_ + 1) % settings_.stack_num;
     return newest_slot();
 }
 
@@ -261,7 +260,7 @@ void ObservationStack::resize_plane(int plane, const uint8_t* pooled, const uint
 }
 
 void ObservationStack::write(uint8_t* out) const {
-    const size_t oldest = frame_size_ * static_cast<size_t>((newest_ + 1) % settings_.stack);
+    const size_t oldest = frame_size_ * static_cast<size_t>((newest_ + 1) % settings_.stack_num);
     std::memcpy(out, ring_.data() + oldest, ring_.size() - oldest);
     std::memcpy(out + (ring_.size() - oldest), ring_.data(), oldest);
 }
@@ -285,7 +284,7 @@ const uint8_t* ObservationStack::load(const uint8_t* in) {
         in += part->size();
     }
     std::memcpy(&newest_, in, sizeof newest_);
-    newest_ = std::clamp(newest_, 0, settings_.stack - 1);
+    newest_ = std::clamp(newest_, 0, settings_.stack_num - 1);
     forget_looks();
     return in + sizeof newest_;
 }

@@ -17,6 +17,7 @@ namespace atari {
 // kGrayOfRgb pools the colours of two frames and converts the result to gray, by a table of pairs of colours.
 enum class PixelFormat { kNone, kGray, kRgb, kGrayOfRgb };
 enum class EndFrames { kLast, kGymnasium, kBaselines, kEnvpool };
+enum class Padding { kZero, kReset };  // what a new stack is filled with: zeros, or the first frame of the episode
 
 // For kGrayOfRgb: the gray value of the maximum of two colours, by early palette index * 256 + late palette index.
 struct GrayOfPairs {
@@ -26,10 +27,10 @@ struct GrayOfPairs {
 
 struct ObservationSettings {
     PixelFormat pixels = PixelFormat::kGray;
-    int height = 84, width = 84, stack = 4;
-    bool max_pool = true;
+    int img_height = 84, img_width = 84, stack_num = 4;
+    bool maxpool = true;
     EndFrames end_frames = EndFrames::kGymnasium;
-    bool pads_zero = true;  // Fill a new stack with zeros; otherwise with the first frame of the episode.
+    Padding padding = Padding::kZero;
 };
 
 // Owns a ring of resized frames. The environment must outlive it.
@@ -94,7 +95,7 @@ class ObservationStack {
     }
     // Whether frames are RGB of the screen's size. They are then pooled in the ring, all colours at once.
     bool is_screen_rgb() const {
-        return planes_ == 3 && settings_.height == environment_.height() && settings_.width == kScreenWidth;
+        return planes_ == 3 && settings_.img_height == environment_.height() && settings_.img_width == kScreenWidth;
     }
     size_t plane_size() const { return static_cast<size_t>(environment_.height()) * kScreenWidth; }
 

@@ -28,16 +28,6 @@ void make_gray_of_pairs(Shared<GrayOfPairs>* self, nb::bytes values) {
 }  // namespace
 
 void register_settings(nb::module_& m) {
-    nb::enum_<EpisodeKind>(
-        m, "EpisodeKind",
-        "In which order no-ops, FIRE, lost lives and the frame skip are applied: as in ale-py's "
-        "AtariVectorEnv,\n"
-        "as by wrappers of single frames inside of the frame skip, or as in OpenAI's Baselines; or a game\n"
-        "of several players.")
-        .value("ALE", EpisodeKind::kAle)
-        .value("FRAMES", EpisodeKind::kFrames)
-        .value("BASELINES", EpisodeKind::kBaselines)
-        .value("MULTIPLAYER", EpisodeKind::kMultiplayer);
     nb::enum_<FirePress>(m, "FirePress", "When FIRE is pressed at the start of an episode.")
         .value("NEVER", FirePress::kNever)
         .value("BEFORE_NOOPS", FirePress::kBeforeNoops)
@@ -46,6 +36,12 @@ void register_settings(nb::module_& m) {
         .value("NOOP", OnReset::kNoop)
         .value("CONTINUE", OnReset::kContinue)
         .value("NEW_GAME", OnReset::kNewGame);
+    nb::enum_<Unit>(m, "Unit", "What FIRE is played for, and after what lives are compared: a frame, or a whole skip.")
+        .value("FRAME", Unit::kFrame)
+        .value("SKIP", Unit::kSkip);
+    nb::enum_<Seeding>(m, "Seeding", "How generators are seeded: as by AtariEnv.reset, or as by ale-py's vector.")
+        .value("GYMNASIUM", Seeding::kGymnasium)
+        .value("ALE", Seeding::kAle);
     nb::enum_<PixelFormat>(m, "PixelFormat", "Of observations; GRAY_OF_RGB pools colours and makes the result gray.")
         .value("NONE", PixelFormat::kNone)
         .value("GRAY", PixelFormat::kGray)
@@ -56,6 +52,9 @@ void register_settings(nb::module_& m) {
         .value("GYMNASIUM", EndFrames::kGymnasium)
         .value("BASELINES", EndFrames::kBaselines)
         .value("ENVPOOL", EndFrames::kEnvpool);
+    nb::enum_<Padding>(m, "Padding", "What a new stack is filled with: zeros, or the first frame of the episode.")
+        .value("ZERO", Padding::kZero)
+        .value("RESET", Padding::kReset);
     nb::enum_<Autoreset>(m, "Autoreset", "As gymnasium.vector.AutoresetMode.")
         .value("NEXT_STEP", Autoreset::kNextStep)
         .value("SAME_STEP", Autoreset::kSameStep)
@@ -63,30 +62,35 @@ void register_settings(nb::module_& m) {
 
     nb::class_<EpisodeSettings>(m, "EpisodeSettings", "How episodes begin, are played, and end.")
         .def(nb::init<>())
-        .def_rw("kind", &EpisodeSettings::kind)
         .def_rw("players", &EpisodeSettings::players)
         .def_rw("repeat_action_probability", &EpisodeSettings::repeat_action_probability)
-        .def_rw("max_num_frames_per_episode", &EpisodeSettings::max_num_frames_per_episode)
-        .def_rw("frame_skip", &EpisodeSettings::frame_skip)
+        .def_rw("seeding", &EpisodeSettings::seeding)
+        .def_rw("frameskip", &EpisodeSettings::frameskip)
         .def_rw("noops", &EpisodeSettings::noops)
-        .def_rw("fire_counts", &EpisodeSettings::fire_counts)
         .def_rw("fire", &EpisodeSettings::fire)
+        .def_rw("fire_counts", &EpisodeSettings::fire_counts)
+        .def_rw("third_action", &EpisodeSettings::third_action)
+        .def_rw("fire_unit", &EpisodeSettings::fire_unit)
+        .def_rw("fire_again", &EpisodeSettings::fire_again)
         .def_rw("episodic_life", &EpisodeSettings::episodic_life)
-        .def_rw("life_loss_info", &EpisodeSettings::life_loss_info)
+        .def_rw("lives_unit", &EpisodeSettings::lives_unit)
         .def_rw("on_reset", &EpisodeSettings::on_reset)
         .def_rw("last_life", &EpisodeSettings::last_life)
         .def_rw("seamless_lives", &EpisodeSettings::seamless_lives)
-        .def_rw("clip_reward", &EpisodeSettings::clip_reward)
-        .def_rw("max_frames", &EpisodeSettings::max_frames);
+        .def_rw("life_loss_info", &EpisodeSettings::life_loss_info)
+        .def_rw("max_frames", &EpisodeSettings::max_frames, nb::arg().none())
+        .def_rw("max_episode_steps", &EpisodeSettings::max_episode_steps, nb::arg().none())
+        .def_rw("max_num_frames_per_episode", &EpisodeSettings::max_num_frames_per_episode, nb::arg().none())
+        .def_rw("reward_clipping", &EpisodeSettings::reward_clipping);
     nb::class_<ObservationSettings>(m, "ObservationSettings", "How frames are pooled, resized and stacked.")
         .def(nb::init<>())
         .def_rw("pixels", &ObservationSettings::pixels)
-        .def_rw("height", &ObservationSettings::height)
-        .def_rw("width", &ObservationSettings::width)
-        .def_rw("stack", &ObservationSettings::stack)
-        .def_rw("max_pool", &ObservationSettings::max_pool)
+        .def_rw("img_height", &ObservationSettings::img_height)
+        .def_rw("img_width", &ObservationSettings::img_width)
+        .def_rw("stack_num", &ObservationSettings::stack_num)
+        .def_rw("maxpool", &ObservationSettings::maxpool)
         .def_rw("end_frames", &ObservationSettings::end_frames)
-        .def_rw("pads_zero", &ObservationSettings::pads_zero);
+        .def_rw("padding", &ObservationSettings::padding);
     nb::class_<VectorSettings>(m, "VectorSettings", "How many results make a batch, and which threads work on them.")
         .def(nb::init<>())
         .def_rw("batch_size", &VectorSettings::batch_size)

@@ -132,15 +132,15 @@ void VectorEngine::play(Slot& slot, int environment) {
     if (slot.task == Task::kObserve || (slot.task == Task::kStep && idle)) {
         slot.outcome.reward = slot.outcome.game_reward = {};
     } else if (slot.task == Task::kReset || over) {
-        if (slot.task == Task::kReset && slot.new_game) episode.abandon_game();
-        episode.reset(slot.task == Task::kReset ? slot.seed : nullptr);
+        const bool asked = slot.task == Task::kReset;
+        episode.reset(asked ? slot.seed : nullptr, asked && slot.new_game);
         slot.outcome = Outcome{};
         slot.outcome.game_steps = episode.game_steps();
     } else {
         slot.outcome = episode.step(slot.actions, slot.strength);
         if (slot.outcome.ended && settings_.autoreset == Autoreset::kSameStep) {
             keep_final(slot, environment);
-            episode.reset(nullptr);
+            episode.reset(nullptr, false);
             slot.outcome.ended = false;
         }
     }

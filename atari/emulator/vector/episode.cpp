@@ -1,40 +1,65 @@
 #include "episode.hpp"
 
+#include <algorithm>
 #include <cstring>
+#include <type_traits>
 
 namespace atari {
 
+void Episode::reset(const Seed* seed, bool new_game) {
+    reset_layer(layers_.size() - 1, {seed, new_game});
+    // The stack is a `FrameStack` outside of all layers if one of them is outside of the skip; a reset fills it anew.
+    if (layers_.back() != Layer::kSkip) observation_->repeat(true);
+    state_.steps = 0;
+}
+
 Outcome Episode::step(const int* actions, float strength) {
-    const OfPlayers<int64_t> before = game_.score;
-    ++game_.steps;
-    Outcome outcome = play_step(actions, strength);
-    if (outcome.truncated && !ended_game_) end_game();  // by a limit that the emulator does not have
+    const OfPlayers<int64_t> score_before = score_;
+    const int lives_before = environment_->lives();
+    const uint8_t were_out = state_.out;
+    ++state_.game_steps;
+    ++state_.steps;
+    const Ends ends = step_layer(layers_.size() - 1, move_of(actions, strength));
+    // TimeLimit
+    const auto& most_steps = settings_.max_episode_steps;
+    const bool no_more_steps = most_steps && state_.steps >= static_cast<uint32_t>(*most_steps);
+    if ((ends.truncated || no_more_steps) && !ended_game_) end_game();  // by a limit that the emulator does not have
+    // As in ale-py's vector environment, a reported loss of a life hides that the same step was truncated.
+    const bool reports_loss = settings_.life_loss_info && !ends.terminated && has_lost_life(lives_before);
+    Outcome outcome;
+    outcome.terminated = ends.terminated || reports_loss;
+    outcome.truncated = (ends.truncated && !reports_loss) || no_more_steps;
+    outcome.ended = ends.any() || no_more_steps;
+    outcome.out = state_.out;
     outcome.game_over = environment_->game_over();
-    for (size_t player = 0; player < kMaxPlayers; ++player)
-        outcome.game_reward[player] = static_cast<int>(game_.score[player] - before[player]);
-    outcome.game_steps = game_.steps;
+    outcome.game_steps = game_steps();
+    pay(outcome, score_before, were_out);
     return outcome;
 }
 
-void Episode::begin_game() {
-    environment_->reset();
-    game_ = {{}, 0, environment_->episode_frame_number()};
-    game_began_ = std::chrono::steady_clock::now();
+// What players do who are out is not theirs.
+Episode::Move Episode::move_of(const int* actions, float strength) const {
+    Move move{{}, strength};
+    for (int player = 0; player < settings_.players; ++player) {
+        const bool out = state_.out >> player & 1;
+        move.actions[static_cast<size_t>(player)] = out ? start_.idle : actions[player];
+    }
+    return move;
 }
 
-void Episode::act(const int* actions, OfPlayers<int64_t>& rewards) {
-    int frame_rewards[kMaxPlayers];
-    environment_->act(actions, settings_.players, frame_rewards);
-    for (int player = 0; player < settings_.players; ++player) {
-        game_.score[static_cast<size_t>(player)] += frame_rewards[player];
-        rewards[static_cast<size_t>(player)] += frame_rewards[player];
+// ClipReward, after GameStatistics. Players who were out before the step get nothing.
+void Episode::pay(Outcome& outcome, const OfPlayers<int64_t>& score_before, uint8_t were_out) const {
+    const int64_t low = settings_.reward_clipping ? -1 : INT32_MIN, high = settings_.reward_clipping ? 1 : INT32_MAX;
+    for (size_t player = 0; player < kMaxPlayers; ++player) {
+        const int64_t reward = score_[player] - score_before[player];
+        outcome.game_reward[player] = static_cast<int>(reward);
+        if (!(were_out >> player & 1)) outcome.reward[player] = static_cast<int>(std::clamp(reward, low, high));
     }
-    if (environment_->game_over() || environment_->truncated()) end_game();
 }
 
 void Episode::end_game() {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - game_began_;
-    ended_game_ = {game_.score, environment_->episode_frame_number() - game_.first_frame, seconds.count()};
+    ended_game_ = {score_, environment_->episode_frame_number() - state_.first_frame, seconds.count()};
 }
 
 void Episode::save(uint8_t* out) {
@@ -60,16 +85,30 @@ void Episode::restore(const EpisodeSnapshot& snapshot) {
     environment_->restore(snapshot.environment);
 }
 
+// The scores are those of the players who play: states of another number of players have another size, and do not fit.
+size_t Episode::rest_size() const {
+    return observation_->state_size() + random_.state_size() + sizeof state_ +
+           sizeof score_[0] * static_cast<size_t>(settings_.players);
+}
+
 void Episode::save_rest(uint8_t* out) const {
+    static_assert(std::has_unique_object_representations_v<decltype(state_)>);  // all bytes have a value
     out = observation_->save(out);
-    std::memcpy(out, &game_, sizeof game_);
-    save_own(out + sizeof game_);
+    random_.save(out);
+    out += random_.state_size();
+    std::memcpy(out, &state_, sizeof state_);
+    std::memcpy(out + sizeof state_, score_.data(), sizeof score_[0] * static_cast<size_t>(settings_.players));
 }
 
 void Episode::load_rest(const uint8_t* in) {
     in = observation_->load(in);
-    std::memcpy(&game_, in, sizeof game_);
-    load_own(in + sizeof game_);
+    random_.load(in);
+    in += random_.state_size();
+    std::memcpy(&state_, in, sizeof state_);
+    std::memcpy(score_.data(), in + sizeof state_, sizeof score_[0] * static_cast<size_t>(settings_.players));
+    // What was saved with other settings has no meaning here.
+    if (!settings_.episodic_life) state_.life_lost = state_.same_game = 0;
+    state_.out &= static_cast<uint8_t>(settings_.players == 1 ? 0 : (1 << settings_.players) - 1);
 }
 
 }  // namespace atari

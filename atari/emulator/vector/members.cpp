@@ -8,16 +8,6 @@
 namespace atari {
 namespace {
 
-void check(const EpisodeSettings& episode, const ObservationSettings& observation) {
-    const auto [low, high] = episode.frame_skip;
-    if (observation.stack < 1 || observation.stack > 10'000 || low < 1 || high <= low || high > kMaxFrameSkip + 1 ||
-        episode.noops.first < 0 || episode.noops.second < episode.noops.first || episode.noops.second > 1'000'000)
-        throw std::invalid_argument("stack, frame_skip or noops is out of range");
-    if (episode.players < 1 || episode.players > kMaxPlayers ||
-        (episode.players > 1) != (episode.kind == EpisodeKind::kMultiplayer))
-        throw std::invalid_argument("players are 2 to 4 for MULTIPLAYER, otherwise 1");
-}
-
 void check(const MemberSpec& spec, const ObservationSettings& observation, int players) {
     if (!spec.game) throw std::invalid_argument("each environment needs a game");
     if (spec.game->players < players) throw std::invalid_argument("a game has rules for fewer players");
@@ -25,18 +15,6 @@ void check(const MemberSpec& spec, const ObservationSettings& observation, int p
         if (action < 0 || action > 17) throw std::invalid_argument("an ALE action number is within 0..17");
     if (observation.pixels == PixelFormat::kGrayOfRgb && !spec.gray_of_pairs)
         throw std::invalid_argument("gray of RGB needs the gray values of pairs of colours");
-}
-
-template <typename... Arguments>
-std::unique_ptr<Episode> make_episode(EpisodeKind kind, Arguments&&... arguments) {
-    switch (kind) {
-        case EpisodeKind::kFrames: return std::make_unique<FrameEpisode>(std::forward<Arguments>(arguments)...);
-        case EpisodeKind::kBaselines: return std::make_unique<BaselinesEpisode>(std::forward<Arguments>(arguments)...);
-        case EpisodeKind::kMultiplayer:
-            return std::make_unique<MultiplayerEpisode>(std::forward<Arguments>(arguments)...);
-        case EpisodeKind::kAle: break;
-    }
-    return std::make_unique<AleEpisode>(std::forward<Arguments>(arguments)...);
 }
 
 StartActions start_actions(const std::vector<int>& actions, const std::vector<int>& action_set) {
@@ -56,7 +34,9 @@ Seed seed_of(const SeedWords& words) {
 
 std::vector<VectorEngine::Member> make_members(const std::vector<MemberSpec>& specs, const EpisodeSettings& episode,
                                                const ObservationSettings& observation) {
-    check(episode, observation);
+    episode.check();
+    if (observation.stack_num < 1 || observation.stack_num > 10'000)
+        throw std::invalid_argument("stack_num must be within 1..10000");
     std::vector<VectorEngine::Member> members;
     std::map<int, std::shared_ptr<const Resizer>> resizers;  // by height of the screen
     std::map<const Game*, const Environment*> twins;         // the first environment of each game
@@ -70,10 +50,11 @@ std::vector<VectorEngine::Member> make_members(const std::vector<MemberSpec>& sp
         if (spec.difficulty) environment->set_difficulty(*spec.difficulty);
         auto& resizer = resizers[environment->height()];
         if (!resizer && observation.pixels != PixelFormat::kNone)
-            resizer = std::make_shared<const Resizer>(environment->height(), observation.height, observation.width);
+            resizer =
+                std::make_shared<const Resizer>(environment->height(), observation.img_height, observation.img_width);
         auto stack = std::make_unique<ObservationStack>(*environment, observation, resizer, spec.gray_of_pairs);
-        members.push_back({make_episode(episode.kind, std::move(environment), std::move(stack), episode,
-                                        start_actions(spec.actions, spec.action_set), seed),
+        members.push_back({std::make_unique<Episode>(std::move(environment), std::move(stack), episode,
+                                                     start_actions(spec.actions, spec.action_set), seed),
                            spec.actions});
     }
     return members;

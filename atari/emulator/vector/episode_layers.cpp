@@ -1,0 +1,165 @@
+// The layers of an episode: the wrappers of `atari.wrappers` in C++, to the byte. The comment above each function names
+// the wrapper's method that it implements.
+#include "episode.hpp"
+
+namespace atari {
+
+std::vector<Episode::Layer> Episode::layers_of(const EpisodeSettings& settings) {
+    const bool lives = settings.episodic_life, skips_of_lives = settings.lives_unit == Unit::kSkip;
+    const bool fire_last = settings.fire == FirePress::kAfterNoops, skips_of_fire = settings.fire_unit == Unit::kSkip;
+    std::vector<Layer> layers{Layer::kGame};
+    const auto add = [&](Layer layer, bool wanted) {
+        if (wanted) layers.push_back(layer);
+    };
+    add(Layer::kLives, lives && !skips_of_lives);
+    add(Layer::kFire, settings.fire == FirePress::kBeforeNoops);
+    add(Layer::kNoops, true);
+    add(Layer::kFire, fire_last && !skips_of_fire);
+    add(Layer::kPlayers, settings.players > 1);
+    add(Layer::kSkip, true);
+    add(Layer::kLives, lives && skips_of_lives);
+    add(Layer::kFire, fire_last && skips_of_fire);
+    return layers;
+}
+
+void Episode::reset_layer(size_t level, const Request& request) {
+    switch (layers_[level]) {
+        case Layer::kGame: return reset_game(request);
+        case Layer::kLives: return reset_lives(level, request);
+        case Layer::kNoops: return reset_noops(level, request);
+        case Layer::kFire: return reset_fire(level, request);
+        case Layer::kPlayers: return reset_players(level, request);
+        case Layer::kSkip: return reset_skip(level, request);
+    }
+}
+
+Episode::Ends Episode::step_layer(size_t level, const Move& move) {
+    switch (layers_[level]) {
+        case Layer::kGame: return step_game(move);
+        case Layer::kLives: return step_lives(level, move);
+        case Layer::kPlayers: return step_players(level, move);
+        case Layer::kSkip: return step_skip(level, move);
+        case Layer::kNoops:
+        case Layer::kFire: break;  // These act in resets alone.
+    }
+    return step_layer(level - 1, move);
+}
+
+// AtariEnv.reset
+void Episode::reset_game(const Request& request) {
+    if (request.seed) {
+        environment_->seed(request.seed->emulator);
+        random_.seed(*request.seed);
+    }
+    environment_->reset();
+    score_ = {};
+    state_.game_steps = 0;
+    state_.first_frame = environment_->episode_frame_number();
+    game_began_ = std::chrono::steady_clock::now();
+}
+
+// AtariEnv.step, of one frame
+Episode::Ends Episode::step_game(const Move& move) {
+    OfPlayers<int> rewards{};
+    if (settings_.players == 1) rewards[0] = environment_->act(move.actions[0], move.strength);
+    else environment_->act(move.actions.data(), settings_.players, rewards.data());
+    for (size_t player = 0; player < kMaxPlayers; ++player) score_[player] += rewards[player];
+    const Ends ends{environment_->game_over(), environment_->truncated()};
+    if (ends.any()) end_game();
+    return ends;
+}
+
+// Whether a life has been lost since there were so many.
+bool Episode::has_lost_life(int lives_before) const {
+    const int lives = environment_->lives();
+    return lives < lives_before && (lives > 0 || settings_.last_life);
+}
+
+// EpisodicLife.reset
+void Episode::reset_lives(size_t level, const Request& request) {
+    const bool new_game = request.seed || settings_.on_reset == OnReset::kNewGame || request.new_game;
+    state_.same_game = state_.life_lost && !new_game;
+    state_.life_lost = false;
+    if (state_.same_game && settings_.on_reset == OnReset::kContinue) return;
+    if (state_.same_game) state_.same_game = !step_layer(level - 1, Move{}).any();
+    if (!state_.same_game) reset_layer(level - 1, request);
+    state_.lives = environment_->lives();
+}
+
+// EpisodicLife.step
+Episode::Ends Episode::step_lives(size_t level, const Move& move) {
+    Ends ends = step_layer(level - 1, move);
+    const bool lost = has_lost_life(state_.lives);
+    state_.lives = environment_->lives();
+    state_.life_lost = (state_.life_lost || lost) && !ends.any();
+    ends.terminated |= lost;
+    return ends;
+}
+
+// NoopReset.reset
+void Episode::reset_noops(size_t level, Request request) {
+    reset_layer(level - 1, request);
+    int left = random_.noops(settings_.noops) - (settings_.fire_counts && start_.has_fire);
+    request.press_fire = settings_.fire_again;
+    for (; left > 0; --left) {
+        // NOOP is no action of some games; NoopReset then plays it past EpisodicLife.
+        const Ends ends = start_.has_noop ? step_layer(level - 1, Move{}) : step_game(Move{});
+        if (ends.any()) reset_layer(level - 1, request);
+    }
+}
+
+// FireReset.reset
+void Episode::reset_fire(size_t level, const Request& request) {
+    reset_layer(level - 1, request);
+    if (!start_.has_fire || !request.press_fire) return;
+    if (step_layer(level - 1, Move{{1}}).any()) reset_layer(level - 1, request);
+    if (settings_.third_action && step_layer(level - 1, Move{{start_.third}}).any()) reset_layer(level - 1, request);
+}
+
+void Episode::reset_players(size_t level, const Request& request) {
+    reset_layer(level - 1, request);
+    state_.out = 0;
+}
+
+// Players whose lives are negative are out, as in PettingZoo; the episode ends when all are.
+Episode::Ends Episode::step_players(size_t level, const Move& move) {
+    Ends ends = step_layer(level - 1, move);
+    for (int player = 0; player < settings_.players; ++player)
+        state_.out |= static_cast<uint8_t>((environment_->lives(player) < 0) << player);
+    ends.terminated |= state_.out == (1 << settings_.players) - 1;
+    return ends;
+}
+
+bool Episode::has_played_max_frames() const {
+    return settings_.max_frames && state_.frames_played >= static_cast<uint32_t>(*settings_.max_frames);
+}
+
+// DqnPreprocessing.reset
+void Episode::reset_skip(size_t level, Request request) {
+    request.new_game |= has_played_max_frames();
+    reset_layer(level - 1, request);
+    if (!state_.same_game) state_.frames_played = 0;
+    const bool fill = !state_.same_game || !settings_.seamless_lives;
+    if (state_.same_game && environment_->frame_number() == state_.frame_number) observation_->repeat(fill);
+    else observation_->begin(fill);
+}
+
+// DqnPreprocessing.step
+Episode::Ends Episode::step_skip(size_t level, const Move& move) {
+    Ends ends{};
+    int left = random_.frames(settings_.frameskip);
+    while (left > 0 && !ends.any()) {
+        --left;
+        ends = step_layer(level - 1, move);
+        if (settings_.seamless_lives && state_.life_lost) ends.terminated = false;  // reported after the skip
+        ++state_.frames_played;
+        ends.truncated |= has_played_max_frames() && !ends.terminated;
+        observation_->frame_played(left, ends.any());
+    }
+    observation_->skip_ended(left, ends.any());
+    if (settings_.seamless_lives && state_.life_lost) ends.terminated = !ends.truncated;
+    state_.frame_number = environment_->frame_number();
+    return ends;
+}
+
+}  // namespace atari

@@ -1,0 +1,51 @@
+// `EpisodeSettings`: how episodes begin, are played, and end. The names are those of the options in Python.
+#pragma once
+
+#include <optional>
+#include <utility>
+
+#include "ale/environment.hpp"
+
+namespace atari {
+
+enum class FirePress { kNever, kBeforeNoops, kAfterNoops };
+enum class Unit { kFrame, kSkip };                  // single frames inside of the frame skip, or whole skips
+enum class OnReset { kNoop, kContinue, kNewGame };  // what a reset does after a lost life
+enum class Seeding { kGymnasium, kAle };            // as AtariEnv.reset, or as ale-py's vector environment
+
+// The defaults are those of ale-py's vector environment.
+struct EpisodeSettings {
+    int players = 1;
+    double repeat_action_probability = 0.0;
+    Seeding seeding = Seeding::kAle;
+    std::pair<int, int> frameskip{4, 5};  // each step draws from first .. second-1
+
+    // How an episode begins.
+    std::pair<int, int> noops{0, 29};          // with so many no-ops, drawn from first .. second
+    FirePress fire = FirePress::kBeforeNoops;  // in games that have FIRE
+    bool fire_counts = true;                   // whether FIRE is one of the no-ops
+    bool third_action = false;                 // whether the action with index 2 follows FIRE
+    Unit fire_unit = Unit::kFrame;             // for how long both are played
+    bool fire_again = false;                   // whether they are, after a game that ended in the no-ops
+
+    // What a lost life does.
+    bool episodic_life = false;
+    Unit lives_unit = Unit::kFrame;  // after which lives are compared
+    OnReset on_reset = OnReset::kNewGame;
+    bool last_life = false;       // whether losing the last life counts if the game continues
+    bool seamless_lives = false;  // a lost life neither cuts a skip nor clears the stack
+    bool life_loss_info = false;  // a lost life is reported, and ends nothing
+
+    // When an episode is truncated.
+    std::optional<int> max_frames = 108000;  // of a game, without the frames that begin it inside of the skip
+    std::optional<int> max_episode_steps;
+    std::optional<int> max_num_frames_per_episode;  // the emulator's: all frames of a game count
+
+    bool reward_clipping = true;
+
+    // Throws std::invalid_argument if a setting is out of range, or has no effect beside another.
+    void check() const;
+    Settings emulator() const;
+};
+
+}  // namespace atari
