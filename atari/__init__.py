@@ -16,7 +16,9 @@ from atari.actions import Action
 from atari.env import AtariEnv
 from atari.games.game import Game
 from atari.integrations.arrays import to_jax, to_torch
-from atari.registration import explain, make, register_all, register_game
+from atari.making import make
+from atari.registration import explain, register_all, register_game
+from atari.task import PRESETS, Preset, Task
 from atari.vector import AtariVectorEnv
 
 if TYPE_CHECKING:
@@ -25,10 +27,13 @@ if TYPE_CHECKING:
 
 __version__ = "0.2.0"
 __all__ = [
+    "PRESETS",
     "Action",
     "AtariEnv",
     "AtariVectorEnv",
     "Game",
+    "Preset",
+    "Task",
     "algorithmic",
     "cores",
     "explain",

@@ -5,6 +5,7 @@ Options, defaults, observations, rewards and random streams are those of ale-py'
 """
 
 import copy
+import inspect
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -20,12 +21,14 @@ from atari.actions import PLAYER_ACTIONS, Action, in_continuous_space, joystick_
 from atari.cores import CORES, ByteArray, Core, snapshot, writes
 from atari.cores.ale_interface import AleInterface, AleSettings
 from atari.cores.ale_random import AleRandom
-from atari.games.catalog import games
 from atari.games.game import Game
-from atari.games.interventions import Intervention, resolve
+from atari.games.interventions import Intervention
 from atari.notebook import picture, png
 from atari.rendering import Window
-from atari.validation import check_action_index, check_frameskip, check_known, check_name, check_probability
+from atari.task import Task
+from atari.task.fields import UNSET
+from atari.task.resolution import GameLike, resolve_task
+from atari.validation import check_action_index, check_name
 
 ObsType = Literal["rgb", "grayscale", "ram"]
 RenderMode = Literal["human", "rgb_array", "rgb_array_list"]
@@ -56,8 +59,12 @@ class _Game:
 class AtariEnv(gymnasium.Env[Any, Any]):
     """A game of the Atari 2600.
 
+    `game` says what is played: an environment ID or an `atari.Task` all of it; a name alone has ale-py's defaults,
+    those of ALE's v5 IDs without a limit of frames. `task` has the result. Options of a task that wrappers play, such
+    as `noops`, are refused: `atari.make` adds the wrappers.
+
     Args:
-        game: id such as "breakout" (`atari.games` has them all), or the path of a game file of your own.
+        game: an ID, a game's name, the path of a game file of your own, a `Game`, or a `Task`.
         mode: game mode, one of `atari.games[game].modes`; None is the default mode.
         difficulty: one of `atari.games[game].difficulties`; None is ALE's default, 0.
         obs_type: "rgb" is (height, 160, 3), "grayscale" (height, 160), "ram" (128,); all uint8.
@@ -75,6 +82,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         rom: path of the ROM file; None searches (see `atari.roms`).
         interventions: changes of the game through its RAM: names such as "lazy_enemy" (`atari.lab.interventions` has
             them all), or paths of your own as "file.toml#name". Not with core="ale".
+        **options: other fields of `atari.Task`, such as `actions`.
 
     Raises:
         TypeError: there is no such option; the message suggests the nearest.
@@ -111,6 +119,10 @@ class AtariEnv(gymnasium.Env[Any, Any]):
     interventions: tuple[Intervention, ...]
     """The interventions of the game, of the option of this name."""
 
+    whole_task: Task
+    """What is played together with the wrappers that `atari.make` has put around this; `task` also has what was set
+    since."""
+
     ale_settings: AleSettings
     """The settings of `ale`, as `ale.setFloat` and the other setters change them."""
 
@@ -119,44 +131,44 @@ class AtariEnv(gymnasium.Env[Any, Any]):
 
     def __init__(
         self,
-        game: "str | PathLike[str] | Game",
-        mode: int | None = None,
-        difficulty: int | None = None,
-        obs_type: ObsType = "rgb",
-        frameskip: int | tuple[int, int] = 4,
-        repeat_action_probability: float = 0.25,
-        full_action_space: bool = False,
-        continuous: bool = False,
-        continuous_action_threshold: float = 0.5,
-        max_num_frames_per_episode: int | None = None,
+        game: GameLike,
+        mode: int | None = UNSET,
+        difficulty: int | None = UNSET,
+        obs_type: ObsType = UNSET,
+        frameskip: int | tuple[int, int] = UNSET,
+        repeat_action_probability: float = UNSET,
+        full_action_space: bool = UNSET,
+        continuous: bool = UNSET,
+        continuous_action_threshold: float = UNSET,
+        max_num_frames_per_episode: int | None = UNSET,
         render_mode: RenderMode | None = None,
-        sound_obs: bool = False,
+        sound_obs: bool = UNSET,
         *,
         core: str = "native",
         rom: str | PathLike[str] | None = None,
-        interventions: "Sequence[str | Mapping[str, Any] | Intervention] | None" = None,
-        **wrong: Any,
+        interventions: "Sequence[str | Mapping[str, Any] | Intervention] | None" = UNSET,
+        **options: Any,
     ) -> None:
-        self._options = {key: value for key, value in locals().items() if key not in ("self", "__class__", "wrong")}
-        check_known("AtariEnv", wrong, self._options)
-        self._obs_type = check_name("obs_type", obs_type, get_args(ObsType))
-        self._frameskip = check_frameskip(frameskip)
-        self.game: Game = games.find(game)
-        self.interventions = resolve(self.game, interventions)
-        self._options["interventions"] = [one.definition() for one in self.interventions] or None
+        named = {name: value for name, value in locals().items() if name in ALE_OPTIONS and value is not UNSET}
+        others = ("render_mode", "core", "rom")
+        task = resolve_task(game, None, {**named, **options}, base=_BASE, owner="AtariEnv", others=others)
+        _require_plain(task)
         check_name("core", core, CORES)
         if render_mode is not None:
             check_name("render_mode", render_mode, get_args(RenderMode))
+        self._task = self.whole_task = task
+        self._core_name, self._rom = core, rom
+        self._obs_type, self._frameskip = task.obs_type, task.frameskip
+        self.game: Game = task.definition
+        self.interventions = task.interventions
         self.render_mode = render_mode
-        self._threshold = np.float32(check_probability("continuous_action_threshold", continuous_action_threshold))
-        self.continuous = bool(continuous)
-
-        self.continuous_action_threshold = float(self._threshold)
-        self.sound_obs = bool(sound_obs)
+        self._threshold = np.float32(task.continuous_action_threshold)
+        self.continuous, self.sound_obs = task.continuous, task.sound_obs
+        self.continuous_action_threshold = task.continuous_action_threshold
         self.ale_settings = AleSettings(
-            repeat_action_probability=repeat_action_probability,
-            max_num_frames_per_episode=0 if max_num_frames_per_episode is None else max_num_frames_per_episode,
-            sound_obs=self.sound_obs,
+            repeat_action_probability=task.repeat_action_probability,
+            max_num_frames_per_episode=task.max_num_frames_per_episode or 0,
+            sound_obs=task.sound_obs,
         )
         self._core_options = self.ale_settings.core_options()
         self._ale_random: AleRandom | None = None  # of episodes that are seeded as by ale-py's vector environment
@@ -164,8 +176,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         self._np_random_seed = -1
         self.core = self._make_core()
         self.observers = []
-        every = full_action_space or continuous
-        self._action_set: tuple[Action, ...] = self.game.legal_actions if every else self.game.minimal_actions
+        self._action_set: tuple[Action, ...] = task.action_set
         self.action_space = make_action_space(self._action_set, self.continuous)
         self.observation_space = self._make_observation_space()
         self.metadata = {**self.metadata, "render_fps": max(1, round(self._steps_per_second()))}
@@ -176,6 +187,31 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         self._ended_game: dict[str, Any] | None = None  # until `GameStatistics` takes it
         self._restored = False  # since the last reset, without the wrappers
         self._only_noop = False  # whether NOOP is played whatever the action is, see `step_noop` of the wrappers
+
+    @property
+    def task(self) -> Task:
+        """What is played, with the wrappers that `atari.make` has put around this, and with what `ale` has set."""
+        settings = self._core_options
+        set_since = {
+            "repeat_action_probability": settings["repeat_action_probability"],
+            "max_num_frames_per_episode": settings["max_num_frames_per_episode"] or None,
+            "mode": self.core.mode,
+            "difficulty": self.core.difficulty,
+        }
+        changed = {name: value for name, value in set_since.items() if value != getattr(self._task, name)}
+        return self.whole_task.with_set(**changed)
+
+    def ale_options(self) -> dict[str, Any]:
+        """What this plays without wrappers, as options by ale-py's names."""
+        task = self._task
+        names = ("obs_type", "frameskip", "repeat_action_probability", "continuous", "continuous_action_threshold")
+        return {
+            "mode": task.set_mode,
+            "difficulty": task.set_difficulty,
+            **{name: getattr(task, name) for name in (*names, "max_num_frames_per_episode", "sound_obs")},
+            "full_action_space": task.actions == "full",
+            "interventions": [one.definition() for one in task.interventions] or None,
+        }
 
     @property
     def ale(self) -> AleInterface:
@@ -295,8 +331,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             The two words drawn from the seed: of `np_random`, and of the emulator.
 
         Raises:
-            TypeError, ValueError: the seed is no integer of 0 or more, or not below 2**31 where episodes are seeded as
-                by ale-py's vector environment.
+            TypeError, ValueError: the seed is no integer of 0 or more.
         """
         words = np.random.SeedSequence(seed).generate_state(2)
         if self._ale_random is not None:
@@ -433,7 +468,9 @@ class AtariEnv(gymnasium.Env[Any, Any]):
     def __getstate__(self) -> dict[str, Any]:
         """Pickling and copying keep the position in the game, and the writes of `Freeze` and `Poke`."""
         ale = {"ale_settings": copy.deepcopy(self.ale_settings), "core_options": self._core_options}
-        facts = {"options": self._options, "sound": self.core.sound, "spec": copy.deepcopy(self.spec)}
+        options = {"game": self._task, "render_mode": self.render_mode, "core": self._core_name, "rom": self._rom}
+        facts = {"options": options, "sound": self.core.sound, "spec": copy.deepcopy(self.spec)}
+        facts["whole_task"] = self.whole_task
         facts["restored"] = self._restored
         facts["ale_random"] = self._ale_random
         facts["writes"] = writes.definitions(_slots(self.core))
@@ -441,6 +478,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         AtariEnv.__init__(self, **state["options"])
+        self.whole_task = state["whole_task"]
         self.ale_settings = state["ale_settings"]
         if self._core_options != state["core_options"]:
             self._core_options = state["core_options"]
@@ -456,18 +494,18 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         self.spec = state["spec"]
 
     def _make_core(self) -> Core:
-        return CORES[self._options["core"]](
+        return CORES[self._core_name](
             self.game,
             seed=self.ale_settings.seed(),
-            mode=self._options["mode"],
-            difficulty=self._options["difficulty"],
-            rom=self._options["rom"],
+            mode=self._task.set_mode,
+            difficulty=self._task.set_difficulty,
+            rom=self._rom,
             interventions=self.interventions,
             **self._core_options,
         )
 
     def _replace_core(self) -> None:
-        if type(self.core) is not CORES[self._options["core"]]:
+        if type(self.core) is not CORES[self._core_name]:
             raise RuntimeError("a replay of this environment is being recorded; close the recorder first")
         self.core.close()
         self.core = self._make_core()
@@ -475,7 +513,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
     def _apply_settings(self) -> None:
         """Apply what was set by `ale`, and the environment's mode and difficulty."""
         options, before = self.ale_settings.core_options(), self._core_options
-        mode, difficulty = self._options["mode"], self._options["difficulty"] or 0
+        difficulty = self._task.difficulty
         if options != before or difficulty not in self.game.difficulties:  # backgammon's default is none of its own
             self._core_options = options
             slots = _slots(self.core)
@@ -489,7 +527,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
                 self.core.writes = slots  # type: ignore[attr-defined]
                 self.core.load(state)  # type: ignore[attr-defined]
         else:
-            self.core.set_mode(self.game.default_mode if mode is None else mode)
+            self.core.set_mode(self.game.default_mode if self._task.mode is None else self._task.mode)
             self.core.set_difficulty(difficulty)
         self.ale_settings.stale = False
 
@@ -595,6 +633,38 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         elif self._phase == "over":
             self._phase = "warned"
             logger.warn("env.step() was called after the episode had ended; nothing happens until env.reset()")
+
+
+_BASE = {"max_num_frames_per_episode": None}
+"""What a game's name alone plays other than ALE's v5, as in ale-py."""
+
+ALE_OPTIONS = frozenset(inspect.signature(AtariEnv.__init__).parameters) - {
+    "self",
+    "game",
+    "render_mode",
+    "core",
+    "rom",
+    "options",
+}
+"""The options of an `AtariEnv` by ale-py's names, and `interventions`."""
+
+
+def _require_plain(task: Task) -> None:
+    """Refuse what an `AtariEnv` does not play alone.
+
+    Raises:
+        ValueError: wrappers play the task, or several players.
+    """
+    if task.players > 1:
+        raise ValueError(
+            f"AtariEnv is for one player; atari.multiplayer.parallel_env({task.game!r}) plays with {task.players}"
+        )
+    if task.preprocessed:
+        field = task.fields_of_wrappers()[0]
+        raise ValueError(
+            f"AtariEnv plays without wrappers, and {field}={getattr(task, field)!r} needs them; use atari.make, which "
+            "adds them"
+        )
 
 
 def _read_game(values: Any) -> _Game:

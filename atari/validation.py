@@ -153,20 +153,6 @@ def check_file(file: Path, instead: str = "give a regular file") -> Path:
     return file
 
 
-PREPROCESSING_OPTIONS = (
-    "num_envs",
-    "img_height",
-    "img_width",
-    "stack_num",
-    "maxpool",
-    "noop_max",
-    "use_fire_reset",
-    "episodic_life",
-    "life_loss_info",
-    "clip_reward",
-)
-"""Options of `AtariVectorEnv` that single environments do not have, because wrappers do this."""
-
 # Names of other projects' options that are too unlike ours to be found by their letters.
 _OTHER_NAMES = {
     "frame_stack": "stack_num",
@@ -176,21 +162,25 @@ _OTHER_NAMES = {
     "gray_scale": "obs_type",
     "grayscale": "obs_type",
     "grayscale_obs": "obs_type",
-    "max_frames": "max_num_frames_per_episode",
     "sticky_actions": "repeat_action_probability",
     "terminal_on_life_loss": "episodic_life",
+    "noop_max": "noops",
+    "use_fire_reset": "fire",
 }
+
+_OF_VECTORS = frozenset(("num_envs", "num_threads", "batch_size", "autoreset_mode", "channels_last"))
+"""Options of `AtariVectorEnv` that mean nothing for a single environment."""
 
 
 def check_known(owner: str, wrong: Iterable[str], known: Iterable[str]) -> None:
     """Refuse options that do not exist.
 
     Raises:
-        TypeError: `wrong` is not empty; the message suggests the nearest of the known names, or of
-            `PREPROCESSING_OPTIONS`.
+        TypeError: `wrong` is not empty; the message suggests the nearest of the known names, or `AtariVectorEnv` for
+            an option that only vectors have.
     """
-    known = tuple(known)
-    names = {_sorted_words(name): name for name in (*PREPROCESSING_OPTIONS, *known)}
+    known = tuple(dict.fromkeys(known))
+    names = {_sorted_words(name): name for name in (*_OF_VECTORS, *known)}
     for name in wrong:
         words = _sorted_words(_OTHER_NAMES.get(name, name))
         near = [names[match] for match in difflib.get_close_matches(words, names, n=1, cutoff=0.5)]
@@ -199,24 +189,13 @@ def check_known(owner: str, wrong: Iterable[str], known: Iterable[str]) -> None:
         elif near[0] in known:
             hint = f"did you mean {near[0]!r}?"
         else:
-            hint = f"AtariVectorEnv has {near[0]!r}, and a single environment is preprocessed by atari.wrappers"
+            hint = f"AtariVectorEnv, which plays many environments, has {near[0]!r}"
         raise TypeError(f"{owner} has no option {name!r}; {hint}")
 
 
 def _sorted_words(name: str) -> str:
     """`num_stack` and `stack_num` alike."""
     return "_".join(sorted(name.split("_")))
-
-
-def check_clip_reward(clip_reward: bool | None, reward_clipping: bool | None) -> bool | None:
-    """The value of an option that has two names: the presets' and that of ale-py's vector environment.
-
-    Raises:
-        TypeError: both names have a value.
-    """
-    if clip_reward is not None and reward_clipping is not None:
-        raise TypeError("clip_reward and reward_clipping are two names of one option; give one of them")
-    return reward_clipping if clip_reward is None else clip_reward
 
 
 def _check_frames(frames: Any) -> int:

@@ -16,6 +16,14 @@ from atari.roms.identification import identify, known_images, recognise
 from atari.roms.image import md5, read_image
 from atari.roms.locations import folders, holds, lookup, misleads, path, store, stored, usual_files
 
+_registered: dict[Path | None, Path] = {}
+"""By game file, the ROM with which `atari.register_game` has registered it."""
+
+
+def remember(game: Game, rom: str | os.PathLike[str]) -> None:
+    """Let `find` return this ROM for a game of a user's own, until the process ends."""
+    _registered[game.file] = Path(rom).absolute()
+
 
 def find(game: str | Game, path: str | os.PathLike[str] | None = None) -> Path:
     """The absolute path of a file that holds the ROM of `game`, checked by its content.
@@ -41,7 +49,7 @@ def find(game: str | Game, path: str | os.PathLike[str] | None = None) -> Path:
     """
     known = game if isinstance(game, Game) else _game(game)
     if path is None:
-        beside = _beside(known)
+        beside = _registered.get(known.file) or _beside(known)
         if beside is not None:
             return beside
         if not known.rom.md5:

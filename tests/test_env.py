@@ -22,9 +22,13 @@ from atari import Action, AtariEnv
 def test_options_and_defaults_are_those_of_ale_py() -> None:
     ours = inspect.signature(AtariEnv).parameters.values()
     theirs = inspect.signature(ale_py.env.AtariEnv).parameters.values()
-    same = [(option.name, option.default) for option in ours if option.kind is option.POSITIONAL_OR_KEYWORD]
-    assert same == [(option.name, option.default) for option in theirs]
+    assert [option.name for option in ours if option.kind is option.POSITIONAL_OR_KEYWORD] == [
+        option.name for option in theirs
+    ]
     assert [option.name for option in ours if option.kind is option.KEYWORD_ONLY] == ["core", "rom", "interventions"]
+    defaults = {option.name: option.default for option in theirs if option.name not in ("game", "render_mode")}
+    for name, value in defaults.items():
+        assert AtariEnv("breakout", **{name: value}).task == AtariEnv("breakout").task, name
 
 
 @pytest.mark.parametrize(
@@ -36,8 +40,18 @@ def test_options_and_defaults_are_those_of_ale_py() -> None:
         ("mode", 5, ValueError, "breakout has no mode 5; it has 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44"),
         ("mode", "4", TypeError, "mode must be an integer or None, got '4'"),
         ("difficulty", 3, ValueError, "breakout has no difficulty 3; it has 0, 1"),
-        ("obs_type", "image", ValueError, "obs_type must be one of 'rgb', 'grayscale', 'ram', got 'image'"),
-        ("obs_type", ["rgb"], ValueError, "obs_type must be one of 'rgb', 'grayscale', 'ram', got ['rgb']"),
+        (
+            "obs_type",
+            "image",
+            ValueError,
+            "obs_type must be one of 'rgb', 'grayscale', 'ram', 'dict', 'rgb_dict', got 'image'",
+        ),
+        (
+            "obs_type",
+            ["rgb"],
+            ValueError,
+            "obs_type must be one of 'rgb', 'grayscale', 'ram', 'dict', 'rgb_dict', got ['rgb']",
+        ),
         ("frameskip", 0, ValueError, "frameskip must be within 1..10000, got 0"),
         ("frameskip", -4, ValueError, "frameskip must be within 1..10000, got -4"),
         ("frameskip", "4", TypeError, "frameskip must be an integer within 1..10000, got '4'"),

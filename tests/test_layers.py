@@ -1,6 +1,7 @@
 """Which part of the package may import which: the table below, without cycles between modules.
 
-A part is a module or a package directly in `atari`. Every import counts, those in functions and for type checkers too.
+A part is a module or a package directly in `atari`. Every import counts, those in functions and for type checkers too,
+but for the few of `UPWARD`.
 """
 
 import ast
@@ -21,7 +22,6 @@ ALLOWED = {
     "_interrupt": "",
     "_sources": "",
     "actions": "",
-    "protocols": "",
     "_script": "",
     "validation": "",
     "notebook": "",
@@ -30,33 +30,43 @@ ALLOWED = {
     # The emulators, and the environments on them.
     "cores": "_emulator actions games roms validation",
     "rendering": "cores games validation",
-    "env": "actions cores games notebook rendering roms validation",
+    # What is played, and the environments that play it.
+    "env_ids": "games",
+    "task": "actions cores env_ids games validation",
+    "env": "actions cores games notebook rendering task validation",
     "restorable": "cores env",
-    "wrappers": "_emulator actions cores env games protocols restorable validation",
+    "wrappers": "_emulator cores env restorable task validation",
     # Its views for JAX and PyTorch are of `integrations`, in modules that do not import `vector`.
-    "vector": "_emulator _gymnasium actions cores games integrations multiplayer notebook protocols rendering roms validation "
-    "wrappers",
-    "registration": "actions cores env games validation vector wrappers",
+    "vector": "_emulator _gymnasium actions cores games integrations multiplayer notebook rendering roms task validation wrappers",
+    "making": "env env_ids task validation vector wrappers",
+    "registration": "cores env_ids games making roms task",
     "algorithmic": "validation",
-    "recording": "_gymnasium atari actions cores env games multiplayer notebook registration rendering restorable roms validation vector "
-    "wrappers",
-    "multiplayer": "_emulator actions cores env games recording rendering roms validation vector",
-    "integrations": "_emulator _gymnasium _script actions classic cores env games lab learning recording registration validation vector "
-    "wrappers",
-    "sb3": "integrations",
-    "learning": "_emulator _gymnasium _interrupt actions cores env games protocols recording registration rendering restorable "
+    "recording": "_gymnasium atari actions cores env env_ids games making multiplayer notebook rendering restorable roms task "
     "validation vector wrappers",
+    "multiplayer": "_emulator actions cores env games recording rendering roms validation vector",
+    "integrations": "_emulator _gymnasium _script classic cores env_ids games lab learning recording task validation vector wrappers",
+    "sb3": "integrations",
+    "learning": "_emulator _gymnasium _interrupt actions cores env env_ids games making recording registration rendering "
+    "restorable task validation vector wrappers",
     "lab": "_emulator _gymnasium actions cores env games recording registration rendering restorable roms validation vector "
     "wrappers",
     # The package itself exports the parts above, and `atari.__version__` to the parts below and to recordings.
-    "atari": "actions algorithmic cores env games integrations registration roms vector wrappers",
+    "atari": "actions algorithmic cores env games integrations making registration roms task vector wrappers",
     # Programs and old interfaces, which no part above imports; they may import `recording`.
     "play": "actions cores env games multiplayer recording registration rendering validation",
-    "classic": "_script atari cores env games recording registration rendering validation wrappers",
-    "cli": "_interrupt atari actions cores env games integrations lab learning multiplayer play recording registration rendering roms validation vector wrappers",
+    "classic": "_script atari cores env env_ids games recording registration rendering validation wrappers",
+    "cli": "_interrupt atari actions cores env env_ids games integrations lab learning making multiplayer play recording "
+    "registration rendering roms task validation vector wrappers",
     "__main__": "cli",
 }
 """By part, the parts that it may import."""
+
+UPWARD = {
+    # `Task.of`, `to_json`, `from_json` and `str` need modules that make tasks themselves.
+    "atari.task.task": "atari.task.resolution atari.task.storage atari.task.description atari.making atari.vector",
+}
+"""By module, what methods of its classes import when they are called: modules that import this one. `Task.make` and
+`Task.make_vec` are the others. These imports are in functions or for type checkers only."""
 
 
 def sources() -> dict[str, Path]:
@@ -73,9 +83,9 @@ def sources() -> dict[str, Path]:
 SOURCES = sources()
 
 
-def imports(module: str) -> Iterator[str]:
-    """The modules of this package that a module imports."""
-    for node in ast.walk(ast.parse(SOURCES[module].read_text(encoding="utf-8"))):
+def imports(tree: ast.AST, module: str) -> Iterator[str]:
+    """The modules of this package that a part of a module's tree imports."""
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
@@ -89,7 +99,8 @@ def imports(module: str) -> Iterator[str]:
         yield from (name for name in names if name.split(".")[0] == "atari")
 
 
-GRAPH = {module: set(imports(module)) - {module} for module in SOURCES}
+TREES = {module: ast.parse(file.read_text(encoding="utf-8")) for module, file in SOURCES.items()}
+GRAPH = {module: {*imports(tree, module)} - {module, *UPWARD.get(module, "").split()} for module, tree in TREES.items()}
 
 
 def part(module: str) -> str:
@@ -109,3 +120,12 @@ def test_no_module_imports_itself_through_others() -> None:
         TopologicalSorter(GRAPH).prepare()
     except CycleError as error:
         pytest.fail(f"a circle of imports, each by the next: {', '.join(error.args[1])}")
+
+
+@pytest.mark.parametrize("module", UPWARD)
+def test_imports_upwards_are_made_when_a_function_is_called(module: str) -> None:
+    later = (ast.FunctionDef, ast.ClassDef, ast.If)  # a method, or `if TYPE_CHECKING`
+    at_once = {name for node in TREES[module].body if not isinstance(node, later) for name in imports(node, module)}
+    upward = {*UPWARD[module].split()}
+    assert not upward & at_once
+    assert upward <= {*imports(TREES[module], module)}, "take what is not imported any more out of the table"

@@ -1,6 +1,5 @@
 """An option has its name in every place, and a wrong name is refused with the nearest right one."""
 
-import inspect
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -10,7 +9,7 @@ import pytest
 
 import atari
 from atari import wrappers
-from atari.validation import PREPROCESSING_OPTIONS
+from atari.task.resolution import ALIASES, OPTIONS
 
 
 @pytest.mark.parametrize("name", ["clip_reward", "reward_clipping"])
@@ -30,6 +29,7 @@ def test_both_names_of_clipping(name: str) -> None:
 
 
 DOORS: dict[str, tuple[str, Callable[..., Any]]] = {
+    "task": ("Task.of", partial(atari.Task.of, "pong")),
     "make": ("atari.make", partial(atari.make, "pong")),
     "preset": ("atari.make", partial(atari.make, "pong", preset="dqn2015")),
     "single": ("AtariEnv", partial(atari.AtariEnv, "pong")),
@@ -47,15 +47,24 @@ DOORS: dict[str, tuple[str, Callable[..., Any]]] = {
         ("preset", "terminal_on_life_loss", "episodic_life"),
         ("make", "frame_skip", "frameskip"),
         ("make", "frame_stack", "stack_num"),
-        ("make", "stack_num", "stack_num"),
         ("make", "n_envs", "num_envs"),
         ("make", "grayscale", "obs_type"),
+        ("make", "noop_max", "noops"),
+        ("make", "use_fire_reset", "fire"),
+        ("make", "render", "render_mode"),
+        ("make", "presett", "preset"),
+        ("task", "sticky_actions", "repeat_action_probability"),
+        ("task", "clip_rewards", "clip_reward"),
+        ("task", "presett", "preset"),
         ("single", "frame_skip", "frameskip"),
         ("single", "screen_size", "img_height"),
         ("single", "sticky_actions", "repeat_action_probability"),
+        ("single", "clip_rewards", "clip_reward"),
         ("vector", "stack_size", "stack_num"),
         ("vector", "num_stack", "stack_num"),
         ("vector", "reward_clip", "clip_reward"),
+        ("vector", "num_thread", "num_threads"),
+        ("vector", "noops_max", "noop_max"),
     ],
 )
 def test_an_unknown_option_is_named_with_the_nearest_one(door: str, given: str, nearest: str) -> None:
@@ -66,25 +75,57 @@ def test_an_unknown_option_is_named_with_the_nearest_one(door: str, given: str, 
     assert repr(nearest) in str(error.value)
 
 
-def test_an_option_unlike_all_others_lists_what_is_accepted() -> None:
-    with pytest.raises(TypeError, match="AtariEnv has no option 'zzz'; it has game, mode, difficulty"):
-        atari.AtariEnv("pong", zzz=3)  # type: ignore[call-arg]
+OWN = {
+    "task": ["preset"],
+    "make": ["preset", "render_mode", "core", "rom", "disable_env_checker"],
+    "single": ["render_mode", "core", "rom"],
+    "vector": [
+        "num_envs",
+        "preset",
+        "batch_size",
+        "num_threads",
+        "noop_max",
+        "use_fire_reset",
+        "grayscale",
+        "dtype",
+        "rom",
+    ],
+}
+"""By door, options that it has beside those of a task."""
 
 
-def test_an_option_of_presets_without_one() -> None:
-    with pytest.raises(TypeError, match="'clip_reward' is an option of presets; give one"):
-        atari.make("pong", clip_reward=False)
+@pytest.mark.parametrize("door", OWN)
+def test_an_option_unlike_all_others_lists_what_is_accepted(door: str) -> None:
+    name, make = DOORS[door]
+    with pytest.raises(TypeError, match=f"{name} has no option 'zzz'; it has ") as error:
+        make(zzz=3)
+    listed = str(error.value).partition("it has ")[2].split(", ")
+    assert {*OPTIONS, *ALIASES, *OWN[door]} <= {*listed}
+    assert len(listed) == len(set(listed))
 
 
-@pytest.mark.parametrize("door", ["preset", "vector"])
+@pytest.mark.parametrize("door", ["task", "make", "single"])
+def test_an_option_of_vectors_alone(door: str) -> None:
+    name, make = DOORS[door]
+    with pytest.raises(TypeError) as error:
+        make(num_envs=3)
+    assert str(error.value) == (
+        f"{name} has no option 'num_envs'; AtariVectorEnv, which plays many environments, has 'num_envs'"
+    )
+
+
+def test_an_option_of_wrappers_without_a_preset() -> None:
+    env = atari.make("breakout", episodic_life=True, stack_num=2, clip_reward=True)
+    task = env.unwrapped.task  # type: ignore[attr-defined]
+    assert (task.episodic_life, task.stack_num, task.reward_clipping) == (True, 2, True)
+    assert env.reset(seed=0)[0].shape == (2, 210, 160, 3)
+    with pytest.raises(ValueError, match=r"AtariEnv plays without wrappers, .* use atari\.make"):
+        atari.AtariEnv("breakout", episodic_life=True)
+
+
+@pytest.mark.parametrize("door", ["task", "make", "preset", "single", "vector"])
 def test_two_names_of_one_option(door: str) -> None:
     with pytest.raises(
         TypeError, match="clip_reward and reward_clipping are two names of one option; give one of them"
     ):
         DOORS[door][1](clip_reward=True, reward_clipping=True)
-
-
-def test_the_options_of_preprocessing_are_those_of_the_vector_environment() -> None:
-    assert PREPROCESSING_OPTIONS
-    assert set(PREPROCESSING_OPTIONS) <= set(inspect.signature(atari.AtariVectorEnv).parameters)
-    assert not set(PREPROCESSING_OPTIONS) & set(inspect.signature(atari.AtariEnv).parameters)

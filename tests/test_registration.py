@@ -1,5 +1,6 @@
 """Every ID in the history of these environments. That each makes an environment is in `conformance/test_ids.py`."""
 
+import copy
 import json
 import os
 import re
@@ -12,13 +13,15 @@ import gymnasium
 import pytest
 
 import atari
-from atari import registration
+from atari import env_ids, registration
 from atari.algorithmic.registration import TASKS
 from atari.env import AtariEnv
 
 
 def ours() -> dict[str, Any]:
-    return {env_id: spec for env_id, spec in gymnasium.registry.items() if spec.entry_point == "atari.env:AtariEnv"}
+    return {
+        env_id: spec for env_id, spec in gymnasium.registry.items() if spec.entry_point == "atari.making:make_AtariEnv"
+    }
 
 
 @pytest.fixture(scope="module")
@@ -39,8 +42,8 @@ def theirs() -> dict[str, dict[str, Any]]:
 
 
 def test_there_are_952_ids() -> None:
-    assert len(ours()) == len(registration.ids()) == 952
-    assert set(ours()) == set(registration.ids())
+    assert len(ours()) == len(env_ids.ids()) == 952
+    assert set(ours()) == set(env_ids.ids())
 
 
 def test_each_family_has_its_number() -> None:
@@ -58,8 +61,8 @@ def test_each_family_has_its_number() -> None:
 
 
 def test_62_games_have_legacy_ids() -> None:
-    assert len(set(registration.LEGACY_GAMES)) == 62
-    assert set(registration.LEGACY_GAMES) <= {game.id for game in atari.games.playable()}
+    assert len(set(env_ids.LEGACY_GAMES)) == 62
+    assert set(env_ids.LEGACY_GAMES) <= {game.id for game in atari.games.playable()}
 
 
 @pytest.mark.parametrize(
@@ -74,7 +77,7 @@ def test_62_games_have_legacy_ids() -> None:
     ],
 )
 def test_the_stem_of_a_game(game: str, stem: str) -> None:
-    assert registration.stem(game) == stem
+    assert env_ids.stem(game) == stem
     assert f"ALE/{stem}-v5" in gymnasium.registry
 
 
@@ -97,7 +100,7 @@ def test_the_stem_of_a_game(game: str, stem: str) -> None:
 def test_an_id_stands_for_options(env_id: str, options: dict[str, Any]) -> None:
     common = {"game": "breakout", "full_action_space": False, "max_num_frames_per_episode": 108_000}
     spec = gymnasium.spec(env_id)
-    assert spec.kwargs == {**common, **options}
+    assert spec.kwargs == {**common, **options, "base": spec.id}
     assert (spec.max_episode_steps, spec.reward_threshold, spec.nondeterministic) == (None, None, False)
 
 
@@ -115,7 +118,8 @@ def test_where_ale_py_has_the_same_id_the_spec_is_the_same(theirs: dict[str, dic
     assert set(theirs) <= set(ours())
     for env_id, fields in theirs.items():
         spec = ours()[env_id]
-        mine = {field: getattr(spec, field) for field in fields}
+        mine = {field: copy.deepcopy(getattr(spec, field)) for field in fields}
+        assert mine["kwargs"].pop("base") == env_id  # beside ale-py's options, for presets
         assert json.loads(json.dumps(mine)) == fields, env_id
 
 
@@ -146,7 +150,7 @@ def test_make_takes_the_options_of_the_environment_and_of_gymnasium() -> None:
 
 @pytest.mark.parametrize("wrong", [None, 3, b"pong"])
 def test_make_takes_nothing_but_text(wrong: Any) -> None:
-    with pytest.raises(TypeError, match=r"make\(\) takes a game \('breakout'\) or an ID \('ALE/Breakout-v5'\), got "):
+    with pytest.raises(TypeError, match="a game is named by a string such as 'breakout', got "):
         atari.make(wrong)
 
 
@@ -192,7 +196,7 @@ def test_the_error_for_a_wrong_id_suggests_the_right_one(wrong: str, cure: str) 
 
 def test_every_id_registered_by_this_package_is_one_that_make_takes() -> None:
     known = registration.known_ids()
-    assert set(known) >= {*registration.ids(), *TASKS}
+    assert set(known) >= {*env_ids.ids(), *TASKS}
     assert all(type(atari.make(env_id).unwrapped).__module__.startswith("atari.") for env_id in [*known[::100], *TASKS])
     assert "CartPole-v1" not in known
 
@@ -207,13 +211,16 @@ def test_only_what_has_a_history_is_explained() -> None:
 
 
 def test_explain_says_what_an_id_means() -> None:
-    assert atari.explain("SpaceInvadersDeterministic-v4").splitlines()[:8] == [
+    assert atari.explain("SpaceInvadersDeterministic-v4").splitlines()[:11] == [
         "SpaceInvadersDeterministic-v4: Space Invaders",
         "  observation   RGB screen (210, 160, 3), uint8",
         "  frame skip    3 frames a step",
         "  sticky        no",
         "  actions       6, those the game uses: NOOP FIRE RIGHT LEFT RIGHTFIRE LEFTFIRE",
-        "  limit         truncated after 108000 frames of the emulator, half an hour of play",
+        "  begin         the emulator's reset alone",
+        "  lives         a lost life does not end an episode",
+        "  limit         truncated after 108,000 frames of the emulator",
+        "  reward        the change of the score",
         "  mode          0 of 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15; difficulty 0 of 0, 1",
         "  siblings",
     ]
@@ -237,7 +244,7 @@ def test_explain_reports_that_two_ids_are_the_same() -> None:
 
 
 def test_every_id_can_be_explained() -> None:
-    for env_id, (family, game) in registration.ids().items():
+    for env_id, (family, game) in env_ids.ids().items():
         text = atari.explain(env_id)
         assert text.startswith(f"{env_id}: {atari.games[game].title}\n")
         assert ("128 bytes of RAM" in text) == (family.obs_type == "ram")

@@ -8,6 +8,7 @@ Gymnasium has wrappers of some of these names, but its reward and image wrappers
 and its stack copies each frame twice.
 """
 
+from atari.task import PRESETS, Preset
 from atari.wrappers.clip_reward import ClipReward
 from atari.wrappers.dqn_preprocessing import DqnPreprocessing
 from atari.wrappers.episodic_life import EpisodicLife
@@ -17,7 +18,7 @@ from atari.wrappers.frame_stack import FrameStack, LazyStack
 from atari.wrappers.grayscale import Grayscale
 from atari.wrappers.life_loss_info import LifeLossInfo
 from atari.wrappers.noop_reset import NoopReset
-from atari.wrappers.presets import PRESETS, Preset, preset, preset_options
+from atari.wrappers.presets import preset, preset_options
 from atari.wrappers.ram_observation import RamObservation
 from atari.wrappers.resize import Resize
 from atari.wrappers.sticky_actions import StickyActions

@@ -124,7 +124,11 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
             raise ValueError(f"pool_rgb goes with end_frames='last' or 'baselines', got {end_frames!r}")
         frame_skip = low if high == low + 1 else (low, high)
         given = {"frame_skip": frame_skip, "stack_size": stack_size, "max_frames": max_frames}
-        RecordConstructorArgs.__init__(self, **{**arguments, **given})
+        recorded: dict[str, Any] = {
+            name: list(value) if isinstance(value, tuple) else value  # as JSON has them
+            for name, value in {**arguments, **given}.items()
+        }
+        RecordConstructorArgs.__init__(self, **recorded)
         super().__init__(env)
         self.frame_skip = frame_skip
         self._max_frames = max_frames

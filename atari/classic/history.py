@@ -6,7 +6,7 @@ from typing import Any
 
 from gymnasium.envs.registration import EnvSpec as ModernSpec
 
-from atari import registration
+from atari import env_ids, registration
 
 _ALE_STEPS = 27_000  # the limit of ale-py 0.7: half an hour of play at 4 frames a step
 
@@ -22,7 +22,7 @@ class Changes:
 
 def atari_changes(modern: ModernSpec) -> Changes:
     """Gym before 0.21 counted steps of Atari games, with limits by ID, where ale-py now counts frames."""
-    if modern.id not in registration.ids():
+    if modern.id not in env_ids.ids():
         return Changes()
     family, game = registration.resolve(modern.id)
     return Changes(
@@ -32,7 +32,7 @@ def atari_changes(modern: ModernSpec) -> Changes:
     )
 
 
-def _atari_steps(family: registration.Family, game: str) -> int:
+def _atari_steps(family: env_ids.Family, game: str) -> int:
     if family.version == 5:
         return _ALE_STEPS
     if family.suffix.endswith("NoFrameskip"):

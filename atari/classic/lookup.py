@@ -9,7 +9,7 @@ from importlib import import_module, util
 import gymnasium
 
 from atari.classic import history, logger
-from atari.registration import skeleton
+from atari.env_ids import skeleton
 
 _MUJOCO_PY = re.compile(r"gymnasium_robotics\.envs\.(mujoco\.|.*:MujocoPy)")
 _VERSION = re.compile(r"(.+)-v(\d+)")

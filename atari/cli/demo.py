@@ -19,17 +19,19 @@ from tqdm import tqdm
 
 import atari
 from atari._interrupt import ctrl_c_as_event
-from atari.cli.arguments import GAME_HELP, add_command, find_game, number
+from atari.cli.arguments import GAME_HELP, add_command, number
 from atari.cli.observers import ScoreCounter, VideoObserver
 from atari.cli.output import print_json
 from atari.games.game import Game
 from atari.recording import VideoWriter, frame_rate
+from atari.task.description import summary
+from atari.task.resolution import is_id
 
 if TYPE_CHECKING:
     from atari.cli.arguments import Commands
 
 _PRESET = "dqn2015"
-_FRAMES_PER_STEP = 4  # of this preset
+"""What a game's name alone is played with; an ID is played as it says."""
 
 
 def register(commands: "Commands") -> None:
@@ -58,12 +60,12 @@ def register(commands: "Commands") -> None:
 
 
 def _demo(args: argparse.Namespace) -> int:
-    game = find_game(args.game)
-    steps = args.steps
+    task = atari.Task.of(args.game, preset=None if is_id(args.game) else _PRESET)
+    game, steps = task.definition, args.steps
     if args.seconds is not None:
-        steps = math.ceil(args.seconds * frame_rate(game) / _FRAMES_PER_STEP)
+        steps = math.ceil(args.seconds * frame_rate(game) * 2 / (sum(task.frames) - 1))
     output = None if args.no_video else args.output or Path("videos", f"{game.id}-{args.seed}.mp4")
-    env: Any = atari.wrappers.preset(atari.AtariEnv(game, **atari.wrappers.preset_options(_PRESET)), _PRESET)
+    env: Any = task.make()
     with closing(env), ctrl_c_as_event() as interrupted, _open_video(output, game) as video:
         score_counter = ScoreCounter()
         env.unwrapped.observers.append(score_counter)
@@ -80,7 +82,8 @@ def _demo(args: argparse.Namespace) -> int:
         raise KeyboardInterrupt(f"after {played:,} of {steps:,} steps{kept}")
     result = {
         "game": game.id,
-        "preset": _PRESET,
+        "preset": None if is_id(args.game) else _PRESET,
+        "task": summary(task),
         "seed": args.seed,
         "steps": steps,
         "frames": score_counter.frames,
@@ -129,9 +132,10 @@ def _progress(steps: int) -> Iterator[int]:
 def _summary(game: Game, result: dict[str, Any]) -> str:
     scores = result["scores"]
     mean = sum(scores) / len(scores)
+    played = f"the preset {result['preset']}" if result["preset"] else result["task"].partition(", as ")[2]
     return "\n".join(
         [
-            f"{game.title}: a random agent on the preset {_PRESET}, seed {result['seed']}",
+            f"{game.title}: a random agent on {played}, seed {result['seed']}",
             f"  played  {result['steps']:,} steps, {result['frames']:,} frames, in {result['elapsed_seconds']:.1f} s",
             f"  speed   {result['steps_per_second']:,.0f} steps/s, {result['frames_per_second']:,.0f} frames/s"
             + (", writing the video included" if result["video"] else ""),

@@ -3,7 +3,7 @@
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from atari import registration
+from atari import env_ids, registration
 from atari.cli.arguments import GAME_HELP, add_command, find_game
 from atari.cli.output import print_json
 from atari.games.catalog import games
@@ -22,14 +22,14 @@ def register(commands: "Commands") -> None:
 def _explain(args: argparse.Namespace) -> int:
     if args.id.endswith(".toml"):
         return _explain_own(find_game(args.id), args)
-    env_id = args.id if "-v" in args.id or "/" in args.id else f"ALE/{registration.stem(find_game(args.id).id)}-v5"
+    env_id = args.id if "-v" in args.id or "/" in args.id else f"ALE/{env_ids.stem(find_game(args.id).id)}-v5"
     print_json(_facts(env_id)) if args.json else print(registration.explain(env_id))
     return 0
 
 
 def _explain_own(game: Game, args: argparse.Namespace) -> int:
     """Explain what `atari.register_game` registers for a game of one's own."""
-    ids = {f"{registration.stem(game.id)}{suffix}-v5": suffix for suffix in ("", "-ram")}
+    ids = {f"{env_ids.stem(game.id)}{suffix}-v5": suffix for suffix in ("", "-ram")}
     if args.json:
         print_json({"id": None, "file": args.id, "title": game.title, "ids": list(ids), **_settings(game)})
         return 0
@@ -47,9 +47,7 @@ def _facts(env_id: str) -> dict[str, Any]:
     family, game_id = registration.resolve(env_id)
     game = games[game_id]
     shape = [128] if family.obs_type == "ram" else [*game.screen.shape, 3]
-    siblings = {
-        other.id(game_id): other.options(game_id) for other in registration.FAMILIES if game_id in other.games()
-    }
+    siblings = {other.id(game_id): other.options(game_id) for other in env_ids.FAMILIES if game_id in other.games()}
     return {
         "id": env_id,
         "title": game.title,

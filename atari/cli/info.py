@@ -5,7 +5,7 @@ import textwrap
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from atari import registration
+from atari import env_ids
 from atari.cli.arguments import GAME_HELP, add_command, find_game
 from atari.cli.output import print_json, to_json_types
 from atari.games.game import Controllers, Game
@@ -27,7 +27,7 @@ def register(commands: "Commands") -> None:
 
 def _info(args: argparse.Namespace) -> int:
     game = find_game(args.game, playable=False)
-    ids = [family.id(game.id) for family in registration.FAMILIES if game.id in family.games()]
+    ids = [family.id(game.id) for family in env_ids.FAMILIES if game.id in family.games()]
     if args.json:
         print_json({**to_json_types(game), "manual": game.manual, "ids": ids})
     else:

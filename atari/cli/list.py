@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from atari import registration
+from atari import env_ids
 from atari.cli.arguments import add_command
 from atari.cli.output import print_json, print_table
 from atari.games.catalog import games
@@ -30,7 +30,7 @@ def _list(args: argparse.Namespace) -> int:
         names = ("environment", "game", "players", "actions")
         print_json([dict(zip(names, row, strict=True)) for row in rows]) if args.json else print_table([names, *rows])
     elif args.ids:
-        ids = [*registration.ids()]
+        ids = [*env_ids.ids()]
         print_json(ids) if args.json else print("\n".join(ids))
     elif args.json:
         print_json([_summary(game) for game in games.values()])

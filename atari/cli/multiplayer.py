@@ -6,7 +6,7 @@ from typing import Any
 
 from atari.cli.arguments import find_function, find_game, number
 from atari.games.game import Game
-from atari.multiplayer.core import rules_of
+from atari.games.players import rules_of
 from atari.multiplayer.environments import find_environment
 from atari.play.multiplayer_session import OBSERVATIONS, MultiplayerSession, Policy, no_op_policy, random_policy
 
@@ -24,7 +24,6 @@ def multiplayer(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--obs",
         choices=OBSERVATIONS,
-        default="rgb",
         help="what the functions of several players see: uint8, (rows, 160, 3), (rows, 160) or (128,) (default: rgb); "
         "run folders see what they were trained on",
     )
@@ -66,7 +65,7 @@ def make_match(
         difficulty=args.difficulty,
         seed=args.seed,
         policies=policies,
-        obs_type=args.obs,
+        obs_type=args.obs or "rgb",
         state=state or Path("states", f"{game.id}-{count}-players.state"),
         replay=replay,
     )

@@ -53,6 +53,8 @@ def register(commands: "Commands") -> None:
 def _play(args: argparse.Namespace) -> int:
     if args.opponent or (args.players is not None and args.players > 1):
         return _play_together(args)
+    if args.obs is not None:
+        raise ValueError("--obs needs --players; see `atari play --help`")
     game = find_game(args.game, playable=False)
     if not game.single_player and game.multiplayer is not None and args.players is None:
         raise ValueError(f"{game.id} has no game of one player; give --players {min(game.multiplayer.modes)}")

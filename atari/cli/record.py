@@ -88,9 +88,15 @@ def _record(args: argparse.Namespace) -> int:
     if args.players is not None:
         return _record_match(args)
     policies = args.policy or ["random"]
-    if len(policies) > 1 or args.mode is not None or args.difficulty is not None:
-        option = "a second --policy" if len(policies) > 1 else "--mode" if args.mode is not None else "--difficulty"
-        raise ValueError(f"{option} needs --players; see `atari record --help`")
+    given = {
+        "a second --policy": len(policies) > 1,
+        "--mode": args.mode is not None,
+        "--difficulty": args.difficulty is not None,
+        "--obs": args.obs is not None,
+    }
+    for option, is_given in given.items():
+        if is_given:
+            raise ValueError(f"{option} needs --players; see `atari record --help`")
     args.policy = policies[0]
     if args.policy.endswith(SUFFIX):
         return _film_replay(args)
@@ -273,15 +279,10 @@ def _film_policy(args: argparse.Namespace) -> int:
 
 
 def _make(args: argparse.Namespace) -> Any:
-    options: dict[str, Any] = {"preset": args.preset}
+    options: dict[str, Any] = {"preset": args.preset, "rom": args.rom}
     if args.policy == "noop" and args.preset is None:
         options["full_action_space"] = True  # some games do not use NOOP
-    if not args.game.endswith(".toml"):
-        return atari.make(args.game, **options)
-    preset = options.pop("preset")
-    options |= atari.wrappers.preset_options(preset) if preset else {}
-    env = AtariEnv(args.game, rom=args.rom, **options)
-    return atari.wrappers.preset(env, preset) if preset else env
+    return atari.make(args.game, **options)
 
 
 def _policy(name: str, env: Any) -> Policy:

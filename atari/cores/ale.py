@@ -205,6 +205,16 @@ class AleCore:
         if self._journal is not None:
             self._journal.set_mode(self._mode)
 
+    @property
+    def mode(self) -> int:
+        """The mode that the next reset plays."""
+        return self.game.default_mode if self._mode is None else self._mode
+
+    @property
+    def difficulty(self) -> int:
+        """The difficulty that the next frame plays."""
+        return self._difficulty or 0
+
     def set_difficulty(self, difficulty: int) -> None:
         """Play one of the game's difficulties from the next frame on."""
         self._difficulty = check_difficulty(self.game, difficulty)

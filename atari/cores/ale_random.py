@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from atari.cores.options import SEED_LIMIT
 from atari.validation import check_integer
 
-_SEED_LIMIT = 2**31  # as in ALE
 _WORDS = 624
 
 
@@ -18,7 +18,7 @@ class AleRandom:
     """A Mersenne Twister with ale-py's way to draw a number from a range.
 
     Args:
-        seed: 0..2**31-1; None draws one.
+        seed: 0 or more, of which the lowest 32 bits count; None draws one.
     """
 
     def __init__(self, seed: int | None = None) -> None:
@@ -26,14 +26,14 @@ class AleRandom:
         self.seed(seed)
 
     def seed(self, seed: int | None) -> int:
-        """Start over with a seed, and return it; None draws one.
+        """Start over with a seed, and return the lowest 32 bits of it; None draws one.
 
         Raises:
-            TypeError, ValueError: the seed is no integer within 0..2**31-1.
+            TypeError, ValueError: the seed is no integer of 0 or more.
         """
         if seed is None:
-            seed = int(np.random.SeedSequence().generate_state(1)[0]) % _SEED_LIMIT
-        seed = check_integer("seed", seed, 0, _SEED_LIMIT - 1)
+            seed = int(np.random.SeedSequence().generate_state(1)[0])
+        seed = check_integer("seed", seed, 0, 2**63 - 1) % SEED_LIMIT
         # A RandomState still seeds by the one word alone. A new MT19937 hashes its seed.
         self._set_words(np.random.RandomState(seed).get_state(legacy=False)["state"])
         return seed

@@ -70,6 +70,14 @@ class Core(Protocol):
         """
 
     @property
+    def mode(self) -> int:
+        """The mode that the next reset plays."""
+
+    @property
+    def difficulty(self) -> int:
+        """The difficulty that the next frame plays."""
+
+    @property
     def lives(self) -> int:
         """Lives left, by the game's rules (always 0 in games without lives)."""
 

@@ -103,6 +103,7 @@ class NativeCore(_emulator.Emulator):
             seed=_usable(check_integer("seed", seed, 0, SEED_LIMIT - 1)),
             plain=self._plain,
         )
+        self.mode, self.difficulty = self.game.default_mode, 0
         if self._options.mode is not None:
             self.set_mode(self._options.mode)
         if self._options.difficulty is not None:
@@ -116,11 +117,13 @@ class NativeCore(_emulator.Emulator):
 
     def set_mode(self, mode: int) -> None:
         """Play one of the game's modes from the next reset on."""
-        super().set_mode(check_mode(self.game, mode))
+        self.mode = check_mode(self.game, mode)
+        super().set_mode(self.mode)
 
     def set_difficulty(self, difficulty: int) -> None:
         """Play one of the game's difficulties from the next frame on."""
-        super().set_difficulty(check_difficulty(self.game, difficulty))
+        self.difficulty = check_difficulty(self.game, difficulty)
+        super().set_difficulty(self.difficulty)
 
     def set_ram(self, index: int, value: int) -> None:
         """Write one byte of RAM."""

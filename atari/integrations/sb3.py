@@ -17,12 +17,10 @@ import numpy as np
 from gymnasium import logger, spaces
 
 from atari._gymnasium import AutoresetMode
-from atari.games.game import Game
+from atari.cores.options import SEED_LIMIT
 from atari.recording import RecordVectorReplay, RecordVectorVideo
-from atari.validation import check_clip_reward
+from atari.task.resolution import GameLike
 from atari.vector.env import AtariVectorEnv
-from atari.vector.seeds import SEED_LIMIT
-from atari.wrappers import PRESETS
 
 try:
     from stable_baselines3.common.monitor import Monitor
@@ -75,18 +73,14 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
 
     def __init__(
         self,
-        game: str | PathLike[str] | Game | Sequence[str | PathLike[str] | Game],
+        game: GameLike | Sequence[GameLike],
         num_envs: int | None = None,
         **options: Any,
     ) -> None:
         for name in {"autoreset_mode", "batch_size"} & set(options):
             raise TypeError(f"Stable-Baselines3 decides about {name}; leave it out")
-        clips = check_clip_reward(options.pop("clip_reward", None), options.pop("reward_clipping", None))
-        same_step = AutoresetMode.SAME_STEP
-        self._atari = AtariVectorEnv(game, num_envs, **options, reward_clipping=False, autoreset_mode=same_step)
+        self._atari = AtariVectorEnv(game, num_envs, **options, autoreset_mode=AutoresetMode.SAME_STEP)
         self.vector: gymnasium.vector.VectorEnv[Any, Any, Any] = self._atari
-        preset = options.get("preset")
-        self._clips = bool(clips) if clips is not None else preset is None or PRESETS[preset].clip_reward
         super().__init__(
             self._atari.num_envs, _channels_first(self._atari.single_observation_space), self._atari.single_action_space
         )
@@ -125,7 +119,7 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
             one["TimeLimit.truncated"] = truncated
         if dones.any():
             self._note_ends(dones, info, shown, infos)
-        return shown, np.float32(np.sign(rewards) if self._clips else rewards), dones, infos
+        return shown, np.float32(rewards), dones, infos
 
     def _note_ends(self, dones: Any, info: dict[str, Any], shown: Any, infos: list[dict[str, Any]]) -> None:
         final, games = _shown(info["final_obs"]), info["final_info"]
@@ -143,13 +137,12 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         """Seed environment i with seed + i, at the next reset; None draws one.
 
         Raises:
-            ValueError: one is not within 0..2**31 - 1.
+            ValueError: it is not within 0..2**32-1.
         """
-        most = SEED_LIMIT - self.num_envs
         if seed is None:
-            seed = int(np.random.randint(most))
-        if not 0 <= seed <= most:
-            raise ValueError(f"seed must be within 0..2**31 - num_envs, got {seed}")
+            seed = int(np.random.randint(2**31 - self.num_envs))
+        if not 0 <= seed < SEED_LIMIT:
+            raise ValueError(f"seed must be within 0..2**32-1, got {seed}")
         seeds: Sequence[int | None] = super().seed(seed)
         return seeds
 

@@ -6,7 +6,7 @@ Replays are played again, so that what a policy, a person or a training has play
 import json
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, replace
 from importlib import import_module
@@ -41,6 +41,7 @@ def write_dataset(
     labels: Sequence[str] | None = None,
     core: str = "native",
     first_episode: int = 0,
+    facts: Mapping[str, Any] | None = None,
     progress: Callable[[int], object] | None = None,
 ) -> dict[str, Any]:
     """Write the steps of replays as a data set: frames, RAM, values of labels, actions, rewards, ends.
@@ -65,6 +66,9 @@ def write_dataset(
         labels: names of labels, None is all of the game.
         core: the core to play the replays on.
         first_episode: the number of the first episode, in Parquet and HDF5.
+        facts: of JSON's types. The attributes of an HDF5 file, and the metadata of a Parquet file and of a Minari
+            dataset, have them as JSON. `atari collect` writes the `task` that was played, as the object of
+            `Task.to_json`, the `policy`, and the `seeds` of the episodes.
         progress: called with the number of steps of each episode that was written.
 
     Returns:
@@ -98,11 +102,12 @@ def write_dataset(
     tally = _Tally(replayed_episodes(loaded, "dict", core, frames), named, progress)
     if format == "minari":
         infos = (replace(episode, infos={**episode.infos, **values}) for episode, values in tally)
-        write_minari(infos, os.fspath(output), loaded[0], "dict", core=core, image=frames, metadata={})
+        written = write_minari(infos, os.fspath(output), loaded[0], "dict", core=core, image=frames, metadata={})
+        written.storage.update_metadata(_as_json(facts or {}))
     else:
         write = _write_parquet if format == "parquet" else _write_hdf5
         with _new_file(Path(output)) as file:
-            write(module, file, loaded[0], tally, first_episode)
+            write(module, file, _facts(loaded[0], named.names, facts or {}), tally, first_episode)
             if not tally.scores:
                 raise ValueError(NO_STEPS)
     return {
@@ -179,7 +184,6 @@ class _Tally:
     ) -> None:
         self._episodes, self._labels, self._progress = episodes, labels, progress
         self._hidden = [labels.game.ram_labels[name].visible is not None for name in labels.names]
-        self.names = labels.names
         self.scores: list[float] = []
         self.steps = 0
 
@@ -210,19 +214,24 @@ def _new_file(path: Path) -> Iterator[Path]:
         part.unlink(missing_ok=True)
 
 
-def _facts(replay: Replay, labels: Iterable[str]) -> dict[str, str]:
+def _facts(replay: Replay, labels: Iterable[str], others: Mapping[str, Any]) -> dict[str, str]:
     """What a reader needs to know of a data set."""
     named = {name: asdict(replay.game.ram_labels[name]) for name in labels}
     return {
+        **_as_json(others),
         "game": replay.game.id,
         "options": json.dumps(replay.options),
         "labels": json.dumps(named),
     }
 
 
-def _write_hdf5(h5py: Any, file: Path, replay: Replay, tally: _Tally, first: int) -> None:
+def _as_json(facts: Mapping[str, Any]) -> dict[str, str]:
+    return {name: json.dumps(value) for name, value in facts.items()}
+
+
+def _write_hdf5(h5py: Any, file: Path, facts: Mapping[str, str], tally: _Tally, first: int) -> None:
     with h5py.File(file, "w") as root:
-        root.attrs.update(_facts(replay, tally.names))
+        root.attrs.update(facts)
         for number, (episode, values) in enumerate(tally, first):
             group = root.create_group(f"episode_{number}")
             frames = episode.observations["image"]
@@ -238,7 +247,7 @@ def _write_hdf5(h5py: Any, file: Path, replay: Replay, tally: _Tally, first: int
                     part.create_dataset(name, data=column, compression="gzip", compression_opts=1)
 
 
-def _write_parquet(parquet: Any, file: Path, replay: Replay, tally: _Tally, first: int) -> None:
+def _write_parquet(parquet: Any, file: Path, facts: Mapping[str, str], tally: _Tally, first: int) -> None:
     pyarrow = import_module("pyarrow")
     writer = None
     try:
@@ -246,7 +255,7 @@ def _write_parquet(parquet: Any, file: Path, replay: Replay, tally: _Tally, firs
             columns = _columns(pyarrow, number, episode, values)
             table = pyarrow.table(columns)
             if writer is None:
-                schema = table.schema.with_metadata(_facts(replay, tally.names))
+                schema = table.schema.with_metadata(facts)
                 writer = parquet.ParquetWriter(file, schema, compression="zstd")
             writer.write_table(table.cast(writer.schema))
     finally:
@@ -264,7 +273,7 @@ def _columns(pyarrow: Any, number: int, episode: EpisodeArrays, values: Values) 
         return pyarrow.array([*column.tolist(), None], pyarrow.list_(pyarrow.float32()))
 
     columns = {
-        "episode": pyarrow.array(np.full(states, number, np.int32)),
+        "episode": pyarrow.array(np.full(states, number, np.int64)),
         "step": pyarrow.array(np.arange(states, dtype=np.int32)),
         "frame": pyarrow.array([_png(frame) for frame in episode.observations["image"]]),
         "ram": pyarrow.array([row.tobytes() for row in episode.observations["ram"]], pyarrow.binary(128)),

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from typing import Any
 
 from atari.games.catalog import games
-from atari.multiplayer.core import rules_of
+from atari.games.players import rules_of
 
 _PONG = {
     2: {"classic": 4, "two_paddles": 10, "soccer": 14, "foozpong": 19, "hockey": 27, "handball": 35, "volleyball": 39,

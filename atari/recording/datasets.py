@@ -12,6 +12,7 @@ import gymnasium
 from gymnasium.envs.registration import EnvSpec, WrapperSpec
 
 from atari.env import ObsType
+from atari.env_ids import stem
 from atari.recording.episodes import (
     DatasetObsType,
     EpisodeArrays,
@@ -22,7 +23,6 @@ from atari.recording.episodes import (
     replayed_episodes,
 )
 from atari.recording.replay.replay import Replay
-from atari.registration import stem
 
 NO_STEPS = "the replays have no steps of an environment; record with RecordReplay as the outermost wrapper"
 

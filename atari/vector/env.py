@@ -9,8 +9,9 @@ import copy
 import operator
 import os
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from functools import cached_property
 from os import PathLike
 from typing import Any, Literal
@@ -25,18 +26,16 @@ from atari import _emulator
 from atari._gymnasium import AutoresetMode, VectorEnv
 from atari.cores import ByteArray, writes
 from atari.games.game import Game
-from atari.games.interventions import Intervention
-from atari.protocols import Protocol
-from atari.validation import FirstResetNeeded, check_known, check_name
+from atari.games.players import choices
+from atari.task import Task
+from atari.task.resolution import GameLike
+from atari.validation import FirstResetNeeded, check_name
 from atari.vector.members import AddedWrites, Member
 from atari.vector.options import VectorOptions
-from atari.vector.players import choices
 from atari.vector.results import Results, pick_rows
 from atari.vector.seeds import seed_words
 from atari.vector.views import Views
 
-ObsType = Literal["grayscale", "rgb", "ram", "dict"]
-GameLike = str | PathLike[str] | Game
 IntArray = npt.NDArray[np.int64]
 _RAM_OF = {"now": _emulator.RamOf.NOW, "result": _emulator.RamOf.RESULT, "final": _emulator.RamOf.FINAL}
 
@@ -67,54 +66,34 @@ class AtariVectorEnv(Views, VectorEnv):
     Threads may share an environment: one call runs at a time, and a thread that waits lets others run. In a forked
     process all methods but `close` raise RuntimeError.
 
+    **What is played** is what `game` says: an environment ID ("ALE/Pong-v5") or an `atari.Task` all of it; with a
+    preset, a game's name is ALE's v5 with that preset. A name alone, without a preset, keeps the defaults of ale-py's
+    class of this name: no sticky actions, 0 to 29 no-ops with FIRE as the first of them, 84x84 gray images pooled over
+    4 frames in stacks of 4, clipped rewards, a limit of 108,000 frames after the beginning. `envs.task` says what is
+    played.
+
     Args:
-        game: id such as "breakout", or the path of a game file of your own; a sequence has one for each environment
-            (added). Games whose actions differ get all 18 as their common action space; `info["action_mask"]`, bool
-            (batch, 18), says which of them a game uses.
+        game: an ID, a game's name, the path of a game file, a `Game` or a `Task`; a sequence has one for each
+            environment (added). Games whose actions differ get all 18 as their common action space;
+            `info["action_mask"]`, bool (batch, 18), says which of them a game uses.
         num_envs: how many environments; may be left out if `game` is a sequence.
+        preset: name of a preprocessing, one of `atari.PRESETS` (added). With `players`, "dqn": the stack begins as
+            copies of the first image, as in `atari.multiplayer.parallel_env`.
         batch_size: results of so many environments make a batch, 0 is all. With fewer than all, `recv` returns the
             first that are ready, and `info["env_id"]` says which.
         num_threads: at most so many, of which the caller's is one; 0 is as many as the machine has cores.
         thread_affinity_offset: if 0 or more, bind thread i to core offset + i, but not the caller's own (Linux).
-        max_num_frames_per_episode: truncate after so many frames, not counting the no-ops; None is never.
-        repeat_action_probability: of repeating the previous action each frame (sticky); None is 0.0, or the preset's.
-        full_action_space: all legal actions (18 in nearly all games) instead of those the game uses; None is False, or
-            what the preset has.
-        continuous: actions are (batch, 3) float32: radius, angle, fire (Farebrother and Castro 2024, "CALE").
-        continuous_action_threshold: how far the stick must be moved, or fire pressed, to count.
-        autoreset_mode: `gymnasium.vector.AutoresetMode` or its value. With DISABLED (added), environments that are done
-            ignore actions, with reward 0, until `reset(options={"reset_mask": ...})`.
-        img_height, img_width: of the frames; no larger than the game's (210 x 160 in most), and no narrower than 11.
-        grayscale: False is RGB.
-        stack_num: frames in an observation.
-        frameskip: frames for each action; (low, high) draws from low..high-1 each step (added).
-        maxpool: show the maximum of a skip's last two frames; False shows the last one.
-        noop_max: an episode begins with 0 to noop_max-1 frames of NOOP, among which the FIRE below counts as one; None
-            is 30, with `players` none.
-        episodic_life: a lost life ends the episode. The next one is a new game (in most other implementations it is
-            the same one, going on). None is False, or what the preset has.
-        life_loss_info: a lost life is reported as a termination, but the episode goes on without a reset.
-        reward_clipping: rewards are clipped to -1..1; None is True, with `players` False, or what the preset has.
-        clip_reward: another name of `reward_clipping`, that of the presets (added).
-        use_fire_reset: an episode begins with FIRE in games that have it; None is True, with `players` False.
-        preset: name of a preprocessing, one of `atari.wrappers.PRESETS` (added). Environment i then is
-            `atari.wrappers.preset(env, name)` with seed + i, to the byte: no-ops, FIRE, lost lives, pooling, padding
-            and limits are the preset's, and ale-py's options that shape them must be left out, but `stack_num`. An
-            `atari.protocols.Protocol` decides the same, but for the size, colours and number of the images. With
-            `players`, "dqn": the stack begins as copies of the first image, as in `atari.multiplayer.parallel_env`.
-        obs_type: "grayscale", "rgb", "ram" ((batch, 128), no stack), or "dict" of "image" and "ram"; None is what
-            `grayscale` says (added).
+        autoreset_mode: `gymnasium.vector.AutoresetMode`, its value or its name. With DISABLED (added), environments
+            that are done ignore actions, with reward 0, until `reset(options={"reset_mask": ...})`.
         channels_last: images are (batch, img_height, img_width, stack_num), in RGB (batch, img_height, img_width,
             3 * stack_num). Gray ones are then a transposed view, RGB ones a copy (added).
         dtype: "uint8", or "float32" with the same values 0..255, which is a copy of four times the size (added).
-        mode, difficulty: of the game, None the default; a sequence has one for each environment (added).
         render_mode: "rgb_array" for `render` (added).
-        players: how many play each game, 2 to 4, see above; None is the game of one player (added). `mode` and
-            `difficulty` then are those of `atari.multiplayer.MultiplayerCore`.
-        agent_indicator: with `players`, observations are (batch, players, ...), for each player with so many more
-            channels as there are players: 255 in its own, 0 in the others, as SuperSuit adds them. A copy (added).
         rom: path of the ROM file; None searches (see `atari.roms`) (added).
-        interventions: changes of the games through RAM, as `AtariEnv` takes them (added).
+        **options: fields of `atari.Task`, which describes them, and ale-py's other names of some: `full_action_space`,
+            `noop_max` (0 to noop_max-1 frames of NOOP), `use_fire_reset`, `grayscale`, `clip_reward`. Beside a name
+            alone, `max_num_frames_per_episode` does not count the frames of the beginning, as in ale-py; it is
+            `max_frames`. `mode` and `difficulty` may be sequences with one for each environment.
 
     Raises:
         TypeError, ValueError: there is no such option (the nearest is suggested), or its value is wrong.
@@ -134,55 +113,41 @@ class AtariVectorEnv(Views, VectorEnv):
         game: GameLike | Sequence[GameLike],
         num_envs: int | None = None,
         *,
+        preset: str | None = None,
         batch_size: int = 0,
         num_threads: int = 0,
         thread_affinity_offset: int = -1,
-        max_num_frames_per_episode: int | None = 108_000,
-        repeat_action_probability: float | None = None,
-        full_action_space: bool | None = None,
-        continuous: bool = False,
-        continuous_action_threshold: float = 0.5,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
-        img_height: int = 84,
-        img_width: int = 84,
-        grayscale: bool = True,
-        stack_num: int = 4,
-        frameskip: int | tuple[int, int] = 4,
-        maxpool: bool = True,
-        noop_max: int | None = None,
-        episodic_life: bool | None = None,
-        life_loss_info: bool = False,
-        reward_clipping: bool | None = None,
-        clip_reward: bool | None = None,
-        use_fire_reset: bool | None = None,
-        preset: str | Protocol | None = None,
-        obs_type: ObsType | None = None,
         channels_last: bool = False,
         dtype: npt.DTypeLike = "uint8",
-        mode: int | Sequence[int | None] | None = None,
-        difficulty: int | Sequence[int | None] | None = None,
         render_mode: Literal["rgb_array"] | None = None,
-        players: int | None = None,
-        agent_indicator: bool = False,
         rom: str | PathLike[str] | None = None,
-        interventions: Sequence[str | Mapping[str, Any] | Intervention] | None = None,
-        **wrong: Any,
+        **options: Any,
     ) -> None:
-        given = {key: value for key, value in locals().items() if key not in ("self", "__class__", "wrong")}
-        check_known("AtariVectorEnv", wrong, given)
-        self._given = given
-        options = VectorOptions.check(**given)
+        self._given = {
+            "batch_size": batch_size,
+            "num_threads": num_threads,
+            "thread_affinity_offset": thread_affinity_offset,
+            "autoreset_mode": autoreset_mode,
+            "channels_last": channels_last,
+            "dtype": dtype,
+            "render_mode": render_mode,
+            "rom": rom,
+        }
+        self._begin(VectorOptions.check(game, num_envs, preset, options, **self._given))
+
+    def _begin(self, options: VectorOptions) -> None:
+        """Make the engine and the spaces."""
         self._options = options
-        self.num_envs = len(options.games)
+        self.num_envs = len(options.tasks)
         self.batch_size = options.batch_size
         self.games: tuple[Game, ...] = options.games
-        self.render_mode = render_mode
+        self.render_mode = self._given["render_mode"]
+        frames = sum(options.task.frames) - 1
         self.metadata = {
             "autoreset_mode": options.autoreset_mode,
             "render_modes": ["rgb_array"],
-            "render_fps": max(
-                1, round(options.games[0].screen.frame_rate / (sum(options.protocol.frame_skip) - 1) * 2)
-            ),
+            "render_fps": max(1, round(options.games[0].screen.frame_rate / frames * 2)),
         }
         self._engine: _emulator.VectorEngine | None = options.make_engine()
         self._process = os.getpid()
@@ -215,7 +180,7 @@ class AtariVectorEnv(Views, VectorEnv):
 
         Args:
             seed: environment i gets seed + i; an array has a seed for each environment that is reset, of which negative
-                ones (and None) keep the generator as it is. Below 2**31.
+                ones (and None) keep the generator as it is. Within 0..2**32-1.
             options: {"reset_mask": bool (num_envs,)} resets only these; the others are shown as they are.
                 {"new_game": True} begins new games also where a lost life has ended the episode and the preset would
                 continue the game.
@@ -244,7 +209,7 @@ class AtariVectorEnv(Views, VectorEnv):
             self._reopen()
         engine = self._open()
         mask = self._reset_mask(options)
-        seeded, seeds = seed_words(seed, mask, ale=self._options.protocol.order == "ale")
+        seeded, seeds = seed_words(seed, mask, ale=self._options.task.seeding == "ale")
         self._phase = "new"  # until it has succeeded
         results = self._take_buffer(engine, None)
         batch = results.batch if self.batch_size == self.num_envs else None
@@ -405,8 +370,18 @@ class AtariVectorEnv(Views, VectorEnv):
 
     @property
     def options(self) -> VectorOptions:
-        """The checked options, of every environment; `protocol` has those that a preset decides (added)."""
+        """The checked options (added)."""
         return self._options
+
+    @property
+    def task(self) -> Task:
+        """What the first environment plays; all play it, but for the game, its mode and interventions (added)."""
+        return self.tasks[0]
+
+    @property
+    def tasks(self) -> tuple[Task, ...]:
+        """What each environment plays, with modes and difficulties that were set since (added)."""
+        return self._options.tasks
 
     @property
     def autoreset_mode(self) -> AutoresetMode:
@@ -464,7 +439,7 @@ class AtariVectorEnv(Views, VectorEnv):
         checked = [member.checked(name, value) for member, value in zip(self.members, values, strict=True)]
         for member, value in zip(self.members, checked, strict=True):
             setattr(member, name, value)
-        self._given[name] = checked
+        self._note_choices(self._open())
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickling and copying keep the position in all games, and the writes of `Freeze` and `Poke`.
@@ -476,14 +451,15 @@ class AtariVectorEnv(Views, VectorEnv):
             if engine.sent:
                 raise RuntimeError("environments are being played; call recv() before pickling")
             states = [engine.save(index) for index in range(self.num_envs)]
-            given = {**self._given, "num_envs": self.num_envs, **self._choices(engine)}
+            self._note_choices(engine)
             phase = self._phase if self.batch_size == self.num_envs else "new"
             added = [writes.definitions(added.slots) for added in self._added]
             facts = {"phase": phase, "spec": copy.deepcopy(self.spec)}
-            return {"given": given, "states": states, "writes": added, **facts}
+            return {"given": self._given, "options": self._options, "states": states, "writes": added, **facts}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        AtariVectorEnv.__init__(self, **state["given"])
+        self._given = state["given"]
+        self._begin(state["options"])
         self._added = tuple(
             AddedWrites(writes.writes_of(game, added)) for game, added in zip(self.games, state["writes"], strict=True)
         )
@@ -524,10 +500,15 @@ class AtariVectorEnv(Views, VectorEnv):
         self._flying = self._out_results = None
         self._buffers = []
 
-    def _choices(self, engine: _emulator.VectorEngine) -> dict[str, list[int]]:
-        """The modes and difficulties, which may have been set."""
-        every = range(self.num_envs)
-        return {"mode": list(map(engine.mode, every)), "difficulty": list(map(engine.difficulty, every))}
+    def _note_choices(self, engine: _emulator.VectorEngine) -> None:
+        """Note the modes and difficulties that were set, in the tasks."""
+        self._options = replace(
+            self._options,
+            tasks=tuple(
+                task.with_set(mode=engine.mode(index), difficulty=engine.difficulty(index))
+                for index, task in enumerate(self.tasks)
+            ),
+        )
 
     def _keep_states(self, engine: _emulator.VectorEngine) -> None:
         """Keep the states for a reset after `close`, unless another thread uses the environments."""
@@ -535,11 +516,10 @@ class AtariVectorEnv(Views, VectorEnv):
             if self._is_sent():
                 self._receive(engine)
             self._closed_states = [engine.save(index) for index in range(self.num_envs)]
-            self._given.update(self._choices(engine))
+            self._note_choices(engine)
 
     def _reopen(self) -> None:
         """Continue after `close`."""
-        self._options = VectorOptions.check(**{**self._given, "num_envs": self.num_envs})
         self._engine = self._options.make_engine()
         for index, added in enumerate(self._added):
             added.add_to(self._engine, index)

@@ -7,6 +7,9 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium import spaces
 
+from atari.task import Task
+from atari.task.fields import check_bool
+
 _DTYPES = ("uint8", "float32")
 
 
@@ -16,6 +19,7 @@ class Layout:
 
     Attributes:
         channels_last: images are (height, width, stack), in RGB (height, width, 3 * stack).
+        stacked: images have an axis for the stack; otherwise the stack is one image.
         dtype: "uint8" or "float32"; the values stay 0..255.
         indicators: of how many players each sees an observation of its own, with an indicator of the player; 0 is one
             observation for all.
@@ -24,23 +28,32 @@ class Layout:
     channels_last: bool = False
     dtype: str = "uint8"
     indicators: int = 0
+    stacked: bool = True
 
     @classmethod
-    def check(cls, channels_last: Any, dtype: Any, obs_type: str, indicators: int = 0) -> "Layout":
-        """The layout of these options.
+    def check(cls, task: Task, channels_last: Any, dtype: Any) -> "Layout":
+        """The layout of the observations of a task.
 
         Raises:
-            TypeError, ValueError: there is no such dtype, or there are no channels.
+            TypeError, ValueError: there is no such dtype, or the observations have no channels.
         """
-        if channels_last and obs_type == "ram":
+        channels_last = check_bool("channels_last", channels_last)
+        if channels_last and task.obs_type == "ram":
             raise ValueError("obs_type='ram' has no channels; leave channels_last=True out")
+        if channels_last and task.stack_num is None:
+            raise ValueError(
+                "channels_last=True puts the stack last, and stack_num=None has none; leave one of them out"
+            )
+        if task.agent_indicator and task.obs_type in ("rgb", "rgb_dict") and not channels_last:
+            raise ValueError("agent_indicator adds channels, which RGB images have last; add channels_last=True")
         try:
             name = np.dtype(dtype).name
         except TypeError:
             raise TypeError(f"dtype must be 'uint8' or 'float32', got {dtype!r}") from None
         if dtype is None or name not in _DTYPES:
             raise ValueError(f"dtype must be 'uint8' or 'float32', got {dtype!r}")
-        return cls(bool(channels_last), name, indicators)
+        stacked = task.obs_type == "ram" or task.stack_num is not None
+        return cls(channels_last, name, task.players if task.agent_indicator else 0, stacked)
 
     @property
     def is_engines(self) -> bool:
@@ -53,6 +66,7 @@ class Layout:
             "channels_last": self.channels_last,
             "dtype": self.dtype != "uint8",
             "agent_indicator": self.indicators,
+            "stack_num=None": not self.stacked,
         }
         return " and ".join(name for name, differs in options.items() if differs)
 
@@ -72,6 +86,8 @@ class Layout:
         return self._array(observation)
 
     def _array(self, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        if not self.stacked and array.ndim >= 4:
+            array = array[:, 0]
         if self.channels_last and array.ndim >= 4:
             count, stack, height, width, *colours = array.shape
             array = array.transpose(0, 2, 3, 1, *range(4, array.ndim))

@@ -54,11 +54,13 @@ class Results:
         self._ends = flags[:2] if players == 1 else self._ended
         # Methods that copy a row, without those of ended episodes.
         copy_reward = reward.copy if players == 1 else partial(reward.astype, np.float64)
+        if options.task.zero_sum:
+            copy_reward = partial(_zero_sum, reward)
         self._copies = (copy_reward, *(row.copy for row in (lives, frame, episode_frame, *ends)))
-        self._game_copies = (game_reward.copy, game_steps.copy, game_over.copy) if options.preset else ()
+        self._game_copies = (game_reward.copy, game_steps.copy, game_over.copy) if options.game_info else ()
         self._env_id_copy = env_id.copy if rows < len(options.games) else None
         self._all_rows = _read_only(np.ones(rows, np.bool_))
-        names = (*_INFO, *(_GAME_INFO if options.preset else ()))
+        names = (*_INFO, *(_GAME_INFO if options.game_info else ()))
         self._info = {key: self._all_rows for name in names for key in (name, "_" + name)}
         self._info["env_id"] = _read_only(np.arange(rows, dtype=np.int32))  # for a batch of all environments
         self._part_names = options.part_names()
@@ -181,6 +183,13 @@ def _picked(part: Any, rows: npt.NDArray[np.int64]) -> Any:
 
 def _lenders(parts: dict[str, npt.NDArray[np.uint8]]) -> dict[str, _emulator.ArrayLender]:
     return {name: _emulator.ArrayLender(array) for name, array in parts.items()}
+
+
+def _zero_sum(reward: npt.NDArray[np.int32]) -> npt.NDArray[np.float64]:
+    """The rewards (rows, players), each minus the mean of those of the other players."""
+    others = reward.sum(axis=1, keepdims=True) - reward
+    relative: npt.NDArray[np.float64] = reward - others / (reward.shape[1] - 1)
+    return relative
 
 
 def _blocks(

@@ -5,8 +5,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-SEED_LIMIT = 2**31
-"""Seeds are below this, as in ALE."""
+from atari.cores.options import SEED_LIMIT
 
 
 def seed_words(
@@ -14,8 +13,8 @@ def seed_words(
 ) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.uint32]]:
     """Whether each environment is seeded, (environments,), and its seed words, (environments, 9) uint32.
 
-    The first word seeds the emulator. The other eight are the state of the episode's generator; with `ale`, which draws
-    no-ops as ale-py does, all words are the seed.
+    The first word seeds the emulator, which has no seed 2**32-1 and then gets 2**32-2. The other eight are the state of
+    the episode's generator; with `ale`, which draws no-ops as ale-py does, all words are the seed.
 
     Args:
         seed: as of `AtariVectorEnv.reset`.
@@ -23,35 +22,49 @@ def seed_words(
         ale: whether the environments are seeded as by ale-py's vector environment, not as by `AtariEnv.reset`.
 
     Raises:
+        TypeError, ValueError: as `seed_values`.
+    """
+    values = seed_values(seed, mask)
+    seeds = np.zeros((len(mask), 9), np.uint32)
+    for environment, value in values.items():
+        seeds[environment] = _ale_seed(value) if ale else _gymnasium_seed(value)
+    seeded = np.zeros(len(mask), np.bool_)
+    seeded[list(values)] = True
+    return seeded, seeds
+
+
+def seed_values(seed: Any, mask: npt.NDArray[np.bool_]) -> dict[int, int]:
+    """The seed of each environment that is seeded.
+
+    Raises:
         TypeError, ValueError: the seeds are of the wrong kind, number or range.
     """
-    chosen = np.flatnonzero(mask)
+    chosen = np.flatnonzero(mask).tolist()
     if seed is None:
-        values = np.full(len(chosen), -1, np.int64)
-    elif isinstance(seed, (int, np.integer)) and not isinstance(seed, bool):
-        if not 0 <= seed <= SEED_LIMIT - max(1, len(chosen)):
-            raise ValueError(f"seed must be within 0..2**31 - num_envs, got {seed}")
-        values = int(seed) + np.arange(len(chosen))
-    else:
-        try:
-            values = np.array([-1 if value is None else value for value in seed])
-        except (TypeError, ValueError):
-            values = np.array("")
-        if values.dtype.kind not in "iu" and values.shape != (0,):
-            raise TypeError(f"seed must be an integer, integers for each environment, or None, got {seed!r}")
-        if values.shape != (len(chosen),):
-            raise ValueError(
-                f"seed must have one entry per sub-environment that is reset, {len(chosen)}, got {len(values)}"
-            )
-        if (values >= SEED_LIMIT).any():
-            raise ValueError(f"seeds must be below 2**31, got {seed!r}")
-    seeds = np.zeros((len(mask), 9), np.uint32)
-    for environment, value in zip(chosen.tolist(), values.tolist(), strict=True):
-        if value >= 0:
-            seeds[environment] = value if ale else _gymnasium_seed(value)
-    seeded = np.zeros(len(mask), np.bool_)
-    seeded[chosen] = values >= 0
-    return seeded, seeds
+        return {}
+    if isinstance(seed, (int, np.integer)) and not isinstance(seed, bool):
+        if not 0 <= seed < SEED_LIMIT:
+            raise ValueError(f"seed must be within 0..2**32-1, got {seed}")
+        return {environment: int(seed) + number for number, environment in enumerate(chosen)}
+    try:
+        values = np.array([-1 if value is None else value for value in seed])
+    except (TypeError, ValueError):
+        values = np.array("")
+    if values.dtype.kind not in "iu" and values.shape != (0,):
+        raise TypeError(f"seed must be an integer, integers for each environment, or None, got {seed!r}")
+    if values.shape != (len(chosen),):
+        raise ValueError(
+            f"seed must have one entry per sub-environment that is reset, {len(chosen)}, got {len(values)}"
+        )
+    if (values >= SEED_LIMIT).any():
+        raise ValueError(f"seeds must be within 0..2**32-1, got {seed!r}")
+    return {environment: value for environment, value in zip(chosen, values.tolist(), strict=True) if value >= 0}
+
+
+def _ale_seed(seed: int) -> list[int]:
+    """The seed of the emulator, and of the episode's generator; above 2**32-1 they begin again with 0."""
+    word = seed % SEED_LIMIT
+    return [min(word, SEED_LIMIT - 2), *[word] * 8]
 
 
 def _gymnasium_seed(seed: int) -> list[int]:

@@ -1,14 +1,12 @@
-"""The settings of the vector engine, filled by name from the options."""
+"""The settings of the vector engine, filled by name from a task."""
 
 import enum
 from collections.abc import Callable, Mapping
-from types import SimpleNamespace
 from typing import Any, TypeVar
 
+from atari import _emulator
 from atari.cores.native import as_ale_reads
-from atari.protocols import Protocol
-
-NO_LIMIT = 2**31 - 1
+from atari.task import Task
 
 _Settings = TypeVar("_Settings")
 
@@ -20,13 +18,13 @@ def filled(settings: _Settings, **fields: Any) -> _Settings:
     return settings
 
 
-def filled_by_name(settings: _Settings, task: Any, **others: Any) -> _Settings:
-    """A settings object of the engine, with each field that is not in `others` set to the task's attribute of its name.
+def filled_by_name(settings: _Settings, task: Task, **others: Any) -> _Settings:
+    """A settings object of the engine, with each field that is not in `others` set to the task's field of its name.
 
     Names stand for the members of enumerations.
 
     Raises:
-        AttributeError: the task lacks a field.
+        AttributeError: a task lacks a field.
     """
     fields = [name for name, member in vars(type(settings)).items() if isinstance(member, property)]
     values = {name: _as_engine_reads(name, getattr(task, name)) for name in fields if name not in others}
@@ -35,6 +33,20 @@ def filled_by_name(settings: _Settings, task: Any, **others: Any) -> _Settings:
         if issubclass(kind, enum.Enum):
             values[name] = kind[value.upper()]
     return filled(settings, **values, **others)
+
+
+def episode_settings(task: Task) -> _emulator.EpisodeSettings:
+    """The settings of how the engine begins, plays and ends episodes."""
+    alone = task.players == 1 and not task.preprocessed
+    return filled_by_name(_emulator.EpisodeSettings(), task, acts_after_end=alone)
+
+
+def observation_settings(
+    task: Task, pixels: _emulator.PixelFormat, height: int, width: int
+) -> _emulator.ObservationSettings:
+    """The settings of how the engine pools, resizes and stacks frames."""
+    size = {"img_height": height, "img_width": width, "stack_num": task.stack_num or 1}
+    return filled_by_name(_emulator.ObservationSettings(), task, pixels=pixels, **size)
 
 
 def _frames(frameskip: Any) -> tuple[int, int]:
@@ -48,37 +60,3 @@ _READS: Mapping[str, Callable[[Any], Any]] = {"frameskip": _frames, "repeat_acti
 
 def _as_engine_reads(name: str, value: Any) -> Any:
     return _READS[name](value) if name in _READS else value
-
-
-def task_of(protocol: Protocol, players: int, *, img_height: int, img_width: int, stack_num: int) -> SimpleNamespace:
-    """The fields of the engine that a protocol stands for."""
-    ale, skips = protocol.order == "ale", protocol.order == "baselines"
-    unit = "skip" if skips else "frame"
-    return SimpleNamespace(
-        players=players,
-        repeat_action_probability=protocol.repeat_action_probability,
-        seeding="ale" if ale else "gymnasium",
-        frameskip=protocol.frame_skip,
-        noops=protocol.noops,
-        fire="after_noops" if skips and protocol.fire != "never" else protocol.fire,
-        fire_counts=protocol.fire_counts and not (ale and protocol.fire == "never"),
-        third_action=protocol.third_action,
-        fire_unit=unit,
-        fire_again=not ale,
-        episodic_life=protocol.episodic_life,
-        lives_unit=unit,
-        on_reset=protocol.on_reset,
-        last_life=protocol.last_life,
-        seamless_lives=protocol.seamless_lives and not skips,
-        life_loss_info=protocol.life_loss_info,
-        max_frames=protocol.max_frames,
-        max_episode_steps=None,
-        max_num_frames_per_episode=protocol.max_num_frames_per_episode or None,
-        reward_clipping=protocol.clip_reward,
-        img_height=img_height,
-        img_width=img_width,
-        stack_num=stack_num,
-        maxpool=protocol.max_pool,
-        padding=protocol.padding,
-        end_frames=protocol.end_frames,
-    )

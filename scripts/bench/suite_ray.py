@@ -9,7 +9,6 @@ import os
 import shutil
 import tempfile
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from functools import cache, partial
 from pathlib import Path
 from time import process_time, thread_time
@@ -132,11 +131,10 @@ def configuration(side: str, game: str) -> Any:
     from ray.rllib.core.rl_module.default_model_config import DefaultModelConfig
 
     from atari.integrations.ray import config
-    from atari.wrappers.presets import preset_protocol
 
     # RLlib's wrappers: up to 30 no-ops, FIRE, episodes of one life, rewards as they are.
-    protocol = replace(preset_protocol("baselines"), clip_reward=False)
-    made = config("PPO", game, preset=protocol, img_height=64, img_width=64, num_envs=COUNT, num_env_runners=0)
+    options = {"reward_clipping": False, "img_height": 64, "img_width": 64}
+    made = config("PPO", game, **options, num_envs=COUNT, num_env_runners=0)
     if side == "RLlib's":
         from ray.rllib.algorithms.ppo import PPOConfig
 

@@ -1,6 +1,6 @@
 """The table of the families of environment IDs, from the package's own table."""
 
-from atari.registration import FAMILIES, Family
+from atari.env_ids import FAMILIES, Family
 
 
 def _skip(frameskip: int | tuple[int, int]) -> str:

@@ -1,38 +1,40 @@
 """The comparison of the presets: a table from the package's own data, and pictures of what an agent sees in each."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from page import Page
 from pictures import png, strip
 
 import atari
-from atari.wrappers import PRESETS, Preset
+from atari.task import PRESETS
 
 GAME = "breakout"
 
+Fields = Mapping[str, Any]
 
-def _noops(preset: Preset) -> str:
-    low, high = preset.protocol.noops
+
+def _noops(fields: Fields) -> str:
+    low, high = fields.get("noops", (0, 0))
     return f"{low} to {high}" if high else "none"
 
 
-def _fire(preset: Preset) -> str:
+def _fire(fields: Fields) -> str:
     words = {"never": "never", "before_noops": "at each reset, before the no-ops", "after_noops": "at each reset"}
-    return words[preset.protocol.fire] + (", then action 2" if preset.protocol.third_action else "")
+    return words[fields.get("fire", "never")] + (", then action 2" if fields.get("third_action") else "")
 
 
-def _after_life(preset: Preset) -> str:
-    if not preset.episodic_life:
+def _after_life(fields: Fields) -> str:
+    if not fields["episodic_life"]:
         return "the episode goes on"
     words = {"noop": "episode ends; the game goes on after a NOOP", "continue": "episode ends; the game goes on",
              "new_game": "episode ends; a new game"}  # fmt: skip
-    return words[preset.protocol.on_reset]
+    return words[fields["on_reset"]]
 
 
-def _limit(preset: Preset) -> str:
-    frames = preset.options.get("max_num_frames_per_episode") or preset.protocol.max_frames
-    return f"{frames:,} frames" if frames else "none"
+def _limit(fields: Fields) -> str:
+    frames = fields.get("max_num_frames_per_episode") or fields.get("max_frames")
+    return f"{frames:,} frames" if frames else "as made"
 
 
 _END = {
@@ -42,17 +44,17 @@ _END = {
     "envpool": "the last frame if it is one of the step's last two, else the step before",
 }
 
-ROWS: dict[str, Callable[[Preset], str]] = {
-    "sticky actions": lambda preset: str(preset.options.get("repeat_action_probability", "as made")),
-    "actions": lambda preset: "all 18" if preset.options.get("full_action_space") else "those of the game",
-    "frames a step": lambda preset: str(preset.protocol.frame_skip[0]),
+ROWS: dict[str, Callable[[Fields], str]] = {
+    "sticky actions": lambda fields: str(fields.get("repeat_action_probability", "as made")),
+    "actions": lambda fields: "all 18" if fields.get("actions") == "full" else "those of the game",
+    "frames a step": lambda fields: str(fields["frameskip"]),
     "no-ops at the start": _noops,
     "FIRE": _fire,
     "a lost life": _after_life,
-    "rewards": lambda preset: "clipped to -1, 0, 1" if preset.clip_reward else "as the game gives them",
-    "two frames become one": lambda preset: "maximum of " + ("RGB, then gray" if preset.protocol.pool_rgb else "gray"),
-    "the stack begins with": lambda preset: {"zero": "black", "reset": "the first image"}[preset.protocol.padding],
-    "an end inside a step shows": lambda preset: _END[preset.protocol.end_frames],
+    "rewards": lambda fields: "clipped to -1, 0, 1" if fields["reward_clipping"] else "as the game gives them",
+    "two frames become one": lambda fields: "maximum of " + ("RGB, then gray" if fields.get("pool_rgb") else "gray"),
+    "the stack begins with": lambda fields: {"zero": "black", "reset": "the first image"}[fields["padding"]],
+    "an end inside a step shows": lambda fields: _END[fields["end_frames"]],
     "longest episode": _limit,
 }  # fmt: skip
 
@@ -61,7 +63,7 @@ def table() -> str:
     """A row for each choice, a column for each preset."""
     lines = [f"| | {' | '.join(f'`{name}`' for name in PRESETS)} |", "|---" * (len(PRESETS) + 1) + "|"]
     for label, cell in ROWS.items():
-        lines.append(f"| **{label}** | {' | '.join(cell(preset) for preset in PRESETS.values())} |")
+        lines.append(f"| **{label}** | {' | '.join(cell(preset.fields) for preset in PRESETS.values())} |")
     return '<div class="wide" markdown>\n\n' + "\n".join(lines) + "\n\n</div>"
 
 

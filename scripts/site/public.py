@@ -20,7 +20,7 @@ MODULES: dict[str, tuple[str, ...]] = {
         "atari.games.game.load_game",
     ),
     "atari.vector": (),
-    "atari.wrappers": ("atari.protocols.Protocol",),
+    "atari.wrappers": (),
     "atari.multiplayer": (),
     "atari.cores": (),
     "atari.roms": (),
@@ -67,7 +67,9 @@ def definitions(module: str) -> Iterator[Definition]:
         found = _resolve(*path.rpartition(".")[::2])
         if found:
             home, node = found
-            yield Definition(name, f"{home}.{_name(node)}", _docstring(home, node), _kind(node), _page(home, module))
+            yield Definition(
+                name, f"{home}.{_name(node)}", _docstring(home, node), _kind(node), _page(home, module, name)
+            )
 
 
 def module_docstring(module: str) -> str:
@@ -85,10 +87,12 @@ def modules_with_public_names() -> Iterator[str]:
                 yield name
 
 
-def _page(home: str, module: str) -> str:
+def _page(home: str, module: str, name: str) -> str:
     """The page of a definition: the innermost module of the reference around it that exports it, or `module`."""
     around = [page for page in MODULES if home == page or home.startswith(f"{page}.")]
-    return max((page for page in around if page.startswith(f"{module}.")), key=len, default=module)
+    if module in around:
+        return max((page for page in around if page.startswith(f"{module}.")), key=len, default=module)
+    return max((page for page in around if name in exported(page)), key=len, default=module)
 
 
 def exported(module: str) -> list[str]:

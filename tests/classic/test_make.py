@@ -10,7 +10,7 @@ import pytest
 from env_tools import needs_gymnasium_1
 
 import atari.classic as gym
-from atari import registration
+from atari import env_ids
 from atari.classic import history, lookup, modern
 from atari.classic import logger as classic_logger
 
@@ -50,21 +50,21 @@ def test_time_limits_are_those_of_gym(env_id: str) -> None:
 def test_an_atari_game_is_cut_off_by_its_steps_alone() -> None:
     """The limit counts steps, not the frames that today's registration counts."""
     env = gym.make("ALE/Pong-v5")
-    assert env.unwrapped.modern.unwrapped._options["max_num_frames_per_episode"] is None  # type: ignore[attr-defined]
+    assert env.unwrapped.modern.unwrapped.ale_options()["max_num_frames_per_episode"] is None  # type: ignore[attr-defined]
     assert gymnasium.spec("ALE/Pong-v5").kwargs["max_num_frames_per_episode"] == 108_000
 
 
 def test_thresholds_and_nondeterminism() -> None:
     assert [gym.spec(f"CartPole-v{i}").reward_threshold for i in (0, 1)] == [195.0, 475.0]
     assert gym.spec("Pong-v0").reward_threshold is None
-    flagged = {spec.id for spec in gym.envs.registry.all() if spec.nondeterministic and spec.id in registration.ids()}
+    flagged = {spec.id for spec in gym.envs.registry.all() if spec.nondeterministic and spec.id in env_ids.ids()}
     assert flagged == {
         f"ElevatorAction-ram{speed}-v{version}" for speed in ("", "Deterministic", "NoFrameskip") for version in (0, 4)
     }
 
 
 def test_every_atari_id_has_a_spec_and_makes() -> None:
-    for env_id in registration.ids():
+    for env_id in env_ids.ids():
         assert repr(gym.spec(env_id)) == f"EnvSpec({env_id})"
     for env_id in ("MsPacman-v0", "ALE/Tetris-ram-v5", "QbertNoFrameskip-v4"):
         with gym.make(env_id) as env:
@@ -281,7 +281,7 @@ def test_the_registry_prints_as_it_did() -> None:
     env_specs = gym.envs.registry.env_specs
     assert env_specs["Pong-v0"] == gym.spec("Pong-v0") == gym.envs.registry.spec("Pong-v0")
     assert len(env_specs) == len(specs) == len(list(env_specs))
-    assert sum(env_id in registration.ids() for env_id in env_specs) == 952
+    assert sum(env_id in env_ids.ids() for env_id in env_specs) == 952
     with pytest.raises(KeyError):
         env_specs["Pong-v7"]
 

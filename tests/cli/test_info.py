@@ -4,7 +4,7 @@ import pytest
 from cli_tools import read, read_json
 
 import atari
-from atari import registration
+from atari import env_ids
 from atari.cli import main
 
 
@@ -46,7 +46,7 @@ def test_info_works_for_every_game(game: str, capsys: pytest.CaptureFixture[str]
     assert facts["id"] == game
     assert facts["rom"]["md5"] == atari.games[game].rom.md5
     assert facts["minimal_actions"] == [action.name for action in atari.games[game].minimal_actions]
-    assert facts["ids"] == [env_id for env_id, (_, of) in registration.ids().items() if of == game]
+    assert facts["ids"] == [env_id for env_id, (_, of) in env_ids.ids().items() if of == game]
 
 
 def test_info_json_has_rules_and_labels(capsys: pytest.CaptureFixture[str]) -> None:

@@ -4,7 +4,7 @@ import pytest
 from cli_tools import read, read_json
 
 import atari
-from atari import registration
+from atari import env_ids
 
 
 def test_list_has_a_line_for_each_game(capsys: pytest.CaptureFixture[str]) -> None:
@@ -37,7 +37,7 @@ def test_list_json(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_list_ids_has_every_id_once(capsys: pytest.CaptureFixture[str]) -> None:
     lines = read(capsys, "list", "--ids").splitlines()
-    assert lines == list(registration.ids())
+    assert lines == list(env_ids.ids())
     assert len(set(lines)) == len(lines) == 952
     assert read_json(capsys, "list", "--ids") == lines
 

@@ -8,6 +8,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import atari
+from atari import env_ids
 
 GAMES = [game.id for game in atari.games.playable()]
 
@@ -15,17 +16,17 @@ GAMES = [game.id for game in atari.games.playable()]
 @pytest.mark.parametrize("game", GAMES)
 def test_pixels_and_all_render_modes(game: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
-    check(f"ALE/{atari.registration.stem(game)}-v5")
+    check(f"ALE/{env_ids.stem(game)}-v5")
 
 
 @pytest.mark.parametrize("game", GAMES)
 def test_ram(game: str) -> None:
-    check(f"ALE/{atari.registration.stem(game)}-ram-v5", render=False)
+    check(f"ALE/{env_ids.stem(game)}-ram-v5", render=False)
 
 
 @pytest.mark.parametrize("game", GAMES)
 def test_grayscale(game: str) -> None:
-    check(f"ALE/{atari.registration.stem(game)}-v5", render=False, obs_type="grayscale")
+    check(f"ALE/{env_ids.stem(game)}-v5", render=False, obs_type="grayscale")
 
 
 @pytest.mark.parametrize("obs_type", ["rgb", "grayscale", "ram"])

@@ -6,15 +6,15 @@ import gymnasium
 import pytest
 
 import atari
-from atari import AtariEnv, registration
+from atari import AtariEnv, env_ids
 
 GAMES = [game.id for game in atari.games.playable()]
 
 
 @pytest.mark.parametrize("game", GAMES)
 def test_each_id_of_a_game_makes_it(game: str) -> None:
-    mine = [(env_id, family) for env_id, (family, of) in registration.ids().items() if of == game]
-    assert len(mine) == (14 if game in registration.LEGACY_GAMES else 2)
+    mine = [(env_id, family) for env_id, (family, of) in env_ids.ids().items() if of == game]
+    assert len(mine) == (14 if game in env_ids.LEGACY_GAMES else 2)
     for env_id, family in mine:
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", message=".*is out of date", category=DeprecationWarning)  # v0 beside v4

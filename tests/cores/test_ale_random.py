@@ -80,11 +80,11 @@ def test_a_state_continues(drawn: int) -> None:
         assert [other.below(30) for _ in range(700)] == expected
 
 
-@pytest.mark.parametrize("seed", [-1, 2**31])
-def test_refuses_seeds_that_ale_does_not_have(seed: int) -> None:
+@pytest.mark.parametrize("seed", [-1, 2**63])
+def test_refuses_seeds_that_are_none(seed: int) -> None:
     generator = AleRandom(5)
     before = generator.state()
-    with pytest.raises(ValueError, match=r"seed must be within 0\.\.2147483647"):
+    with pytest.raises(ValueError, match=r"seed must be within 0\.\."):
         generator.seed(seed)
     assert generator.state() == before
 

@@ -12,6 +12,7 @@ import pytest
 from atari.cli import main
 from atari.lab import write_dataset
 from atari.learning import load_policy, record_games
+from atari.task import Task
 
 ray = pytest.importorskip("ray", reason="Ray requires a Gymnasium of its own; run ./scripts/test --ray")
 parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed")
@@ -41,7 +42,9 @@ def dataset(cluster: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_the_rows_are_those_of_one_process(dataset: Path, tmp_path: Path) -> None:
     record_games(load_policy("random"), GAME, "baselines", SEEDS, tmp_path / "games.a26")
-    here = write_dataset(tmp_path / "games.a26", tmp_path / "here.parquet", **OPTIONS)
+    task = Task.of(GAME, preset="baselines", reward_clipping=False)
+    facts = {"task": json.loads(task.to_json()), "policy": "random"}
+    here = write_dataset(tmp_path / "games.a26", tmp_path / "here.parquet", facts=facts, **OPTIONS)
     expected, rows = parquet.read_table(tmp_path / "here.parquet"), parquet.read_table(dataset)
     assert rows.drop_columns("episode").equals(expected.drop_columns("episode"))
     assert rows["episode"].to_pylist() == [SEEDS[number] for number in expected["episode"].to_pylist()]
@@ -85,6 +88,15 @@ def test_a_killed_worker_changes_nothing(
     assert digests(tmp_path / "games.parquet") == digests(dataset)
 
 
+def test_an_id_and_seeds_below_two_to_the_32(cluster: Any, tmp_path: Path) -> None:
+    folder, last = tmp_path / "games.parquet", 2**32 - 1
+    result = collect("BreakoutNoFrameskip-v4", folder, seeds=[1, last], **OPTIONS)
+    assert Task.from_json(json.dumps(result["task"])) == Task.of("BreakoutNoFrameskip-v4")
+    assert set(parquet.read_table(folder)["episode"].to_pylist()) == {1, last}
+    with pytest.raises(ValueError, match="has data of task"):
+        collect("Breakout-v0", folder, seeds=[1], **OPTIONS)
+
+
 def test_ray_data_reads_the_folder(dataset: Path) -> None:
     data = pytest.importorskip("ray.data")
     assert data.read_parquet(str(dataset)).count() == parquet.read_table(dataset).num_rows
@@ -101,6 +113,7 @@ def test_one_file_is_that_of_one_process(cluster: Any, tmp_path: Path, monkeypat
     with h5py.File("games.h5") as games, h5py.File("here.h5") as here:
         assert games["episode_1/frames"][:].tobytes() == here["episode_1/frames"][:].tobytes()
         assert games["episode_0/ram"][:].tobytes() == here["episode_0/ram"][:].tobytes()
+        assert dict(games.attrs) == dict(here.attrs)
     assert (result["episodes"], result["played"]) == (2, 2)
 
 
@@ -111,6 +124,7 @@ def test_one_file_is_that_of_one_process(cluster: Any, tmp_path: Path, monkeypat
         ({"labels": []}, ValueError, "has data of labels"),
         ({"seeds": []}, ValueError, "at least one seed"),
         ({"seeds": [-1]}, ValueError, "a seed must be"),
+        ({"seeds": [2**32]}, ValueError, "a seed must be within 0..4294967295"),
         ({"frames": "ram"}, ValueError, "frames must be one of"),
         ({"labels": ["balls_x"]}, KeyError, "ball_x"),
         ({"policy": "nothing.zip"}, FileNotFoundError, "nothing.zip"),

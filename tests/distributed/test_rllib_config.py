@@ -3,7 +3,6 @@
 import subprocess
 import sys
 import time
-from dataclasses import replace
 from typing import Any
 
 import gymnasium
@@ -16,7 +15,6 @@ pytest.importorskip("ray", reason="Ray requires a Gymnasium of its own; run ./sc
 pytestmark = pytest.mark.ray
 
 from atari.integrations.ray import GameScores, config, env_creator  # noqa: E402
-from atari.wrappers.presets import preset_protocol  # noqa: E402
 
 
 def small(algorithm: str, game: Any, **options: Any) -> Any:
@@ -50,7 +48,8 @@ def small(algorithm: str, game: Any, **options: Any) -> Any:
 def test_an_algorithm_trains_in_remote_workers(
     cluster: Any, algorithm: str, game: Any, obs: str, preset: str | None
 ) -> None:
-    algo = small(algorithm, game, obs=obs, preset=preset).build_algo()
+    observed = {"obs_type": "ram"} if obs == "ram" else {}
+    algo = small(algorithm, game, preset=preset, **observed).build_algo()
     try:
         nodes = algo.env_runner_group.foreach_env_runner(node_and_kind, local_env_runner=False)
         assert [kind for _, kind in nodes] == ["AtariVectorEnv"] * 2
@@ -81,8 +80,7 @@ def weights(algo: Any) -> dict[str, Any]:
 
 def test_the_scores_of_whole_games_are_reported(cluster: Any) -> None:
     """The frame limit ends games at once; RLlib's episodes are the same games then."""
-    preset = replace(preset_protocol("baselines"), max_num_frames_per_episode=400)
-    made = small("PPO", "pong", obs="ram", num_env_runners=1, preset=preset)
+    made = small("PPO", "pong", obs_type="ram", num_env_runners=1, max_num_frames_per_episode=400)
     algo = made.build_algo()
     try:
         results = [algo.train()["env_runners"] for _ in range(3)]

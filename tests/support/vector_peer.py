@@ -79,25 +79,36 @@ def option_sets(count: int, seed: int) -> list[tuple[str, dict[str, Any]]]:
         sets.append(
             (
                 games[generator.integers(len(games))],
-                {
-                    "img_height": height,
-                    "img_width": width,
-                    "grayscale": one_of(True, True, False),
-                    "stack_num": one_of(1, 2, 4, 4, 5),
-                    "frameskip": one_of(1, 2, 3, 4, 4, 7),
-                    "maxpool": one_of(True, True, False),
-                    "noop_max": one_of(0, 1, 7, 30, 30),
-                    "episodic_life": one_of(True, False),
-                    "life_loss_info": one_of(True, False),
-                    "reward_clipping": one_of(True, False),
-                    "use_fire_reset": one_of(True, True, False),
-                    "max_num_frames_per_episode": one_of(37, 101, 402, 108000),
-                    "repeat_action_probability": one_of(0.0, 0.25, 0.5),
-                    "full_action_space": one_of(True, False),
-                    "continuous": one_of(True, False, False),
-                    "continuous_action_threshold": one_of(0.3, 0.5),
-                    "autoreset_mode": one_of(AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP),
-                },
+                _with_effect(
+                    {
+                        "img_height": height,
+                        "img_width": width,
+                        "grayscale": one_of(True, True, False),
+                        "stack_num": one_of(1, 2, 4, 4, 5),
+                        "frameskip": one_of(1, 2, 3, 4, 4, 7),
+                        "maxpool": one_of(True, True, False),
+                        "noop_max": one_of(0, 1, 7, 30, 30),
+                        "episodic_life": one_of(True, False),
+                        "life_loss_info": one_of(True, False),
+                        "reward_clipping": one_of(True, False),
+                        "use_fire_reset": one_of(True, True, False),
+                        "max_num_frames_per_episode": one_of(37, 101, 402, 108000),
+                        "repeat_action_probability": one_of(0.0, 0.25, 0.5),
+                        "full_action_space": one_of(True, False),
+                        "continuous": one_of(True, False, False),
+                        "continuous_action_threshold": one_of(0.3, 0.5),
+                        "autoreset_mode": one_of(AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP),
+                    }
+                ),
             )
         )
     return sets
+
+
+def _with_effect(options: dict[str, Any]) -> dict[str, Any]:
+    """The options that have an effect together: ale-py ignores the others, and ours refuses them."""
+    without = {
+        "continuous_action_threshold": not options["continuous"],
+        "life_loss_info": options["episodic_life"],
+    }
+    return {name: value for name, value in options.items() if not without.get(name, False)}

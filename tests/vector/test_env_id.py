@@ -10,8 +10,6 @@ import pytest
 
 import atari
 from atari._gymnasium import AutoresetMode
-from atari.protocols import Protocol
-from atari.wrappers.presets import preset_protocol
 
 
 def make(num_envs: int = 4, **options: Any) -> atari.AtariVectorEnv:
@@ -161,39 +159,46 @@ def test_a_new_game_after_a_lost_life(preset: str) -> None:
     assert envs.reset(options={"reset_mask": lost, "new_game": True})[1]["lives"][lost].tolist() == [5] * lost.sum()
 
 
-class TestOwnProtocol:
+class TestTask:
+    TASK = atari.Task.of("breakout", preset="envpool")
+
     def test_it_is_the_preset_that_it_was_made_of(self) -> None:
-        protocol = preset_protocol("envpool")
-        own, named = make(preset=protocol), make()
+        own, named = atari.AtariVectorEnv(self.TASK, 4), make()
+        assert own.task == named.task == self.TASK
         assert np.array_equal(own.reset(seed=5)[0], named.reset(seed=5)[0])
         assert np.array_equal(own.step(np.arange(4))[0], named.step(np.arange(4))[0])
 
     def test_it_can_be_pickled(self) -> None:
-        envs = make(2, preset=preset_protocol("envpool"), channels_last=True, dtype=np.float32)
+        envs = atari.AtariVectorEnv(self.TASK, 2, channels_last=True, dtype=np.float32)
         envs.reset(seed=0)
         envs.step([1], env_id=[1])
         copy = pickle.loads(pickle.dumps(envs))
+        assert copy.task == self.TASK
         assert np.array_equal(envs.step([2, 3])[0], copy.step([2, 3])[0])
 
     def test_images_are_free(self) -> None:
-        envs = make(2, preset=preset_protocol("envpool"), img_height=40, img_width=50, stack_num=2, grayscale=False)
+        envs = make(2, img_height=40, img_width=50, stack_num=2, grayscale=False)
         assert envs.reset(seed=0)[0].shape == (2, 2, 40, 50, 3)
 
-    @pytest.mark.parametrize(
-        ("protocol", "options"),
-        [
-            (Protocol(order="frames"), {"frameskip": 3}),
-            (Protocol(order="frames"), {"reward_clipping": False}),
-            (Protocol(order="frames"), {"clip_reward": False}),
-            (Protocol(order="frames"), {"repeat_action_probability": 0.1}),
-            (Protocol(order="no"), {}),  # type: ignore[arg-type]
-            (Protocol(noops=(3, 1)), {}),
-            (Protocol(frame_skip=(0, 1)), {}),
-            (Protocol(max_frames=0), {}),
-            (Protocol(repeat_action_probability=2.0), {}),
-            (Protocol(order="baselines", pool_rgb=True), {"grayscale": False}),
-        ],
-    )
-    def test_wrong_ones(self, protocol: Protocol, options: dict[str, Any]) -> None:
-        with pytest.raises(ValueError, match=r"."):
-            make(preset=protocol, **options)
+    def test_options_change_it(self) -> None:
+        envs = atari.AtariVectorEnv(self.TASK, 2, frameskip=3, reward_clipping=True, mode=[0, 4])
+        assert [task.mode for task in envs.tasks] == [0, 4]
+        assert envs.task == self.TASK.replace(frameskip=3, reward_clipping=True)
+
+    def test_lanes_differ_in_games_modes_and_interventions(self) -> None:
+        treated = self.TASK.replace(interventions=["strong_ball"], mode=8)
+        envs = atari.AtariVectorEnv([self.TASK, treated, atari.Task.of("pong", preset="envpool")])
+        singles = [task.make() for task in envs.tasks]
+        observation, _ = envs.reset(seed=3)
+        for step in range(60):
+            for row, single in enumerate(singles):
+                expected = single.reset(seed=3 + row)[0] if step == 0 else single.step(step % 4)[0]
+                assert np.array_equal(observation[row], expected)
+            actions = [int(task.action_set[(step + 1) % 4]) for task in envs.tasks]
+            observation = envs.step(np.array(actions))[0]
+
+    def test_lanes_do_not_differ_in_more(self) -> None:
+        with pytest.raises(ValueError, match="these differ in frameskip: 4 and 3"):
+            atari.AtariVectorEnv([self.TASK, self.TASK.replace(frameskip=3)])
+        with pytest.raises(ValueError, match="have other sizes; add img_height=84"):
+            atari.AtariVectorEnv(["ALE/Pong-v5", "ALE/Adventure-v5"])

@@ -9,7 +9,9 @@ import pytest
 
 import atari
 from atari import _emulator
-from atari.protocols import Protocol
+from atari.task import Task
+from atari.task.rules import settle
+from atari.task.task import DEFAULTS
 from atari.vector.settings import filled_by_name
 
 PLAIN: dict[str, Any] = {
@@ -33,6 +35,7 @@ PLAIN: dict[str, Any] = {
     "max_episode_steps": None,
     "max_num_frames_per_episode": None,
     "reward_clipping": False,
+    "acts_after_end": False,
     "img_height": 84,
     "img_width": 84,
     "stack_num": 4,
@@ -56,11 +59,10 @@ of_every_nesting = pytest.mark.parametrize("nesting", NESTINGS.values(), ids=NES
 
 def make(game: str = "breakout", **fields: Any) -> atari.AtariVectorEnv:
     """One environment whose engine has these fields, and otherwise those of `PLAIN`."""
-    task = SimpleNamespace(**{**PLAIN, **fields})
-    with mock.patch("atari.vector.options.task_of", return_value=task):
-        protocol = Protocol(order="ale" if task.seeding == "ale" else "frames")
-        options: dict[str, Any] = {"preset": protocol} if task.players == 1 else {"players": task.players}
-        return atari.AtariVectorEnv(game, 1, num_threads=1, **options)
+    values: dict[str, Any] = {**DEFAULTS, **{name: PLAIN[name] for name in PLAIN if name in DEFAULTS}, **fields}
+    values["game"] = game
+    settle(values, DEFAULTS, given=())
+    return Task(**values).make_vec(1, num_threads=1)
 
 
 class Player:
@@ -424,6 +426,13 @@ class TestStates:
             assert player.truncated
 
 
+def make_engine(fields: dict[str, Any]) -> _emulator.VectorEngine:
+    """An engine with settings that `Task` may refuse."""
+    episode = filled_by_name(_emulator.EpisodeSettings(), SimpleNamespace(**{**PLAIN, **fields}))
+    with mock.patch("atari.vector.options.episode_settings", return_value=episode):
+        return atari.AtariVectorEnv("pong", 1, players=fields.get("players"))._options.make_engine()
+
+
 class TestSettings:
     def test_are_filled_by_name(self) -> None:
         task = SimpleNamespace(**{**PLAIN, "frameskip": 3, "fire": "after_noops", "fire_unit": "skip"})
@@ -458,9 +467,9 @@ class TestSettings:
     )
     def test_without_a_meaning_are_refused(self, fields: dict[str, Any], text: str) -> None:
         with pytest.raises(ValueError, match=text):
-            make(**fields)
+            make_engine(fields)
 
     @pytest.mark.parametrize("name", ["episodic_life", "life_loss_info", "fire_counts"])
     def test_of_one_player_are_refused_for_several(self, name: str) -> None:
         with pytest.raises(ValueError, match="FIRE and lost lives are settings of one player"):
-            make("pong", players=2, seeding="ale", **{name: True})
+            make_engine({"players": 2, "seeding": "ale", name: True})

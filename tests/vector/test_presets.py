@@ -95,12 +95,11 @@ class TestChoice:
         ("options", "text"),
         [
             ({"preset": "dqn"}, "there is no preset 'dqn'; did you mean 'dqn2015'"),
-            ({"frameskip": 3}, "decides about frameskip; leave frameskip=3 out"),
-            ({"img_width": 80}, "decides about img_width"),
-            ({"continuous": True}, "decides about continuous"),
+            ({"img_width": 300}, "img_width must be within 1..160, got 300"),
+            ({"padding": "first"}, "padding must be one of 'zero', 'reset', got 'first'"),
             ({"repeat_action_probability": 0.25}, "needs repeat_action_probability=0.0, got 0.25"),
             ({"full_action_space": True}, "needs full_action_space=False, got True"),
-            ({"obs_type": "rgb"}, "observations of a preset are gray"),
+            ({"pool_rgb": True, "obs_type": "rgb"}, "pool_rgb=True has no effect"),
         ],
     )
     def test_is_checked(self, options: dict[str, Any], text: str) -> None:

@@ -1,6 +1,7 @@
 """Every ID makes a vector environment through `gymnasium.make_vec`: the one that ale-py's ID makes."""
 
 from pathlib import Path
+from typing import Any
 
 import ale_py
 import gymnasium
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 
 import atari
+from atari import env_ids
 from atari._gymnasium import AutoresetMode
 
 pytestmark = pytest.mark.skipif(
@@ -27,10 +29,34 @@ def test_make_vec_is_that_of_ale_py() -> None:
 
 
 def test_only_ids_of_ale_v5_are_preprocessed() -> None:
-    """As in ale-py, whose legacy IDs have no vector entry point: an ID is one environment, single and in a vector."""
-    for env_id, (family, _) in atari.registration.ids().items():
-        entry_point = "atari.vector:AtariVectorEnv" if (family.prefix, family.suffix) == ("ALE/", "") else None
-        assert gymnasium.registry[env_id].vector_entry_point == entry_point
+    """As in ale-py; any other ID is one environment, single and in a vector."""
+    assert {spec.vector_entry_point for spec in map(gymnasium.spec, env_ids.ids())} == {
+        "atari.making:make_AtariVectorEnv"
+    }
+    preprocessed = [env_id for env_id in env_ids.ids() if env_ids.is_ale_py_vector(env_id)]
+    assert preprocessed == [f"ALE/{env_ids.stem(game.id)}-v5" for game in atari.games.playable()]
+    assert gymnasium.make_vec("ALE/Pong-v5", 1).unwrapped.task.preprocessed  # type: ignore[attr-defined]
+    for env_id in ("ALE/Pong-ram-v5", "Pong-v0", "PongNoFrameskip-v4", "Pong-ram-v4"):
+        envs = gymnasium.make_vec(env_id, 1)
+        assert envs.unwrapped.task == atari.Task.of(env_id)  # type: ignore[attr-defined]
+
+
+def test_a_preset_decides_over_the_id() -> None:
+    envs: Any = gymnasium.make_vec("ALE/Pong-v5", 2, preset="baselines")
+    assert envs.unwrapped.task == atari.Task.of("ALE/Pong-v5", preset="baselines")
+    assert envs.unwrapped.task == atari.AtariVectorEnv("pong", 2, preset="baselines").task
+
+
+@pytest.mark.parametrize("env_id", ["Breakout-v0", "MsPacman-ram-v4", "BreakoutNoFrameskip-v4"])
+def test_a_vector_is_gymnasiums_of_single_environments(env_id: str) -> None:
+    ours = gymnasium.make_vec(env_id, num_envs=2)
+    theirs = gymnasium.make_vec(env_id, num_envs=2, vectorization_mode="sync")
+    assert ours.observation_space == theirs.observation_space
+    assert np.array_equal(ours.reset(seed=3)[0], theirs.reset(seed=3)[0])
+    for step in range(300):
+        actions = np.full(2, step // 7 % 4)
+        for mine, other in zip(ours.step(actions)[:4], theirs.step(actions)[:4], strict=True):
+            assert np.array_equal(mine, other)
 
 
 @pytest.mark.parametrize(
@@ -43,7 +69,8 @@ def test_only_ids_of_ale_v5_are_preprocessed() -> None:
     ],
 )
 def test_a_vector_is_that_of_the_single_id(env_id: str, shape: tuple[int, ...]) -> None:
-    envs = gymnasium.make_vec(env_id, num_envs=2, wrappers=[gymnasium.wrappers.RecordEpisodeStatistics])
+    wrappers = [gymnasium.wrappers.RecordEpisodeStatistics]
+    envs = gymnasium.make_vec(env_id, num_envs=2, vectorization_mode="sync", wrappers=wrappers)
     singles = [gymnasium.make(env_id) for _ in range(2)]
     observation, _ = envs.reset(seed=3)
     assert observation.shape == (2, *shape)

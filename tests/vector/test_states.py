@@ -293,11 +293,11 @@ def test_a_core_takes_over_from_a_member(options: dict[str, Any]) -> None:
     envs.reset(seed=4)
     play(envs, 10, seed=1)
     member = envs.members[1]
-    chances = envs._options.protocol
+    chances = envs.task
     core = atari.cores.NativeCore(
         "seaquest",
         repeat_action_probability=chances.repeat_action_probability,
-        max_num_frames_per_episode=chances.max_num_frames_per_episode,
+        max_num_frames_per_episode=chances.max_num_frames_per_episode or 0,
         sound=True,
     )
     for _ in range(20):

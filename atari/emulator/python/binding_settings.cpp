@@ -81,7 +81,8 @@ void register_settings(nb::module_& m) {
         .def_rw("max_frames", &EpisodeSettings::max_frames, nb::arg().none())
         .def_rw("max_episode_steps", &EpisodeSettings::max_episode_steps, nb::arg().none())
         .def_rw("max_num_frames_per_episode", &EpisodeSettings::max_num_frames_per_episode, nb::arg().none())
-        .def_rw("reward_clipping", &EpisodeSettings::reward_clipping);
+        .def_rw("reward_clipping", &EpisodeSettings::reward_clipping)
+        .def_rw("acts_after_end", &EpisodeSettings::acts_after_end);
     nb::class_<ObservationSettings>(m, "ObservationSettings", "How frames are pooled, resized and stacked.")
         .def(nb::init<>())
         .def_rw("pixels", &ObservationSettings::pixels)

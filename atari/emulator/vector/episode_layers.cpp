@@ -157,6 +157,7 @@ Episode::Ends Episode::step_skip(size_t level, const Move& move) {
         observation_->frame_played(left, ends.any());
     }
     observation_->skip_ended(left, ends.any());
+    for (; settings_.acts_after_end && left > 0; --left) environment_->act(move.actions[0], move.strength);
     if (settings_.seamless_lives && state_.life_lost) ends.terminated = !ends.truncated;
     state_.frame_number = environment_->frame_number();
     return ends;

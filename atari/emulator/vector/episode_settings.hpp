@@ -19,6 +19,9 @@ struct EpisodeSettings {
     double repeat_action_probability = 0.0;
     Seeding seeding = Seeding::kAle;
     std::pair<int, int> frameskip{4, 5};  // each step draws from first .. second-1
+    // Whether the rest of a skip is acted out after the end of an episode, as by AtariEnv without wrappers. No frame is
+    // played then, but sticky actions draw.
+    bool acts_after_end = false;
 
     // How an episode begins.
     std::pair<int, int> noops{0, 29};          // with so many no-ops, drawn from first .. second

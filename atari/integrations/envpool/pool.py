@@ -9,11 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from atari._gymnasium import AutoresetMode, VectorEnv
+from atari.cores.options import SEED_LIMIT
 from atari.integrations.envpool.spec import EnvPoolSpec, make_spec, task_ids
 from atari.integrations.envpool.xla import xla
 from atari.vector import AtariVectorEnv
 from atari.vector.results import pick_rows
-from atari.vector.seeds import SEED_LIMIT
 
 
 class EnvPool:
@@ -154,7 +154,7 @@ class EnvPool:
         """The given seed, or the one that waits for a reset."""
         seed, self._seed = self._seed if seed is None else seed, None
         if isinstance(seed, (int, np.integer)):
-            return int(seed) % (SEED_LIMIT - self.vector.num_envs)
+            return int(seed) % SEED_LIMIT
         return seed
 
     def _check_env_id(self, env_id: Any) -> npt.NDArray[np.int64]:

@@ -3,18 +3,18 @@
 import difflib
 import sys
 from collections import namedtuple
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import gymnasium
 import numpy as np
 
+from atari.env_ids import stem
 from atari.games.catalog import games
-from atari.registration import stem
-from atari.validation import check_integer, check_probability
+from atari.task import Task
+from atari.validation import check_integer
 from atari.vector import AtariVectorEnv
-from atari.wrappers.presets import preset_protocol
 
 _MOST = 2**31 - 1
 _DEFAULTS = {
@@ -44,6 +44,26 @@ _DEFAULTS = {
     "use_inter_area_resize": True,
     "gray_scale": True,
 }
+
+_OF_TASK = (
+    "stack_num",
+    "episodic_life",
+    "img_height",
+    "img_width",
+    "mode",
+    "difficulty",
+    "full_action_space",
+    "repeat_action_probability",
+)
+"""EnvPool's options that a `Task` has by the same name; -1 is the default."""
+
+_WITHOUT_EFFECT = {
+    "max_num_players": "a game has one player",
+    "base_path": "ROM files are searched for by atari.roms",
+    "zero_discount_on_life_loss": "no discount is returned",
+    "use_inter_area_resize": "images are resized by areas",
+}
+"""EnvPool's options that are refused unless they have their default, with the reason."""
 
 Config = namedtuple("Config", _DEFAULTS)  # type: ignore[misc]
 """EnvPool's options with their values."""
@@ -96,40 +116,33 @@ class EnvPoolSpec:
         """
         config = self.config
         return AtariVectorEnv(
-            config.task,
+            self.as_task(),
             config.num_envs,
             batch_size=config.batch_size,
             num_threads=config.num_threads,
             thread_affinity_offset=config.thread_affinity_offset,
-            img_height=config.img_height,
-            img_width=config.img_width,
-            grayscale=bool(config.gray_scale),
-            stack_num=config.stack_num,
-            obs_type="dict",
-            mode=None if config.mode == -1 else config.mode,
-            difficulty=None if config.difficulty == -1 else config.difficulty,
-            preset=self._protocol(),
         )
 
-    def _protocol(self) -> Any:
-        """EnvPool's preprocessing with these options."""
+    def as_task(self) -> Task:
+        """What these options play.
+
+        Raises:
+            TypeError, ValueError: an option is of the wrong kind or out of range.
+        """
         config = self.config
         skip = check_integer("frame_skip", config.frame_skip, 1, 10_000)
         limit = skip * check_integer("max_episode_steps", config.max_episode_steps, 1, _MOST)
-        protocol = preset_protocol(
-            "envpool",
-            episodic_life=bool(config.episodic_life),
-            clip_reward=bool(config.reward_clip),
-            repeat_action_probability=check_probability("repeat_action_probability", config.repeat_action_probability),
-            full_action_space=bool(config.full_action_space),
-        )
-        return replace(
-            protocol,
-            frame_skip=(skip, skip + 1),
+        options = {name: getattr(config, name) for name in _OF_TASK}
+        return Task.of(
+            config.task,
+            preset="envpool",
+            **{name: None if value == -1 else value for name, value in options.items()},
+            obs_type="dict" if config.gray_scale else "rgb_dict",
+            reward_clipping=config.reward_clip,
+            frameskip=skip,
             noops=(1, check_integer("noop_max", config.noop_max, 1, 1_000_000)),
-            fire=protocol.fire if config.use_fire_reset else "never",
-            fire_counts=bool(config.use_fire_reset),
             max_frames=limit if limit <= _MOST else None,
+            **{} if config.use_fire_reset else {"fire": "never"},
         )
 
     def _observation_space(self, spaces: Any) -> Any:
@@ -171,10 +184,9 @@ def make_spec(task_id: str, **options: Any) -> EnvPoolSpec:
             hint = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(_DEFAULTS)}"
             raise TypeError(f"there is no option {name!r}; {hint}")
     given = {**_DEFAULTS, **options, "task": tasks[task_id]}
-    if not given["use_inter_area_resize"]:
-        raise ValueError("images are resized by areas; leave use_inter_area_resize=False out")
-    if given["max_num_players"] != 1:
-        raise ValueError(f"a game has one player; leave max_num_players={given['max_num_players']!r} out")
+    for name, because in _WITHOUT_EFFECT.items():
+        if given[name] != _DEFAULTS[name]:
+            raise ValueError(f"{because}; leave {name}={given[name]!r} out")
     given["num_envs"] = check_integer("num_envs", given["num_envs"], 1, 1_000_000)
     batch_size = check_integer("batch_size", given["batch_size"] or 0, 0, given["num_envs"])
     given["batch_size"] = batch_size or given["num_envs"]

@@ -4,6 +4,7 @@ RLlib's env runner assumes autoreset in NEXT_STEP mode: it takes the observation
 next episode.
 """
 
+import inspect
 from collections.abc import Mapping, Sequence
 from importlib import import_module
 from typing import Any
@@ -14,14 +15,19 @@ from ray.rllib.callbacks.callbacks import RLlibCallback
 from ray.tune.registry import register_env
 
 from atari._gymnasium import AutoresetMode, VectorWrapper
-from atari.registration import resolve
+from atari.cores.options import SEED_LIMIT
+from atari.task.resolution import resolve_for_agent
 from atari.validation import check_name
 from atari.vector.env import AtariVectorEnv
-from atari.vector.seeds import SEED_LIMIT
 
 ALGORITHMS = ("PPO", "DQN", "IMPALA", "APPO")
-OBSERVATIONS: dict[str, dict[str, Any]] = {"pixels": {"channels_last": True}, "ram": {"obs_type": "ram"}}
-"""Options of `AtariVectorEnv` by the `obs` of `config`."""
+_RUN_OPTIONS = frozenset(inspect.signature(AtariVectorEnv.__init__).parameters) - {
+    "self",
+    "game",
+    "num_envs",
+    "options",
+}
+"""Options of `AtariVectorEnv` that do not change what is played."""
 
 
 def register(name: str = "atari") -> str:
@@ -42,18 +48,17 @@ def env_creator(env_config: Mapping[str, Any]) -> "EpisodeVectorEnv":
     """The vector environment of one env runner, for `gym_env_vectorize_mode="vector_entry_point"`.
 
     Args:
-        env_config: `game`, a game or an ID ("pong", "ALE/Pong-v5", "PongNoFrameskip-v4"), or a list of them; RLlib's
-            `num_envs`; all others are options of `AtariVectorEnv`. Of several games, environment i plays the
-            i-th, and then again from the first one. An ID gives its sticky actions, frame skip and observations, unless
-            they are given here or a preset decides them. `num_threads` is the number of CPUs of the env runner,
-            unless given.
+        env_config: `game`, as `AtariVectorEnv` takes it ("pong", "ALE/Pong-v5", an `atari.Task`), or a list of them;
+            RLlib's `num_envs`; all others are options of `AtariVectorEnv`. Of several games, environment i plays the
+            i-th, and then again from the first one. `num_threads` is the number of CPUs of the env runner, unless
+            given.
 
     Returns:
         A wrapper around an `AtariVectorEnv`.
 
     Raises:
         TypeError, ValueError: as `AtariVectorEnv`; or `game` is missing; or the autoreset mode is not NEXT_STEP; or
-            there are more games than environments; or IDs differ in their options.
+            there are more games than environments.
         gymnasium.error.NameNotFound: there is no such ID.
     """
     options = dict(env_config)
@@ -65,34 +70,15 @@ def env_creator(env_config: Mapping[str, Any]) -> "EpisodeVectorEnv":
         raise ValueError(
             f"RLlib's env runner loses a transition of each episode with autoreset_mode={mode.value!r}; leave it out"
         )
-    games, found = _resolve(options.pop("game"), options.get("preset"))
+    game = options.pop("game")
+    games = list(game) if isinstance(game, Sequence) and not isinstance(game, str) else [game]
+    if not games:
+        raise ValueError("env_config['game'] is an empty list; name at least one game")
     if len(games) > num_envs:
         raise ValueError(f"{len(games)} games need as many environments; num_envs_per_env_runner is {num_envs}")
-    played = games[0] if len(games) == 1 else [games[index % len(games)] for index in range(num_envs)]
+    played = [games[index % len(games)] for index in range(num_envs)]
     options.setdefault("num_threads", _cpus())
-    return EpisodeVectorEnv(AtariVectorEnv(played, num_envs, **{**found, **options}))
-
-
-def _resolve(game: Any, preset: Any) -> tuple[list[Any], dict[str, Any]]:
-    """The games, and the options that their IDs have in common."""
-    names = list(game) if isinstance(game, Sequence) and not isinstance(game, str) else [game]
-    if not names:
-        raise ValueError("env_config['game'] is an empty list; name at least one game")
-    games, found = [], []
-    for name in names:
-        is_id = isinstance(name, str) and ("/" in name or "-v" in name)
-        options = _id_options(name) if is_id else {"game": name}
-        games.append(options.pop("game"))
-        found.append(options if preset is None or "obs_type" in options else {})
-    if any(options != found[0] for options in found):
-        raise ValueError(f"the IDs of several games must have the same options, got {names}: {found}")
-    return games, ({"obs_type": found[0]["obs_type"]} if preset is not None and found[0] else found[0])
-
-
-def _id_options(env_id: str) -> dict[str, Any]:
-    """The options of an ID of this package, with `game`."""
-    family, game = resolve(env_id)
-    return family.options(game)
+    return EpisodeVectorEnv(AtariVectorEnv(played, num_envs, **options))
 
 
 def _cpus() -> int:
@@ -191,40 +177,43 @@ def config(
     algorithm: str,
     game: Any,
     *,
-    obs: str = "pixels",
-    preset: Any = "baselines",
+    preset: str | None = None,
     num_envs: int = 8,
     num_env_runners: int = 2,
     **options: Any,
 ) -> Any:
     """RLlib's configuration of an algorithm on Atari, ready for `build_algo()` and to be changed before.
 
+    An ID decides sticky actions, actions, and whether RAM or pixels are observed; the preset decides the rest, and for
+    a game's name all. A `Task` is played as it is. `env_config["game"]` has the tasks.
+
     Observations are bytes, and the networks scale them. Pixels have the network of Mnih et al. (2015).
 
     Args:
         algorithm: "PPO", "DQN", "IMPALA" or "APPO".
-        game: a game or an ID, or a list of them; see `env_creator`.
-        obs: "pixels", (height, width, stack) uint8, or "ram", (128,) uint8.
-        preset: name of a preprocessing, or a `Protocol`, or None for the options of `AtariVectorEnv` alone.
+        game: a game, an ID or a task, or a list of them.
+        preset: name of a preprocessing; None is "baselines", and for a task what it says.
         num_envs: environments of each env runner.
         num_env_runners: processes that play; with 0 the algorithm's own process does.
-        options: other options of `AtariVectorEnv`.
+        options: fields of `atari.Task`, such as obs_type="ram", and the other options of `AtariVectorEnv`.
 
     Returns:
         An `AlgorithmConfig` with the environment, the network, and the callback `GameScores`.
 
     Raises:
-        ValueError: there is no such algorithm or `obs`. Wrong options raise when the algorithm is built.
+        TypeError, ValueError: there is no such algorithm, game, preset or option.
 
     Example:
         >>> algo = config("PPO", ["pong", "breakout"], num_envs=8).build_algo()  # doctest: +SKIP
         >>> algo.train()["env_runners"]["game_return_mean"]  # doctest: +SKIP
     """
     check_name("algorithm", algorithm, ALGORITHMS)
-    check_name("obs", obs, tuple(OBSERVATIONS))
-    env_config = {"game": game, "preset": preset, **OBSERVATIONS[obs], **options}
-    if preset is None:
-        del env_config["preset"]
+    games = list(game) if isinstance(game, Sequence) and not isinstance(game, str) else [game]
+    running = {name: options.pop(name) for name in list(options) if name in _RUN_OPTIONS}
+    tasks = [resolve_for_agent(one, preset, options, owner="config") for one in games]
+    obs = "ram" if tasks[0].obs_type == "ram" else "pixels"
+    layout = {} if obs == "ram" else {"channels_last": True}
+    env_config = {"game": tasks, **layout, **running}
     made = _with_network(algorithm, obs)
     made.environment(register(), env_config=env_config)
     made.env_runners(

@@ -14,10 +14,10 @@ from typing import Any
 import ray
 from ray.exceptions import ObjectLostError, OutOfMemoryError, RayActorError, RaySystemError
 
+from atari.cores.options import SEED_LIMIT
 from atari.integrations.ray.rollout import Rollout
 from atari.integrations.ray.rollout_worker import Played, PolicyMaker, Position, RolloutWorker, WorkerSettings
 from atari.validation import check_integer
-from atari.vector.seeds import SEED_LIMIT
 
 _LOST = (RayActorError, ObjectLostError, OutOfMemoryError, RaySystemError)
 _MOST_LOSSES = 5  # of one actor without a batch between them: it will not come back
@@ -114,7 +114,7 @@ class RolloutActors:
         self._in_flight = check_integer("in_flight", in_flight, 1, 1000)
         self._snapshot_every = check_integer("snapshot_every", snapshot_every, 1, 100_000)
         self._in_order = in_order
-        seed = check_integer("seed", seed, 0, SEED_LIMIT - num_actors * num_envs)
+        seed = check_integer("seed", seed, 0, SEED_LIMIT - 1)
         steps = check_integer("steps", steps, 1, 1_000_000)
         if not callable(policy):
             raise TypeError(f"policy must be a class or a function that returns a policy, got {policy!r}")

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from atari._gymnasium import AutoresetMode
+from atari.cores.options import SEED_LIMIT
 from atari.integrations.ray.rollout import Frames, Rollout
 from atari.vector import AtariVectorEnv
 
@@ -45,12 +46,12 @@ class WorkerSettings:
         """
         envs = AtariVectorEnv(self.game, self.num_envs, **{"num_threads": 1, **self.options})
         refused = {
-            "channels_last=True or dtype='float32'": not envs.options.layout.is_engines,
-            "obs_type='dict'": envs.options.obs_type == "dict",
+            "channels_last=True, dtype='float32' or stack_num=None": not envs.options.layout.is_engines,
+            "obs_type='dict'": envs.options.is_dict,
             f"autoreset_mode={envs.autoreset_mode.value!r}": envs.autoreset_mode != AutoresetMode.NEXT_STEP,
             f"batch_size={envs.batch_size}": envs.batch_size != envs.num_envs,
             f"players={envs.options.players}": envs.options.players > 1,
-            "life_loss_info=True": envs.options.protocol.life_loss_info,
+            "life_loss_info=True": envs.task.life_loss_info,
         }
         for what, is_so in refused.items():
             if is_so:
@@ -107,7 +108,7 @@ class RolloutWorker:
         self._policy = make_policy()
         self._envs = settings.make()
         self._number = position.number
-        self._observations, _ = self._envs.reset(seed=settings.seed + index * settings.num_envs)
+        self._observations, _ = self._envs.reset(seed=(settings.seed + index * settings.num_envs) % SEED_LIMIT)
         self._ended = np.zeros(settings.num_envs, np.bool_)  # whose next step begins an episode
         shape = self._observations.shape
         stacked = settings.unstacked and len(shape) > 3 and shape[1] > 1

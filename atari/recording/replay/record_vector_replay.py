@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 
 from atari._gymnasium import AutoresetMode, VectorEnv, VectorWrapper
+from atari.cores.options import SEED_LIMIT
 from atari.env import AtariEnv
-from atari.games.game import Game
+from atari.making import make_env
 from atari.recording.replay.record_replay import RecordReplay
 from atari.validation import check_integer
 from atari.vector.env import AtariVectorEnv
 from atari.vector.members import Member
-from atari.vector.seeds import SEED_LIMIT, seed_words
-from atari.wrappers.presets import wrap
+from atari.vector.seeds import seed_values
 
 FIRE, NOOP = 1, 0
 
@@ -81,10 +81,9 @@ class RecordVectorReplay(VectorWrapper):
         vector = self._vector
         self._recorder.raise_deferred_error()
         if seed is None and vector._phase == "new" and self._seeded:
-            seed = (np.random.SeedSequence().generate_state(vector.num_envs) % SEED_LIMIT).astype(np.int64)
+            seed = np.random.SeedSequence().generate_state(vector.num_envs).astype(np.int64)
         mask = vector._reset_mask(options)
-        seeded, seeds = seed_words(seed, mask, ale=True)
-        chosen = int(seeds[self._index, 0]) if seeded[self._index] else None
+        chosen = seed_values(seed, mask).get(self._index)
         if mask[self._index] and chosen is None and not self._seeded:
             raise ValueError("the vector was reset before it was recorded; give this first reset a seed")
         result: tuple[Any, dict[str, Any]] = self.env.reset(seed=seed, options=options)
@@ -139,14 +138,14 @@ class _AleShadow:
         self.env, self.member = env, member
         self._core: Any = env.get_wrapper_attr("core")
         self._actions = vector.options.actions[member.index]
-        fire = vector.options.protocol.fire != "never"
+        fire = vector.task.fire != "never"
         self._fires = fire and FIRE in vector.options.action_sets[member.index]
         self._episode_frames = 0
 
     def reset(self, seed: int | None) -> None:
         core = self._core
         if seed is not None:
-            core.seed(seed)
+            core.seed(seed % SEED_LIMIT)
         core.reset()
         if self._fires:
             core.act(FIRE)
@@ -197,28 +196,13 @@ class _PresetShadow:
 
 
 def _make_shadow(vector: AtariVectorEnv, index: int, path: str | PathLike[str]) -> Any:
-    given, options = vector._given, vector.options
-    game: Game = options.games[index]
-    common: dict[str, Any] = {
-        "mode": options.modes[index],
-        "difficulty": options.difficulties[index],
-        "rom": options.rom,
-        "interventions": options.interventions[index],
-    }
-    protocol = options.protocol
-    common["repeat_action_probability"] = protocol.repeat_action_probability
-    common["full_action_space"] = protocol.full_action_space or options._mixed
-    member = vector.members[index]
-    if given["preset"] is None:
-        low, high = protocol.frame_skip
-        frameskip = low if high == low + 1 else (low, high)
-        threshold = float(options.threshold)
-        env = AtariEnv(
-            game, frameskip=frameskip, continuous=options.continuous, continuous_action_threshold=threshold, **common
+    options, member = vector.options, vector.members[index]
+    task = options.tasks[index]
+    if task.seeding == "ale":
+        emulator = task.of_emulator().replace(
+            frameskip=task.frameskip, actions="full" if options.mixed else task.actions, max_num_frames_per_episode=None
         )
-        return _AleShadow(vector, member, RecordReplay(env, path))
-    if options._mixed:
-        raise ValueError("with a preset, environments can be recorded only if all games have the same actions")
-    frames = protocol.max_num_frames_per_episode or None
-    single = AtariEnv(game, frameskip=1, max_num_frames_per_episode=frames, **common)
-    return _PresetShadow(vector, member, RecordReplay(wrap(single, protocol), path))
+        return _AleShadow(vector, member, RecordReplay(AtariEnv(emulator, rom=options.rom), path))
+    if options.mixed:
+        raise ValueError("environments with wrappers can be recorded only if all games have the same actions")
+    return _PresetShadow(vector, member, RecordReplay(make_env(task, rom=options.rom), path))

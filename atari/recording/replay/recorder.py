@@ -23,9 +23,7 @@ from atari.recording.replay.file_format import (
 )
 from atari.roms import find
 from atari.roms.image import md5, read_image
-
-UNRECORDED_OPTIONS = ("game", "rom", "core", "render_mode")
-"""Options of `AtariEnv` that a replay does not store, because they do not change the game."""
+from atari.task.storage import to_short_json
 
 
 def rom_md5(game: Game, rom: str | PathLike[str] | None) -> str:
@@ -35,15 +33,16 @@ def rom_md5(game: Game, rom: str | PathLike[str] | None) -> str:
 
 def header_of(env: AtariEnv, source: str) -> dict[str, Any]:
     """Return the header of a replay of this environment; `source` is the name of the recorded class."""
-    options = {name: value for name, value in env._options.items() if name not in UNRECORDED_OPTIONS}
+    options = env.ale_options()
     if options["interventions"] is None:
         del options["interventions"]  # releases without the option read the file
     return {
         "game": env.game.id,
-        "rom": rom_md5(env.game, env._options["rom"]),
+        "rom": rom_md5(env.game, env._rom),
         "core": env.core.name,
         "source": source,
         "id": env.spec.id if env.spec else None,
+        "task": to_short_json(env.task),
         "options": {name: plain(value) for name, value in options.items()},
         "package": atari.__version__,
     }

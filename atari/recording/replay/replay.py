@@ -4,7 +4,6 @@ The file has the calls of the core and hashes, so half an hour takes tens of kil
 game again: screens, RAM, sound and rewards are the same on each core and on any machine.
 """
 
-import inspect
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
@@ -12,11 +11,10 @@ from functools import cached_property
 from itertools import chain
 from os import PathLike
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 from atari.cores import CORES, Core, snapshot
-from atari.cores.options import CoreOptions
-from atari.env import AtariEnv, ObsType
+from atari.env import ALE_OPTIONS, AtariEnv
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.games.interventions import resolve
@@ -25,17 +23,21 @@ from atari.recording.replay import file_format
 from atari.recording.replay.events import Event, Kind, unpack
 from atari.recording.replay.file_format import FRAMES_PER_FULL_HASH, Corrupt
 from atari.recording.replay.players import PlayersRunner, actions_of, make_core
-from atari.recording.replay.recorder import UNRECORDED_OPTIONS, rom_md5
+from atari.recording.replay.recorder import rom_md5
 from atari.recording.replay.results import Divergence, Episode, Frame, Verification
 from atari.recording.replay.runner import Call, Checkpoint, ReplayRunner
 from atari.recording.video.formats import has_sound
 from atari.recording.video.overlay import Overlay
 from atari.recording.video.writer import VideoWriter, frame_rate
-from atari.validation import check_frameskip, check_integer, check_name, check_probability
+from atari.task import Task
+from atari.task.resolution import translate
+from atari.task.rules import settle
+from atari.task.storage import from_json
+from atari.task.task import DEFAULTS
+from atari.validation import check_integer, check_name
 
 _CHUNKS_PER_CHECKPOINT = 4
 _SECONDS_SHOWN = 20  # in a notebook
-_OPTIONS = set(inspect.signature(AtariEnv).parameters) - set(UNRECORDED_OPTIONS)
 
 
 class Replay:
@@ -331,7 +333,21 @@ class Replay:
         """
         check_name("core", core, CORES)
         self._require_one_player("AtariEnv")
-        return AtariEnv(self.game, **{**self.options, **options}, core=core, rom=self.rom)
+        played = emulator_task(self.options, self.game)
+        return AtariEnv(played, **options, core=core, rom=self.rom)
+
+    @property
+    def task(self) -> Task:
+        """What was played, with the wrappers that `atari.make` has put around the recorded environment.
+
+        Files of older releases do not say which wrappers there were; this is what the `AtariEnv` played.
+
+        Raises:
+            ValueError: several players played.
+        """
+        self._require_one_player("a task")
+        text = self.header.get("task")
+        return emulator_task(self.options, self.game) if text is None else from_json(text, self.game)
 
     def walk(self, core: Core) -> Iterator[tuple[Event, Iterator[Call]]]:
         """Yield each event with an iterator that makes its calls on `core`; exhaust it before the next event.
@@ -414,6 +430,10 @@ class Replay:
         return runner.episodes
 
 
+_MAY_BE_NONE = ("mode", "difficulty", "max_num_frames_per_episode", "interventions")
+"""Options of which None is a value in a header."""
+
+
 def _check_header(header: Mapping[str, Any], game: Game) -> None:
     """Check what `Replay` and `AtariEnv` use of a header.
 
@@ -421,33 +441,32 @@ def _check_header(header: Mapping[str, Any], game: Game) -> None:
         Corrupt: a value is of the wrong kind or out of range, or an option is not one of `AtariEnv`'s.
     """
     options = header["options"]
-    flags = ("full_action_space", "continuous", "sound_obs")
-    limit = options.get("max_num_frames_per_episode")
     try:
         for name, value in header.items():
             if name != "options" and not isinstance(value, (str, int, type(None))):
                 raise TypeError(f"{name} is a {type(value).__name__}")
-        for name in options:
-            check_name("an option", name, _OPTIONS)
-        for name in flags:
-            if not isinstance(options.get(name, False), int):
-                raise TypeError(f"{name} is no bool")
-        CoreOptions.check(
-            game,
-            repeat_action_probability=options.get("repeat_action_probability", 0.25),
-            mode=options.get("mode"),
-            difficulty=options.get("difficulty"),
-            frame_skip=1,
-            max_num_frames_per_episode=0 if limit is None else limit,
-            sound=False,
-            color_averaging=False,
-        )
+        for name, value in options.items():
+            check_name("an option", name, ALE_OPTIONS)
+            if value is None and name not in _MAY_BE_NONE:
+                raise TypeError(f"{name} is null")
         _check_interventions(options.get("interventions"), game)
-        check_frameskip(options.get("frameskip", 4))
-        check_name("obs_type", options.get("obs_type", "rgb"), get_args(ObsType))
-        check_probability("continuous_action_threshold", options.get("continuous_action_threshold", 0.5))
+        emulator_task(options, game)
+        if header.get("task") is not None:
+            from_json(header["task"], game)
     except (TypeError, ValueError, OverflowError) as error:
         raise Corrupt(f"the replay is damaged: its header is wrong ({error})") from None
+
+
+def emulator_task(options: Mapping[str, Any], game: Game) -> Task:
+    """The task of the options in a header, which are ale-py's: what an `AtariEnv` plays without wrappers.
+
+    Raises:
+        TypeError, ValueError: an option is wrong.
+    """
+    given, _ = translate(options, "the replay")
+    fields = {**DEFAULTS, "max_num_frames_per_episode": None, **given, "game": game}
+    settle(fields, DEFAULTS, given=())  # older releases recorded options without effect, too
+    return Task(**fields)
 
 
 def _check_interventions(definitions: Any, game: Game) -> None:

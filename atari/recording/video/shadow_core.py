@@ -29,11 +29,11 @@ class ShadowCore:
         self._options = vector._options
         self.core = NativeCore(
             self._member.game,
-            repeat_action_probability=self._options.protocol.repeat_action_probability,
-            max_num_frames_per_episode=self._options.protocol.max_num_frames_per_episode,
+            repeat_action_probability=self._options.task.repeat_action_probability,
+            max_num_frames_per_episode=self._options.task.max_num_frames_per_episode or 0,
             sound=True,
             rom=self._options.rom,
-            interventions=self._options.interventions[index],
+            interventions=self._options.tasks[index].interventions,
         )
         self.screen: ByteArray = self.core.screen_rgb()
         """The core's current screen, (height, 160, 3) uint8."""
@@ -78,7 +78,7 @@ class ShadowCore:
         ended = "_final_info" in info and bool(info["_final_info"][self.index])
         numbers = info["final_info"] if ended else info
         frame, episode_frame = (int(numbers[name][self.index]) for name in ("frame_number", "episode_frame_number"))
-        if was_reset and (not self._options.protocol.life_loss_info or episode_frame < self.core.episode_frame_number):
+        if was_reset and (not self._options.task.life_loss_info or episode_frame < self.core.episode_frame_number):
             return ActionRepeat(action, strength, 0)
         return ActionRepeat(action, strength, max(0, frame - self.core.frame_number))
 

@@ -5,9 +5,9 @@ from types import MappingProxyType
 
 from atari.actions import Action
 from atari.cores import NativeCore
+from atari.env_ids import FAMILIES, Family
 from atari.games.game import Game
 from atari.play.controls import ALL_KEYS
-from atari.registration import FAMILIES, Family
 
 _ARROWS = MappingProxyType({"up": "↑", "down": "↓", "left": "←", "right": "→"})
 

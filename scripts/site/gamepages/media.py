@@ -14,7 +14,7 @@ from atari.cores import NativeCore
 from atari.games.game import Game
 from atari.multiplayer import MultiplayerCore
 from atari.recording import Replay, VideoWriter, frame_rate
-from atari.wrappers import PRESETS
+from atari.task import PRESETS
 from gamepages.contents import MODES, SCREEN, VIDEO, VIEWS, modes
 from gamepages.plays import Play, play_of
 from gamepages.screens import busiest, sheet

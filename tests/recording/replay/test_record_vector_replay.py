@@ -162,28 +162,12 @@ def test_single_environments_of_gymnasiums_vectors_are_recorded_by_the_other_wra
     assert all(Replay.load(tmp_path / f"{i}.a26").verify() for i in range(2))
 
 
-def test_a_protocol_of_ones_own(tmp_path: Path) -> None:
-    from dataclasses import replace
-
-    from atari.wrappers.presets import preset_protocol
-
-    protocol = replace(
-        preset_protocol("baselines"), noops=(3, 9), pool_rgb=False, end_frames="envpool", padding="reset"
-    )
-    envs = RecordVectorReplay(atari.AtariVectorEnv("breakout", 2, preset=protocol), tmp_path / "a.a26", index=1)
+def test_a_task_of_ones_own(tmp_path: Path) -> None:
+    own = {"noops": (3, 9), "pool_rgb": False, "end_frames": "envpool", "padding": "reset", "frameskip": (2, 5)}
+    envs = atari.AtariVectorEnv("breakout", 2, preset="baselines", **own)
+    envs = RecordVectorReplay(envs, tmp_path / "a.a26", index=1)
     rams = play(envs, 300, 1)
     envs.close()
     replay = Replay.load(tmp_path / "a.a26")
-    assert replay.verify().frames == replay.frames_total > 1000
+    assert replay.verify().frames == replay.frames_total > 800
     assert np.array_equal(list(replay.frames())[-1].ram, rams[-1])
-
-
-def test_a_protocol_that_single_environments_do_not_play_is_refused(tmp_path: Path) -> None:
-    from dataclasses import replace
-
-    from atari.wrappers.presets import preset_protocol
-
-    protocol = replace(preset_protocol("baselines"), frame_skip=(3, 4))
-    with pytest.raises(ValueError, match="protocols of 4 frames a step"):
-        RecordVectorReplay(atari.AtariVectorEnv("breakout", 2, preset=protocol), tmp_path / "a.a26")
-    assert not (tmp_path / "a.a26").exists()

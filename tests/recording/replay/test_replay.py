@@ -52,8 +52,9 @@ def test_options_are_kept(options: dict[str, Any], tmp_path: Path) -> None:
     assert replay.verify("native")
     assert replay.verify("ale")
     with replay.make_env() as env:
-        assert env.unwrapped._options["core"] == "native"
-        assert {name: env.unwrapped._options[name] for name in options} == options  # type: ignore[attr-defined]
+        assert env.core.name == "native"
+        assert {name: env.ale_options()[name] for name in options} == options
+        assert env.task == replay.task
 
 
 def test_continuous_actions_are_kept(tmp_path: Path) -> None:
@@ -438,3 +439,23 @@ def test_it_knows_its_seeds(tmp_path: Path) -> None:
     words = [int(env.reset(seed=seed)[1]["seeds"][1]) for seed in (3, 4)]
     env.close()
     assert list(Replay.load(env.path).seeds) == words
+
+
+def test_the_task_is_kept_with_its_wrappers(tmp_path: Path) -> None:
+    task = atari.Task.of("breakout", preset="dqn2015", frameskip=3, interventions=["strong_ball"])
+    with RecordReplay(task.make(), tmp_path / "a.a26") as env:
+        env.reset(seed=0)
+        for step in range(20):
+            env.step(step % 4)
+    replay = Replay.load(tmp_path / "a.a26")
+    assert replay.task == task
+    assert replay.options["frameskip"] == 1
+    assert replay.verify()
+
+
+def test_settings_of_ale_are_part_of_the_task(tmp_path: Path) -> None:
+    env = atari.AtariEnv("breakout")
+    env.ale.setFloat("repeat_action_probability", 0.0)
+    env.load_game()
+    env.ale.setMode(4)
+    assert env.task == atari.AtariEnv("breakout", repeat_action_probability=0.0, mode=4).task

@@ -1,0 +1,212 @@
+"""`make`, and what Gymnasium calls to make an environment of a registered ID."""
+
+import inspect
+from collections.abc import Mapping
+from functools import cache
+from os import PathLike
+from typing import Any
+
+import gymnasium
+from gymnasium.envs.registration import EnvSpec
+
+from atari import env_ids
+from atari.env import AtariEnv
+from atari.task import Task
+from atari.task.resolution import ALIASES, ENTRY_POINT, OPTIONS, GameLike, is_id, is_ours, known_ids, resolve_task
+from atari.validation import check_known
+from atari.vector import AtariVectorEnv
+
+_RUN_OPTIONS = ("render_mode", "core", "rom")
+"""Options of an environment that do not change what is played."""
+
+Env = gymnasium.Env[Any, Any]
+
+
+def make(game_or_id: GameLike, *, preset: str | None = None, **options: Any) -> Env:
+    """Make an environment of a game, an ID or a task, as `gymnasium.make` would.
+
+    Args:
+        game_or_id: a game's name ("breakout", which means "ALE/Breakout-v5"), an ID of this package
+            ("Breakout-ram-v4"), the path of a game file, a `Game`, or an `atari.Task`.
+        preset: name of a preprocessing, one of `atari.PRESETS`.
+        **options: fields of `atari.Task`; `render_mode`, `core` and `rom` of `atari.AtariEnv`; and those of
+            `gymnasium.make`.
+
+    Raises:
+        gymnasium.error.NameNotFound: no such ID; the message suggests the right one.
+        ValueError: no such game; the message suggests the nearest. Or a preset for an ID that is not an Atari game.
+        TypeError: there is no such option; the message suggests the nearest.
+
+    Example:
+        >>> import atari
+        >>> env = atari.make("breakout", preset="dqn2015")
+        >>> observation, info = env.reset(seed=0)
+        >>> observation.shape
+        (4, 84, 84)
+        >>> atari.make("Breakout-ram-v4").observation_space.shape
+        (128,)
+    """
+    if isinstance(game_or_id, str) and is_id(game_or_id):
+        env_id = game_or_id.removeprefix(env_ids.MODULE_PREFIX)
+        if env_id not in known_ids():
+            raise env_ids.not_found(game_or_id, known_ids())
+        if env_id not in env_ids.ids() and not is_ours(gymnasium.registry[env_id].entry_point):
+            return _make_other(env_id, preset, options)
+    known = ("preset", *OPTIONS, *ALIASES, *_RUN_OPTIONS, *_options_of_gymnasium())
+    check_known("atari.make", [name for name in options if name not in known], known)
+    own = {name: options.pop(name) for name in list(options) if name in OPTIONS or name in ALIASES}
+    task = resolve_task(game_or_id, preset, own, owner="atari.make")
+    if task.preprocessed:
+        from atari.wrappers.layers import wrap  # it imports OpenCV
+
+        env = wrap(_make_plain(game_or_id, task.of_emulator(), options), task)
+    else:
+        env = _make_plain(game_or_id, task, options)
+    env.unwrapped.whole_task = task  # type: ignore[attr-defined]
+    return env
+
+
+def _make_plain(game: GameLike, task: Task, options: dict[str, Any]) -> Env:
+    """An environment without wrappers of this package, by Gymnasium: of an ID if the game has one.
+
+    Args:
+        game: as a user gave it.
+        task: what is played.
+        options: those of `gymnasium.make`, and those that do not change what is played.
+    """
+    limit = task.max_episode_steps
+    limited: dict[str, Any] = {} if limit is None else {"max_episode_steps": limit}
+    given = game if isinstance(game, str) and is_id(game) else f"ALE/{env_ids.stem(task.game)}-v5"
+    env_id = given.removeprefix(env_ids.MODULE_PREFIX)
+    if given is not game and (isinstance(game, Task) or task.definition.file is not None):
+        return gymnasium.make(spec_of(task.replace(max_episode_steps=None)), **limited, **options)
+    base = Task.of(env_id)
+    changed = {name: getattr(task, name) for name in base.differences(task) if name != "max_episode_steps"}
+    spec = env_id if is_ours(gymnasium.registry[env_id].entry_point) else spec_of_id(env_id)
+    return gymnasium.make(spec, **{**changed, **limited, **options})
+
+
+def _make_other(env_id: str, preset: str | None, options: Mapping[str, Any]) -> Env:
+    """An environment of this package that is not of an Atari game."""
+    if preset is not None:
+        raise ValueError(f"a preset is for Atari games, and {env_id!r} is none; make it without preset={preset!r}")
+    return gymnasium.make(env_id, **options)
+
+
+def spec_of_id(env_id: str) -> EnvSpec:
+    """The spec of an ID of `ids`, as it is registered."""
+    family, game = env_ids.ids()[env_id]
+    return EnvSpec(
+        id=env_id,
+        entry_point=ENTRY_POINT,
+        kwargs={**family.options(game), "base": env_id},
+        vector_entry_point=VECTOR_ENTRY_POINT,
+    )
+
+
+def spec_of(task: Task) -> EnvSpec:
+    """A spec that contains a task."""
+    env_id = f"atari/{env_ids.stem(task.game)}-v0"
+    return EnvSpec(id=env_id, entry_point=ENTRY_POINT, kwargs={"task": task.to_json()})
+
+
+def make_env(task: Task, render_mode: Any = None, core: str = "native", rom: str | PathLike[str] | None = None) -> Env:
+    """An environment of a task: an `AtariEnv`, with wrappers around it where the task needs them."""
+    if not task.preprocessed:
+        limit = task.max_episode_steps
+        env: Env = AtariEnv(task.replace(max_episode_steps=None), render_mode=render_mode, core=core, rom=rom)
+        env = env if limit is None else _limited(env, limit)
+    else:
+        from atari.wrappers.layers import wrap  # it imports OpenCV
+
+        env = wrap(AtariEnv(task.of_emulator(), render_mode=render_mode, core=core, rom=rom), task)
+    env.unwrapped.whole_task = task  # type: ignore[attr-defined]
+    return env
+
+
+def _limited(env: Env, limit: int) -> Env:
+    from atari.wrappers._step_limit import StepLimit  # it imports OpenCV
+
+    return StepLimit(env, limit)
+
+
+def make_AtariEnv(  # other programs find Atari games by this word in the entry point
+    base: str | None = None,
+    *,
+    preset: str | None = None,
+    task: "str | Task | None" = None,
+    render_mode: Any = None,
+    core: str = "native",
+    rom: str | PathLike[str] | None = None,
+    **options: Any,
+) -> Env:
+    """The environment of a registered ID, or of a spec that contains a task: what `gymnasium.make` calls.
+
+    Args:
+        base: the ID. Options that equal its own count as not given.
+        preset: name of a preprocessing, one of `atari.PRESETS`.
+        task: a task, or its JSON, instead of an ID.
+        render_mode, core, rom: as `AtariEnv` has them.
+        **options: fields of `atari.Task`.
+
+    Raises:
+        TypeError, ValueError, FileNotFoundError: as `atari.Task.of` and `AtariEnv`.
+    """
+    if task is not None:
+        chosen = Task.from_json(task) if isinstance(task, str) else task
+        found = resolve_task(chosen, preset, options, owner=f"{chosen.game}'s spec")
+    else:
+        found = resolve_task(base or options.pop("game"), preset, given_beside(base, options), owner="AtariEnv")
+    return make_env(found, render_mode, core, rom)
+
+
+make_AtariEnv.metadata = AtariEnv.metadata  # type: ignore[attr-defined]  # which `gymnasium.make` reads
+
+
+def make_AtariVectorEnv(base: str, num_envs: int, *, preset: str | None = None, **options: Any) -> AtariVectorEnv:
+    """The vector environment of a registered ID: what `gymnasium.make_vec` calls.
+
+    ALE's v5 IDs of pixels have ale-py's preprocessing without a preset, as in ale-py; all others play what the ID says.
+
+    Raises:
+        TypeError, ValueError, FileNotFoundError: as `AtariVectorEnv`.
+    """
+    running = {name: options.pop(name) for name in _VECTOR_OPTIONS if name in options}
+    given = given_beside(base, options)
+    if preset is None and env_ids.is_ale_py_vector(base):
+        family, game = env_ids.ids()[base]
+        of_id = family.options(game)
+        return AtariVectorEnv(of_id.pop("game"), num_envs, **running, **{**of_id, **given})
+    return AtariVectorEnv(base, num_envs, preset=preset, **running, **given)
+
+
+VECTOR_ENTRY_POINT = "atari.making:make_AtariVectorEnv"
+
+_VECTOR_OPTIONS = frozenset(inspect.signature(AtariVectorEnv.__init__).parameters) - {
+    "self",
+    "game",
+    "num_envs",
+    "preset",
+    "options",
+}
+
+
+def given_beside(env_id: str | None, options: Mapping[str, Any]) -> dict[str, Any]:
+    """The options that a user gave, from those of an ID with the user's.
+
+    Raises:
+        ValueError: the user gave another game than that of the ID.
+    """
+    if env_id is None:
+        return dict(options)
+    own = spec_of_id(env_id).kwargs if env_id in env_ids.ids() else gymnasium.registry[env_id].kwargs
+    given = {name: value for name, value in options.items() if name not in own or own[name] != value}
+    if "game" in given:
+        raise ValueError(f"{env_id} is of the game {own['game']!r}, got game={given['game']!r}; make that game's ID")
+    return given
+
+
+@cache
+def _options_of_gymnasium() -> tuple[str, ...]:
+    """The options of `gymnasium.make`."""
+    return tuple(name for name in inspect.signature(gymnasium.make).parameters if name not in ("id", "kwargs"))

@@ -1,0 +1,177 @@
+"""A `Task` in words, as a table."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from atari import env_ids
+from atari.games.catalog import games
+from atari.games.players import rules_of
+from atari.task.presets import PRESETS
+from atari.task.task import Task
+
+
+def describe(task: Task) -> str:
+    """The nearest ID and preset in the first line, then a table of all that the task decides."""
+    rows = [
+        ("observation", _observation(task)),
+        ("frame skip", skip_text(task.frameskip)),
+        ("sticky", sticky_text(task.repeat_action_probability)),
+        ("actions", _actions(task)),
+        ("begin", _begin(task)),
+        ("lives", _lives(task)),
+        ("limit", _limit(task)),
+        ("reward", _reward(task)),
+        ("mode", _mode(task)),
+    ]
+    if task.interventions:
+        rows.append(("changed by", ", ".join(one.name for one in task.interventions)))
+    if task.seeding == "ale":
+        rows.append(("seeds", "as in ale-py's vector environment"))
+    return "\n".join([summary(task), *(f"  {name:<13} {text}" for name, text in rows)])
+
+
+def summary(task: Task) -> str:
+    """The task in a line: the game, the nearest ID or preset, and what differs from it.
+
+    Example:
+        >>> import atari
+        >>> from atari.task.description import summary
+        >>> summary(atari.Task.of("pong", preset="dqn2015", frameskip=3))
+        "pong: Pong, as 'pong' with preset='dqn2015', but frameskip=3"
+    """
+    title = f"{task.game}: {task.definition.title}"
+    if task.players > 1:
+        return f"{title}, {task.players} players"
+    name, near = min(_named(task).items(), key=lambda item: len(_changed(task, item[1])))
+    changed = _changed(task, near)
+    but = ", ".join(f"{field}={value!r}" for field, value in changed.items())
+    return f"{title}, as {name}" + (f", but {but}" if but else "")
+
+
+def _changed(task: Task, other: Task) -> dict[str, Any]:
+    """The fields that differ from another task of the game, with this task's values as a user would give them."""
+    fields = task.plain()
+    return {name: fields[name] for name in fields if getattr(task, name) != getattr(other, name)}
+
+
+def _named(task: Task) -> dict[str, Task]:
+    """The tasks of the game that have a name: by its IDs, and by presets."""
+    if task.definition.file is not None or task.game not in {game.id for game in games.playable()}:
+        return {f"{task.game!r}": Task.of(task.definition)}
+    families = sorted(env_ids.FAMILIES, key=lambda family: -family.version)  # the newest first
+    known = [family.id(task.game) for family in families if task.game in family.games()]
+    named = {env_id: Task.of(env_id) for env_id in known}
+    for preset in PRESETS:
+        try:
+            named[f"{task.game!r} with preset={preset!r}"] = Task.of(task.game, preset=preset)
+        except ValueError:  # the game has too few actions
+            continue
+    return named
+
+
+def _observation(task: Task) -> str:
+    rows, columns = task.definition.screen.shape
+    shape: tuple[int, ...] = (task.img_height or rows, task.img_width or columns)
+    if task.obs_type == "ram":
+        return "the 128 bytes of RAM, uint8"
+    if task.obs_type in ("rgb", "rgb_dict"):
+        shape = (*shape, 3)
+    colours = "RGB" if len(shape) == 3 else "gray"
+    small = task.img_height is not None
+    words = [f"{colours} {'image' if small else 'screen'} {shape}, uint8"]
+    if task.stack_num is not None:
+        words.append(f"a stack of {task.stack_num}, which begins with {_PADDING[task.padding]}")
+    if task.maxpool:
+        words.append("the maximum of two frames" + (", of their colours" if task.pool_rgb else ""))
+    if task.end_frames != "last":
+        words.append(f"ends inside a skip as in {task.end_frames}")
+    if task.obs_type in ("dict", "rgb_dict"):
+        words.append("and the 128 bytes of RAM")
+    if task.sound_obs:
+        words.append("and 512 samples of sound")
+    if task.agent_indicator:
+        words.append("with the number of the player")
+    return "; ".join(words)
+
+
+_PADDING: Mapping[str, str] = {"zero": "black images", "reset": "copies of the first image"}
+
+
+def skip_text(frameskip: int | tuple[int, int]) -> str:
+    """A frame skip in words."""
+    if isinstance(frameskip, tuple):
+        low, high = frameskip
+        return f"random, {low} to {high - 1} frames a step"
+    return "none, 1 frame a step" if frameskip == 1 else f"{frameskip} frames a step"
+
+
+def sticky_text(probability: float) -> str:
+    """Sticky actions in words."""
+    return f"the previous action repeats with probability {probability} each frame" if probability else "no"
+
+
+def _actions(task: Task) -> str:
+    if task.continuous:
+        return f"continuous: radius, angle, fire; threshold {task.continuous_action_threshold}"
+    names = " ".join(action.name for action in task.action_set)
+    kind = {"minimal": ", those the game uses", "full": ", all legal ones"}.get(str(task.actions), "")
+    return f"{len(task.action_set)}{kind}: {names}"
+
+
+def _begin(task: Task) -> str:
+    low, high = task.noops
+    noops = f"{low} to {high} no-ops" + (", FIRE among them" if task.fire_counts else "") if high else ""
+    unit = " for a whole step" if task.fire_unit == "skip" else ""
+    fire = "" if task.fire == "never" else f"FIRE{unit}" + (", then action 2" if task.third_action else "")
+    order = [fire, noops] if task.fire == "before_noops" else [noops, fire]
+    again = "" if task.fire_again else "; FIRE is not pressed again if the game ends in them"
+    return ", then ".join(part for part in order if part) + again or "the emulator's reset alone"
+
+
+_ON_RESET: Mapping[str, str] = {
+    "noop": "continues the game with a NOOP",
+    "continue": "continues the game",
+    "new_game": "begins a new game",
+}
+
+
+def _lives(task: Task) -> str:
+    if task.life_loss_info:
+        return "a lost life is reported as a termination; the episode goes on"
+    if not task.episodic_life:
+        return "a lost life does not end an episode"
+    words = [f"a lost life ends an episode; the reset after it {_ON_RESET[task.on_reset]}"]
+    if task.lives_unit == "skip":
+        words.append("whole steps are played")
+    if task.last_life:
+        words.append("the last life counts too")
+    if task.seamless_lives:
+        words.append("skip and stack go on")
+    return "; ".join(words)
+
+
+def _limit(task: Task) -> str:
+    limits = {
+        "frames of the emulator": task.max_num_frames_per_episode,
+        "frames after the beginning": task.max_frames,
+        "steps": task.max_episode_steps,
+    }
+    words = [f"{number:,} {unit}" for unit, number in limits.items() if number is not None]
+    return "truncated after " + " or ".join(words) if words else "none"
+
+
+def _reward(task: Task) -> str:
+    words = ["clipped to -1..1" if task.reward_clipping else "the change of the score"]
+    return ", ".join([*words, "minus the mean of the other players'"] if task.zero_sum else words)
+
+
+def _mode(task: Task) -> str:
+    game = task.definition
+    modes, difficulties = game.modes, game.difficulties
+    if task.players > 1:
+        rules = rules_of(game)
+        modes, difficulties = rules.modes[task.players], rules.difficulties
+    return (
+        f"{task.mode} of {', '.join(map(str, modes))}; "
+        f"difficulty {task.difficulty} of {', '.join(map(str, difficulties))}"
+    )

@@ -1,0 +1,179 @@
+"""The fields of a `Task` one by one: what each accepts, and its group."""
+
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, Literal, get_args
+
+import numpy as np
+
+from atari.actions import PLAYER_ACTIONS, Action
+from atari.validation import (
+    OptionTypeError,
+    check_frameskip,
+    check_integer,
+    check_name,
+    check_probability,
+)
+
+ObsType = Literal["rgb", "grayscale", "ram", "dict", "rgb_dict"]
+Fire = Literal["never", "before_noops", "after_noops"]
+OnReset = Literal["noop", "continue", "new_game"]
+Unit = Literal["frame", "skip"]
+Seeding = Literal["gymnasium", "ale"]
+Padding = Literal["zero", "reset"]
+EndFrames = Literal["last", "gymnasium", "baselines", "envpool"]
+
+NO_LIMIT = 2**31 - 1
+"""The highest limit of frames or steps."""
+
+
+class _Unset:
+    """The type of `UNSET`."""
+
+    def __repr__(self) -> str:
+        return "as the game says"
+
+
+UNSET: Any = _Unset()
+"""The default of an option that a user may leave out."""
+
+GROUPS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "game": ("game", "rules", "rom_md5", "mode", "difficulty", "players"),
+        "play": (
+            "actions",
+            "continuous",
+            "continuous_action_threshold",
+            "repeat_action_probability",
+            "frameskip",
+            "interventions",
+        ),
+        "begin": ("noops", "fire", "fire_counts", "third_action", "fire_unit", "fire_again", "seeding"),
+        "lives": ("episodic_life", "lives_unit", "on_reset", "last_life", "seamless_lives", "life_loss_info"),
+        "limits": ("max_num_frames_per_episode", "max_frames", "max_episode_steps"),
+        "observation": (
+            "obs_type",
+            "img_height",
+            "img_width",
+            "stack_num",
+            "maxpool",
+            "pool_rgb",
+            "padding",
+            "end_frames",
+            "sound_obs",
+            "agent_indicator",
+        ),
+        "reward": ("reward_clipping", "zero_sum"),
+    }
+)
+"""The fields of a `Task` by group."""
+
+
+def check_field(name: str, value: Any) -> Any:
+    """The value of a field as a `Task` holds it.
+
+    Raises:
+        TypeError, ValueError: it is of the wrong kind or out of range.
+    """
+    return _CHECKS[name](name, value)
+
+
+def check_bool(name: str, value: Any) -> bool:
+    """`value`, which must be True or False."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise OptionTypeError(f"{name} must be True or False, got {value!r}")
+    return bool(value)
+
+
+def check_actions(name: str, value: Any) -> str | tuple[str, ...]:
+    """ "minimal", "full", or the names of actions as a tuple.
+
+    Raises:
+        TypeError, ValueError: it is none of these, or a name stands twice.
+    """
+    if isinstance(value, str):
+        if value in ("minimal", "full"):
+            return value
+        raise ValueError(f"{name} must be 'minimal', 'full' or a list of names such as ['NOOP', 'FIRE'], got {value!r}")
+    if not isinstance(value, Sequence) or not value:
+        raise TypeError(f"{name} must be 'minimal', 'full' or a list of names such as ['NOOP', 'FIRE'], got {value!r}")
+    known = [action.name for action in PLAYER_ACTIONS]
+    names = tuple(one.name if isinstance(one, Action) else check_name(f"each of {name}", one, known) for one in value)
+    if len(set(names)) < len(names):
+        raise ValueError(f"{name} has a name twice: {', '.join(names)}")
+    return names
+
+
+def _check_text(name: str, value: Any) -> str | None:
+    if value is not None and not isinstance(value, str):
+        raise TypeError(f"{name} must be a string or None, got {value!r}")
+    return value
+
+
+def _check_noops(name: str, value: Any) -> tuple[int, int]:
+    if not isinstance(value, (tuple, list)) or len(value) != 2:
+        raise OptionTypeError(f"{name} must be (low, high), both included, such as (1, 30), got {value!r}")
+    low, high = (check_integer(name, one, 0, 1_000_000) for one in value)
+    if low > high:
+        raise ValueError(f"{name} must be (low, high) with low of at most high, got {value!r}")
+    return low, high
+
+
+def _one_of(choices: Any) -> Callable[[str, Any], str]:
+    return lambda name, value: check_name(name, value, get_args(choices))
+
+
+def _number(low: int, high: int) -> Callable[[str, Any], int]:
+    return lambda name, value: check_integer(name, value, low, high)
+
+
+def _optional(check: Callable[[str, Any], Any]) -> Callable[[str, Any], Any]:
+    return lambda name, value: None if value is None else check(name, value)
+
+
+def _as_is(name: str, value: Any) -> Any:
+    return value
+
+
+_CHECKS: Mapping[str, Callable[[str, Any], Any]] = {
+    "game": _as_is,  # `Task` finds the game, and its modes, difficulties and interventions
+    "rules": _check_text,
+    "rom_md5": _check_text,
+    "mode": _as_is,
+    "difficulty": _as_is,
+    "players": _number(1, 4),
+    "actions": check_actions,
+    "continuous": check_bool,
+    "continuous_action_threshold": lambda name, value: float(np.float32(check_probability(name, value))),
+    "repeat_action_probability": check_probability,
+    "frameskip": lambda name, value: check_frameskip(value),
+    "interventions": _as_is,
+    "noops": _check_noops,
+    "fire": _one_of(Fire),
+    "fire_counts": check_bool,
+    "third_action": check_bool,
+    "fire_unit": _one_of(Unit),
+    "fire_again": check_bool,
+    "seeding": _one_of(Seeding),
+    "episodic_life": check_bool,
+    "lives_unit": _one_of(Unit),
+    "on_reset": _one_of(OnReset),
+    "last_life": check_bool,
+    "seamless_lives": check_bool,
+    "life_loss_info": check_bool,
+    "max_num_frames_per_episode": lambda name, value: _optional(_number(0, NO_LIMIT))(name, value) or None,
+    "max_frames": _optional(_number(1, NO_LIMIT)),
+    "max_episode_steps": _optional(_number(1, NO_LIMIT)),
+    "obs_type": _one_of(ObsType),
+    "img_height": _optional(_number(1, 256)),
+    "img_width": _optional(_number(1, 160)),
+    "stack_num": _optional(_number(1, 10_000)),
+    "maxpool": check_bool,
+    "pool_rgb": check_bool,
+    "padding": _one_of(Padding),
+    "end_frames": _one_of(EndFrames),
+    "sound_obs": check_bool,
+    "agent_indicator": check_bool,
+    "reward_clipping": check_bool,
+    "zero_sum": check_bool,
+}

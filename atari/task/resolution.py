@@ -1,0 +1,206 @@
+"""`resolve_task`: the only way from what a user gives to a `Task`."""
+
+from collections.abc import Iterable, Mapping
+from os import PathLike
+from typing import Any
+
+import gymnasium
+
+from atari import env_ids
+from atari.games.catalog import games
+from atari.games.game import Game
+from atari.task.fields import check_bool, check_field
+from atari.task.presets import Preset, find_preset
+from atari.task.rules import settle
+from atari.task.task import DEFAULTS, FIELDS, Task
+from atari.validation import check_known
+
+OPTIONS: tuple[str, ...] = tuple(name for name in FIELDS if name not in ("game", "rules", "rom_md5"))
+"""The options of a task: its fields that a user may give beside the game."""
+
+ALIASES: Mapping[str, str] = {"full_action_space": "actions", "clip_reward": "reward_clipping"}
+"""Other names of options, those of Gymnasium and ale-py."""
+
+_NONE_IS_NOT_GIVEN = frozenset(
+    ("repeat_action_probability", "actions", "episodic_life", "reward_clipping", "obs_type", "players", "interventions")
+)
+"""Options of which None is as if they were not given, as functions of ale-py and of this package have them."""
+
+GameLike = str | PathLike[str] | Game | Task
+
+
+def resolve_task(
+    game: GameLike,
+    preset: str | None,
+    options: Mapping[str, Any],
+    *,
+    base: Mapping[str, Any] | None = None,
+    owner: str = "Task.of",
+    others: Iterable[str] = ("preset",),
+) -> Task:
+    """The task of a game and options, see `Task.of`.
+
+    Args:
+        game: an ID, a game or a task.
+        preset: name of a preset.
+        options: what a user gave.
+        base: fields that a bare name, a file or a `Game` has instead of those of ALE's v5, unless there is a preset.
+        owner: the function that the user called, for errors.
+        others: names of the other options of `owner`, for the suggestion in an error.
+
+    Raises:
+        gymnasium.error.NameNotFound, TypeError, ValueError, FileNotFoundError: as `Task.of`.
+    """
+    given, names = translate(options, owner, others)
+    fields = {**DEFAULTS, **_start(game, {} if preset is not None or base is None else base, given)}
+    if preset is not None:
+        chosen = find_preset(preset)
+        _require(preset, chosen, given, names, fields["game"])
+        fields |= _fitting(chosen, fields)
+    fields |= given
+    settle(fields, DEFAULTS, given)
+    return Task(**fields)
+
+
+def resolve_for_agent(
+    game: GameLike, preset: str | None, options: Mapping[str, Any], *, default: str = "baselines", owner: str
+) -> Task:
+    """The task of an agent, which needs preprocessing: as `resolve_task`, but an ID decides how the game is played.
+
+    An ID keeps its sticky actions, its actions, and RAM; the preset decides the rest. A `Task` is played as it is
+    unless a preset is named.
+
+    Args:
+        game, options, owner: as of `resolve_task`.
+        preset: name of a preset; None is `default`.
+        default: the preset of a game or an ID.
+
+    Raises:
+        gymnasium.error.NameNotFound, TypeError, ValueError, FileNotFoundError: as `Task.of`; ValueError also if the
+            preset requires what the ID does not have.
+    """
+    if isinstance(game, Task) and preset is None:
+        return resolve_task(game, None, options, owner=owner)
+    name = preset or default
+    if not (isinstance(game, str) and is_id(game)):
+        return resolve_task(game, name, options, owner=owner)
+    given, _ = translate(options, owner)
+    of_id = resolve_task(game, None, {}, owner=owner)
+    kept = {field: getattr(of_id, field) for field in ("repeat_action_probability", "actions") if field not in given}
+    chosen = find_preset(name)
+    for field in chosen.required:
+        if field in kept and of_id.differences(of_id.replace(**{field: chosen.fields[field]})):
+            raise ValueError(
+                f"preset {name!r} needs {field}={chosen.fields[field]!r}, and {game} has {kept[field]!r}; "
+                f"use the game's name, {of_id.game!r}, or another preset"
+            )
+    return resolve_task(game, name, {**kept, **options}, owner=owner)
+
+
+def translate(
+    options: Mapping[str, Any], owner: str, others: Iterable[str] = ()
+) -> tuple[dict[str, Any], dict[str, str]]:
+    """The checked fields of options, and the name under which a user gave each of them.
+
+    Raises:
+        TypeError, ValueError: there is no such option, the nearest is suggested; or its value is wrong, or it is given
+            under two names.
+    """
+    known = (*OPTIONS, *ALIASES)
+    check_known(owner, [name for name in options if name not in known], (*known, *others))
+    fields: dict[str, Any] = {}
+    names: dict[str, str] = {}
+    for name, value in options.items():
+        field = ALIASES.get(name, name)
+        if value is None and field in _NONE_IS_NOT_GIVEN:
+            continue
+        if field in names:
+            raise TypeError(f"{names[field]} and {name} are two names of one option; give one of them")
+        if name == "full_action_space":
+            value = "full" if check_bool(name, value) else "minimal"
+        fields[field], names[field] = check_field(field, value), name
+    return fields, names
+
+
+def _start(game: GameLike, base: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """The fields that the game brings."""
+    if isinstance(game, Task):
+        fields = {name: getattr(game, name) for name in FIELDS}
+        if given.get("players", game.players) != game.players:
+            fields["mode"] = None  # each number of players has modes of its own
+        return {**fields, "game": game.definition}
+    if isinstance(game, str) and is_id(game):
+        return _of_id(game)
+    several = given.get("players", 1) > 1
+    return {**base, "game": games.resolve(spelled(game)) if several else games.find(spelled(game))}
+
+
+def is_id(game: str) -> bool:
+    """Whether a string is an environment ID, not a game's name or a file."""
+    return not game.endswith(".toml") and ("-v" in game or "/" in game or game.startswith(env_ids.MODULE_PREFIX))
+
+
+def spelled(game: Any) -> Any:
+    """A game's name as the catalogue has it: "MsPacman" is "ms_pacman". Anything else as it is."""
+    if not isinstance(game, str) or game in games or game.endswith(".toml"):
+        return game
+    wanted = game.replace("_", "").lower()
+    return next((name for name in games if name.replace("_", "") == wanted), game)
+
+
+def _of_id(env_id: str) -> dict[str, Any]:
+    """The fields of a registered ID.
+
+    Raises:
+        gymnasium.error.NameNotFound: there is no such ID, or it is not of an Atari game.
+    """
+    known = env_id.removeprefix(env_ids.MODULE_PREFIX)
+    if known in env_ids.ids():
+        family, game = env_ids.ids()[known]
+        options = family.options(game)
+    else:
+        spec = gymnasium.registry.get(known)
+        if spec is None or not is_ours(spec.entry_point):
+            raise env_ids.not_found(env_id, known_ids())
+        options = {name: value for name, value in spec.kwargs.items() if name not in ("rom", "base")}
+    game = options.pop("game")
+    return {**translate(options, env_id)[0], "game": games.find(game)}
+
+
+ENTRY_POINT = "atari.making:make_AtariEnv"
+"""What `gymnasium.make` calls for an ID of an Atari game. Other programs find Atari games by the word AtariEnv."""
+
+
+def is_ours(entry_point: Any) -> bool:
+    """Whether an entry point in Gymnasium's registry is that of this package's Atari games."""
+    return bool(entry_point == ENTRY_POINT)
+
+
+def known_ids() -> tuple[str, ...]:
+    """Every ID that `atari.make` accepts: those of `ids`, of the algorithmic tasks, and of registered games."""
+    others = (env_id for env_id, spec in gymnasium.registry.items() if str(spec.entry_point).startswith("atari."))
+    return tuple(dict.fromkeys([*env_ids.ids(), *others]))
+
+
+def _require(name: str, preset: Preset, given: Mapping[str, Any], names: Mapping[str, str], game: Game) -> None:
+    """Refuse an option that contradicts what a preset requires."""
+    if given.get("players", 1) > 1:
+        raise ValueError(f"preset {name!r} is for one player; leave players={given['players']} or the preset out")
+    for field in preset.required:
+        wanted = preset.fields[field]
+        if field not in given or given[field] == wanted:
+            continue
+        if field == "actions" and Task.of(game, actions=given[field]) == Task.of(game, actions=wanted):
+            continue  # both sets are the same in this game
+        shown, value = wanted, given[field]
+        if names[field] == "full_action_space":
+            shown, value = wanted == "full", given[field] == "full"
+        raise ValueError(f"preset {name!r} needs {names[field]}={shown!r}, got {value!r}; leave it out")
+
+
+def _fitting(preset: Preset, fields: Mapping[str, Any]) -> dict[str, Any]:
+    """The fields of a preset for a game or task: an ID of RAM keeps RAM, because a preset says how images are made."""
+    chosen = dict(preset.fields)
+    if fields["obs_type"] == "ram":
+        del chosen["obs_type"]
+    return chosen

@@ -1,0 +1,177 @@
+"""Which fields of a `Task` have an effect together.
+
+A field that another one leaves without effect is refused if a user gave it, and takes its default if it comes from a
+preset, an ID or another task. So two tasks that play the same are equal.
+"""
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from atari.games.game import Game
+from atari.task.fields import NO_LIMIT
+
+Fields = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class _Need:
+    """`fields` have an effect only where `holds`; `because` says why, and how to give them an effect."""
+
+    fields: tuple[str, ...]
+    holds: Callable[[Fields], bool]
+    because: str
+
+
+_IMAGE = ("img_height", "img_width", "stack_num", "maxpool", "pool_rgb", "padding", "end_frames")
+
+
+def _has_image(task: Fields) -> bool:
+    return bool(task["obs_type"] != "ram")
+
+
+def _is_gray(task: Fields) -> bool:
+    return task["obs_type"] in ("grayscale", "dict")
+
+
+def _fires(task: Fields) -> bool:
+    return bool(task["fire"] != "never")
+
+
+_NEEDS = (
+    _Need(
+        ("on_reset", "lives_unit", "seamless_lives"),
+        lambda task: bool(task["episodic_life"]),
+        "no lost life ends an episode; add episodic_life=True",
+    ),
+    _Need(
+        ("last_life",),
+        lambda task: bool(task["episodic_life"] or task["life_loss_info"]),
+        "no lost life has an effect; add episodic_life=True or life_loss_info=True",
+    ),
+    _Need(
+        ("fire_counts", "third_action", "fire_unit"),
+        _fires,
+        "FIRE is never pressed; add fire='after_noops'",
+    ),
+    _Need(
+        ("fire_again",),
+        lambda task: bool(task["fire"] == "before_noops" and task["noops"][1] > 0),
+        "no no-ops follow FIRE; add fire='before_noops' and noops=(1, 30)",
+    ),
+    _Need(
+        ("continuous_action_threshold",),
+        lambda task: bool(task["continuous"]),
+        "actions are not continuous; add continuous=True",
+    ),
+    _Need(_IMAGE, _has_image, "obs_type='ram' has no image; use obs_type='dict' for both"),
+    _Need(
+        ("padding",),
+        lambda task: task["stack_num"] is not None,
+        "there is no stack to fill; add stack_num=4",
+    ),
+    _Need(
+        ("max_frames",),
+        lambda task: (
+            task["max_frames"] is None or task["max_frames"] <= (task["max_num_frames_per_episode"] or NO_LIMIT)
+        ),
+        "max_num_frames_per_episode ends episodes earlier; make that None",
+    ),
+    _Need(
+        ("pool_rgb",),
+        lambda task: bool(_is_gray(task) and task["maxpool"]),
+        "no colours are pooled for a gray image; use obs_type='grayscale' with maxpool=True",
+    ),
+    _Need(
+        ("agent_indicator", "zero_sum"),
+        lambda task: bool(task["players"] > 1),
+        "one player plays; add players=2",
+    ),
+)
+"""A rule may depend on a field of the rules before it."""
+
+
+def settle(fields: dict[str, Any], defaults: Fields, given: Collection[str]) -> None:
+    """Set the fields without effect to their defaults, in place.
+
+    Raises:
+        ValueError: a user gave one of them.
+    """
+    if fields["continuous"] and isinstance(fields["actions"], str):
+        fields["actions"] = "full"  # the stick reaches all of them
+    for need in _NEEDS:
+        if need.holds(fields):
+            continue
+        for name in need.fields:
+            if name in given and fields[name] != defaults[name]:
+                raise ValueError(f"{name}={fields[name]!r} has no effect, because {need.because}, or leave {name} out")
+            fields[name] = defaults[name]
+
+
+def check_together(task: Fields, game: Game) -> None:
+    """Refuse combinations that have no meaning.
+
+    Raises:
+        ValueError: two fields contradict each other; the message names both and a way out.
+    """
+    for wrong, text in _contradictions(task, game):
+        if wrong:
+            raise ValueError(text)
+
+
+def _contradictions(task: Fields, game: Game) -> list[tuple[bool, str]]:
+    several = task["players"] > 1
+    height, width = task["img_height"], task["img_width"]
+    return [
+        (
+            task["fire"] == "before_noops" and task["fire_unit"] == "skip",
+            "fire='before_noops' presses FIRE before single frames, and fire_unit='skip' for a whole step after them; "
+            "use fire='after_noops' or fire_unit='frame'",
+        ),
+        (
+            task["third_action"] and task["continuous"],
+            "third_action=True plays the action with index 2, and continuous=True has no such action; "
+            "leave one of them out",
+        ),
+        (
+            task["episodic_life"] and task["life_loss_info"],
+            "episodic_life=True ends an episode with a lost life, and life_loss_info=True goes on; "
+            "leave one of them out",
+        ),
+        (
+            task["seamless_lives"] and "skip" in (task["lives_unit"], task["fire_unit"]),
+            "seamless_lives=True keeps a skip whole in which a life is lost, and with lives_unit='skip' or "
+            "fire_unit='skip' all are; use 'frame' for both, or seamless_lives=False",
+        ),
+        (
+            task["pool_rgb"] and task["end_frames"] not in ("last", "baselines"),
+            f"pool_rgb=True has no meaning for end_frames={task['end_frames']!r}, which only gray images have; "
+            "use end_frames='last' or 'baselines'",
+        ),
+        (
+            height is not None and height > game.screen.height,
+            f"img_height must be at most {game.screen.height}, the rows of {game.id}'s screen, got {height}",
+        ),
+        (
+            (height is None) != (width is None),
+            f"img_height and img_width go together, got {height} and {width}; give both, or leave both out",
+        ),
+        (
+            several and (task["episodic_life"] or task["life_loss_info"]),
+            "episodic_life and life_loss_info are for one player, because players lose lives at different times; "
+            f"leave them or players={task['players']} out",
+        ),
+        (
+            several and _fires(task),
+            f"fire={task['fire']!r} is for one player; leave it or players={task['players']} out",
+        ),
+        (
+            several and task["continuous"],
+            f"continuous=True is for one player; leave it or players={task['players']} out",
+        ),
+        (
+            task["sound_obs"] and task["obs_type"] in ("dict", "rgb_dict"),
+            f"sound_obs=True makes a dict of image and sound, and obs_type={task['obs_type']!r} one of image and RAM; "
+            "leave one of them out",
+        ),
+    ]

@@ -1,0 +1,147 @@
+"""A `Task` as JSON: strict, with a version, and bounded in size and depth."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from atari.games.catalog import games
+from atari.games.game import Game
+from atari.task.task import DEFAULTS, FIELDS, Task
+
+FORMAT = 1
+"""The version of the format. A newer one is refused; a reader of an older one fills in its defaults."""
+
+_MOST_CHARACTERS = 1 << 20
+_MOST_LEVELS = 16
+
+_DEFAULTS: Mapping[int, Mapping[str, Any]] = {1: {**DEFAULTS, "file": None}}
+"""By format, what a missing key means."""
+
+
+def to_json(task: Task) -> str:
+    """All fields of a task, sorted by name, with the path of its game file.
+
+    Raises:
+        ValueError: the game is a `Game` that no file has.
+    """
+    game = task.definition
+    if game.file is None and games.get(game.id) != game:  # a pickled game is equal, but another object
+        raise ValueError(f"the game {game.id!r} was made in memory; write its definition to a .toml file and use that")
+    file = None if game.file is None else str(game.file)
+    return json.dumps({"format": FORMAT, **_table(task), "file": file}, sort_keys=True)
+
+
+def to_short_json(task: Task) -> str:
+    """The fields of a task that do not have their default, for a file that knows the game."""
+    table, defaults = _table(task), _DEFAULTS[FORMAT]
+    changed = {name: value for name, value in table.items() if name == "game" or value != _plain(defaults[name])}
+    return json.dumps({"format": FORMAT, **changed}, sort_keys=True)
+
+
+def _table(task: Task) -> dict[str, Any]:
+    fields = {name: getattr(task, name) for name in FIELDS}
+    return {**fields, "interventions": [one.definition() for one in task.interventions]}
+
+
+def _plain(value: Any) -> Any:
+    return list(value) if value == () else value
+
+
+def from_json(text: str, game: Game | None = None) -> Task:
+    """The task of a text of `to_json`.
+
+    Args:
+        text: the JSON.
+        game: the game of the task; no file is read then. None finds it by the text.
+
+    Raises:
+        TypeError, ValueError: the text is none, or of another game; the message names the key.
+    """
+    table = _read(text)
+    number = table.pop("format", None)
+    if isinstance(number, bool) or not isinstance(number, int) or number < 1:
+        raise ValueError(f'a task\'s "format" must be an integer of 1 or more, got {number!r}')
+    if number > FORMAT:
+        raise ValueError(
+            f"the task is of format {number}, and this release of atari-envs reads up to {FORMAT}; install a newer one"
+        )
+    defaults = _DEFAULTS[number]
+    for key in table:
+        if key not in defaults:
+            raise ValueError(f"a task has no key {key!r}; it has {', '.join(sorted(defaults))}")
+    if "game" not in table:
+        raise ValueError("a task needs the key 'game'")
+    fields = {**defaults, **table}
+    for key in ("frameskip", "noops", "actions"):
+        if isinstance(fields[key], list):
+            fields[key] = tuple(fields[key])
+    changes = fields["interventions"]
+    if not isinstance(changes, (list, tuple)) or not all(isinstance(one, dict) for one in changes):
+        raise TypeError(f"'interventions' must be a list of definitions, got {changes!r:.80}")
+    fields["game"] = _game(fields["game"], fields.pop("file"), game)
+    return Task(**fields)
+
+
+def _game(name: Any, file: Any, game: Game | None) -> Any:
+    """What `Task` takes as the game."""
+    if not isinstance(name, str) or not (file is None or isinstance(file, str)):
+        raise TypeError(f"'game' must be a string and 'file' a string or null, got {name!r} and {file!r}")
+    if game is not None:
+        if name != game.id or file is not None:
+            raise ValueError(f"the task is of the game {file or name!r}, not of {game.id!r}")
+        return game
+    if file is None:
+        if name not in games:
+            raise ValueError(games.unknown(name))
+        return name
+    if Path(file).suffix != ".toml":
+        raise ValueError(f"'file' must be a game file, *.toml, got {file!r}")
+    if not Path(file).is_file():
+        raise ValueError(f"the game file {file} of the task is gone; put it there again, or use the game's name")
+    return Path(file)
+
+
+def _read(text: Any) -> dict[str, Any]:
+    """The table of a text.
+
+    Raises:
+        TypeError, ValueError: it is too long, too deep, not JSON, or no table.
+    """
+    if not isinstance(text, str):
+        raise TypeError(f"a task is read from a string of JSON, got {text!r:.80}")
+    if len(text) > _MOST_CHARACTERS:
+        raise ValueError(f"a task has at most {_MOST_CHARACTERS:,} characters, got {len(text):,}")
+    if _depth(text) > _MOST_LEVELS:
+        raise ValueError(f"the lists and objects of a task are nested at most {_MOST_LEVELS} deep")
+    try:
+        table = json.loads(text, object_pairs_hook=_unique, parse_constant=_no_constant)
+    except json.JSONDecodeError as error:
+        raise ValueError(f"a task must be JSON: {error}") from None
+    if not isinstance(table, dict):
+        raise ValueError(f"a task must be a JSON object, got {table!r:.80}")
+    return table
+
+
+def _depth(text: str) -> int:
+    """How deep brackets are nested; those in strings count, which only makes the limit stricter."""
+    deepest = depth = 0
+    for character in text:
+        if character in "[{":
+            depth += 1
+            deepest = max(deepest, depth)
+        elif character in "]}":
+            depth -= 1
+    return deepest
+
+
+def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    table = dict(pairs)
+    if len(table) < len(pairs):
+        keys = [key for key, _ in pairs]
+        raise ValueError(f"a task has the key {next(key for key in keys if keys.count(key) > 1)!r} twice")
+    return table
+
+
+def _no_constant(name: str) -> Any:
+    raise ValueError(f"a task has no {name}; numbers are finite")

@@ -1,0 +1,399 @@
+"""`Task`: everything that decides what an agent sees, may do and is paid, as one value."""
+
+import copy
+import dataclasses
+import operator
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, dataclass, field
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+from atari.actions import PLAYER_ACTIONS, Action
+from atari.cores.options import CoreOptions
+from atari.games.catalog import games
+from atari.games.fingerprint import fingerprint
+from atari.games.game import Game
+from atari.games.interventions import Intervention, resolve
+from atari.games.players import choose_mode, rules_of
+from atari.task.fields import GROUPS, EndFrames, Fire, ObsType, OnReset, Padding, Seeding, Unit, check_field
+from atari.task.rules import check_together, settle
+from atari.validation import check_integer
+
+if TYPE_CHECKING:
+    import gymnasium
+
+    from atari.vector import AtariVectorEnv
+
+
+@dataclass(frozen=True, repr=False)
+class Task:
+    """What is played: a game, and everything that decides what an agent sees, may do and is paid.
+
+    `Task.of` makes one from an environment ID, the name of a game or a game file, with options. Every function, class
+    and command of this package that plays a game takes a task, or the same options by the same names. The defaults are
+    those of ALE's v5 environments. Tasks that play the same are equal; they can be hashed, pickled and stored as JSON.
+
+    Attributes:
+        game: id of the game ("breakout"). The constructor also takes a game file of your own, or a `Game`.
+        rules: fingerprint of the game definition; "" in the constructor is that of the installed one.
+        rom_md5: MD5 of the ROM, None if it is not known; it is not compared by `==`.
+        mode: game mode, None in the constructor is the default one. With several players, the number is that of
+            Multi-Agent-ALE.
+        difficulty: None in the constructor is ALE's default, 0.
+        players: 1, or 2 to 4 who play one game.
+        actions: minimal (those that the game uses), full (all legal ones), or names of actions.
+        continuous: actions are (radius, angle, fire), three float32 (Farebrother and Castro 2024, "CALE").
+        continuous_action_threshold: how far the stick must be moved, or fire pressed, to count.
+        repeat_action_probability: of repeating the previous action, drawn in each frame (sticky actions).
+        frameskip: frames for each action, or (low, high) for a number within low..high-1 drawn at each step.
+        interventions: changes of the game through its RAM; names, paths as "file.toml#name", or definitions.
+        noops: an episode begins with so many frames of NOOP, drawn from (low, high), both included.
+        fire: whether an episode begins with FIRE, before or after the no-ops, in games that have it.
+        fire_counts: FIRE is one of the no-ops.
+        third_action: the action with index 2 follows FIRE, as in OpenAI's Baselines.
+        fire_unit: FIRE is played for a frame, or for a skip: a whole step, after the no-ops.
+        fire_again: FIRE is pressed again when a game ends in the no-ops that follow it.
+        seeding: which generators a seed starts: gymnasium (NumPy's PCG64 for no-ops and skips, the emulator's from the
+            second word of the seed) or ale (a Mersenne Twister, and the seed itself for the emulator).
+        episodic_life: a lost life ends the episode.
+        lives_unit: lives are compared after each frame, so that a lost life cuts a skip short, or after a whole skip.
+        on_reset: what a reset after a lost life does: a step of NOOP, nothing (continue), or a new game.
+        last_life: losing the last life counts in games that continue after it.
+        seamless_lives: a lost life neither cuts a skip short nor clears the stack.
+        life_loss_info: a lost life is reported as a termination, and the episode goes on.
+        max_num_frames_per_episode: limit on all frames of a game, no-ops included; None is none.
+        max_frames: limit on the frames of a game after its beginning; None is none.
+        max_episode_steps: limit on the agent's steps of an episode; None is none.
+        obs_type: rgb, grayscale, ram (128 bytes), dict (gray image and RAM) or rgb_dict.
+        img_height: rows of the image, None for those of the screen.
+        img_width: columns of the image, None for those of the screen.
+        stack_num: images in an observation, the oldest first; None is one, without an axis for it.
+        maxpool: the image is the maximum of the last two frames of a skip.
+        pool_rgb: colours are pooled and then made gray, as in OpenAI's Baselines, instead of ALE's gray values.
+        padding: what fills the stack at the start of an episode: zero, or reset, the first image.
+        end_frames: what is observed when an episode ends inside a skip; see `atari.wrappers.DqnPreprocessing`.
+        sound_obs: observations are image and sound: 512 samples of the step's last frame.
+        agent_indicator: each of several players sees more channels, which say which player it is.
+        reward_clipping: rewards are clipped to -1..1.
+        zero_sum: each of several players gets its reward minus the mean of the others'.
+
+    Raises:
+        TypeError, ValueError: a field is of the wrong kind or out of range, has no effect beside the others, or
+            contradicts one of them; the message says what to change.
+
+    Example:
+        >>> import atari
+        >>> task = atari.Task.of("breakout", preset="dqn2015", frameskip=3)
+        >>> task.frameskip, task.noops, task.episodic_life
+        (3, (1, 30), True)
+        >>> task == atari.Task.from_json(task.to_json())
+        True
+        >>> env = task.make()
+        >>> env.reset(seed=0)[0].shape
+        (4, 84, 84)
+        >>> task.differences(atari.Task.of("breakout", preset="dqn2015"))
+        {'frameskip': (3, 4)}
+    """
+
+    game: str
+    _: KW_ONLY
+    rules: str = ""
+    rom_md5: str | None = field(default=None, compare=False)
+    mode: int | None = None
+    difficulty: int | None = None
+    players: int = 1
+    actions: str | tuple[str, ...] = "minimal"
+    continuous: bool = False
+    continuous_action_threshold: float = 0.5
+    repeat_action_probability: float = 0.25
+    frameskip: int | tuple[int, int] = 4
+    interventions: tuple[Intervention, ...] = ()
+    noops: tuple[int, int] = (0, 0)
+    fire: Fire = "never"
+    fire_counts: bool = False
+    third_action: bool = False
+    fire_unit: Unit = "frame"
+    fire_again: bool = True
+    seeding: Seeding = "gymnasium"
+    episodic_life: bool = False
+    lives_unit: Unit = "frame"
+    on_reset: OnReset = "new_game"
+    last_life: bool = False
+    seamless_lives: bool = False
+    life_loss_info: bool = False
+    max_num_frames_per_episode: int | None = 108_000
+    max_frames: int | None = None
+    max_episode_steps: int | None = None
+    obs_type: ObsType = "rgb"
+    img_height: int | None = None
+    img_width: int | None = None
+    stack_num: int | None = None
+    maxpool: bool = False
+    pool_rgb: bool = False
+    padding: Padding = "zero"
+    end_frames: EndFrames = "last"
+    sound_obs: bool = False
+    agent_indicator: bool = False
+    reward_clipping: bool = False
+    zero_sum: bool = False
+
+    definition: Game = field(init=False, compare=False)
+    """The game definition."""
+
+    def __post_init__(self) -> None:
+        fields = {name: check_field(name, getattr(self, name)) for name in FIELDS}
+        self._find_game(fields)
+        settle(fields, DEFAULTS, given=FIELDS)
+        check_together(fields, self.definition)
+        self._settle_actions(fields)
+        for name, value in fields.items():
+            object.__setattr__(self, name, value)
+        if self.sound_obs and (others := self.fields_of_wrappers()):
+            raise ValueError(
+                f"sound_obs=True is for an AtariEnv without wrappers, and {others[0]}={getattr(self, others[0])!r} "
+                "needs them; leave one of them out"
+            )
+        if self.third_action and Action.FIRE in self.action_set and len(self.action_set) < 3:
+            raise ValueError(
+                f"third_action=True plays the third action, and {self.game} has only {len(self.action_set)}; "
+                "use actions='full'"
+            )
+
+    def _find_game(self, fields: dict[str, Any]) -> None:
+        """Resolve what depends on the game: its id, mode, difficulty and interventions."""
+        several = fields["players"] > 1
+        game = games.resolve(fields["game"]) if several else games.find(fields["game"])
+        object.__setattr__(self, "definition", game)
+        fields["game"] = game.id
+        fields["rules"] = fields["rules"] or fingerprint(game)
+        fields["interventions"] = resolve(game, fields["interventions"])
+        if several:
+            rules = rules_of(game)
+            fields["mode"], _ = choose_mode(rules, game, fields["mode"], fields["players"])
+            difficulty = 0 if fields["difficulty"] is None else check_integer("difficulty", fields["difficulty"], 0, 3)
+            if difficulty not in rules.difficulties and fields["difficulty"] is not None:
+                raise ValueError(f"difficulty of {game.id} must be one of {rules.difficulties}, got {difficulty}")
+            fields["difficulty"] = difficulty
+            return
+        chosen = fields["difficulty"]
+        if isinstance(chosen, int) and chosen == 0:
+            chosen = None  # ALE's default, which is none of the difficulties of backgammon
+        CoreOptions.check(
+            game,
+            repeat_action_probability=fields["repeat_action_probability"],
+            mode=fields["mode"],
+            difficulty=chosen,
+            frame_skip=1,
+            max_num_frames_per_episode=fields["max_num_frames_per_episode"] or 0,
+            sound=False,
+            color_averaging=False,
+        )
+        fields["mode"] = game.default_mode if fields["mode"] is None else operator.index(fields["mode"])
+        fields["difficulty"] = 0 if chosen is None else operator.index(chosen)
+
+    def _settle_actions(self, fields: dict[str, Any]) -> None:
+        """Check the names of actions, and name the sets that the game has as such."""
+        minimal, full = _action_sets(self.definition, fields["players"])
+        chosen = fields["actions"]
+        if not isinstance(chosen, str):
+            if fields["continuous"]:
+                raise ValueError(f"actions={list(chosen)!r} has no effect with continuous=True; leave one of them out")
+            wanted = tuple(Action[name] for name in chosen)
+            if missing := [action.name for action in wanted if action not in full]:
+                raise ValueError(f"{self.definition.id} has no action {missing[0]}; it has {_names(full)}")
+            chosen = "minimal" if wanted == minimal else "full" if wanted == full else chosen
+        fields["actions"] = "minimal" if chosen == "full" and minimal == full else chosen
+
+    @classmethod
+    def of(cls, game: "str | PathLike[str] | Game | Task", *, preset: str | None = None, **options: Any) -> "Task":
+        """The task of a game and options.
+
+        Later ones of these decide: what `game` says, the preset, the options.
+
+        Args:
+            game: an environment ID ("ALE/Pong-v5"), which has the options of this ID; a game's name ("pong",
+                "MsPacman"), the path of a game file or a `Game`, which are ALE's v5; or a `Task`.
+            preset: name of a preprocessing, one of `PRESETS`.
+            **options: fields of `Task`. Gymnasium's and ale-py's names `full_action_space` and `clip_reward` are
+                other names of `actions` and `reward_clipping`.
+
+        Raises:
+            gymnasium.error.NameNotFound: there is no such ID; the message suggests the right one.
+            TypeError, ValueError: there is no such game, preset or option (the nearest is suggested), or as `Task`.
+
+        Example:
+            >>> import atari
+            >>> atari.Task.of("Pong-ram-v4").obs_type
+            'ram'
+        """
+        from atari.task.resolution import resolve_task  # it makes tasks
+
+        return resolve_task(game, preset, options)
+
+    def replace(self, **options: Any) -> "Task":
+        """This task with other options, as `Task.of` takes them.
+
+        Raises:
+            TypeError, ValueError: as `Task.of`.
+        """
+        return Task.of(self, **options)
+
+    def differences(self, other: "Task") -> dict[str, tuple[Any, Any]]:
+        """The fields in which two tasks differ, with both values. A ROM that is not known does not differ.
+
+        Raises:
+            TypeError: `other` is no task.
+        """
+        if not isinstance(other, Task):
+            raise TypeError(f"a task is compared with a task, got {other!r}; atari.Task.of() makes one")
+        pairs = {name: (getattr(self, name), getattr(other, name)) for name in FIELDS}
+        if None in pairs["rom_md5"]:
+            del pairs["rom_md5"]
+        return {name: pair for name, pair in pairs.items() if pair[0] != pair[1]}
+
+    def make(
+        self, *, render_mode: str | None = None, core: str = "native", rom: str | PathLike[str] | None = None
+    ) -> "gymnasium.Env[Any, Any]":
+        """One environment of this task; the options are those of `AtariEnv`.
+
+        Raises:
+            FileNotFoundError: no ROM file of the game was found.
+            ValueError: the task is for several players, which `atari.multiplayer` plays.
+        """
+        from atari.making import make_env
+
+        return make_env(self, render_mode, core, rom)
+
+    def make_vec(self, num_envs: int, **options: Any) -> "AtariVectorEnv":
+        """A vector of environments of this task, played in C++; the options are those of `AtariVectorEnv`.
+
+        Raises:
+            FileNotFoundError: no ROM file of the game was found.
+            TypeError, ValueError: an option is wrong.
+        """
+        from atari.vector import AtariVectorEnv
+
+        return AtariVectorEnv(self, num_envs, **options)
+
+    @property
+    def action_set(self) -> tuple[Action, ...]:
+        """The actions by index."""
+        minimal, full = _action_sets(self.definition, self.players)
+        if isinstance(self.actions, str):
+            return full if self.actions == "full" else minimal
+        return tuple(Action[name] for name in self.actions)
+
+    @property
+    def preprocessed(self) -> bool:
+        """Whether wrappers around an `AtariEnv` play the task; otherwise an `AtariEnv` does alone."""
+        return bool(self.fields_of_wrappers())
+
+    def fields_of_wrappers(self) -> list[str]:
+        """The fields that an `AtariEnv` alone does not honour."""
+        dicts = ["obs_type"] if self.obs_type in ("dict", "rgb_dict") else []
+        return [name for name in _OF_WRAPPERS if getattr(self, name) != DEFAULTS[name]] + dicts
+
+    def of_emulator(self) -> "Task":
+        """The part of this task that an `AtariEnv` plays inside of the wrappers: single frames."""
+        kept = ("rules", "mode", "difficulty", "actions", "continuous", "repeat_action_probability", "interventions")
+        fields = {name: getattr(self, name) for name in (*kept, "max_num_frames_per_episode", "sound_obs")}
+        if self.continuous:
+            fields["continuous_action_threshold"] = self.continuous_action_threshold
+        return Task(self.definition, frameskip=1, obs_type="ram" if self.obs_type == "ram" else "rgb", **fields)  # type: ignore[arg-type]
+
+    @property
+    def set_mode(self) -> int | None:
+        """The mode for a core; None is the default one of a game of one player."""
+        return None if self.players == 1 and self.mode == self.definition.default_mode else self.mode
+
+    @property
+    def set_difficulty(self) -> int | None:
+        """The difficulty for a core; None is ALE's default, 0."""
+        return self.difficulty or None
+
+    def with_set(self, **fields: Any) -> "Task":
+        """This task with fields that were set in the running game, which has checked them."""
+        changed = {name: value for name, value in fields.items() if value != getattr(self, name)}
+        if not changed:
+            return self
+        task = copy.copy(self)
+        for name, value in changed.items():
+            object.__setattr__(task, name, value)
+        return task
+
+    @property
+    def frames(self) -> tuple[int, int]:
+        """The range of the frame skip, (low, high): low..high-1."""
+        return self.frameskip if isinstance(self.frameskip, tuple) else (self.frameskip, self.frameskip + 1)
+
+    def to_json(self) -> str:
+        """All fields as JSON, which `from_json` reads.
+
+        Raises:
+            ValueError: the game is a `Game` that no file has.
+        """
+        from atari.task.storage import to_json
+
+        return to_json(self)
+
+    @staticmethod
+    def from_json(text: str) -> "Task":
+        """The task of a text of `to_json`, also of an older release.
+
+        Raises:
+            TypeError, ValueError: the text is no task: too long or too deep, with an unknown key, a value of the wrong
+                kind, or of a newer format. The message names the key.
+        """
+        from atari.task.storage import from_json
+
+        return from_json(text)
+
+    def __str__(self) -> str:
+        from atari.task.description import describe
+
+        return describe(self)
+
+    def __repr__(self) -> str:
+        game = str(self.definition.file) if self.definition.file else self.game
+        changed = [f"{name}={value!r}" for name, value in self.plain().items() if value != DEFAULTS[name]]
+        return f"Task({', '.join([repr(game), *changed])})"
+
+    def plain(self) -> dict[str, Any]:
+        """The fields other than the game that the game does not decide, with interventions as definitions."""
+        fields: dict[str, Any] = {name: getattr(self, name) for name in FIELDS if name != "game"}
+        fields["interventions"] = tuple(one.definition() for one in self.interventions)
+        if self.rules == fingerprint(self.definition):
+            fields["rules"] = ""
+        several = self.players > 1
+        default = choose_mode(rules_of(self.definition), self.definition, None, self.players)[0] if several else None
+        fields["mode"] = None if several and self.mode == default else self.set_mode
+        fields["difficulty"] = self.set_difficulty
+        return fields
+
+
+FIELDS: tuple[str, ...] = tuple(name for names in GROUPS.values() for name in names)
+"""The names of the fields of a `Task`."""
+
+DEFAULTS: Mapping[str, Any] = {one.name: one.default for one in dataclasses.fields(Task) if one.name in FIELDS}
+"""The default of each field; that of `game` is MISSING."""
+
+
+_OF_WRAPPERS = (
+    *GROUPS["begin"],
+    *GROUPS["lives"],
+    *(name for name in GROUPS["observation"] if name not in ("obs_type", "sound_obs")),
+    *GROUPS["reward"],
+    "max_frames",
+)
+"""Fields that an `AtariEnv` alone does not honour, whose defaults it plays."""
+
+
+def _action_sets(game: Game, players: int) -> tuple[tuple[Action, ...], tuple[Action, ...]]:
+    """The minimal and the full set of actions."""
+    if players > 1:
+        return rules_of(game).minimal_actions, PLAYER_ACTIONS
+    return game.minimal_actions, game.legal_actions
+
+
+def _names(actions: tuple[Action, ...]) -> str:
+    return ", ".join(action.name for action in actions)

@@ -1,0 +1,92 @@
+"""The option names and defaults of ale-py's `AtariVectorEnv`, as fields of a `Task`."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+from atari.task.fields import NO_LIMIT, check_bool
+from atari.validation import check_integer, check_name
+
+_PREPROCESSING = {
+    "repeat_action_probability": 0.0,
+    "max_num_frames_per_episode": None,
+    "max_frames": 108_000,
+    "obs_type": "grayscale",
+    "img_height": 84,
+    "img_width": 84,
+    "stack_num": 4,
+    "maxpool": True,
+}
+
+ONE_PLAYER: Mapping[str, Any] = MappingProxyType(
+    {
+        **_PREPROCESSING,
+        "noops": (0, 29),
+        "fire": "before_noops",
+        "fire_counts": True,
+        "fire_again": False,
+        "seeding": "ale",
+        "end_frames": "gymnasium",
+        "reward_clipping": True,
+    }
+)
+"""What ale-py's vector environment plays by default; a game's name alone plays this in ours, too."""
+
+SEVERAL_PLAYERS: Mapping[str, Any] = MappingProxyType({**_PREPROCESSING, "seeding": "ale"})
+"""What a game's name alone plays with two to four players, without a preset."""
+
+NAMES = ("noop_max", "use_fire_reset", "grayscale")
+"""ale-py's names of options that a `Task` names otherwise."""
+
+
+def as_task_options(options: Mapping[str, Any], bare: bool, obs_type: str) -> dict[str, Any]:
+    """The options with a task's names.
+
+    Args:
+        options: as a user gave them.
+        bare: whether the game is a name alone, to which ale-py's defaults apply. `max_num_frames_per_episode` then
+            limits the frames after the beginning, as in ale-py.
+        obs_type: the kind of observations that the game has otherwise.
+
+    Raises:
+        TypeError, ValueError: an option is of the wrong kind, or given under two names.
+    """
+    fields = {name: value for name, value in options.items() if name not in NAMES}
+    if options.get("noop_max") is not None:
+        _refuse_both(options, "noop_max", "noops")
+        fields["noops"] = (0, max(check_integer("noop_max", options["noop_max"], 0, 1_000_000), 1) - 1)
+    if options.get("use_fire_reset") is not None:
+        _refuse_both(options, "use_fire_reset", "fire")
+        fires = check_bool("use_fire_reset", options["use_fire_reset"])
+        fields |= {"fire": "before_noops", "fire_counts": True} if fires else {"fire": "never"}
+    if bare and "max_num_frames_per_episode" in options:
+        _refuse_both(options, "max_num_frames_per_episode", "max_frames")
+        limit = fields.pop("max_num_frames_per_episode")
+        name = "max_num_frames_per_episode"
+        fields["max_frames"] = None if limit is None else check_integer(name, limit, 1, NO_LIMIT)
+    if options.get("grayscale") is not None:
+        chosen = options.get("obs_type") or obs_type
+        fields["obs_type"] = _obs_type(chosen, check_bool("grayscale", options["grayscale"]), "obs_type" in options)
+    return fields
+
+
+def _obs_type(obs_type: Any, grayscale: bool, given: bool) -> str:
+    """The kind of observations with the colours that `grayscale` says.
+
+    Raises:
+        ValueError: they have other colours, or none.
+    """
+    images = {"rgb": (False, "grayscale"), "grayscale": (True, "rgb")}
+    dicts = {"dict": (True, "rgb_dict"), "rgb_dict": (False, "dict")}
+    check_name("obs_type", obs_type, ("rgb", "grayscale", "ram", "dict", "rgb_dict"))
+    if obs_type == "ram":
+        raise ValueError(f"grayscale={grayscale} has no effect on obs_type='ram'; leave one of them out")
+    is_gray, other = {**images, **dicts}[obs_type]
+    if given and obs_type in images and is_gray != grayscale:
+        raise ValueError(f"obs_type={obs_type!r} contradicts grayscale={grayscale}; leave one of them out")
+    return obs_type if is_gray == grayscale else other
+
+
+def _refuse_both(options: Mapping[str, Any], name: str, other: str) -> None:
+    if other in options:
+        raise TypeError(f"{name} and {other} say the same in two ways; give one of them")

@@ -1,0 +1,235 @@
+"""`Task`: what it accepts, what it refuses, and that it is one value."""
+
+import dataclasses
+import pickle
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import pytest
+from hypothesis import given, settings
+from task_strategies import tasks
+
+import atari
+from atari.task import PRESETS, Task
+from atari.task.fields import GROUPS
+from atari.task.resolution import OPTIONS
+from atari.task.task import DEFAULTS, FIELDS
+
+GAMES = ("breakout", "pong", "ms_pacman", "seaquest", "backgammon", "video_checkers")
+
+
+def test_groups_have_every_field_once() -> None:
+    names = [name for group in GROUPS.values() for name in group]
+    assert sorted(names) == sorted(one.name for one in dataclasses.fields(Task) if one.name != "definition")
+    assert tuple(names) == FIELDS
+
+
+def test_the_docstring_describes_every_field() -> None:
+    section = str(Task.__doc__).partition("Attributes:\n")[2]
+    described = [
+        line.split(":")[0].strip() for line in section.splitlines() if line.startswith(" " * 8 + line.strip()[:1])
+    ]
+    assert [name for name in described if name in FIELDS] == list(FIELDS)
+
+
+@given(tasks(GAMES))
+@settings(max_examples=60, deadline=None)
+def test_a_task_is_one_value(task: Task) -> None:
+    assert Task.from_json(task.to_json()) == task
+    assert eval(repr(task)) == task
+    assert pickle.loads(pickle.dumps(task)) == task
+    assert hash(Task.of(task)) == hash(task)
+    assert Task.of(task) == task
+    assert task.differences(Task.from_json(task.to_json())) == {}
+    assert task.definition.title in str(task)
+
+
+@given(tasks(("pong",)), tasks(("pong",)))
+@settings(max_examples=40, deadline=None)
+def test_differences_name_what_differs(one: Task, other: Task) -> None:
+    differing = one.differences(other)
+    assert (one == other) == (not differing)
+    for name, (mine, theirs) in differing.items():
+        assert (mine, theirs) == (getattr(one, name), getattr(other, name))
+
+
+class TestGame:
+    @pytest.mark.parametrize("game", ["ms_pacman", "MsPacman", "mspacman", "ALE/MsPacman-v5", "atari:ALE/MsPacman-v5"])
+    def test_is_found_by_name_and_id(self, game: str) -> None:
+        assert Task.of(game) == Task("ms_pacman")
+
+    def test_is_found_by_file_definition_and_task(self, tmp_path: Path) -> None:
+        file = tmp_path / "mine.toml"
+        file.write_text(Path(atari.games.__file__).with_name("data").joinpath("pong.toml").read_text())  # type: ignore[attr-defined]
+        task = Task.of(file)
+        assert task.game == "mine"
+        assert Task.of(str(file)) == task == Task.of(task.definition) == Task.of(task)
+        assert task != Task("pong")
+        assert Task.from_json(task.to_json()) == task
+        assert eval(repr(task)) == task
+
+    def test_rules_that_have_changed_are_a_difference(self) -> None:
+        text = Task("pong").to_json().replace(Task("pong").rules, "0" * 16)
+        assert Task.from_json(text).differences(Task("pong")) == {"rules": ("0" * 16, Task("pong").rules)}
+
+    def test_a_rom_that_is_not_known_is_no_difference(self) -> None:
+        known = Task("pong", rom_md5="0" * 32)
+        assert known == Task("pong")
+        assert known.differences(Task("pong")) == {}
+        assert known.differences(Task("pong", rom_md5="1" * 32)) == {"rom_md5": ("0" * 32, "1" * 32)}
+
+    @pytest.mark.parametrize(
+        ("game", "error", "text"),
+        [
+            ("pnog", ValueError, "did you mean 'pong'"),
+            ("ALE/Pnog-v5", gymnasium.error.NameNotFound, "did you mean 'ALE/Pong-v5'"),
+            ("CartPole-v1", gymnasium.error.NameNotFound, "there is no environment 'CartPole-v1'"),
+            (3, TypeError, "a game is named by a string"),
+            ("missing.toml", FileNotFoundError, "missing.toml"),
+            ("combat", ValueError, "two-player cartridge"),
+        ],
+    )
+    def test_is_refused(self, game: Any, error: type[Exception], text: str) -> None:
+        with pytest.raises(error, match=text):
+            Task.of(game)
+
+
+class TestIds:
+    @pytest.mark.parametrize(
+        ("env_id", "fields"),
+        [
+            ("ALE/Pong-v5", {}),
+            ("ALE/Pong-ram-v5", {"obs_type": "ram"}),
+            ("Pong-v0", {"frameskip": (2, 5)}),
+            ("PongDeterministic-v4", {"repeat_action_probability": 0.0}),
+            ("PongNoFrameskip-v4", {"repeat_action_probability": 0.0, "frameskip": 1}),
+            ("Pong-ram-v4", {"repeat_action_probability": 0.0, "frameskip": (2, 5), "obs_type": "ram"}),
+        ],
+    )
+    def test_say_what_is_played(self, env_id: str, fields: dict[str, Any]) -> None:
+        assert Task.of(env_id) == Task("pong", **fields)
+        assert gymnasium.make(env_id).unwrapped.task == Task.of(env_id)  # type: ignore[attr-defined]
+
+
+class TestPresets:
+    @pytest.mark.parametrize("name", PRESETS)
+    def test_decide_over_an_id(self, name: str) -> None:
+        assert Task.of("PongNoFrameskip-v0", preset=name) == Task.of("pong", preset=name)
+        other = Task.of("PongNoFrameskip-v4", preset=name).differences(Task.of("pong", preset=name))
+        decides = "repeat_action_probability" in PRESETS[name].fields
+        assert other == ({} if decides else {"repeat_action_probability": (0.0, 0.25)})
+
+    def test_leave_the_ram_of_an_id(self) -> None:
+        task = Task.of("Breakout-ram-v4", preset="dqn2015")
+        assert (task.obs_type, task.frameskip, task.stack_num, task.noops) == ("ram", 4, None, (1, 30))
+
+    def test_give_way_to_options(self) -> None:
+        task = Task.of("breakout", preset="dqn2015", frameskip=3, episodic_life=False)
+        assert (task.frameskip, task.episodic_life, task.on_reset) == (3, False, "new_game")
+
+    @pytest.mark.parametrize(
+        ("options", "text"),
+        [
+            ({"repeat_action_probability": 0.25}, "needs repeat_action_probability=0.0, got 0.25"),
+            ({"full_action_space": True}, "needs full_action_space=False, got True"),
+            ({"actions": ["NOOP", "FIRE"]}, "needs actions='minimal', got"),
+            ({"players": 2}, "is for one player"),
+        ],
+    )
+    def test_refuse_what_they_require(self, options: dict[str, Any], text: str) -> None:
+        with pytest.raises(ValueError, match=text):
+            Task.of("pong", preset="dqn2015", **options)
+
+    def test_accept_the_same_actions_by_another_name(self) -> None:
+        assert Task.of("boxing", preset="dqn2015", full_action_space=True) == Task.of("boxing", preset="dqn2015")
+
+
+class TestOptions:
+    def test_have_other_names(self) -> None:
+        assert Task.of("breakout", full_action_space=True, clip_reward=True) == Task(
+            "breakout", actions="full", reward_clipping=True
+        )
+
+    def test_come_in_any_order(self) -> None:
+        options = {"noops": (1, 30), "fire": "after_noops", "fire_counts": True, "frameskip": 2}
+        assert Task.of("pong", **options) == Task.of("pong", **dict(reversed(options.items())))
+
+    @pytest.mark.parametrize("name", OPTIONS)
+    def test_of_another_kind_are_refused(self, name: str) -> None:
+        with pytest.raises((TypeError, ValueError), match=name.split("_")[0]):
+            Task.of("pong", **{name: object()})
+
+    @pytest.mark.parametrize(
+        ("options", "text"),
+        [
+            ({"frame_skip": 4}, "did you mean 'frameskip'"),
+            ({"sticky_actions": 0.25}, "did you mean 'repeat_action_probability'"),
+            ({"full_action_space": True, "actions": "full"}, "two names of one option"),
+            ({"clip_reward": True, "reward_clipping": True}, "two names of one option"),
+        ],
+    )
+    def test_that_do_not_exist_are_refused(self, options: dict[str, Any], text: str) -> None:
+        with pytest.raises(TypeError, match=text):
+            Task.of("pong", **options)
+
+
+WITHOUT_EFFECT: list[tuple[dict[str, Any], dict[str, Any]]] = [
+    ({"on_reset": "noop"}, {"episodic_life": True}),
+    ({"lives_unit": "skip"}, {"episodic_life": True}),
+    ({"seamless_lives": True}, {"episodic_life": True}),
+    ({"last_life": True}, {"life_loss_info": True}),
+    ({"fire_counts": True}, {"fire": "after_noops"}),
+    ({"third_action": True}, {"fire": "after_noops"}),
+    ({"fire_unit": "skip"}, {"fire": "after_noops"}),
+    ({"fire_again": False}, {"fire": "before_noops", "noops": (1, 30)}),
+    ({"continuous_action_threshold": 0.3}, {"continuous": True}),
+    ({"max_frames": 300, "max_num_frames_per_episode": 200}, {"max_num_frames_per_episode": None}),
+    ({"pool_rgb": True}, {"obs_type": "grayscale", "maxpool": True}),
+    ({"padding": "reset"}, {"stack_num": 4}),
+    ({"obs_type": "ram", "stack_num": 4}, {"obs_type": "dict"}),
+    ({"zero_sum": True}, {"players": 2}),
+    ({"agent_indicator": True}, {"players": 2}),
+]
+
+CONTRADICTIONS: list[tuple[dict[str, Any], dict[str, Any]]] = [
+    ({"fire": "before_noops", "fire_unit": "skip"}, {"fire": "after_noops"}),
+    ({"third_action": True, "fire": "after_noops", "continuous": True}, {"continuous": False}),
+    ({"episodic_life": True, "life_loss_info": True}, {"episodic_life": False}),
+    ({"seamless_lives": True, "episodic_life": True, "lives_unit": "skip"}, {"lives_unit": "frame"}),
+    ({"pool_rgb": True, "maxpool": True, "obs_type": "grayscale", "end_frames": "envpool"}, {"end_frames": "last"}),
+    ({"img_height": 230, "img_width": 84}, {"img_height": 210}),
+    ({"img_height": 84}, {"img_width": 84}),
+    ({"sound_obs": True, "obs_type": "dict"}, {"obs_type": "rgb"}),
+    ({"players": 2, "episodic_life": True}, {"episodic_life": False}),
+    ({"players": 2, "fire": "after_noops"}, {"fire": "never"}),
+    ({"actions": ("NOOP",), "continuous": True}, {"continuous": False}),
+]
+
+
+@pytest.mark.parametrize(("wrong", "change"), [*WITHOUT_EFFECT, *CONTRADICTIONS])
+def test_combinations_without_a_meaning_are_refused_and_have_a_neighbour(
+    wrong: dict[str, Any], change: dict[str, Any]
+) -> None:
+    with pytest.raises(ValueError, match="|".join(wrong)):
+        Task.of("pong", **wrong)
+    Task.of("pong", **{**wrong, **change})
+
+
+def test_fields_without_effect_of_another_task_are_left_out() -> None:
+    task = Task.of("breakout", preset="envpool", episodic_life=True)
+    assert task.seamless_lives
+    assert not task.replace(episodic_life=False).seamless_lives
+    assert task.replace(fire="never").fire_counts is False
+
+
+def test_the_third_action_needs_three() -> None:
+    with pytest.raises(ValueError, match="freeway"):
+        Task("freeway", actions=("NOOP", "FIRE"), fire="after_noops", third_action=True)
+
+
+@pytest.mark.parametrize("name", [name for name in DEFAULTS if isinstance(DEFAULTS[name], bool)])
+@pytest.mark.parametrize("value", ["no", 1, None])
+def test_switches_are_true_or_false(name: str, value: Any) -> None:
+    with pytest.raises(TypeError, match=name):
+        Task("pong", **{name: value})
