@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import gymnasium
 
-from atari import registration
+from atari import env_ids
 from atari.cli.arguments import Parser, add_command
 from atari.cli.output import print_json
 from atari.games.catalog import games
@@ -107,14 +107,14 @@ def _completion(args: argparse.Namespace) -> int:
     _attach(parser, shtab.FILE)
     from atari.learning.agents import AGENTS
     from atari.learning.evaluation.protocols import PROTOCOLS
-    from atari.wrappers import PRESETS
+    from atari.task import PRESETS
 
     words = {
         "agents": AGENTS,
         "presets": PRESETS,
         "protocols": PROTOCOLS,
         "games": games,
-        "ids": registration.ids(),
+        "ids": env_ids.ids(),
     }
     preamble = _PREAMBLES[args.shell].format(**{name: " ".join(each) for name, each in words.items()})
     script = shtab.complete(parser, shell=args.shell, preamble=preamble)

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
-from atari.cli.arguments import add_command, find_game, number
+from atari.cli.arguments import add_command, number
+from atari.cli.games_of_policies import add_game_options, find_played
 from atari.cli.output import print_json, print_table
-from atari.games.game import Game
+from atari.cli.task_arguments import seed
 from atari.learning import (
     GAME_SETS,
     PROTOCOLS,
@@ -24,7 +25,8 @@ from atari.learning import (
     published_names,
 )
 from atari.learning.evaluation.compare import budget_faults, protocol_faults
-from atari.learning.evaluation.protocols import find_games, find_protocol
+from atari.learning.evaluation.played import Entry
+from atari.learning.evaluation.protocols import find_protocol
 
 if TYPE_CHECKING:
     from atari.cli.arguments import Commands
@@ -44,7 +46,8 @@ def register(commands: "Commands") -> None:
         "games",
         nargs="*",
         metavar="GAME",
-        help=f"games, or sets of games: {', '.join(GAME_SETS)} (default: the game that a run folder was trained on)",
+        help=f"games, IDs, game files, or sets of games: {', '.join(GAME_SETS)} (default: that of a run folder). An ID "
+        "must have the protocol's sticky actions, and show what the policy sees, RAM or images",
     )
     parser.add_argument(
         "--protocol", default="machado2018", metavar="NAME", help=f"{', '.join(PROTOCOLS)} (default: machado2018)"
@@ -52,7 +55,7 @@ def register(commands: "Commands") -> None:
     parser.add_argument(
         "--episodes", type=number(int, 1), metavar="N", help="whole games of each game (default: as the protocol says)"
     )
-    parser.add_argument("--seed", type=number(int, 0), default=0, metavar="N", help="of the games (default: 0)")
+    parser.add_argument("--seed", type=seed, default=0, metavar="N", help="of the games, below 2**32 (default: 0)")
     parser.add_argument("--num-envs", type=number(int, 1), metavar="N", help="games at a time (default: up to 64)")
     parser.add_argument("--sample", action="store_true", help="draw the actions of stochastic policies")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="save the result, JSON")
@@ -63,6 +66,7 @@ def register(commands: "Commands") -> None:
     parser.add_argument("--human", default="noop57", metavar="TABLE", help="human scores (default: noop57)")
     parser.add_argument("--mixed", action="store_true", help="compare although protocols or budgets differ")
     parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the comparison: .svg, .png, .pdf")
+    add_game_options(parser)
     parser.add_argument("--list", action="store_true", help="show protocols, sets of games and published agents")
 
 
@@ -116,15 +120,12 @@ def _check_budgets(args: argparse.Namespace, policies: dict[str, Policy]) -> Non
             raise ValueError(f"{name} is not comparable: {'; '.join(faults)}; --mixed compares it, and says so")
 
 
-def _games(args: argparse.Namespace) -> tuple[Game, ...]:
+def _games(args: argparse.Namespace) -> tuple[Entry, ...]:
     """The games that are named, or that of the policy."""
-    names = args.games or [getattr(load_policy(args.source), "game", None)]
-    if names == [None]:
-        raise ValueError(f"{args.source} does not say which game it plays; name games or a set, such as atari26")
-    return find_games([name if name in GAME_SETS else find_game(name) for name in names])
+    return find_played(args, args.games, None if args.games else load_policy(args.source))
 
 
-def _policies(args: argparse.Namespace, games: tuple[Game, ...]) -> dict[str, Policy]:
+def _policies(args: argparse.Namespace, games: tuple[Entry, ...]) -> dict[str, Policy]:
     """The policy of each game."""
     policies: dict[str, Policy] = {}
     loaded: dict[str, Policy] = {}
@@ -136,7 +137,7 @@ def _policies(args: argparse.Namespace, games: tuple[Game, ...]) -> dict[str, Po
     return policies
 
 
-def _play(args: argparse.Namespace, games: tuple[Game, ...], policies: dict[str, Policy]) -> Result:
+def _play(args: argparse.Namespace, games: tuple[Entry, ...], policies: dict[str, Policy]) -> Result:
     with tqdm(unit=" games", disable=None) as bar:
 
         def progress(done: int, total: int) -> None:

@@ -19,7 +19,10 @@ def register(commands: "Commands") -> None:
     """Add `atari train`."""
     parser = add_command(commands, "train", _train, "let an agent learn to play a game")
     parser.usage = f"atari train [--games N] {{{','.join(AGENTS)}}} GAME [options]\n       atari train --resume RUN"
-    parser.epilog = "`atari train ppo --help` shows the options of an agent. Example: atari train ppo pong --fast"
+    parser.epilog = (
+        "`atari train ppo --help` shows the options of an agent, and those that change what is played. "
+        "Examples: atari train ppo pong --fast; atari train dqn Breakout-ram-v4 --network mlp"
+    )
     parser.add_argument("--resume", type=Path, metavar="RUN", help="go on with the training in a run folder")
     parser.add_argument(
         "--games",
@@ -37,23 +40,28 @@ def _train(args: argparse.Namespace) -> int:
     if find_spec("torch") is None:
         raise gymnasium.error.DependencyNotInstalled("atari train needs torch: pip install 'atari-envs[learn]'")
     from atari.learning.command import finish_run, resume, train
+    from atari.learning.run import RunFolder
 
     if args.resume is not None:
         if args.words:
             raise ValueError(f"a training goes on with its own options; leave out {' '.join(args.words)}")
-        resume(args.resume)
+        resume(args.resume, args.json)
         folder = args.resume
     else:
         agent, *words = args.words or [""]
         if agent not in AGENTS:
             raise ValueError(f"name an agent ({', '.join(AGENTS)}) and a game, as in `atari train ppo pong --fast`")
         try:
-            folder = train(agent, words, f"atari train {agent}")
+            trained = train(agent, words, f"atari train {agent}", args.json)
         except SystemExit as exit_:  # argparse has printed help or the error
             return int(exit_.code or 0)
+        if trained is None:  # --print-task
+            return 0
+        folder = trained
     result = finish_run(folder, int(args.games)) if args.games else None
     if args.json:
-        print_json({"run": folder, "evaluation": result and result.to_json()})
+        task = RunFolder.open(folder).config["task"]
+        print_json({"run": folder, "task": task, "evaluation": result and result.to_json()})
         return 0
     if result is not None:
         print(result)

@@ -1,16 +1,17 @@
 """`TrainedPlayer`: the policy of a training in a game of several players."""
 
-from collections.abc import Sequence
 from typing import Any
 
-import cv2
 import numpy as np
 
 from atari.actions import Action
 from atari.cores import ByteArray
+from atari.games.catalog import games
+from atari.games.game import Game
 from atari.learning import ScoresPolicy
+from atari.learning.frames import FrameObservations
+from atari.learning.needs import needs_of
 from atari.play.multiplayer_session import Observation
-from atari.wrappers.presets import preset_protocol
 
 _LANE = np.zeros(1, np.int64)
 
@@ -18,64 +19,71 @@ _LANE = np.zeros(1, np.int64)
 class TrainedPlayer:
     """A policy of the one-player game as a player of a `MultiplayerSession`.
 
-    The policy observes and acts as in its training: every fourth frame (the frame skip of its preset), the maximum of
-    the last two frames, in gray and scaled, or RAM; stacked. Its first observation of a game is a single frame. After a
-    rewind the stack begins anew.
+    The policy observes and acts as in its training: once in each step of its task, whose observation is made from the
+    frames of the game. Its first observation of a game is a single frame. After a rewind the stack begins anew.
 
     Args:
-        policy: with `environment`, the options of its observations, as run folders have it.
+        policy: with a `task`, as run folders have it, or an `environment`.
         game: id of the game.
-        seed: of a policy that draws its actions.
+        seed: of random frame skips, and of a policy that draws its actions.
         mirrored: exchange left and right in the images.
+
+    Raises:
+        ValueError: the policy does not say what it needs, or sees what a game of several players does not show.
     """
 
-    def __init__(self, policy: ScoresPolicy, game: str, seed: int = 0, mirrored: bool = False) -> None:
-        sees = policy.environment
-        protocol = preset_protocol(sees["preset"])
-        self._policy, self._game, self._seed, self._mirrored = policy, game, seed, mirrored
-        self._names: Sequence[str] = tuple(sees["actions"])
-        self._skip = protocol.frame_skip[0]
-        self._max_pool, self._padding = protocol.max_pool, protocol.padding
-        self.obs_type: Observation = "rgb" if protocol.pool_rgb else "grayscale"
+    def __init__(self, policy: ScoresPolicy, game: str | Game, seed: int = 0, mirrored: bool = False) -> None:
+        self._policy, self._seed, self._mirrored = policy, seed, mirrored
+        found = game if isinstance(game, Game) else games.resolve(game)
+        needs, name = needs_of(policy, found), policy.name or "the policy"
+        if needs.task is None:
+            raise ValueError(f"{name} does not say what it sees; give it a task or an environment")
+        if needs.task.obs_type in ("dict", "rgb_dict"):
+            raise ValueError(f"{name} sees obs_type={needs.task.obs_type!r}, and players see images or RAM")
+        self._game, self._task = found.id, needs.task
+        self._names = tuple(action.name for action in self._task.action_set)
+        self._layout = needs.layout(self._task)
+        self._seen = FrameObservations(self._task, self._layout)
+        self.obs_type: Observation = self._seen.kind
         """Of the observations that this player is called with."""
-        if sees.get("obs_type") == "ram":
-            self.obs_type = "ram"
-        else:
-            self._stack: ByteArray = np.zeros((sees["stack_num"], sees["img_height"], sees["img_width"]), np.uint8)
-        self._next = self._first = -1
-        self._before: ByteArray | None = None
+        self._next = -1
+        self._left = 0
         self._action = Action.NOOP
 
     def __call__(self, observation: ByteArray, info: dict[str, Any]) -> str:
         """The name of the action for the next frame."""
         frame: int = info["frame"]
         if frame != self._next or frame == 0:
-            self._begin(frame)
+            self._begin(observation)
+        else:
+            self._frame_played(observation)
         self._next = frame + 1
-        if (frame - self._first) % self._skip == 0:
-            seen = observation[None] if self.obs_type == "ram" else self._push(observation)[None]
-            (index,) = self._policy(seen, _LANE)
-            self._action = Action[self._names[index]]
-        self._before = observation
+        if self._left == 0:
+            self._choose(observation)
         return self._action.name
 
-    def _begin(self, frame: int) -> None:
+    def _begin(self, frame: ByteArray) -> None:
         """Begin a game, or go on at a frame that does not follow the last one."""
-        self._first, self._before = frame, None
+        self._left = 0
+        self._random = np.random.default_rng(self._seed)
         self._policy.begin(self._game, self._names, _LANE, np.array([self._seed]))
+        self._seen = FrameObservations(self._task, self._layout)
+        self._seen.begin(lambda: self._mirror(frame))
 
-    def _push(self, frame: ByteArray) -> ByteArray:
-        """The stack with the image of this frame."""
-        first = self._before is None
-        if self._before is not None and self._max_pool:
-            frame = np.maximum(self._before, frame)
-        if self.obs_type == "rgb":
-            frame = np.asarray(cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), np.uint8)
-        if self._mirrored:
-            frame = np.ascontiguousarray(frame[:, ::-1])
-        rows, columns = self._stack.shape[1:]
-        image = np.asarray(cv2.resize(frame, (columns, rows), interpolation=cv2.INTER_AREA), np.uint8)
-        self._stack = np.concatenate([self._stack[1:], image[None]])
-        if first:
-            self._stack[:-1] = 0 if self._padding == "zero" else image
-        return self._stack
+    def _frame_played(self, frame: ByteArray) -> None:
+        self._left -= 1
+        self._seen.frame_played(self._left, False, lambda: self._mirror(frame))
+        if self._left == 0:
+            self._seen.skip_ended(0, lambda: self._mirror(frame))
+
+    def _choose(self, frame: ByteArray) -> None:
+        """The action of the next step, and its number of frames."""
+        low, high = self._task.frames
+        self._left = low if high == low + 1 else int(self._random.integers(low, high))
+        if self.obs_type == "ram":
+            self._seen.see_ram(frame)
+        (index,) = self._policy(self._seen.observation(), _LANE)
+        self._action = Action[self._names[index]]
+
+    def _mirror(self, frame: ByteArray) -> ByteArray:
+        return frame[:, ::-1] if self._mirrored and frame.ndim > 1 else frame

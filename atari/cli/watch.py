@@ -5,12 +5,17 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from atari.cli.arguments import GAME_HELP, add_command, find_game, number
+from atari.cli.arguments import GAME_HELP, add_command, number
+from atari.cli.games_of_policies import add_game_options, find_played
+from atari.cli.task_arguments import SEEDS, seed
 from atari.learning import load_policy, record_games
-from atari.learning.evaluation.protocols import PROTOCOLS
+from atari.learning.evaluation.played import usual_protocol
+from atari.learning.evaluation.player import Player
+from atari.learning.evaluation.protocols import PROTOCOLS, find_protocol
 from atari.play.viewer import show_replay
 from atari.play.window import start_pygame
 from atari.recording import Replay
+from atari.task.description import summary
 
 if TYPE_CHECKING:
     from atari.cli.arguments import Commands
@@ -28,12 +33,14 @@ def register(commands: "Commands") -> None:
     parser.add_argument(
         "--protocol",
         metavar="NAME",
-        help=f"{', '.join(PROTOCOLS)} (default: baselines, or games as in the training of a run folder)",
+        help=f"{', '.join(PROTOCOLS)} (default: games as in the training of a run folder; as an ID says, for a policy "
+        "that does not say what it needs; else baselines)",
     )
-    parser.add_argument("--seed", type=number(int, 0), default=0, metavar="N", help="of the first game (default: 0)")
+    parser.add_argument("--seed", type=seed, default=0, metavar="N", help="of the first game, below 2**32 (default: 0)")
     parser.add_argument(
         "--scale", type=number(int, 1), default=3, metavar="N", help="rows of the display a pixel (default: 3)"
     )
+    add_game_options(parser)
     parser.add_argument("--no-sound", action="store_true", help="play no sound")
 
 
@@ -43,16 +50,15 @@ def _watch(args: argparse.Namespace) -> int:
         show_replay(Replay.load(args.source), scale=args.scale, sound=not args.no_sound)
         return 0
     policy = load_policy(args.source)
-    game = args.game or getattr(policy, "game", None)
-    if game is None:
-        raise ValueError(f"{args.source} does not say which game it plays; name one, as in `atari watch SOURCE pong`")
-    protocol = args.protocol or getattr(policy, "protocol", "baselines")
-    seed, shown = int(args.seed), True
+    (entry,) = find_played(args, [] if args.game is None else [args.game], policy)
+    protocol = find_protocol(args.protocol) if args.protocol else usual_protocol(policy, entry)
+    print(summary(Player(policy, protocol, entry).task), flush=True)
+    game_seed, shown = args.seed, True
     with tempfile.TemporaryDirectory() as folder:
         while shown:
-            path = Path(folder, f"{seed}.a26")
-            ((score, _),) = record_games(policy, find_game(game), protocol, [seed], path)
-            print(f"seed {seed}: score {score:,.0f}", flush=True)
+            path = Path(folder, f"{game_seed}.a26")
+            ((score, _),) = record_games(policy, entry, protocol, [game_seed], path)
+            print(f"seed {game_seed}: score {score:,.0f}", flush=True)
             shown = show_replay(Replay.load(path), scale=args.scale, sound=not args.no_sound)
-            seed += 1
+            game_seed = (game_seed + 1) % SEEDS
     return 0

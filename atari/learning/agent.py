@@ -16,8 +16,8 @@ class Agent(ABC):
 
     Attributes:
         options_class: class of the options.
-        fast: options found by measurement, for pixels.
-        fast_ram: the same for RAM, in addition.
+        fast: options found by measurement, for pixels, as `options_class.of` takes them.
+        fast_ram: the same for RAM, which replace those of the same name.
         sample: whether the policy draws its actions; otherwise it takes the one with the highest score.
         steps: agent steps so far, of all environments together.
         network: the weights; its method `scores` rates the actions.

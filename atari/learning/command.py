@@ -1,6 +1,7 @@
 """The command line of trainings: `atari train`, and each agent's script."""
 
 import argparse
+import json
 import math
 import sys
 from collections.abc import Sequence
@@ -14,35 +15,74 @@ from tqdm import tqdm
 
 from atari._interrupt import ctrl_c_as_event
 from atari.learning.agents import find_agent
-from atari.learning.options import TrainingOptions, descriptions, parse
+from atari.learning.options import TrainingOptions, parse
 from atari.learning.run import RunFolder
 from atari.learning.training import Training
-from atari.registration import resolve
+from atari.task.arguments import add_flags, descriptions, given_options
+from atari.task.description import summary
+from atari.task.resolution import resolve_for_agent
+
+_ALONE = (
+    "players",
+    "continuous",
+    "continuous_action_threshold",
+    "sound_obs",
+    "agent_indicator",
+    "zero_sum",
+)
+"""Options of a task for which trainings have no place."""
 
 
-def train(agent: str, argv: Sequence[str], prog: str) -> Path:
-    """Train an agent as a command line says, and return the run folder."""
+def train(agent: str, argv: Sequence[str], prog: str, as_json: bool = False) -> Path | None:
+    """Train an agent as a command line says, and return the run folder.
+
+    With `--print-task` nothing is trained, and there is no folder. With `as_json`, the task is printed as JSON, and
+    before a training not at all.
+    """
     found = find_agent(agent)
     parser = _parser(found, prog)
     args = parser.parse_args(argv)
-    given = {name: value for name, value in vars(args).items() if name not in ("fast", "run")}
-    measured = found.fast if args.fast else {}
-    if given.get("obs") == "ram":
-        measured = {**measured, "network": "mlp", **(found.fast_ram if args.fast else {})}
-    given = {**measured, **given}
     try:
-        options = found.options_class(**given)
-        folder = args.run or _new_folder(f"{Path(options.game).stem}-{agent}-{options.obs}-seed{options.seed}")
+        options = _options(found, args)
+        if args.print_task:
+            print(json.dumps(json.loads(options.task.to_json()), indent=2) if as_json else options.task)
+            return None
+        kind = "ram" if options.from_ram else "pixels"
+        folder = args.run or _new_folder(f"{options.task.game}-{agent}-{kind}-seed{options.seed}")
         training = Training.begin(agent, options, folder)
-    except (ValueError, FileExistsError) as error:
+    except (TypeError, ValueError, FileNotFoundError, FileExistsError, gymnasium.error.NameNotFound) as error:
         parser.error(str(error))
+    if not as_json:
+        print(summary(options.task), flush=True)
     _run(training)
     return folder
 
 
-def resume(folder: Path) -> None:
-    """Continue a training."""
-    _run(Training.resume(folder))
+def _options(agent: Any, args: argparse.Namespace) -> Any:
+    """The options of a training of the arguments.
+
+    Raises:
+        TypeError, ValueError, gymnasium.error.NameNotFound: as `TrainingOptions.of`.
+    """
+    game = Path(args.game).absolute() if args.game.endswith(".toml") else args.game
+    kind, of_task = agent.options_class, given_options(args)
+    names = {field.name for field in fields(kind)}
+    own = {name: value for name, value in vars(args).items() if name in names}
+    measured: dict[str, Any] = {}
+    if args.fast:
+        preset = args.preset or agent.fast["preset"]
+        ram = resolve_for_agent(game, preset, of_task, owner=kind.__name__).obs_type == "ram"
+        measured = {**agent.fast, **(agent.fast_ram if ram else {})}
+    named = {} if args.preset is None else {"preset": args.preset}
+    return kind.of(game, **{**measured, **named, **of_task, **own})
+
+
+def resume(folder: Path, as_json: bool = False) -> None:
+    """Continue a training; without `as_json`, the first line that is printed says what is played."""
+    training = Training.resume(folder)
+    if not as_json:
+        print(summary(training.options.task), flush=True)
+    _run(training)
 
 
 def finish_run(folder: Path, episodes: int) -> Any:
@@ -56,7 +96,8 @@ def finish_run(folder: Path, episodes: int) -> Any:
 def main(agent: str) -> None:
     """The command line of an agent's script."""
     folder = train(agent, sys.argv[1:], f"python -m atari.learning.agents.{agent}")
-    print(folder)
+    if folder is not None:
+        print(folder)
 
 
 def _run(training: Training) -> None:
@@ -79,31 +120,51 @@ def _run(training: Training) -> None:
 
 
 def _parser(agent: Any, prog: str) -> argparse.ArgumentParser:
+    kind = agent.options_class
     parser = argparse.ArgumentParser(
         prog=prog, usage=f"{prog} GAME [options]", description=f"Train {agent.__name__}.", allow_abbrev=False
     )
-    parser.add_argument("game", metavar="GAME", type=_game, help="a game, such as pong, an ID or a game definition")
+    parser.add_argument(
+        "game",
+        metavar="GAME",
+        help="a game, such as pong; an ID, which decides sticky actions, actions, and RAM or images; or a game file. "
+        f"All else is as preset {kind.default_preset} has it, with clipped rewards, unless --preset or --fast name "
+        "another one",
+    )
     parser.add_argument("-o", "--run", type=Path, metavar="RUN", help="the new run folder (default: in runs/)")
     parser.add_argument("--fast", action="store_true", help="use the options of the list below, found by measurement")
-    texts = descriptions(agent.options_class)
-    for field in fields(agent.options_class):
-        if field.name != "game":
+    parser.add_argument("--print-task", action="store_true", help="print what would be played, and end")
+    texts = descriptions(kind)
+    for field in fields(kind):
+        if field.name != "task":
             flag = f"--{field.name.replace('_', '-')}"
-            text = f"{texts[field.name]} (default: {_shown(field.default)})".replace("%", "%%")
-            kind = _option_type(agent.options_class, field.name)
-            parser.add_argument(flag, type=kind, default=argparse.SUPPRESS, metavar="X", help=text)
+            default = "" if field.default is None else f" (default: {_shown(field.default)})"
+            text = f"{texts[field.name]}{default}".replace("%", "%%")
+            type_ = _option_type(kind, field.name)
+            parser.add_argument(flag, type=type_, default=argparse.SUPPRESS, metavar="X", help=text)
+    add_flags(parser, leave_out=_ALONE)
+    for flag, new in _OLD_FLAGS.items():
+        parser.add_argument(flag, nargs="?", action=_Gone, const=new, default=argparse.SUPPRESS, help=argparse.SUPPRESS)
     parser.epilog = "--fast: " + ", ".join(f"{name} {_shown(value)}" for name, value in agent.fast.items())
     return parser
 
 
-def _game(name: str) -> str:
-    """The option `game` of an argument: a game, an ID's game, or the path of a game definition from any folder."""
-    try:
-        if name.endswith(".toml"):
-            return str(Path(name).absolute())
-        return resolve(name)[1] if "-v" in name or "/" in name else name
-    except gymnasium.error.NameNotFound as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
+_OLD_FLAGS = {
+    "--protocol": "the preset is named by --preset, as in `{prog} GAME --preset dqn2015`",
+    "--obs": "RAM is learned from by an ID of RAM, as in `{prog} Pong-ram-v4`, or by `{prog} GAME --obs-type ram`",
+    "--image-size": "the rows and columns are --img-height and --img-width, as in "
+    "`{prog} GAME --img-height 42 --img-width 42`",
+    "--stack": "it is --stack-num for images, and --ram-stack for RAM, as in `{prog} GAME --stack-num 2`",
+}
+"""Flags of earlier releases, and the new calls."""
+
+
+class _Gone(argparse.Action):
+    """A flag of earlier releases, which is an error that shows the new call."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
+        text = str(self.const).replace("{prog}", parser.prog)
+        parser.error(f"there is no option {self.option_strings[0]} any more: {text}")
 
 
 def _option_type(options: type[TrainingOptions], name: str) -> Any:

@@ -1,19 +1,15 @@
-"""The environments that an agent learns in: a vector environment made from the options of the training."""
+"""The environments that an agent learns in: a vector environment of the task of the training."""
 
 import pickle
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from atari.actions import Action
-from atari.games.catalog import games
-from atari.games.game import Game
 from atari.learning.options import TrainingOptions
+from atari.task import Task
 from atari.vector import AtariVectorEnv
-from atari.wrappers.presets import preset_protocol
 
 ByteArray = npt.NDArray[np.uint8]
 
@@ -30,37 +26,24 @@ class TrainingEnvironments:
     Attributes:
         actions: names of the actions; action i of `step` is the i-th of them.
         shape: of an observation.
-        padding: what fills the stack at the start of an episode, "zero" or "reset", the first one.
-        policy_options: what a policy needs to see the same; see `atari.learning.Policy`.
     """
 
     def __init__(self, options: TrainingOptions, num_envs: int, num_threads: int = 1, stacked: bool = True) -> None:
-        game = games.find(options.game)
-        protocol = replace(preset_protocol(options.protocol, episodic_life=options.episodic_life), clip_reward=True)
-        if protocol.episodic_life:  # the stack begins anew where the learner's episode does
-            protocol = replace(protocol, seamless_lives=False)
-        if options.sticky is not None:
-            protocol = replace(protocol, repeat_action_probability=options.sticky)
-        sees: dict[str, Any] = {"obs_type": "ram"}
-        if options.obs == "pixels":
-            size, stack = options.image_size, options.stack
-            sees = {"obs_type": "grayscale", "img_height": size, "img_width": size, "stack_num": stack}
-        given = sees if stacked or options.obs == "ram" else {**sees, "stack_num": 1}
-        self._envs = AtariVectorEnv(
-            game, num_envs, preset=protocol, autoreset_mode="SameStep", num_threads=num_threads, **given
-        )
-        self.actions, self._indices = _actions(game, protocol.full_action_space, options.actions)
-        self._ram = RamStack(num_envs, options.stack) if options.obs == "ram" and stacked else None
-        self.padding = protocol.padding
+        self._task = options.task
+        played, self._indices = whole_actions(options.task)
+        if not stacked and not options.from_ram:
+            played = played.replace(stack_num=1)
+        self._envs = AtariVectorEnv(played, num_envs, autoreset_mode="SameStep", num_threads=num_threads)
+        self.actions = tuple(action.name for action in options.task.action_set)
+        stacks_ram = options.from_ram and stacked
+        self._ram = RamStack(num_envs, options.stack, options.padding) if stacks_ram else None
         space: Any = self._envs.single_observation_space
         self.shape: tuple[int, ...] = space.shape if self._ram is None else self._ram.shape
-        stacked_ram = {"ram_stack": options.stack} if options.obs == "ram" else {}
-        self.policy_options: dict[str, Any] = {**sees, **stacked_ram, "actions": list(self.actions)}
         self.num_envs = num_envs
         self.games: list[tuple[float, int]] = []
 
-    def reset(self, seed: int) -> ByteArray:
-        """Begin new games; environment i is seeded with seed + i."""
+    def reset(self, seed: int | npt.NDArray[np.int64]) -> ByteArray:
+        """Begin new games; environment i is seeded with seed + i, or with its own of several."""
         observations, info = self._envs.reset(seed=seed)
         self._count_games(info)
         return observations if self._ram is None else self._ram.push(observations, np.ones(self.num_envs, np.bool_))
@@ -72,8 +55,18 @@ class TrainingEnvironments:
         observations, rewards, terminations, truncations, info = self._envs.step(self._indices[actions], out=out)
         self._count_games(info.get("final_info", {}))
         if self._ram is not None:
-            observations = self._ram.push(observations, terminations | truncations)
+            observations = self._ram.push(observations, self._begun(terminations, truncations, info))
         return observations, rewards, terminations, truncations, info
+
+    def _begun(self, terminations: Any, truncations: Any, info: Mapping[str, Any]) -> npt.NDArray[np.bool_]:
+        """Where a stack begins anew: as that of images, it goes on after a lost life that does not clear it."""
+        ended: npt.NDArray[np.bool_] = terminations | truncations
+        goes_on = self._task.life_loss_info or (self._task.seamless_lives and self._task.on_reset != "new_game")
+        if not goes_on or not ended.any():
+            return ended
+        over: npt.NDArray[np.bool_] = info["final_info"].get("_episode", np.zeros_like(ended))
+        begun: npt.NDArray[np.bool_] = (over & ended) | truncations
+        return begun
 
     def final_observations(self, info: Mapping[str, Any]) -> ByteArray:
         """The last observations of the episodes that have ended in a step with this `info`; zero elsewhere."""
@@ -113,11 +106,12 @@ class TrainingEnvironments:
 class RamStack:
     """The last RAM vectors of some environments, (environments, size, 128) uint8, the oldest first.
 
-    At the beginning of an episode all are the first one.
+    At the beginning of an episode the others are zero, or with the padding "reset" the first one.
     """
 
-    def __init__(self, num_envs: int, size: int) -> None:
+    def __init__(self, num_envs: int, size: int, padding: str = "reset") -> None:
         self.shape = (size, 128)
+        self._pads_zero = padding == "zero"
         self.rows = self._before = np.zeros((num_envs, size, 128), np.uint8)
 
     def push(
@@ -129,7 +123,7 @@ class RamStack:
         """
         self._before = self.rows if lanes is None else self.rows[lanes]
         rows = self.final(ram)
-        rows[started] = ram[started, None]
+        rows[started, :-1] = 0 if self._pads_zero else ram[started, None]
         if lanes is None:
             self.rows = rows
         else:
@@ -146,11 +140,14 @@ class RamStack:
         self.rows = np.concatenate([self.rows, np.zeros((missing, *self.shape), np.uint8)])
 
 
-def _actions(game: Game, full: bool, names: Sequence[str] | None) -> tuple[tuple[str, ...], npt.NDArray[np.int64]]:
-    """Names of the actions, and their indices in the action space."""
-    every = [Action(action).name for action in (game.legal_actions if full else game.minimal_actions)]
-    chosen = every if names is None else list(names)
-    missing = [name for name in chosen if name not in every]
-    if missing or not chosen:
-        raise ValueError(f"actions of {game.id} are {', '.join(every)}; got {', '.join(chosen)}")
-    return tuple(chosen), np.array([every.index(name) for name in chosen])
+def whole_actions(task: Task) -> tuple[Task, npt.NDArray[np.int64]]:
+    """A task with all actions that its game uses, or all legal ones, and the index of each of its own among them.
+
+    An episode may begin with FIRE and the action after it, which are the game's, whether the agent has them or not.
+    """
+    own = task.action_set
+    if isinstance(task.actions, str):
+        return task, np.arange(len(own))
+    minimal = set(own) <= set(task.definition.minimal_actions)
+    whole = task.replace(actions="minimal" if minimal else "full")
+    return whole, np.array([whole.action_set.index(action) for action in own])

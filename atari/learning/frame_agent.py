@@ -1,31 +1,41 @@
 """`FrameAgent`: a policy that plays a core frame by frame, as programs that show every frame need it."""
 
-from collections import deque
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Generator, Iterator
+from typing import Literal
 
-import cv2
 import numpy as np
+from gymnasium.utils import seeding
 
 from atari.actions import Action
-from atari.cores import Core
+from atari.cores import ByteArray, Core
+from atari.games.game import Game
+from atari.learning.environments import whole_actions
+from atari.learning.frames import FrameObservations
+from atari.learning.needs import Needs, composed, needs_of
 from atari.learning.policies import load_policy
 from atari.learning.policy import Policy
-from atari.protocols import Protocol
-from atari.wrappers.presets import preset_protocol
+from atari.task import Task
+from atari.task.fields import GROUPS
 
 _LANE = np.zeros(1, np.int64)
+
+Start = Literal["game", "life", "middle"]
+"""How an episode begins: at the start of a game, after a lost life, or anywhere in a game."""
 
 
 class FrameAgent:
     """A policy with the observations that it needs, made from the frames of a core.
 
-    A policy chooses an action every four frames, from images or RAM as its `environment` says, with sticky actions as
-    the core has them. FIRE is pressed at the beginning and after a lost life, if the policy's preset does so.
+    The agent plays the policy's task: it presses what an episode begins with, at the start of a game and after a lost
+    life, chooses an action for each step, and repeats it for the frames of the step. Observations, no-ops and frame
+    skips are those of `AtariVectorEnv`, for equal seeds; with `seeding="ale"` no-ops and frame skips are drawn
+    otherwise. A core plays whole games: where the task would begin a new one after a lost life, the agent goes on.
+    Sticky actions, mode and interventions are those of the core. A policy that does not say what it needs gets preset
+    "baselines".
 
     Args:
         policy: as of `load_policy`, or a policy.
-        seed: of policies that draw numbers.
+        seed: of no-ops, random frame skips, and policies that draw numbers, 0..2**32-1.
 
     Raises:
         TypeError, ValueError, FileNotFoundError, gymnasium.error.DependencyNotInstalled: see `load_policy`.
@@ -36,77 +46,123 @@ class FrameAgent:
         self._seed = seed
         self.name: str = getattr(self._policy, "name", "") or str(policy)
         self.game: str | None = getattr(self._policy, "game", None)
-        environment = getattr(self._policy, "environment", None) or {}
-        if not isinstance(environment, Mapping):
-            raise ValueError(f"the environment of {self.name} must be a mapping of options, got {environment!r}")
-        self._environment = dict(environment)
-        preset = self._environment.get("preset", "baselines")
-        self._protocol: Protocol = preset if isinstance(preset, Protocol) else preset_protocol(preset or "baselines")
-        self._skip = self._protocol.frame_skip[0]
-        self._stack: deque[Any] = deque(maxlen=self._environment.get("stack_num", 4))
-        self._before: Any = None
-        self._frame = 0
-        self._lives = 0
-        self._fires = 0
-        self._action = 0
-        self._actions: list[int] = []
+        self._frames: Iterator[int] = iter(())
+
+    def task_in(self, game: Game) -> Task:
+        """The task that the policy plays in a game.
+
+        Raises:
+            ValueError: what the policy needs is wrong, or no task of one player with a choice of actions.
+        """
+        return self._task_of(needs_of(self._policy, game), game)
+
+    def _task_of(self, needs: Needs, game: Game) -> Task:
+        task = needs.task or Task.of(game, preset="baselines")
+        if task.continuous:
+            raise ValueError(f"{self.name} has continuous=True, and an agent chooses one of the actions; leave it out")
+        if task.definition == game:
+            return task
+        groups = ("play", "begin", "lives", "limits", "observation")  # of a policy of another game
+        fields = {name: getattr(task, name) for group in groups for name in GROUPS[group] if name != "interventions"}
+        return composed(Task.of(game), **fields)
 
     def begin(self, core: Core) -> None:
-        """Begin a game, or go on from another state of it: the first observation fills the stack."""
-        names = self._environment.get("actions")
-        if names is None:
-            full = self._environment.get("full_action_space", False)
-            names = [action.name for action in (core.game.legal_actions if full else core.game.minimal_actions)]
+        """Begin a game, or go on from another state of it: the first observation fills the stack.
+
+        Raises:
+            ValueError: as `task_in`.
+        """
+        needs = needs_of(self._policy, core.game)
+        self._task = self._task_of(needs, core.game)
+        self._seen = FrameObservations(self._task, needs.layout(self._task))
+        names = tuple(action.name for action in self._task.action_set)
         self._actions = [int(Action[name]) for name in names]
+        every = whole_actions(self._task)[0].action_set
+        fires = self._task.fire != "never" and Action.FIRE in every
+        self._fire = [int(Action.FIRE), *([int(every[2])] if self._task.third_action else [])] if fires else []
+        self._fire_counts = self._task.fire_counts and Action.FIRE in every
+        first = int(np.random.SeedSequence(self._seed).generate_state(2)[0])  # as `AtariEnv.reset` makes it of a seed
+        self._random, _ = seeding.np_random(first)
         begin = getattr(self._policy, "begin", None)
         if begin is not None:
-            begin(core.game.id, tuple(names), _LANE, np.array([self._seed], np.int64))
-        self._stack.clear()
-        self._frame, self._before = 0, None
-        self._lives, self._fires = core.lives, self._skip * self._needs_fire(core)
+            begin(core.game.id, names, _LANE, np.array([self._seed], np.int64))
+        self._core, self._lives = core, core.lives
+        self._frames = self._play("game" if core.episode_frame_number == 0 else "middle")
 
     def act(self, core: Core) -> int:
-        """The ALE action number of the next frame."""
-        if core.lives < self._lives:
-            self._fires = self._skip * self._needs_fire(core)
-        self._lives = core.lives
-        if self._frame % self._skip == 0:
-            self._action = self._choose(core)
-        elif self._frame % self._skip == self._skip - 1 and self._protocol.max_pool:
-            self._before = self._screen(core)
-        self._frame += 1
-        if self._fires:
-            self._fires -= 1
-            return int(Action.FIRE)
-        return self._action
+        """The ALE action number of the next frame, after a frame of the last one."""
+        self._core = core
+        return next(self._frames)
 
-    def _choose(self, core: Core) -> int:
-        if self._environment.get("obs_type") == "ram":
-            observation = core.ram()[None]
+    def _play(self, start: Start) -> Iterator[int]:
+        """The actions of the frames of a game."""
+        while True:
+            yield from self._begin_episode(start)
+            lost = False
+            while not lost:
+                lost = yield from self._skip(self._choose())
+            begin = getattr(self._policy, "begin_episodes", None)
+            if begin is not None and not self._task.seamless_lives:
+                begin(_LANE)
+            start = "middle" if self._task.on_reset == "new_game" else "life"
+
+    def _begin_episode(self, start: Start) -> Iterator[int]:
+        """The frames before the first observation of an episode."""
+        task, before = self._task, self._core.frame_number
+        lives_in_skip = task.lives_unit == "frame"
+        if start == "life" and task.on_reset == "noop":
+            yield from (0,) if lives_in_skip else self._skip(0)
+        begins = start == "game" or (start == "life" and lives_in_skip)
+        noops = [0] * self._draw_noops() if begins else []
+        fire = self._fire if task.fire_unit == "frame" and (begins or start == "middle") else []
+        yield from [*fire, *noops] if task.fire == "before_noops" else [*noops, *fire]
+        fill = not (start == "life" and task.seamless_lives)
+        if start == "life" and (not lives_in_skip or self._core.frame_number == before):
+            self._seen.repeat(fill)
         else:
-            image = self._image(core)
-            if not self._stack and self._protocol.padding == "zero":
-                self._stack.extend([np.zeros_like(image)] * (self._stack.maxlen or 1))
-            self._stack.extend([image] * (1 if self._stack else self._stack.maxlen or 1))
-            last = self._environment.get("channels_last", False)
-            observation = np.stack(self._stack, axis=-1 if last else 0)[None]
-        chosen = np.asarray(self._policy(observation, _LANE))
+            self._seen.begin(self._read, fill)
+        if task.fire_unit == "skip" and self._fire:
+            for action in self._fire:
+                yield from self._skip(action)
+            self._seen.repeat()
+        self._lives = self._core.lives
+
+    def _draw_noops(self) -> int:
+        low, high = self._task.noops
+        return int(self._random.integers(low, high + 1)) - self._fire_counts if high else 0
+
+    def _skip(self, action: int) -> Generator[int, None, bool]:
+        """The frames of a step; returns whether a life was lost that ends the episode."""
+        task = self._task
+        low, high = task.frames
+        left = low if high == low + 1 else int(self._random.integers(low, high))
+        lost = ended = over = False
+        while left and not ended:
+            left -= 1
+            yield action
+            over = self._core.game_over or self._core.truncated
+            lost = (task.lives_unit == "frame" and self._life_lost()) or lost
+            ended = over or (lost and not task.seamless_lives)
+            self._seen.frame_played(left, ended, self._read)
+        self._seen.skip_ended(left, self._read)
+        if task.lives_unit == "skip":
+            lost = self._life_lost()
+        return lost and not over
+
+    def _read(self) -> ByteArray:
+        return self._seen.read(self._core)
+
+    def _life_lost(self) -> bool:
+        """Whether a life that counts was lost since the last call."""
+        before, self._lives = self._lives, self._core.lives
+        return self._task.episodic_life and self._lives < before and (self._lives > 0 or self._task.last_life)
+
+    def _choose(self) -> int:
+        """The policy's action."""
+        self._seen.see_ram(self._core.ram())
+        chosen = np.asarray(self._policy(self._seen.observation(), _LANE))
         if chosen.shape != (1,) or chosen.dtype.kind not in "iu" or not 0 <= chosen[0] < len(self._actions):
             raise ValueError(
                 f"{self.name} must return one of {len(self._actions)} actions, (1,) integers, got {chosen!r}"
             )
         return self._actions[int(chosen[0])]
-
-    def _image(self, core: Core) -> Any:
-        screen = self._screen(core)
-        if self._before is not None:
-            screen = np.maximum(screen, self._before)
-        size = self._environment.get("img_width", 84), self._environment.get("img_height", 84)
-        return cv2.resize(screen, size, interpolation=cv2.INTER_AREA)
-
-    def _screen(self, core: Core) -> Any:
-        gray = self._environment.get("obs_type") != "rgb" and self._environment.get("grayscale", True)
-        return core.screen_grayscale() if gray else core.screen_rgb()
-
-    def _needs_fire(self, core: Core) -> bool:
-        return self._protocol.fire != "never" and Action.FIRE in core.game.minimal_actions

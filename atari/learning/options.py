@@ -1,30 +1,43 @@
-"""The options that all agents have: game, observations, length of the training."""
+"""The options that all agents have: what is played, and how long and with what it is learned."""
 
 import dataclasses
-import re
 import types
 import typing
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from functools import partial
+from typing import Any, ClassVar, Literal, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from atari.learning.named_actions import resolve_with_names
+from atari.task import Task
+from atari.task.resolution import ALIASES, OPTIONS, GameLike, resolve_for_agent
+from atari.validation import check_integer, check_known
+
+SEEDS = 2**32
+"""Seeds are below it."""
+
+_Options = TypeVar("_Options", bound="TrainingOptions")
 
 
 @dataclass(frozen=True, kw_only=True)
 class TrainingOptions:
-    """The options that all agents have.
+    """The options that all agents have. `of` makes them from a game and options by name.
 
     Attributes:
-        game: id of the game, such as pong.
-        obs: what the network sees, pixels or ram.
-        seed: of environments, weights and actions; equal seeds give equal weights, to the bit, on one machine.
-        total_steps: agent steps of all environments together; a step is 4 frames.
+        task: what the agent plays, sees and is paid.
+        ram_stack: successive RAM vectors that the network sees together, 4 by default; only for a task of RAM.
+        ram_padding: what fills the stack of RAM vectors at the start of an episode: zero, or reset, the first one; only
+            for a task of RAM.
+        seed: of environments, weights and actions, 0..2**32-1; equal seeds give equal weights, to the bit, on one
+            machine. Weights and actions are drawn from the seed itself. Environment i is seeded with
+            seed * num_envs + i, with DQN seed + i; where these are not all below 2**32, with words of NumPy's
+            SeedSequence.
+        total_steps: agent steps of all environments together.
         stop_score: stop when the mean score of the last 100 whole games reaches this; none is never.
         num_envs: environments that are played together.
-        protocol: how games begin and end, the name of a preset; its sticky actions, too, unless `sticky` is given.
-        sticky: probability that an action is repeated instead of the next one; none is the protocol's.
-        episodic_life: whether a lost life is the end of an episode for the learner; none is the protocol's.
-        actions: names of the actions that the agent has, such as NOOP,RIGHT,LEFT; none is all that the game uses.
-        image_size: rows and columns of an image.
-        stack: successive images, or RAM vectors, that the network sees together.
         network: nature (Mnih et al. 2015), small (two convolutions, 256 units), or, for RAM, mlp (two layers of 256
             units) or bits (the same on the bits of RAM).
         normalize: subtract the mean of each pixel or byte and divide by its standard deviation, both of all
@@ -36,20 +49,28 @@ class TrainingOptions:
         workers: threads, each with environments of its own, that play and compute gradients; on cpu, one for each
             core. Another number gives other weights.
         checkpoint_minutes: minutes between checkpoints.
+
+    Raises:
+        TypeError, ValueError: an option is wrong, or the agent cannot play the task.
+
+    Example:
+        >>> from atari.learning.options import TrainingOptions
+        >>> options = TrainingOptions.of("breakout", preset="dqn2015", img_height=42, img_width=42, num_envs=4)
+        >>> options.num_envs, options.task.img_height, options.task.noops
+        (4, 42, (1, 30))
     """
 
-    game: str = "pong"
-    obs: Literal["pixels", "ram"] = "pixels"
+    default_preset: ClassVar[str] = "baselines"
+    """The preset of a game or an ID, unless the user names another one."""
+    default_ram_padding: ClassVar[str] = "reset"
+
+    task: Task
+    ram_stack: int | None = None
+    ram_padding: Literal["zero", "reset"] | None = None
     seed: int = 0
     total_steps: int = 10_000_000
     stop_score: float | None = None
     num_envs: int = 8
-    protocol: str = "baselines"
-    sticky: float | None = None
-    episodic_life: bool | None = None
-    actions: tuple[str, ...] | None = None
-    image_size: int = 84
-    stack: int = 4
     network: Literal["nature", "small", "mlp", "bits"] = "nature"
     normalize: bool = False
     bfloat16: bool = False
@@ -59,24 +80,153 @@ class TrainingOptions:
     workers: int = 1
     checkpoint_minutes: float = 5.0
 
+    def __new__(cls, *args: Any, **given: Any) -> Any:
+        """Refuse the options of earlier releases with a sentence."""
+        refuse_old_options(given, cls.__name__)
+        return super().__new__(cls)
+
+    @classmethod
+    def of(cls: type[_Options], game: GameLike, *, preset: str | None = None, **options: Any) -> _Options:
+        """The options of a training in a game.
+
+        Rewards are clipped, and a lost life that ends an episode clears the stack, unless `options` say otherwise: so
+        the task has `reward_clipping=True` and `seamless_lives=False`. A `Task` is played as it is.
+
+        Args:
+            game: a game's name, the path of a game file or a `Game`; an environment ID, which decides sticky actions,
+                the actions, and RAM or pixels; or a `Task`.
+            preset: name of a preprocessing, one of `atari.PRESETS`; None is `default_preset`, but for a `Task`.
+            **options: fields of this class and of `atari.Task`.
+
+        Raises:
+            gymnasium.error.NameNotFound: there is no such ID.
+            TypeError, ValueError: there is no such option (the nearest is suggested), or as the class.
+        """
+        refuse_old_options(options, cls.__name__)
+        own = {field.name for field in dataclasses.fields(cls)} - {"task"}
+        of_task = (*OPTIONS, *ALIASES)
+        wrong = [name for name in options if name not in own and name not in of_task]
+        check_known(cls.__name__, wrong, (*own, *of_task))
+        given = {name: value for name, value in options.items() if name not in own}
+        if not (isinstance(game, Task) and preset is None):
+            given.setdefault("seamless_lives", False)  # the stack begins anew where the learner's episode does
+            if "clip_reward" not in given:
+                given.setdefault("reward_clipping", True)
+        resolve = partial(resolve_for_agent, game, preset, default=cls.default_preset, owner=cls.__name__)
+        task = resolve_with_names(resolve, given)
+        rest = {name: value for name, value in options.items() if name in own}
+        if task.obs_type == "ram":
+            rest.setdefault("network", "mlp")
+        return cls(task=task, **rest)
+
     def __post_init__(self) -> None:
-        for name in ("total_steps", "num_envs", "stack", "workers"):
+        if not isinstance(self.task, Task):
+            raise TypeError(f"task must be an atari.Task, got {self.task!r}; {type(self).__name__}.of(GAME) makes one")
+        check_task(self.task)
+        self._settle_ram()
+        check_integer("seed", self.seed, 0, SEEDS - 1)
+        for name in ("total_steps", "num_envs", "workers"):
             if getattr(self, name) < 1:
                 raise ValueError(f"{name} must be 1 or more, got {getattr(self, name)}")
         if self.num_envs % self.workers:
             raise ValueError(f"num_envs must be a multiple of workers, got {self.num_envs} and {self.workers}")
-        if (self.obs == "ram") != (self.network in ("mlp", "bits")):
+        if self.from_ram != (self.network in ("mlp", "bits")):
             raise ValueError(
-                f"network {self.network!r} is not for obs {self.obs!r}: pixels need nature or small, ram mlp or bits"
+                f"network {self.network!r} is not for obs_type {self.task.obs_type!r}: images need nature or small, "
+                "ram mlp or bits"
             )
         if self.device.split(":")[0] not in ("cpu", "cuda"):
             raise ValueError(f"device must be cpu, cuda or cuda:N, got {self.device!r}")
         if not 0 < self.gamma <= 1:
             raise ValueError(f"gamma must be above 0 and at most 1, got {self.gamma}")
         for field in dataclasses.fields(self):
-            choices = typing.get_args(hints(type(self))[field.name])
-            if isinstance(getattr(self, field.name), str) and choices and str not in choices:
-                check_choice(field.name, getattr(self, field.name), choices)
+            kind = members(type(self), field.name)[0]
+            if typing.get_origin(kind) is Literal and getattr(self, field.name) is not None:
+                check_choice(field.name, getattr(self, field.name), typing.get_args(kind))
+
+    def _settle_ram(self) -> None:
+        """Fill in the defaults of the options for RAM.
+
+        Raises:
+            TypeError, ValueError: one is of the wrong kind, or the task has images.
+        """
+        defaults = {"ram_stack": (4, "stack_num"), "ram_padding": (self.default_ram_padding, "padding")}
+        for name, (default, of_images) in defaults.items():
+            value = getattr(self, name)
+            if not self.from_ram and value is not None:
+                raise ValueError(f"{name}={value!r} is for a task of RAM, this has images; use {of_images}={value!r}")
+            if self.from_ram and value is None:
+                object.__setattr__(self, name, default)
+        if self.from_ram:
+            check_integer("ram_stack", self.ram_stack, 1, 10_000)
+
+    @property
+    def from_ram(self) -> bool:
+        """Whether the network sees RAM, not images."""
+        return self.task.obs_type == "ram"
+
+    @property
+    def stack(self) -> int:
+        """How many images or RAM vectors the network sees together."""
+        return self.ram_stack or self.task.stack_num or 1
+
+    @property
+    def padding(self) -> str:
+        """What fills this stack at the start of an episode, "zero" or "reset"."""
+        return self.ram_padding or self.task.padding
+
+    def environment_seeds(self, first: int, count: int) -> npt.NDArray[np.int64]:
+        """The seeds of `count` environments: `first`, `first + 1`, ..., if all are below 2**32.
+
+        Otherwise they are words of `numpy.random.SeedSequence(first)`.
+        """
+        if first + count <= SEEDS:
+            return np.arange(first, first + count)
+        return np.random.SeedSequence(first).generate_state(count).astype(np.int64)
+
+
+_OLD: Mapping[str, str] = {
+    "protocol": "preset={0!r}",
+    "obs": "obs_type='ram' for RAM, and nothing for images,",
+    "image_size": "img_height={0}, img_width={0}",
+    "stack": "stack_num={0}, or ram_stack={0} for RAM",
+    "sticky": "repeat_action_probability={0}",
+}
+"""Options of earlier releases, and what replaces them; {0} is the value."""
+
+
+def refuse_old_options(options: Mapping[str, Any], owner: str) -> None:
+    """Refuse the options of earlier releases.
+
+    Raises:
+        TypeError: there is one; the message shows the new call.
+    """
+    for name, new in _OLD.items():
+        if name in options:
+            raise TypeError(
+                f"{owner} has no option {name!r} any more; give {new.format(options[name])} to {owner}.of(GAME, ...)"
+            )
+
+
+def check_task(task: Task) -> None:
+    """Refuse a task that the agents cannot play.
+
+    Raises:
+        ValueError: their networks or their learning have no place for one of its fields.
+    """
+    if task.obs_type not in ("grayscale", "ram"):
+        raise ValueError(
+            f"an agent learns from obs_type='grayscale' or 'ram', and the task has {task.obs_type!r}; "
+            "add obs_type='grayscale', or a preset such as preset='baselines'"
+        )
+    if task.obs_type == "grayscale" and task.stack_num is None:
+        raise ValueError("an agent sees stacks of images, and the task has stack_num=None; add stack_num=4, or 1")
+    if task.continuous:
+        raise ValueError("an agent chooses one of the actions, and the task has continuous=True; leave it out")
+    if task.players > 1:
+        raise ValueError(f"an agent plays alone, and the task has players={task.players}; use players=1")
+    if task.sound_obs:
+        raise ValueError("an agent has no place for sound, and the task has sound_obs=True; leave it out")
 
 
 def check_choice(name: str, value: Any, choices: tuple[Any, ...]) -> None:
@@ -89,19 +239,10 @@ def check_choice(name: str, value: Any, choices: tuple[Any, ...]) -> None:
         raise ValueError(f"{name} must be one of {', '.join(map(str, choices))}, got {value!r}")
 
 
-def hints(options: type) -> dict[str, Any]:
-    """The types of the options of a class, by name."""
-    return typing.get_type_hints(options)
-
-
-def descriptions(options: type) -> dict[str, str]:
-    """What the docstrings of a class of options and of its bases say about each option, by name."""
-    found: dict[str, str] = {}
-    for base in reversed(options.__mro__):
-        section = (base.__doc__ or "").partition("Attributes:\n")[2]
-        for name, text in re.findall(r"^ {8}(\w+): (.*(?:\n {12}.*)*)", section, re.MULTILINE):
-            found[name] = re.sub(r"\s+", " ", text).rstrip(".")
-    return found
+def members(options: type, name: str) -> tuple[Any, ...]:
+    """The types that an option of a class may have."""
+    kind = typing.get_type_hints(options)[name]
+    return typing.get_args(kind) if typing.get_origin(kind) in (types.UnionType, typing.Union) else (kind,)
 
 
 def parse(options: type, name: str, text: str) -> Any:
@@ -110,13 +251,10 @@ def parse(options: type, name: str, text: str) -> Any:
     Raises:
         ValueError: the text is none.
     """
-    kind = hints(options)[name]
-    members = typing.get_args(kind) if isinstance(kind, types.UnionType) else (kind,)
-    if type(None) in members and text == "none":
+    kinds = members(options, name)
+    kind = kinds[0]
+    if type(None) in kinds and text == "none":
         return None
-    kind = members[0]
-    if kind == tuple[str, ...]:
-        return tuple(text.split(","))
     if kind is bool:
         check_choice(name, text, ("true", "false"))
         return text == "true"

@@ -7,6 +7,8 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 import numpy.typing as npt
 
+from atari.task import Task
+
 Array = npt.NDArray[Any]
 
 
@@ -15,16 +17,25 @@ class Policy(Protocol):
     """What chooses actions for a batch of environments: a function of two arrays, with optional attributes.
 
     - `name`: a string, for results.
-    - `environment`: a mapping of options of `AtariVectorEnv` that say which observations it needs: `preset`,
-      `obs_type`, `img_height`, `img_width`, `grayscale`, `stack_num`, `channels_last`, `maxpool`, `dtype`; and which
-      actions its indices are: `full_action_space`, or `actions`, a sequence of names such as ("NOOP", "RIGHT", "LEFT").
-      Options that say how games begin and end are ignored in an evaluation: its protocol decides.
+    - `task`: the `atari.Task` that it was trained on. It says which observations the policy needs, and which actions
+      the indices are.
+    - `environment`: the same as a mapping of options, by the names of `AtariVectorEnv`: `preset` and fields of
+      `atari.Task`, such as `obs_type`, `img_height`, `img_width`, `stack_num`, `maxpool`, `full_action_space`, or
+      `actions`, a sequence of names such as ("NOOP", "RIGHT", "LEFT"); or `task`, a task as the object of its JSON.
+      Beside either, and beside the attribute `task`, it may have `channels_last` and `dtype` of the observations, and
+      `rom`.
+      An evaluation plays sticky actions, beginnings, lives and limits as its protocol says. It refuses a policy of
+      another frame skip than the protocol's, or of another mode, difficulty or interventions than those of the game to
+      evaluate, and policies of several players or of continuous actions.
     - `game`: the id of the game that it was trained on.
+    - `protocol`: the `EvaluationProtocol` of its training, which commands play unless they are told another one.
     - `training_frames`: emulator frames of its training, an int.
     - `begin(game, actions, lanes, seeds)`: called when games begin in some lanes, before their first observations.
       `game` is the game's id, `actions` the names of all its actions in the order of indices, `lanes` (n,) int64,
       `seeds` (n,) int64. A policy that draws numbers or has a memory sets them up here for these lanes; then results
       do not depend on the number of lanes.
+    - `begin_episodes(lanes)`: called where the environment begins an episode in the same game, after a lost life, and a
+      new stack of images.
 
     Example:
         >>> from atari.learning import evaluate
@@ -67,7 +78,7 @@ class _OfObservations:
     def __init__(self, function: Callable[[Any], Any]) -> None:
         self._function = function
         self.name = getattr(function, "__qualname__", type(function).__name__)
-        for name in ("name", "environment", "game", "training_frames", "begin"):
+        for name in ("name", "task", "environment", "game", "protocol", "training_frames", "begin", "begin_episodes"):
             if hasattr(function, name):
                 setattr(self, name, getattr(function, name))
 
@@ -82,7 +93,7 @@ class ScoresPolicy:
         scores: a function of observations (n, ...) uint8 that returns scores (n, actions), or actions (n,), integers.
         sample: whether actions are drawn with the probabilities softmax(scores), with a generator for each game;
             otherwise the action with the highest score is taken.
-        name, environment, training_frames, game: as of `Policy`.
+        name, task, environment, training_frames, game: as of `Policy`.
 
     Example:
         >>> import numpy as np
@@ -98,6 +109,7 @@ class ScoresPolicy:
         *,
         sample: bool = False,
         name: str = "",
+        task: Task | None = None,
         environment: Mapping[str, Any] | None = None,
         training_frames: int | None = None,
         game: str | None = None,
@@ -106,6 +118,7 @@ class ScoresPolicy:
         self._sample = sample
         self._generators: dict[int, np.random.Generator] = {}
         self.name = name
+        self.task = task
         self.environment = dict(environment or {})
         self.training_frames = training_frames
         self.game = game

@@ -8,7 +8,6 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
-from atari.games.catalog import games
 from atari.learning.evaluation.evaluate import evaluate, record_games
 from atari.learning.evaluation.published import human_scores, published, published_names
 from atari.learning.evaluation.results import Result
@@ -30,13 +29,12 @@ def finish(folder: RunFolder, episodes: int = 30, progress: Callable[[int, int],
     Raises:
         FileNotFoundError, ValueError: the folder is damaged, or the training has written no policy yet.
     """
-    policy = load_policy(folder.path)
-    game = folder.config["options"]["game"]
-    result = evaluate(policy, game, training_protocol(folder), episodes=episodes, progress=progress)
+    policy, task = load_policy(folder.path), folder.task
+    result = evaluate(policy, task, training_protocol(folder), episodes=episodes, progress=progress)
     result.save(folder.path / "evaluation.json")
     played = result.games[0]
     best = played.seeds[max(range(episodes), key=lambda index: played.scores[index])]
-    record_games(policy, game, result.protocol, [best], folder.path / "best.a26")
+    record_games(policy, task, result.protocol, [best], folder.path / "best.a26")
     replay = Replay.load(folder.path / "best.a26")
     try:
         replay.render(folder.path / "best.mp4")
@@ -48,13 +46,13 @@ def finish(folder: RunFolder, episodes: int = 30, progress: Callable[[int, int],
 
 def write_report(folder: RunFolder, result: Result) -> Path:
     """Write `report.html`, which needs no server, and return its path."""
-    rows, config = folder.rows(), folder.config
-    game = games.find(config["options"]["game"])
+    rows, config, task = folder.rows(), folder.config, folder.task
+    game, kind = task.definition, "RAM" if task.obs_type == "ram" else "pixels"
     played = result.games[0]
     last = rows[-1]
     video = '<video controls loop src="best.mp4#t=3"></video>' if (folder.path / "best.mp4").exists() else ""
     page = Template(_PAGE).substitute(
-        title=html.escape(f"{config['agent'].upper()} on {game.title}, from {config['options']['obs']}"),
+        title=html.escape(f"{config['agent'].upper()} on {game.title}, from {kind}"),
         score=f"{played.mean:,.1f}",
         episodes=len(played.scores),
         steps=f"{last['step']:,.0f}",
@@ -66,6 +64,7 @@ def write_report(folder: RunFolder, result: Result) -> Path:
         best=f"{max(played.scores):,.0f}",
         protocol=html.escape(str(result.protocol)),
         scores=html.escape(str(result).partition("\n\n")[2]),
+        task=html.escape(str(task)),
         options=_table(config["options"]),
         versions=_table(config["versions"]),
     )
@@ -169,6 +168,7 @@ $video
 <h2>Evaluation</h2>
 <p>$protocol</p>
 <pre>$scores</pre>
+<details><summary>What was played in the training</summary><pre>$task</pre></details>
 <details><summary>Options of the training</summary>$options</details>
 <details><summary>Versions</summary>$versions</details>
 </html>

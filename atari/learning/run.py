@@ -16,15 +16,18 @@ import numpy as np
 import torch
 
 from atari.learning.evaluation.results import versions
+from atari.learning.old_runs import migrated
+from atari.learning.options import TrainingOptions
+from atari.task import Task
 
-FORMAT = 1
-"""Version of the run folder; another one is refused."""
+FORMAT = 2
+"""Version of the run folder. A newer one is refused; `migrated` turns the configuration of an older one into this."""
 
 
 class RunFolder:
     """The folder of a training.
 
-    - `config.json`: agent, options, what the policy sees, versions;
+    - `config.json`: agent, task, options, versions;
     - `log.csv`: a row for each update, and TensorBoard's event files;
     - `checkpoint.pt`: the newest state of the training, with environments and generators (contains pickles);
     - `policy.pt`: the newest weights (contains none);
@@ -35,7 +38,7 @@ class RunFolder:
 
     Attributes:
         path: of the folder.
-        config: the contents of `config.json`.
+        config: the contents of `config.json`; those of an older format as this one would have them.
     """
 
     def __init__(self, path: Path, config: dict[str, Any]) -> None:
@@ -57,13 +60,18 @@ class RunFolder:
         path.mkdir(parents=True, exist_ok=True)
         return cls(path, {})
 
-    def configure(self, agent: str, options: Any, policy_options: Mapping[str, Any]) -> None:
-        """Write `config.json`."""
+    def configure(self, agent: str, options: TrainingOptions) -> None:
+        """Write `config.json`.
+
+        Raises:
+            ValueError: the task is of a game that no file has.
+        """
+        names = (field.name for field in dataclasses.fields(options) if field.name != "task")
         self.config = {
             "format": FORMAT,
             "agent": agent,
-            "options": dataclasses.asdict(options),
-            "policy": dict(policy_options),
+            "task": json.loads(options.task.to_json()),
+            "options": {name: getattr(options, name) for name in names},
             "versions": {
                 **versions(),
                 "python": platform.python_version(),
@@ -85,13 +93,31 @@ class RunFolder:
             raise FileNotFoundError(f"{path} is no run folder: it has no config.json; `atari train` makes one")
         try:
             config = json.loads(file.read_text(encoding="utf-8"))
-            version = config["format"]
-            config["agent"], config["options"]["game"], config["policy"]["actions"], config["versions"]
-        except (ValueError, KeyError, TypeError) as error:
+            version = config.get("format", 1)
+        except (ValueError, AttributeError) as error:
             raise ValueError(f"{file} is damaged: {error!r}") from None
-        if version != FORMAT:
-            raise ValueError(f"{file} has format {version!r}, this version of atari-envs reads {FORMAT}")
+        if isinstance(version, bool) or version not in range(1, FORMAT + 1):
+            raise ValueError(
+                f"{file} has format {version!r}, and this atari-envs reads 1 to {FORMAT}; install a newer release"
+            )
+        try:
+            config = migrated(config) if version == 1 else config
+            config["agent"], config["task"], config["options"].items(), config["versions"]
+        except (KeyError, TypeError, ValueError, AttributeError) as error:
+            raise ValueError(f"{file} is damaged: {error!r}") from None
         return cls(path, config)
+
+    @property
+    def task(self) -> Task:
+        """What was played.
+
+        Raises:
+            ValueError: the configuration is damaged, or its game file is gone.
+        """
+        try:
+            return Task.from_json(json.dumps(self.config["task"]))
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"{self.path / 'config.json'}: {error}") from None
 
     def log(self, row: Mapping[str, float]) -> None:
         """Add a row to `log.csv` and TensorBoard. The first row names the columns."""

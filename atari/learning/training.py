@@ -50,7 +50,7 @@ class Training:
         TrainingEnvironments(options, 1).close()  # errors are raised before a folder is made
         folder = RunFolder.create(path)
         agent = find_agent(name)(options, path)
-        folder.configure(name, options, agent.environments[0].policy_options)
+        folder.configure(name, options)
         return cls(folder, agent, options)
 
     @classmethod
@@ -123,9 +123,10 @@ class Training:
                 self.games += 1
 
     def _facts(self, score: float) -> dict[str, float]:
+        low, high = self.options.task.frames
         return {
             "step": self.agent.steps,
-            "frames": 4 * self.agent.steps,
+            "frames": round(sum(range(low, high)) / (high - low) * self.agent.steps),
             "seconds": round(self.seconds, 3),
             "games": self.games,
             "score": score,
@@ -162,10 +163,9 @@ def read_options(folder: RunFolder) -> TrainingOptions:
     Raises:
         ValueError: the configuration is damaged.
     """
-    given = folder.config["options"]
+    task, given = folder.task, folder.config["options"]
     try:
-        given = {name: tuple(value) if isinstance(value, list) else value for name, value in given.items()}
-        options: TrainingOptions = find_agent(folder.config["agent"]).options_class(**given)
+        options: TrainingOptions = find_agent(folder.config["agent"]).options_class(task=task, **given)
     except (TypeError, AttributeError, ValueError) as error:
         raise ValueError(f"{folder.path / 'config.json'} is damaged: {error}") from None
     return options

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from atari.learning import published
+from atari.task.description import summary
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 FOLDER = DOCS / "curves"
@@ -32,12 +33,12 @@ PUBLISHED = ("dopamine/dqn", "dopamine/rainbow", "cleanrl/ppo")
 
 def collect(path: Path) -> None:
     """Keep the curve and the facts of a run folder."""
-    from atari.learning.agents import find_agent  # needs PyTorch, and --help does not
-    from atari.learning.run import RunFolder
+    from atari.learning.run import RunFolder  # needs PyTorch, and --help does not
+    from atari.learning.training import read_options
 
     folder = RunFolder.open(path)
-    agent, options = folder.config["agent"], folder.config["options"]
-    name, rows = f"{options['game']}-{agent}", folder.rows()
+    agent, options = folder.config["agent"], read_options(folder)
+    name, rows = f"{options.task.game}-{agent}", folder.rows()
     thinned = rows[:: math.ceil(len(rows) / 99)]
     FOLDER.mkdir(exist_ok=True)
     with (FOLDER / f"{name}.csv").open("w", newline="") as file:
@@ -46,12 +47,14 @@ def collect(path: Path) -> None:
         for row in [*thinned, *([] if thinned[-1] is rows[-1] else rows[-1:])]:
             writer.writerow({key: round(row[key], 2) if key == "score" else f"{row[key]:.0f}" for key in COLUMNS})
     evaluation = json.loads((path / "evaluation.json").read_text(encoding="utf-8"))
-    defaults = {field.name: field.default for field in fields(find_agent(agent).options_class)}
+    defaults = {field.name: field.default for field in fields(options) if field.name != "task"}
+    changed = {key: getattr(options, key) for key in defaults if getattr(options, key) != defaults[key]}
     runs = read_runs()
     runs[name] = {
-        "game": options["game"],
+        "game": options.task.game,
         "agent": agent,
-        "options": {key: value for key, value in options.items() if key != "game" and value != defaults[key]},
+        "task": summary(options.task),
+        "options": changed,
         "versions": folder.config["versions"],
         "scores": evaluation["games"][0]["scores"],
     }

@@ -14,6 +14,9 @@ def policy(tmp_path, monkeypatch):
     """A policy that never serves, or loses fast."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "idle.py").write_text("def act(o): return [0] * len(o)\n")
+    (tmp_path / "images.py").write_text(
+        "class Images:\n    environment = {'preset': 'dopamine'}\n    def __call__(self, o, lanes): return lanes * 0\n"
+    )
 
 
 def test_text_files_and_comparison(capsys, tmp_path):
@@ -33,6 +36,13 @@ def test_json(capsys):
     assert content["comparison"] is None
 
 
+def test_the_game_that_is_played(capsys):
+    words = ("evaluate", "idle:act", "Pong-ram-v0", "--mode", "1", "--intervention", "lazy_enemy", "--episodes", "1")
+    (game,) = read_json(capsys, *words)["result"]["games"]
+    assert (game["task"]["mode"], game["task"]["obs_type"]) == (1, "ram")
+    assert [one["name"] for one in game["task"]["interventions"]] == ["lazy_enemy"]
+
+
 def test_lists(capsys):
     text = read(capsys, "evaluate", "--list")
     content = read_json(capsys, "evaluate", "--list")
@@ -48,6 +58,15 @@ def test_lists(capsys):
         (("nosuch.zip", "pong"), "there is no file nosuch.zip"),
         (("random",), "does not say which game it plays"),
         (("random", "pogn"), "pong"),
+        (("random", "ALE/Pog-v5"), "did you mean 'ALE/Pong-v5'"),
+        (
+            ("random", "PongNoFrameskip-v4"),
+            "has repeat_action_probability=0.0, and protocol 'machado2018' 0.25; pass 'pong'",
+        ),
+        (("images:Images", "Pong-ram-v0"), "Pong-ram-v0 shows RAM, and the policy sees obs_type='grayscale'"),
+        (("images:Images", "pong", "--mode", "1"), "pass atari.Task.of('pong', mode=None) as the game"),
+        (("random", "pong", "--mode", "99"), "99"),
+        (("random", "pong", "--intervention", "lazy"), "lazy"),
         (("random", "pong", "--protocol", "dopamin"), "did you mean 'dopamine'"),
         (("random", "pong", "--compare", "dopamine/rainbw"), "dopamine/rainbow"),
         (("random", "pong", "--compare", "cleanrl/ppo"), "cleanrl/ppo is not comparable: repeat_action_probability"),
@@ -85,7 +104,7 @@ def test_ctrl_c(capsys, monkeypatch, tmp_path):
 def test_sources_by_game(capsys, tmp_path):
     for game in ("pong", "freeway"):
         (tmp_path / f"{game}_agent.py").write_text("def act(o): return [0] * len(o)\n")
-    words = ("evaluate", "{game}_agent:act", "Pong-v4", "--protocol", "dopamine", "--episodes", "1")
+    words = ("evaluate", "{game}_agent:act", "Pong-v0", "--protocol", "dopamine", "--episodes", "1")
     content = read_json(capsys, *words)
     assert [game["game"] for game in content["result"]["games"]] == ["pong"]
     json.dumps(content)

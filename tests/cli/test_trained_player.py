@@ -1,6 +1,5 @@
 """`TrainedPlayer`: policies of trainings in games of several players, by policies that need no PyTorch."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,27 +10,45 @@ from atari.actions import Action
 from atari.cli.trained_player import TrainedPlayer
 from atari.cores import NativeCore
 from atari.learning import ScoresPolicy
+from atari.learning.options import TrainingOptions
 from atari.multiplayer import MultiplayerCore
 from atari.play import MultiplayerSession
-from atari.wrappers.presets import preset_protocol
 
 ACTIONS = ("NOOP", "FIRE", "RIGHT", "LEFT")
-IMAGES = {"obs_type": "grayscale", "img_height": 84, "img_width": 84, "stack_num": 4}
 
 
-def player(scores: Any, preset: str = "baselines", mirrored: bool = False, **sees: Any) -> TrainedPlayer:
-    policy = ScoresPolicy(scores, environment={"preset": preset, "actions": ACTIONS, **(sees or IMAGES)})
-    return TrainedPlayer(policy, "pong", 0, mirrored)
+def player(scores: Any, mirrored: bool = False, **options: Any) -> TrainedPlayer:
+    task = TrainingOptions.of("pong", **{"actions": ACTIONS, **options}).task
+    return TrainedPlayer(ScoresPolicy(scores, task=task), "pong", 0, mirrored)
 
 
-@pytest.mark.parametrize("preset", ["baselines", "dqn2015", "dopamine", "envpool", "gymnasium", "machado2018"])
-def test_a_player_observes_what_its_training_did(preset: str) -> None:
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"preset": "baselines"},
+        {"preset": "dqn2015"},
+        {"preset": "dopamine"},
+        {"preset": "envpool"},
+        {"preset": "gymnasium"},
+        {"preset": "machado2018"},
+        {"preset": "dqn2015", "frameskip": 3, "img_height": 42, "img_width": 40, "stack_num": 2},
+        {"preset": "gymnasium", "maxpool": False, "padding": "zero"},
+    ],
+)
+def test_a_player_observes_what_its_training_did(options: dict[str, Any]) -> None:
     """It gets the frames of a one-player game that the environments of trainings play, too."""
-    protocol = replace(
-        preset_protocol(preset, episodic_life=False), noops=(0, 0), fire="never", third_action=False, order="frames"
-    )
-    protocol = replace(protocol, repeat_action_probability=0.0, full_action_space=True)
-    envs = AtariVectorEnv("pong", 1, preset=protocol, **IMAGES)
+    task = TrainingOptions.of("pong", actions=ACTIONS, **options).task
+    begun = {
+        "repeat_action_probability": 0.0,
+        "actions": "full",
+        "noops": (0, 0),
+        "fire": "never",
+        "fire_unit": "frame",
+    }
+    envs = AtariVectorEnv(
+        task.replace(**begun, third_action=False, fire_counts=False, episodic_life=False, lives_unit="frame",
+                     on_reset="new_game", last_life=False), 1
+    )  # fmt: skip
     expected, _ = envs.reset(seed=0)
     core = NativeCore("pong", seed=0, repeat_action_probability=0.0)
     core.reset()
@@ -42,17 +59,32 @@ def test_a_player_observes_what_its_training_did(preset: str) -> None:
         seen.append(observations.copy())
         return plan[len(seen) - 1 :][:1]
 
-    played = player(scores, preset)
-    assert played.obs_type == ("rgb" if protocol.pool_rgb else "grayscale")
-    for frame in range(4 * len(plan)):
+    played = player(scores, **options)
+    assert played.obs_type == ("rgb" if task.pool_rgb else "grayscale")
+    skip: Any = task.frameskip
+    for frame in range(skip * len(plan)):
         screen = core.screen_rgb() if played.obs_type == "rgb" else core.screen_grayscale()
         action = Action[played(screen, {"frame": frame})]
-        if frame % 4 == 0:
+        if frame % skip == 0:
             assert np.array_equal(seen[-1], expected)
             expected = envs.step([int(action)])[0]
         core.act(int(action))
     assert len(seen) == len(plan)
     assert len({image.tobytes() for image in seen}) > 30
+
+
+def test_a_policy_says_what_it_sees_by_a_task_or_an_environment() -> None:
+    environment = {"preset": "baselines", "actions": ACTIONS, "channels_last": True}
+    seen: list[Any] = []
+    policy = ScoresPolicy(lambda images: seen.append(images) or np.array([2]), environment=environment)
+    assert TrainedPlayer(policy, "pong")(np.zeros((210, 160, 3), np.uint8), {"frame": 0}) == "RIGHT"
+    assert seen[0].shape == (1, 84, 84, 4)
+    for attributes, text in (
+        ({}, "mine does not say what it sees"),
+        ({"environment": {"obs_type": "dict"}}, "mine sees obs_type='dict'"),
+    ):
+        with pytest.raises(ValueError, match=text):
+            TrainedPlayer(ScoresPolicy(lambda images: images, name="mine", **attributes), "pong")
 
 
 def test_a_player_of_ram_acts_every_fourth_frame_and_after_rewinds() -> None:

@@ -16,9 +16,9 @@ torch = pytest.importorskip("torch")
 from small_trainings import SUPPORT, make_options  # noqa: E402
 
 from atari.learning.agents import AGENTS, find_agent  # noqa: E402
-from atari.learning.options import descriptions  # noqa: E402
 from atari.learning.run import RunFolder  # noqa: E402
 from atari.learning.training import Training  # noqa: E402
+from atari.task.arguments import descriptions  # noqa: E402
 
 
 def equal(one: Any, other: Any) -> bool:
@@ -33,10 +33,10 @@ def test_every_option_is_described(agent: str) -> None:
 
 
 @pytest.mark.parametrize("agent", AGENTS)
-@pytest.mark.parametrize("obs", ["pixels", "ram"])
+@pytest.mark.parametrize("obs", ["grayscale", "ram"])
 def test_equal_seeds_give_equal_weights_and_others_do_not(agent: str, obs: str) -> None:
     def weights(seed: int) -> Any:
-        trained = find_agent(agent)(make_options(agent, obs=obs, seed=seed))
+        trained = find_agent(agent)(make_options(agent, obs_type=obs, seed=seed))
         while trained.steps < 1000:
             assert np.isfinite(trained.update()["loss"])
         trained.close()

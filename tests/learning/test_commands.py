@@ -3,6 +3,7 @@
 import json
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -12,6 +13,7 @@ from cli_tools import read_json  # noqa: E402
 
 from atari.cli import main  # noqa: E402
 from atari.recording import Replay  # noqa: E402
+from atari.task import Task  # noqa: E402
 
 SMALL = "--fast --num-envs 4 --horizon 16 --minibatch 32 --total-steps 128".split()
 
@@ -28,12 +30,18 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> str:
 def test_train_writes_a_report(run: str) -> None:
     names = {path.name for path in Path(run).iterdir()}
     assert {"config.json", "log.csv", "policy.pt", "checkpoint.pt", "best.a26", "best.mp4", "report.html"} <= names
-    assert json.loads(Path(run, "config.json").read_text())["options"]["actions"] == ["NOOP", "RIGHT", "LEFT"]
+    task = json.loads(Path(run, "config.json").read_text())["task"]
+    assert (task["actions"], task["img_height"]) == (["NOOP", "RIGHT", "LEFT"], 42)
 
 
 def test_resume_of_a_training_that_is_complete(run: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["train", "--games", "0", "--resume", run]) == 0
-    assert capsys.readouterr().out.strip() == run
+    first, *_, last = capsys.readouterr().out.splitlines()
+    assert first.startswith("pong: Pong, as 'pong' with preset='envpool', but actions=('NOOP', 'RIGHT', 'LEFT')")
+    assert last == run
+    assert main(["train", "--json", "--games", "0", "--resume", run]) == 0
+    shown = json.loads(capsys.readouterr().out)
+    assert (shown["run"], shown["task"]["game"], shown["evaluation"]) == (run, "pong", None)
 
 
 def test_evaluate_and_record_a_run(run: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -48,7 +56,7 @@ def test_evaluate_and_record_a_run(run: str, tmp_path: Path, capsys: pytest.Capt
 def test_a_run_plays_against_others(obs: str, run: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     if obs == "ram":
         run = str(tmp_path / "ram")
-        assert main(["train", "--games", "0", "ppo", "pong", *SMALL, "--obs", "ram", "-o", run]) == 0
+        assert main(["train", "--games", "0", "ppo", "Pong-ram-v4", *SMALL, "-o", run]) == 0
         capsys.readouterr()
     words = ["record", "pong", "--players", "2", "--policy", run, "--policy", "random", "--seconds", "8"]
     replays = [tmp_path / "a.a26", tmp_path / "b.a26"]
@@ -78,7 +86,8 @@ def test_watch(run: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
 
     monkeypatch.setattr("atari.cli.watch.show_replay", show)
     assert main(["watch", run]) == 0
-    printed = capsys.readouterr().out.splitlines()
+    first, *printed = capsys.readouterr().out.splitlines()
+    assert first.startswith("pong: Pong, as 'pong' with preset='envpool'")
     assert printed == [f"seed {seed}: score {shown[seed].episodes[0].score}" for seed in (0, 1)]
 
 
@@ -90,8 +99,24 @@ def test_watch(run: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
         (["train", "ppo", "pon"], "there is no game 'pon'; did you mean 'pong'?"),
         (["train", "ppo", "pong", "--clip", "x"], "argument --clip"),
         (["train", "ppo", "pong", "--colour", "1"], "unrecognized arguments: --colour 1"),
-        (["train", "ppo", "pong", "--actions", "UP"], "actions of pong are NOOP, FIRE, RIGHT"),
-        (["train", "ppo", "pong", "--protocol", "dqn"], "did you mean 'dqn2015'?"),
+        (["train", "ppo", "pong", "--actions", "UP,FLY"], "each of actions must be one of 'NOOP'"),
+        (["train", "dqn", "pong", "--actions", "UP"], "preset 'dqn2015' needs actions='minimal'"),
+        (["train", "ppo", "ALE/Pog-v5"], "did you mean 'ALE/Pong-v5'"),
+        (["train", "ppo", "ALE/Pong-v5", "--preset", "dqn2015"], "and ALE/Pong-v5 has 0.25; use the game's name"),
+        (["train", "ppo", "own.toml"], "own.toml"),
+        (["train", "ppo", "pong", "--preset", "dqn"], "did you mean 'dqn2015'?"),
+        (["train", "ppo", "pong", "--protocol", "dqn2015"], "`atari train ppo GAME --preset dqn2015`"),
+        (["train", "ppo", "pong", "--obs", "ram"], "`atari train ppo Pong-ram-v4`"),
+        (["train", "ppo", "pong", "--image-size", "42"], "`atari train ppo GAME --img-height 42 --img-width 42`"),
+        (["train", "ppo", "pong", "--stack", "2"], "`atari train ppo GAME --stack-num 2`"),
+        (["train", "ppo", "pong", "--frameskip", "5,2"], "argument --frameskip: a frameskip range (low, high)"),
+        (["train", "ppo", "pong", "--noops", "3"], "argument --noops: noops must be (low, high)"),
+        (["train", "ppo", "pong", "--sticky", "2"], "repeat_action_probability must be within 0..1, got 2"),
+        (["train", "ppo", "pong", "--intervention", "lazy"], "lazy"),
+        (["train", "ppo", "pong", "--mode", "99"], "99"),
+        (["train", "ppo", "pong", "--players", "2"], "unrecognized arguments: --players 2"),
+        (["train", "ppo", "pong", "--seed", "4294967296"], "seed must be within 0..4294967295, got 4294967296"),
+        (["train", "ppo", "Pong-ram-v4", "--img-height", "42", "--img-width", "42"], "img_height=42 has no effect"),
         (["train", "ppo", "pong", "--device", "tpu"], "device must be cpu"),
         (["train", "--resume", "nowhere"], "nowhere is no run folder"),
         (["train", "--resume", "nowhere", "ppo"], "a training goes on with its own options; leave out ppo"),
@@ -114,9 +139,52 @@ def test_without_torch(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFi
     assert "atari train needs torch: pip install 'atari-envs[learn]'" in capsys.readouterr().err
 
 
+PRINTED: dict[tuple[str, ...], dict[str, Any]] = {
+    ("pong",): {"preset": "baselines"},
+    ("ALE/Pong-v5",): {"preset": "baselines", "repeat_action_probability": 0.25},
+    ("Pong-ram-v4",): {"preset": "baselines", "obs_type": "ram"},
+    ("pong", "--preset", "envpool", "--episodic-life"): {"preset": "envpool", "episodic_life": True},
+    ("pong", "--frameskip", "2,5", "--no-maxpool", "--noops", "1,9"): {
+        "preset": "baselines", "frameskip": (2, 5), "maxpool": False, "noops": (1, 9)
+    },
+    ("pong", "--sticky", "0.1", "--full-action-space"): {
+        "preset": "baselines", "repeat_action_probability": 0.1, "actions": "full"
+    },
+    ("pong", "--intervention", "lazy_enemy", "--mode", "1"): {
+        "preset": "baselines", "interventions": ["lazy_enemy"], "mode": 1
+    },
+    ("pong", "--max-num-frames-per-episode", "none", "--max-frames", "1e5"): {
+        "preset": "baselines", "max_num_frames_per_episode": None, "max_frames": 100_000
+    },
+    ("breakout", "--fast", "--seed", "3000000000"): {
+        "preset": "envpool", "episodic_life": True, "img_height": 42, "img_width": 42
+    },
+    ("Breakout-ram-v0", "--fast"): {
+        "preset": "envpool", "episodic_life": True, "obs_type": "ram", "repeat_action_probability": 0.25
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("words", PRINTED)
+def test_print_task(words: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
+    game = "breakout" if "reakout" in words[0] else "pong"
+    expected = Task.of(game, **{"reward_clipping": True, "seamless_lives": False, **PRINTED[words]})
+    assert main(["train", "ppo", *words, "--print-task"]) == 0
+    assert capsys.readouterr().out == f"{expected}\n"
+    assert main(["train", "--json", "ppo", *words, "--print-task"]) == 0
+    assert Task.from_json(capsys.readouterr().out) == expected
+
+
+def test_seeds_below_two_to_the_32(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = "train --games 0 ppo Pong-ram-v4 --network mlp --num-envs 2 --minibatch 64 --total-steps 300".split()
+    assert main([*words, "--seed", "3000000000", "-o", str(tmp_path / "run")]) == 0
+    first = capsys.readouterr().out.splitlines()[0]
+    assert first.startswith("pong: Pong, as 'pong' with preset='baselines', but obs_type='ram'")
+
+
 def test_a_script_shows_its_options() -> None:
     from own_process import run_program
 
-    program = "from atari.learning.agents import ppo; print(ppo.PPOOptions().clip)"
+    program = "from atari.learning.agents import ppo; print(ppo.PPOOptions.of('pong').clip)"
     assert run_program(program) == "0.1\n"
     assert sys.modules["torch"] is torch

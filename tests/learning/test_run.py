@@ -15,7 +15,7 @@ torch = pytest.importorskip("torch")
 
 from small_trainings import SUPPORT, make_options  # noqa: E402
 
-from atari.learning import load_policy, record_games  # noqa: E402
+from atari.learning import ScoresPolicy, load_policy, record_games  # noqa: E402
 from atari.learning.report import draw_levels, finish  # noqa: E402
 from atari.learning.run import RunFolder  # noqa: E402
 from atari.learning.training import Training  # noqa: E402
@@ -39,7 +39,8 @@ def test_the_log_has_a_row_for_each_update(run: RunFolder) -> None:
     assert [row["step"] for row in rows] == [64, 128, 192, 256]
     assert [row["frames"] for row in rows] == [256, 512, 768, 1024]
     assert all(np.isfinite(row["loss"]) for row in rows)
-    assert run.config["options"]["game"] == "pong"
+    assert run.task.game == run.config["task"]["game"] == "pong"
+    assert "task" not in run.config["options"]
     assert {"atari-envs", "torch", "gymnasium", "numpy"} <= run.config["versions"].keys()
 
 
@@ -75,23 +76,45 @@ def test_a_run_is_evaluated_with_the_random_actions_of_its_end(tmp_path: Path, a
     assert finish(folder, episodes=1).protocol.epsilon == epsilon
 
 
-@pytest.mark.parametrize("protocol", ["envpool", "baselines", "dqn2015", "gymnasium"])
-def test_games_of_the_evaluation_are_those_of_the_training(tmp_path: Path, protocol: str) -> None:
+PLAYED: dict[str, dict[str, Any]] = {
+    "envpool": {"preset": "envpool", "episodic_life": True},
+    "baselines": {"preset": "baselines"},
+    "dqn2015": {"preset": "dqn2015"},
+    "gymnasium": {"preset": "gymnasium", "episodic_life": None},  # a lost life would begin a new game in the training
+    "whole games of envpool": {"preset": "envpool", "episodic_life": None},
+    "whole games of ale_vector": {"preset": "ale_vector", "episodic_life": None},
+    "sticky": {"preset": "envpool", "repeat_action_probability": 0.3},
+    "FIRE for a step": {"preset": "envpool", "fire_unit": "skip", "fire_counts": False, "third_action": True},
+    "lives for a step": {"preset": "dqn2015", "fire": "after_noops", "lives_unit": "skip", "on_reset": "noop"},
+    "reported lives": {"preset": "baselines", "episodic_life": False, "life_loss_info": True},
+    "short": {"preset": "baselines", "max_frames": 300},
+    "other frames": {"preset": "envpool", "frameskip": (2, 5), "noops": (7, 40), "maxpool": False},
+    "mode": {"preset": "envpool", "mode": 8, "difficulty": 1},
+    "ram": {"preset": "envpool", "obs_type": "ram"},
+    "zeros of ram": {"preset": "baselines", "obs_type": "ram", "ram_padding": "zero", "ram_stack": 3},
+    "names": {"preset": "envpool", "actions": ("LEFT", "NOOP", "RIGHT")},
+}
+
+
+@pytest.mark.parametrize("name", PLAYED)
+def test_games_of_the_evaluation_are_those_of_the_training(tmp_path: Path, name: str) -> None:
     from atari.learning import evaluate
     from atari.learning.environments import TrainingEnvironments
     from atari.learning.run_policy import run_policy, training_protocol
     from atari.learning.training import read_options
 
-    episodic = protocol != "gymnasium"  # where a lost life begins a new game in the training
-    folder = make_run(tmp_path / "run", game="breakout", steps=64, protocol=protocol, episodic_life=episodic)
+    folder = make_run(tmp_path / "run", game="breakout", steps=64, **PLAYED[name])
     policy = run_policy(folder.path, sample=False)
-    policy._scores = lambda images: np.eye(4, dtype=np.float32)[images.reshape(len(images), -1).sum(1) % 4]
-    result = evaluate(policy, "breakout", training_protocol(folder), episodes=1)["breakout"]
+    count = len(folder.task.action_set)
+    policy._scores = lambda seen: np.eye(count, dtype=np.float32)[seen.reshape(len(seen), -1).sum(1) % count]
+    result = evaluate(policy, folder.task, training_protocol(folder), episodes=1)["breakout"]
+    assert result.task["reward_clipping"] is False
+    assert result.task["noops"] == list(folder.task.noops)
     envs = TrainingEnvironments(read_options(folder), 1)
     images, lane = envs.reset(seed=result.seeds[0]), np.arange(1)
     policy.begin("breakout", envs.actions, lane, np.array(result.seeds))
     while not (ended := envs.take_games()):
-        images, *_ = envs.step(policy(images, lane))
+        images, *_ = envs.step(ScoresPolicy.__call__(policy, images, lane))  # stacks, also of RAM
     envs.close()
     assert ended[0] == (result.scores[0], result.frames[0])
 
@@ -101,7 +124,7 @@ def test_a_policy_of_ram_sees_the_stacks_of_its_training(tmp_path: Path) -> None
     from atari.learning.run_policy import run_policy
     from atari.learning.training import read_options
 
-    folder = make_run(tmp_path / "run", obs="ram", steps=128)
+    folder = make_run(tmp_path / "run", obs_type="ram", steps=128)
     policy = run_policy(folder.path, sample=False)
     seen: list[Any] = []
     policy._scores = lambda stacks: seen.append(stacks.copy()) or np.zeros((len(stacks), 6), np.float32)
@@ -163,8 +186,44 @@ def test_damaged_folders(run: RunFolder, tmp_path: Path, file: str, content: byt
 
 def test_other_versions_are_refused(run: RunFolder, tmp_path: Path) -> None:
     (tmp_path / "config.json").write_text(json.dumps({**run.config, "format": 99}))
-    with pytest.raises(ValueError, match="has format 99, this version of atari-envs reads 1"):
+    with pytest.raises(ValueError, match="has format 99, and this atari-envs reads 1 to 2; install a newer release"):
         RunFolder.open(tmp_path)
+
+
+def test_a_folder_of_format_1_opens_and_goes_on(run: RunFolder, tmp_path: Path) -> None:
+    import shutil
+
+    copy = tmp_path / "copy"
+    shutil.copytree(run.path, copy)
+    options = {name: value for name, value in run.config["options"].items() if not name.startswith("ram_")}
+    options |= {"game": "pong", "obs": "pixels", "protocol": "envpool", "sticky": None, "episodic_life": True}
+    options |= {"actions": None, "image_size": 42, "stack": 2, "total_steps": 320}
+    old = {"format": 1, "agent": "ppo", "options": options, "policy": {"actions": []}, "versions": {}}
+    (copy / "config.json").write_text(json.dumps(old))
+    assert RunFolder.open(copy).task == run.task == load_policy(copy).task  # type: ignore[attr-defined]
+    training = Training.resume(copy)
+    assert training.run() == "steps"
+    training.close()
+    (copy / "config.json").write_text(json.dumps({**old, "options": {**options, "protocol": "mine"}}))
+    with pytest.raises(ValueError, match=r"config.json is damaged: KeyError\('mine'\)"):
+        RunFolder.open(copy)
+
+
+def test_a_folder_has_the_task(run: RunFolder) -> None:
+    assert run.config["format"] == 2
+    assert run.config["task"] == json.loads(make_options("ppo").task.to_json())
+    policy: Any = load_policy(run.path)
+    assert (policy.task, policy.protocol.task, policy.game) == (run.task, run.task, "pong")
+
+
+def test_a_task_that_a_folder_does_not_have(run: RunFolder, tmp_path: Path) -> None:
+    (tmp_path / "config.json").write_text(json.dumps({**run.config, "task": {**run.config["task"], "luck": 1}}))
+    with pytest.raises(ValueError, match=r"config.json: a task has no key 'luck'"):
+        load_policy(tmp_path)
+
+
+def test_frames_of_the_log_are_those_of_the_frame_skip(tmp_path: Path) -> None:
+    assert make_run(tmp_path / "run", steps=64, frameskip=(2, 5)).rows()[-1]["frames"] == 3 * 64
 
 
 def test_a_folder_that_is_not_empty_is_left_alone(tmp_path: Path) -> None:

@@ -1,6 +1,17 @@
+"""`TrainingOptions`: what they accept, what they say about everything else, and the task that is made of them."""
+
+import pickle
+import re
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
 import pytest
 
-from atari.learning.options import TrainingOptions, descriptions, parse
+import atari
+from atari.learning.options import TrainingOptions, parse
+from atari.task import Task
+from atari.task.arguments import descriptions
 
 
 @pytest.mark.parametrize(
@@ -9,9 +20,10 @@ from atari.learning.options import TrainingOptions, descriptions, parse
         ("total_steps", "1e6", 1_000_000),
         ("stop_score", "18", 18.0),
         ("stop_score", "none", None),
-        ("actions", "NOOP,LEFT", ("NOOP", "LEFT")),
+        ("ram_stack", "none", None),
+        ("ram_padding", "zero", "zero"),
         ("normalize", "true", True),
-        ("game", "pong", "pong"),
+        ("network", "small", "small"),
     ],
 )
 def test_parse(name: str, text: str, value: object) -> None:
@@ -29,21 +41,128 @@ def test_parse_refuses(name: str, text: str) -> None:
     [
         ({"num_envs": 0}, "num_envs must be 1 or more, got 0"),
         ({"num_envs": 3, "workers": 2}, "num_envs must be a multiple of workers"),
-        ({"obs": "ram"}, "network 'nature' is not for obs 'ram'"),
-        ({"network": "mlp"}, "pixels need nature or small"),
-        ({"obs": "sound"}, "obs must be one of pixels, ram"),
+        ({"obs_type": "ram", "network": "small"}, "network 'small' is not for obs_type 'ram'"),
+        ({"network": "mlp"}, "images need nature or small"),
+        ({"obs_type": "sound"}, "obs_type must be one of"),
+        ({"obs_type": "rgb"}, "an agent learns from obs_type='grayscale' or 'ram', and the task has 'rgb'"),
+        ({"obs_type": "dict"}, "the task has 'dict'; add obs_type='grayscale'"),
+        ({"stack_num": None}, "add stack_num=4, or 1"),
+        ({"continuous": True, "third_action": False}, "continuous=True; leave it out"),
         ({"network": "resnet"}, "network must be one of nature, small"),
         ({"gamma": 1.5}, "gamma must be"),
+        ({"ram_stack": 3}, "ram_stack=3 is for a task of RAM, this has images; use stack_num=3"),
+        ({"ram_padding": "zero"}, "use padding='zero'"),
+        ({"obs_type": "ram", "ram_stack": 0}, "ram_stack must be within 1"),
+        ({"obs_type": "ram", "ram_padding": "one"}, "ram_padding must be one of zero, reset"),
+        ({"obs_type": "ram", "stack_num": 3}, "stack_num=3 has no effect"),
+        ({"seed": 2**32}, "seed must be within 0..4294967295, got 4294967296"),
+        ({"seed": -1}, "seed must be within"),
+        (
+            {"preset": "dqn2015", "repeat_action_probability": 0.25},
+            "preset 'dqn2015' needs repeat_action_probability=0.0",
+        ),
+        ({"preset": "dqn2015", "actions": "full"}, "preset 'dqn2015' needs actions='minimal'"),
+        ({"preset": "dqn2015", "actions": ["UP"]}, "preset 'dqn2015' needs actions='minimal'"),
+        ({"preset": "dqn"}, "did you mean 'dqn2015'?"),
     ],
 )
-def test_wrong_options(given: dict[str, object], text: str) -> None:
-    with pytest.raises(ValueError, match=text):
-        TrainingOptions(**given)  # type: ignore[arg-type]
+def test_wrong_options(given: dict[str, Any], text: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(text)):
+        TrainingOptions.of("pong", **given)
+
+
+@pytest.mark.parametrize(
+    ("given", "text"),
+    [
+        ({"learning_rat": 1}, "TrainingOptions has no option 'learning_rat'; did you mean 'learning_rate'?"),
+        ({"img_hight": 1}, "did you mean 'img_height'?"),
+        ({"protocol": "dqn2015"}, "has no option 'protocol' any more; give preset='dqn2015' to TrainingOptions.of("),
+        ({"obs": "ram"}, "obs_type='ram' for RAM"),
+        ({"image_size": 42}, "img_height=42, img_width=42"),
+        ({"stack": 2}, "stack_num=2, or ram_stack=2 for RAM"),
+        ({"sticky": 0.25}, "repeat_action_probability=0.25"),
+    ],
+)
+def test_unknown_and_old_options(given: dict[str, Any], text: str) -> None:
+    with pytest.raises(TypeError) as caught:
+        TrainingOptions.of("pong", **given)
+    assert text in str(caught.value)
+    if "learning_rat" not in given and "img_hight" not in given:
+        with pytest.raises(TypeError, match="any more"):
+            TrainingOptions(task=Task.of("pong", preset="dopamine"), **given)
+
+
+def test_a_task_is_needed() -> None:
+    with pytest.raises(
+        TypeError, match=r"task must be an atari.Task, got 'pong'; TrainingOptions.of\(GAME\) makes one"
+    ):
+        TrainingOptions(task="pong")  # type: ignore[arg-type]
 
 
 def test_every_option_is_described() -> None:
-    from dataclasses import fields
-
     texts = descriptions(TrainingOptions)
     assert set(texts) == {field.name for field in fields(TrainingOptions)}
     assert all(len(text) > 10 and "  " not in text for text in texts.values())
+
+
+@pytest.mark.parametrize("preset", atari.PRESETS)
+def test_the_task_says_what_the_learner_is_paid_and_where_its_episodes_end(preset: str) -> None:
+    task = TrainingOptions.of("breakout", preset=preset).task
+    assert task == Task.of("breakout", preset=preset, reward_clipping=True, seamless_lives=False)
+    assert TrainingOptions.of("breakout", preset=preset, episodic_life=True).task.seamless_lives is False
+    assert TrainingOptions.of("breakout", preset=preset, clip_reward=False).task.reward_clipping is False
+    assert TrainingOptions.of("breakout", preset="envpool", episodic_life=True, seamless_lives=True).task.seamless_lives
+
+
+def test_a_task_is_played_as_it_is() -> None:
+    task = Task.of("breakout", preset="envpool", episodic_life=True, mode=4)
+    assert TrainingOptions.of(task).task == TrainingOptions(task=task).task == task
+    assert TrainingOptions.of(task, stack_num=2).task == task.replace(stack_num=2)
+    assert TrainingOptions.of(task, preset="dqn2015").task.reward_clipping is True
+
+
+@pytest.mark.parametrize(
+    ("env_id", "expected"),
+    {
+        "ALE/Pong-v5": {"repeat_action_probability": 0.25, "obs_type": "grayscale"},
+        "PongNoFrameskip-v4": {"repeat_action_probability": 0.0, "obs_type": "grayscale"},
+        "Pong-ram-v4": {"repeat_action_probability": 0.0, "obs_type": "ram"},
+        "Pong-ram-v0": {"repeat_action_probability": 0.25, "obs_type": "ram"},
+    }.items(),
+)
+def test_an_id_decides_sticky_actions_and_ram(env_id: str, expected: dict[str, Any]) -> None:
+    options = TrainingOptions.of(env_id)
+    played = options.task
+    assert {name: getattr(played, name) for name in expected} == expected
+    assert (played.frameskip, played.fire, played.noops) == (4, "after_noops", (1, 30))
+    assert (options.network, options.stack) == (("mlp", 4) if options.from_ram else ("nature", 4))
+
+
+def test_an_id_of_other_sticky_actions_than_a_preset_requires_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"needs repeat_action_probability=0.0, and ALE/Pong-v5 has 0.25"):
+        TrainingOptions.of("ALE/Pong-v5", preset="dqn2015")
+
+
+def test_names_of_actions_go_with_any_preset() -> None:
+    for preset in atari.PRESETS:
+        task = TrainingOptions.of("pong", preset=preset, actions=["NOOP", "RIGHT", "LEFT"]).task
+        assert task == Task.of("pong", preset=preset, reward_clipping=True, seamless_lives=False).replace(
+            actions=["NOOP", "RIGHT", "LEFT"]
+        )
+
+
+def test_ram() -> None:
+    options = TrainingOptions.of("pong", obs_type="ram")
+    assert (options.ram_stack, options.ram_padding, options.padding) == (4, "reset", "reset")
+    images = TrainingOptions.of("pong", preset="envpool", stack_num=3)
+    assert (images.ram_stack, images.stack, images.padding) == (None, 3, "reset")
+    assert pickle.loads(pickle.dumps(options)) == replace(options) == options
+
+
+def test_seeds_of_environments() -> None:
+    options = TrainingOptions.of("pong", num_envs=4)
+    assert options.environment_seeds(2**31 - 4, 4).tolist() == [2**31 - 4 + index for index in range(4)]
+    assert options.environment_seeds(2**32 - 4, 4)[-1] == 2**32 - 1
+    drawn = options.environment_seeds(2**32 - 3, 4)
+    assert drawn.tolist() == np.random.SeedSequence(2**32 - 3).generate_state(4).tolist()
+    assert len(set(drawn.tolist())) == 4

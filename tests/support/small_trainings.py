@@ -16,7 +16,8 @@ SMALL: dict[str, dict[str, Any]] = {
 """Small trainings, of about a second."""
 
 
-def make_options(agent: str, **given: Any) -> Any:
+def make_options(agent: str, game: Any = "pong", **given: Any) -> Any:
     found = find_agent(agent)
-    ram = found.fast_ram if given.get("obs") == "ram" else {}
-    return found.options_class(**{**found.fast, **ram, "stack": 2, **SMALL[agent], **given})
+    ram = given.get("obs_type") == "ram"
+    kind = found.fast_ram if ram else {"stack_num": 2}
+    return found.options_class.of(game, **{**found.fast, **kind, **SMALL[agent], **given})

@@ -12,15 +12,16 @@ from typing import Any, Literal
 
 import ray
 
-from atari.games.catalog import games
 from atari.lab.collect import Format, check_output, output_format, write_dataset
 from atari.lab.labels import Labels
 from atari.learning import load_policy, record_games
+from atari.learning.evaluation.played import Entry, find_entries, usual_protocol
+from atari.learning.evaluation.player import Player
 from atari.validation import check_integer, check_name
 
 _MANIFEST = "_manifest.jsonl"
-_SEEDS = 2**31
-"""Seeds are below it: they are the episodes' numbers, int32."""
+_SEEDS = 2**32
+"""Seeds are below it."""
 
 
 @dataclass(frozen=True)
@@ -28,8 +29,9 @@ class _Task:
     """A game that a worker plays, and what it makes of it."""
 
     seed: int
-    game: str
+    entry: Entry
     policy: str
+    played: dict[str, Any]
     format: Format
     frames: Literal["rgb", "grayscale"]
     labels: tuple[str, ...]
@@ -75,19 +77,21 @@ def collect(
     number of workers, provided that the policy's actions depend only on its observations and seeds.
 
     Args:
-        game: a game.
+        game: a game, an ID or a `Task`. A policy that does not say what it needs plays an ID or a `Task` as it is. The
+            manifest has what is played; the files have it and the policy.
         output: the folder (.parquet), the file (.h5, .hdf5) or the ID of the Minari dataset. The latter two must not
             exist.
         policy: a source for `load_policy`, which the workers load.
-        seeds: of the games, 0..2**31 - 1; one that comes twice counts once.
+        seeds: of the games, 0..2**32 - 1; one that comes twice counts once.
         format, frames, labels: as of `write_dataset`.
         progress: called with the number of games that are finished, once at the start and after each.
 
     Returns:
-        As `write_dataset`, with the number `played` of games that this call has played.
+        As `write_dataset`, with the number `played` of games that this call has played, and the `task`, an object.
 
     Raises:
-        TypeError, ValueError: as `write_dataset`; or the folder has data of another game or other options.
+        TypeError, ValueError: as `write_dataset` and `evaluate`; or the folder has data of another task or policy, or
+            of other options.
         KeyError: the game has no such label.
         RuntimeError: a worker has another version of this package.
         gymnasium.error.DependencyNotInstalled: the package of the format is not installed.
@@ -95,7 +99,7 @@ def collect(
     Example:
         >>> collect("pong", "pong.parquet", seeds=range(1000), frames="grayscale")  # doctest: +SKIP
     """
-    game = games.resolve(game)
+    (entry,) = find_entries(game)
     check_name("frames", frames, ("rgb", "grayscale"))
     wanted = sorted({check_integer("a seed", seed, 0, _SEEDS - 1) for seed in seeds})
     if not wanted:
@@ -103,15 +107,20 @@ def collect(
     format = output_format(output, format)
     if format != "parquet":
         check_output(output, format)
-    names = Labels(game, labels).names
-    facts = {"game": game.id, "policy": policy, "format": format, "frames": frames, "labels": list(names)}
+    names = Labels(entry.task.definition, labels).names
+    loaded = load_policy(policy)  # so that errors are raised before anything is written
+    task = json.loads(Player(loaded, usual_protocol(loaded, entry), entry).task.to_json())
+    facts = {
+        "game": entry.id, "task": task, "policy": policy, "format": format, "frames": frames, "labels": list(names)
+    }  # fmt: skip
     folder = Path(output) if format == "parquet" else Path(os.fspath(output).replace("/", "-") + ".parts")
-    load_policy(policy)  # so that errors are raised before anything is written
     manifest = _Manifest(folder, {**facts, "version": version("atari-envs")})
     missing = [seed for seed in wanted if seed not in manifest.finished]
     if progress is not None:
         progress(len(wanted) - len(missing))
-    tasks = [_Task(seed, game.id, policy, format, frames, names, version("atari-envs")) for seed in missing]
+    played = {"task": task, "policy": policy}
+    own = version("atari-envs")
+    tasks = [_Task(seed, entry, policy, played, format, frames, names, own) for seed in missing]
     for part in _played(tasks):
         manifest.add(part)
         if progress is not None:
@@ -122,12 +131,13 @@ def collect(
         scores = [line["score"] for line in lines]
         return {
             "output": os.fspath(output), "format": format, **sums, "scores": scores, "labels": list(names),
-            "played": len(missing),
+            "played": len(missing), "task": task,
         }  # fmt: skip
     replays = [folder / line["file"] for line in lines]
-    result = write_dataset(replays, output, format=format, frames=frames, labels=labels)
+    given = {**played, "seeds": wanted}
+    result = write_dataset(replays, output, format=format, frames=frames, labels=labels, facts=given)
     shutil.rmtree(folder)
-    return {**result, "played": len(missing)}
+    return {**result, "played": len(missing), "task": task}
 
 
 def _played(tasks: Sequence[_Task]) -> Iterator[_Part]:
@@ -160,13 +170,12 @@ def _play(task: _Task) -> _Part:
     policy = load_policy(task.policy)
     with TemporaryDirectory() as folder:
         replay = Path(folder, "game.a26")
-        ((score, length),) = record_games(
-            policy, task.game, getattr(policy, "protocol", "baselines"), [task.seed], replay
-        )
+        ((score, length),) = record_games(policy, task.entry, usual_protocol(policy, task.entry), [task.seed], replay)
         if task.format != "parquet":
             return _Part(task.seed, replay.read_bytes(), {"score": score, "frames": length})
         rows = Path(folder, "rows.parquet")
-        result = write_dataset(replay, rows, frames=task.frames, labels=task.labels, first_episode=task.seed)
+        options: dict[str, Any] = {"frames": task.frames, "labels": task.labels, "first_episode": task.seed}
+        result = write_dataset(replay, rows, facts=task.played, **options)
         return _Part(task.seed, rows.read_bytes(), {"score": score, "steps": result["steps"]})
 
 

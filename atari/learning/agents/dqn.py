@@ -9,7 +9,7 @@ All options together are Rainbow (Hessel et al. 2018) without noisy layers and w
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import torch
@@ -46,9 +46,11 @@ class DQNOptions(TrainingOptions):
         priority_beta: exponent of the importance weights at the beginning; it rises to 1 over the training.
     """
 
+    default_preset: ClassVar[str] = "dqn2015"
+    default_ram_padding: ClassVar[str] = "zero"
+
     total_steps: int = 50_000_000
     num_envs: int = 1
-    protocol: str = "dqn2015"
     memory: int = 1_000_000
     compress: bool = False
     learning_starts: int = 50_000
@@ -72,14 +74,20 @@ class DQNOptions(TrainingOptions):
             raise ValueError(f"batch must be a multiple of workers, got {self.batch} and {self.workers}")
         if self.memory < self.learning_starts:
             raise ValueError(f"memory must hold learning_starts steps, got {self.memory} and {self.learning_starts}")
+        for name in ("life_loss_info", "seamless_lives"):
+            if getattr(self.task, name):
+                raise ValueError(
+                    f"the replay memory begins a stack anew after each end, and the task has {name}=True; leave it out"
+                )
 
 
 FAST: dict[str, Any] = {
     "total_steps": 2_000_000,
     "num_envs": 16,
-    "protocol": "envpool",
+    "preset": "envpool",
     "episodic_life": True,
-    "image_size": 42,
+    "img_height": 42,
+    "img_width": 42,
     "network": "small",
     "normalize": True,
     "bfloat16": True,
@@ -98,8 +106,14 @@ FAST: dict[str, Any] = {
 }
 """Options for pixels, found by measurement on two cores; see docs/learning.md."""
 
-FAST_RAM: dict[str, Any] = {"network": "bits", "stack": 2}
-"""Options for RAM, in addition."""
+FAST_RAM: dict[str, Any] = {
+    "img_height": None,
+    "img_width": None,
+    "network": "bits",
+    "ram_stack": 2,
+    "ram_padding": "reset",
+}
+"""Options for RAM, which replace those of the same name."""
 
 
 _UPDATE = 1000
@@ -123,7 +137,7 @@ class DQN(Agent):
         self.envs, self.environments = envs, [envs]
         self.file = None if folder is None else folder / "memory.replay"
         self.memory = self._make_memory()
-        first = envs.reset(options.seed)
+        first = envs.reset(options.environment_seeds(options.seed, options.num_envs))
         if not self.memory.steps:
             self.memory.reset(first)
         stack = self.memory.observations().shape[1:]
@@ -143,7 +157,7 @@ class DQN(Agent):
             options.num_envs,
             self.envs.shape,
             stack_num=options.stack,
-            padding=self.envs.padding,
+            padding=options.padding,
             autoreset_mode="same_step",
             priority_exponent=options.priority,
             compress=options.compress,

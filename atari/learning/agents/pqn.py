@@ -61,9 +61,10 @@ class PQNOptions(TrainingOptions):
 FAST: dict[str, Any] = {
     "total_steps": 2_000_000,
     "num_envs": 64,
-    "protocol": "envpool",
+    "preset": "envpool",
     "episodic_life": True,
-    "image_size": 42,
+    "img_height": 42,
+    "img_width": 42,
     "network": "small",
     "normalize": True,
     "bfloat16": True,
@@ -76,8 +77,8 @@ FAST: dict[str, Any] = {
 }
 """Options for pixels, found by measurement on two cores; see docs/learning.md."""
 
-FAST_RAM: dict[str, Any] = {"network": "bits", "stack": 2}
-"""Options for RAM, in addition."""
+FAST_RAM: dict[str, Any] = {"img_height": None, "img_width": None, "network": "bits", "ram_stack": 2}
+"""Options for RAM, which replace those of the same name."""
 
 
 class Worker:
@@ -88,7 +89,8 @@ class Worker:
         self.environments = TrainingEnvironments(options, options.num_envs // options.workers)
         self.generator = torch.Generator().manual_seed(options.seed * options.workers + index)
         count = self.environments.num_envs
-        self.observations = self.environments.reset(options.seed * options.num_envs + index * count)
+        first = options.seed * options.num_envs + index * count
+        self.observations = self.environments.reset(options.environment_seeds(first, count))
         size = (options.horizon, count)
         self.seen = torch.zeros(*size, *self.environments.shape, dtype=torch.uint8)
         self.actions = torch.zeros(*size, dtype=torch.int64)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from atari.games.catalog import games
 from atari.learning.evaluation.protocols import GAME_SETS, EvaluationProtocol, differences
 from atari.learning.evaluation.published import Published, human_scores, published
 from atari.learning.evaluation.results import Result, aligned
@@ -152,11 +153,12 @@ def compare(
         human: the table of human and random scores, see `human_scores`.
         mixed: compare agents of different protocols or budgets nevertheless. The comparison then says so.
         repetitions: of the bootstrap.
-        seed: of the bootstrap.
+        seed: of the bootstrap, 0..2**32-1.
 
     Raises:
         TypeError, ValueError: an argument is of the wrong kind, a name is not known (the nearest is suggested), the
-            protocols or budgets differ, the human table is of another protocol, or no game is left.
+            protocols or budgets differ, the human table is of another protocol, a game was played in another mode or
+            with interventions, or no game is left.
 
     Example:
         >>> from atari.learning import compare, evaluate
@@ -169,12 +171,12 @@ def compare(
     to = [to] if isinstance(to, str) else list(to)
     others = [published(name) for name in to]
     repetitions = check_integer("repetitions", repetitions, 1, 100_000)
-    seed = check_integer("seed", seed, 0, 2**63 - 1)
+    seed = check_integer("seed", seed, 0, 2**32 - 1)
     references = human_scores(human)
     faults: list[str] = []
     protocol = _common_protocol(results, faults)
     frames = _common_frames(results, frames, faults)
-    faults += _human_faults(human, protocol)
+    faults += [*_human_faults(human, protocol), *_game_faults(results)]
     for other in others:
         faults += [
             f"{other.name}: {fault}" for fault in (*protocol_faults(protocol, other), *budget_faults(other, frames))
@@ -182,17 +184,17 @@ def compare(
     if faults and not mixed:
         raise ValueError(f"these are not comparable: {'; '.join(faults)}; mixed=True compares them, and says so")
     played = {one.game for result in results for one in result.games}
-    games = [game for game in references if game in played and all(_has(other, game, frames) for other in others)]
-    if not games:
+    common = [game for game in references if game in played and all(_has(other, game, frames) for other in others)]
+    if not common:
         raise ValueError(f"there is no game that all of {', '.join(['the results', human, *to])} have scores of")
-    references = {game: references[game] for game in games}
+    references = {game: references[game] for game in common}
     bootstrap = {"repetitions": repetitions, "seed": seed}
     rows = [
         _own_row(results, references, frames, bootstrap),
         *(_published_row(other, references, frames, bootstrap) for other in others),
     ]
-    comparison = Comparison(tuple(rows), tuple(games), human, references, bool(faults), ())
-    return replace(comparison, notes=tuple(_notes(comparison, faults, sorted(played - set(games)), others, frames)))
+    comparison = Comparison(tuple(rows), tuple(common), human, references, bool(faults), ())
+    return replace(comparison, notes=tuple(_notes(comparison, faults, sorted(played - set(common)), others, frames)))
 
 
 def _notes(
@@ -250,6 +252,17 @@ def _common_protocol(results: Sequence[Result], faults: list[str]) -> Evaluation
                 f"the results are of protocols {first.name} and {result.protocol.name}: {', '.join(different)}"
             )
     return first
+
+
+def _game_faults(results: Sequence[Result]) -> list[str]:
+    """Games that were played in another mode or difficulty, or with interventions, which other scores are not of."""
+    faults = []
+    for one in (one for result in results for one in result.games if one.task and one.game in games):
+        usual = {"mode": games[one.game].default_mode, "difficulty": 0, "interventions": []}
+        differing = [name for name, value in usual.items() if one.task.get(name, value) != value]
+        if differing:
+            faults.append(f"{one.game} was played with another {' and '.join(differing)} than in scores of others")
+    return faults
 
 
 def _common_frames(results: Sequence[Result], frames: int | None, faults: list[str]) -> int | None:

@@ -1,9 +1,10 @@
 """`evaluate`: a fixed number of whole games of a policy, by a named protocol."""
 
+import json
 import zlib
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import closing
-from dataclasses import dataclass
+from contextlib import closing, suppress
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -11,9 +12,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from atari.games.game import Game
+from atari.learning.evaluation.played import Entry, find_entries
 from atari.learning.evaluation.player import IntArray, Player
-from atari.learning.evaluation.protocols import MAX_EPISODES, EvaluationProtocol, find_games, find_protocol
+from atari.learning.evaluation.protocols import MAX_EPISODES, EvaluationProtocol, find_protocol
 from atari.learning.evaluation.results import GameResult, Result, versions
 from atari.learning.evaluation.workers import Workers, find_workers
 from atari.learning.policies import load_policy
@@ -59,13 +60,16 @@ def evaluate(
     Args:
         policy: a `Policy`; a function of observations (n, ...) that returns actions (n,); a source for `load_policy`,
             such as "random", in which "{game}" stands for the game's id; or a mapping from game id to one of these.
-        games: a game, a set of `GAME_SETS` such as "atari26", or a sequence of these.
-        protocol: one of `PROTOCOLS`, or an `EvaluationProtocol` of your own. It decides how games begin, are played and
-            end, whatever environment the policy was trained in. The images are those that the policy needs. If the
-            protocol has all 18 actions and the policy was trained with those that the game uses, its actions are
-            translated.
+        games: a game, an environment ID, a `Task`, a set of `GAME_SETS` such as "atari26", or a sequence of these. It
+            decides the mode, the difficulty and interventions, which must be those of the policy. An ID must have the
+            protocol's sticky actions, and show RAM or images as the policy needs them.
+        protocol: one of `PROTOCOLS`, or an `EvaluationProtocol` of your own. It decides the actions, sticky actions,
+            frame skip, how games begin, what a lost life does, and the limit, whatever environment the policy was
+            trained in. The observations are those that the policy needs, see `Policy`. A policy that does not say gets
+            RAM if `games` is an ID or a `Task` of RAM, else the images of the protocol's preset. If the protocol has
+            all 18 actions and the policy was trained with those that the game uses, its actions are translated.
         episodes: whole games of each game; None is as the protocol says.
-        seed: of all games, 0 or more.
+        seed: of all games, 0..2**32-1.
         num_envs: games that are played at a time; None is up to 64.
         num_threads: of the vector environment; 0 is as many as the machine has cores, with `workers` one.
         progress: called with the number of games that have ended and the number of all, after each that ends; with
@@ -90,9 +94,9 @@ def evaluate(
         (-21.0, -21.0)
     """
     protocol = find_protocol(protocol)
-    chosen = find_games(games)
+    chosen = find_entries(games)
     episodes = check_integer("episodes", protocol.episodes if episodes is None else episodes, 1, MAX_EPISODES)
-    seed = check_integer("seed", seed, 0, 2**63 - 1)
+    seed = check_integer("seed", seed, 0, 2**32 - 1)
     parts = check_integer("parts", parts, 1, episodes)
     lanes = _lanes(num_envs, -(-episodes // parts))
     elsewhere = None if workers is None else find_workers(workers)
@@ -128,8 +132,8 @@ def record_games(
 
     Args:
         policy, protocol: as of `evaluate`.
-        game: a game.
-        seeds: one for each game, such as `GameResult.seeds`.
+        game: a game, an ID or a `Task`, as of `evaluate`.
+        seeds: one for each game, 0..2**32-1, such as `GameResult.seeds`.
         path: of the replay.
 
     Raises:
@@ -143,7 +147,7 @@ def record_games(
         >>> played == list(zip(result.scores, result.frames))
         True
     """
-    (found,) = find_games(game)
+    (found,) = find_entries(game)
     player = Player(_policy(policy, found, {}), find_protocol(protocol), found)
     with closing(RecordVectorReplay(player.make(1), path)) as envs:
         played = _Games(envs, player, np.array(seeds, np.int64), lambda done: None)
@@ -158,7 +162,7 @@ def episode_seed(seed: int, game: str, episode: int) -> int:
     return int(words[0]) >> 1
 
 
-def _policy(policy: Any, game: Game, loaded: dict[str, Policy]) -> Policy:
+def _policy(policy: Any, game: Entry, loaded: dict[str, Policy]) -> Policy:
     """The policy of a game; `loaded` keeps those of sources, which several games may share."""
     if isinstance(policy, Mapping):
         if game.id not in policy:
@@ -198,7 +202,7 @@ class _Task:
     """Episodes of one game, which one worker plays. `policy` is a policy or its source; it can be pickled."""
 
     policy: Any
-    game: Game
+    game: Entry
     protocol: EvaluationProtocol
     seeds: tuple[int, ...]
     lanes: int
@@ -206,7 +210,7 @@ class _Task:
     version: str = version("atari-envs")
 
 
-def _source(policy: Any, game: Game) -> Any:
+def _source(policy: Any, game: Entry) -> Any:
     """What a worker makes the policy of a game from."""
     if isinstance(policy, Mapping):
         policy = policy[game.id]
@@ -254,7 +258,7 @@ def _joined(parts: Sequence[GameResult]) -> GameResult:
         return tuple(columns[episode % len(parts)][episode // len(parts)] for episode in range(sum(map(len, columns))))
 
     scores, frames, truncated, seeds = map(joined, ("scores", "frames", "truncated", "seeds"))
-    return GameResult(parts[0].game, scores, frames, truncated, seeds, parts[0].observation)
+    return replace(parts[0], scores=scores, frames=frames, truncated=truncated, seeds=seeds)
 
 
 def _play(task: _Task, player: Player, num_threads: int, report: Callable[[int], Any]) -> GameResult:
@@ -265,7 +269,10 @@ def _play(task: _Task, player: Player, num_threads: int, report: Callable[[int],
         while games.active.any():
             games.step()
     scores, frames, truncated = zip(*filter(None, games.ended), strict=True)
-    return GameResult(task.game.id, scores, frames, truncated, task.seeds, observation_facts(player.options))
+    played: Mapping[str, Any] = {}
+    with suppress(ValueError):  # of a game that no file has
+        played = json.loads(player.task.to_json())
+    return GameResult(task.game.id, scores, frames, truncated, task.seeds, player.facts(), played)
 
 
 class _Games:
@@ -302,6 +309,7 @@ class _Games:
             keep = np.full(lost_lives.sum(), -1)  # the generators: the same game goes on
             self._observations, info = self._envs.reset(seed=keep, options={"reset_mask": lost_lives})
             over |= self._record(info, lost_lives, np.zeros_like(over))  # it may end in the reset
+            self._player.begin_episodes(np.flatnonzero(lost_lives))
         self._begin(over)
 
     def _record(
@@ -336,22 +344,3 @@ def _rows(observations: Any, rows: IntArray, count: int) -> Any:
     if isinstance(observations, dict):
         return {key: value[rows] for key, value in observations.items()}
     return observations[rows]
-
-
-def observation_facts(options: Mapping[str, Any]) -> dict[str, Any]:
-    """What a policy is shown, as a mapping of JSON's types."""
-    protocol = options["preset"]
-    facts = {
-        name: str(value) if name in ("rom", "dtype") else value for name, value in options.items() if name != "preset"
-    }
-    return {
-        "obs_type": "grayscale",
-        "img_height": 84,
-        "img_width": 84,
-        "stack_num": 4,
-        **facts,
-        "pool_rgb": protocol.pool_rgb,
-        "max_pool": protocol.max_pool,
-        "padding": protocol.padding,
-        "end_frames": protocol.end_frames,
-    }

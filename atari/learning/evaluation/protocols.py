@@ -1,17 +1,17 @@
 """`EvaluationProtocol`: how games of an evaluation begin, are played and end; and the sets of games of benchmarks."""
 
-from collections.abc import Mapping, Sequence
+import json
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from os import PathLike
 from types import MappingProxyType
 from typing import Any, Literal
 
-from atari.games.catalog import games as catalog
-from atari.games.game import Game
 from atari.learning.evaluation.tables import check_known_name, read_table
-from atari.validation import check_integer, check_name, check_probability
-from atari.wrappers import PRESETS
-from atari.wrappers.presets import OTHER_NAMES
+from atari.task import PRESETS, Task
+from atari.task.description import summary
+from atari.task.fields import GROUPS
+from atari.task.presets import OTHER_NAMES
+from atari.validation import check_frameskip, check_integer, check_name, check_probability
 
 MAX_EPISODES = 1_000_000
 
@@ -30,12 +30,14 @@ class EvaluationProtocol:
             themselves, as Breakout does if a policy never presses FIRE.
         epsilon: probability of a random action in place of the policy's, drawn each step.
         episodes: whole games of each game, unless the caller of `evaluate` gives another number.
-        preset: of `atari.wrappers.PRESETS`, the images that a policy gets if it does not say which it needs, and how
-            games and lives begin if `lives` says so.
+        preset: of `atari.PRESETS`, the images that a policy gets if it does not say which it needs, and how games and
+            lives begin if `lives` says so; "" with a `task`.
         lives: "continue": a lost life is not an event, the game goes on. "fire": as the wrappers of OpenAI's Baselines,
             with FIRE and the action of index 2 at the start and after each lost life. "preset": as the preset begins
-            games and the episodes that follow a lost life.
-        frame_skip: frames for each action.
+            games and the episodes that follow a lost life. "task": as `task` does.
+        frame_skip: frames for each action, or (low, high) for low..high-1.
+        task: with `lives="task"`, the task whose whole games are played: its actions, beginnings, lives and limits, and
+            its images for policies that do not say which they need. `of_task` makes such a protocol.
 
     Example:
         >>> from dataclasses import replace
@@ -55,8 +57,21 @@ class EvaluationProtocol:
     epsilon: float
     episodes: int
     preset: str
-    lives: Literal["continue", "fire", "preset"] = "continue"
-    frame_skip: int = 4
+    lives: Literal["continue", "fire", "preset", "task"] = "continue"
+    frame_skip: int | tuple[int, int] = 4
+    task: Task | None = None
+
+    @classmethod
+    def of_task(cls, task: Task, *, name: str, source: str, epsilon: float, episodes: int) -> "EvaluationProtocol":
+        """The protocol of the whole games of a task, with scores that are not clipped.
+
+        A task without a limit gets one of 108,000 frames.
+
+        Raises:
+            TypeError, ValueError: as the class.
+        """
+        numbers = {"max_frames": _HALF_AN_HOUR, **_numbers_of(task)}
+        return cls(name, source, epsilon=epsilon, episodes=episodes, preset="", lives="task", task=task, **numbers)
 
     def __post_init__(self) -> None:
         for text in ("name", "source"):
@@ -69,39 +84,97 @@ class EvaluationProtocol:
         check_integer("noop_min", self.noop_min, 0, check_integer("noop_max", self.noop_max, 0, 1_000_000))
         check_integer("max_frames", self.max_frames, 1, 100_000_000)
         check_integer("episodes", self.episodes, 1, MAX_EPISODES)
-        check_integer("frame_skip", self.frame_skip, 1, 10_000)
-        check_name("lives", self.lives, ("continue", "fire", "preset"))
-        check_name("preset", self.preset, PRESETS)
+        object.__setattr__(self, "frame_skip", check_frameskip(self.frame_skip))
+        check_name("lives", self.lives, ("continue", "fire", "preset", "task"))
+        self._check_task()
         known = globals().get("PROTOCOLS", {}).get(self.name)  # which has not been made when its own are
         if known is not None and differences(self, known):
             raise ValueError(f"a protocol with other numbers than {self.name!r} needs another name: give name=...")
 
+    def _check_task(self) -> None:
+        """Check that there is either a task or a preset, and that the numbers are those of the task."""
+        if self.task is None:
+            if self.lives == "task":
+                raise ValueError("lives='task' plays the games of a task; use EvaluationProtocol.of_task(task, ...)")
+            check_name("preset", self.preset, PRESETS)
+            return
+        if not isinstance(self.task, Task):
+            raise TypeError(f"task of a protocol must be an atari.Task, got {self.task!r}")
+        if self.lives != "task" or self.preset:
+            raise ValueError(
+                f"a protocol with a task has lives='task' and preset='', got {self.lives!r} and {self.preset!r}"
+            )
+        for name, value in _numbers_of(self.task).items():
+            if getattr(self, name) != value:
+                raise ValueError(
+                    f"{name} must be {value!r}, as the protocol's task has it, got {getattr(self, name)!r}"
+                )
+
+    def to_json(self) -> dict[str, Any]:
+        """All fields, as the types of JSON."""
+        own = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {**own, "task": None if self.task is None else json.loads(self.task.to_json())}
+
+    @classmethod
+    def from_json(cls, content: Mapping[str, Any]) -> "EvaluationProtocol":
+        """The protocol of what `to_json` returned, also in an earlier release.
+
+        Raises:
+            TypeError, ValueError: something is missing, unknown, or wrong.
+        """
+        task = content.get("task")
+        return cls(**{**content, "task": None if task is None else Task.from_json(json.dumps(task))})
+
     def __str__(self) -> str:
         actions = "all 18 actions" if self.full_action_space else "the game's minimal actions"
+        if self.task is not None and not isinstance(self.task.actions, str):
+            actions = f"the actions {', '.join(self.task.actions)}"
         noops = f"{self.noop_min}-{self.noop_max} no-ops" if self.noop_max else "no no-ops"
         lives = {
             "continue": "",
             "fire": "; FIRE at the start and after lost lives",
             "preset": f"; games and lives begin as in preset {self.preset}",
+            "task": "" if self.task is None else f"; games and lives begin as in its task ({summary(self.task)})",
         }[self.lives]
+        low, high = self.frame_skip if isinstance(self.frame_skip, tuple) else (self.frame_skip, self.frame_skip + 1)
+        frames = f"{low}" if high == low + 1 else f"{low} to {high - 1}"
         return (
             f"{self.name}: sticky actions {self.repeat_action_probability:g}, {actions}, {noops}, "
-            f"{self.frame_skip} frames an action, epsilon {self.epsilon:g}, at most {self.max_frames:,} frames a game"
+            f"{frames} frames an action, epsilon {self.epsilon:g}, at most {self.max_frames:,} frames a game"
             f"{lives}; unclipped scores of whole games"
         )
 
 
-NUMBERS = tuple(
-    field.name for field in fields(EvaluationProtocol) if field.name not in ("name", "source", "episodes", "preset")
-)
-"""The fields that must be equal to compare scores."""
+def _numbers_of(task: Task) -> dict[str, Any]:
+    """The numbers of a protocol that a task decides."""
+    numbers = {
+        "repeat_action_probability": task.repeat_action_probability,
+        "full_action_space": task.actions == "full",
+        "noop_min": task.noops[0],
+        "noop_max": task.noops[1],
+        "frame_skip": task.frameskip,
+    }
+    limit = task.max_num_frames_per_episode or task.max_frames
+    return numbers if limit is None else {**numbers, "max_frames": limit}
+
+
+_WORDS = ("name", "source", "episodes", "preset", "task")
+NUMBERS = tuple(field.name for field in fields(EvaluationProtocol) if field.name not in _WORDS)
+"""The fields that must be equal to compare scores, but for a task."""
 
 
 def differences(one: EvaluationProtocol, other: EvaluationProtocol) -> list[str]:
     """In which of `NUMBERS` two protocols differ, in words."""
     names = (*NUMBERS, "preset") if one.lives == "preset" == other.lives else NUMBERS
-    pairs = ((name, getattr(one, name), getattr(other, name)) for name in names)
+    pairs = [(name, getattr(one, name), getattr(other, name)) for name in names]
+    if one.task is not None and other.task is not None:
+        of_tasks = one.task.differences(other.task).items()
+        pairs += [(f"{name} of the task", *pair) for name, pair in of_tasks if name not in _UNLIKE]
     return [f"{name} {first} and {second}" for name, first, second in pairs if first != second]
+
+
+_UNLIKE = frozenset((*GROUPS["game"], "interventions", *GROUPS["observation"], *GROUPS["reward"]))
+"""Fields of the task of a protocol that are not the protocol's, but the game's, the policy's, or its training's."""
 
 
 _HALF_AN_HOUR = 108_000
@@ -195,22 +268,3 @@ def find_protocol(protocol: Any) -> EvaluationProtocol:
     if isinstance(protocol, EvaluationProtocol):
         return protocol
     return PROTOCOLS[check_known_name("protocol", protocol, PROTOCOLS, others=OTHER_NAMES)]
-
-
-def find_games(games: "str | PathLike[str] | Game | Sequence[str | PathLike[str] | Game]") -> tuple[Game, ...]:
-    """The games of an argument: one game, a name of `GAME_SETS`, or a sequence of these; each once, in their order.
-
-    Raises:
-        TypeError, ValueError: there is no such game (the nearest is suggested), or none at all.
-        FileNotFoundError: there is no such file of a game of your own.
-    """
-    if isinstance(games, (str, PathLike, Game)):
-        games = [games]
-    if not isinstance(games, Sequence) or not games:
-        raise TypeError(f"games must be a game, a set such as 'atari26', or a sequence of these, got {games!r}")
-    found: dict[str, Game] = {}
-    for entry in games:
-        for one in GAME_SETS.get(entry, (entry,)) if isinstance(entry, str) else (entry,):
-            game = catalog.find(one)
-            found[game.id] = game
-    return tuple(found.values())

@@ -5,7 +5,7 @@ import math
 import platform
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from importlib.metadata import version
 from os import PathLike
 from pathlib import Path
@@ -15,7 +15,9 @@ from typing import Any
 from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.validation import check_file
 
-FORMAT = "atari evaluation 1"
+FORMAT = "atari evaluation 2"
+_OLD_FORMATS = ("atari evaluation 1",)
+"""Formats that are read, too. In the first, games and protocols have no task."""
 _LARGEST = 256 * 2**20
 
 
@@ -30,6 +32,7 @@ class GameResult:
         truncated: whether each game was stopped by the protocol's limit of frames.
         seeds: of each game.
         observation: what the policy was shown.
+        task: what was played, as the object of `Task.to_json`; empty if it is not known, or of a game that no file has.
 
     Example:
         >>> from atari.learning import evaluate
@@ -45,6 +48,7 @@ class GameResult:
     truncated: tuple[bool, ...]
     seeds: tuple[int, ...]
     observation: Mapping[str, Any] = field(default_factory=dict)
+    task: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def mean(self) -> float:
@@ -113,7 +117,9 @@ class Result:
 
     def to_json(self) -> dict[str, Any]:
         """All of it, as the types of JSON."""
-        return {"format": FORMAT, **asdict(self)}
+        own = {one.name: getattr(self, one.name) for one in fields(self)}
+        games = [asdict(one) for one in self.games]
+        return {"format": FORMAT, **own, "protocol": self.protocol.to_json(), "games": games}
 
     def save(self, file: str | PathLike[str]) -> None:
         """Write a JSON file; an existing one is replaced.
@@ -138,8 +144,11 @@ class Result:
             content = json.loads(path.read_text(encoding="utf-8"))
         except (ValueError, RecursionError) as error:
             raise ValueError(f"{path} is no result of an evaluation: {error}") from None
-        if not isinstance(content, dict) or content.get("format") != FORMAT:
-            raise ValueError(f'{path} is no result of an evaluation: its "format" must be {FORMAT!r}')
+        if not isinstance(content, dict) or content.get("format") not in (FORMAT, *_OLD_FORMATS):
+            raise ValueError(
+                f'{path} is no result of an evaluation, or of a newer release: its "format" must be {FORMAT!r} or '
+                f"{' or '.join(map(repr, _OLD_FORMATS))}"
+            )
         try:
             return _checked_result(content)
         except (KeyError, TypeError, ValueError, OverflowError) as error:
@@ -159,7 +168,7 @@ def _checked_result(content: dict[str, Any]) -> Result:
         raise ValueError("games must have each game once, and at least one")
     return Result(
         policy=_of_type(content["policy"], str, "policy"),
-        protocol=EvaluationProtocol(**_of_type(content["protocol"], dict, "protocol")),
+        protocol=EvaluationProtocol.from_json(_of_type(content["protocol"], dict, "protocol")),
         seed=_of_type(content["seed"], int, "seed"),
         games=games,
         training_frames=None if frames is None else _of_type(frames, int, "training_frames"),
@@ -176,6 +185,7 @@ def _checked_game(content: Any) -> GameResult:
         truncated=tuple(_of_type(one, bool, "truncated") for one in content["truncated"]),
         seeds=tuple(_of_type(seed, int, "a seed") for seed in content["seeds"]),
         observation=_of_type(content["observation"], dict, "observation"),
+        task=_of_type(content.get("task", {}), dict, "task"),
     )
     if not game.scores or not len(game.scores) == len(game.frames) == len(game.truncated) == len(game.seeds):
         raise ValueError(f"{game.game} must have as many scores, frames, truncated and seeds, and at least one")

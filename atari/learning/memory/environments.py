@@ -38,18 +38,18 @@ def options_for(envs: Any) -> dict[str, Any]:
 
 
 def _atari_options(envs: AtariVectorEnv) -> dict[str, Any]:
-    options, protocol = envs.options, envs.options.protocol
-    if options.stack_num != 1 and options.obs_type != "ram":
+    task = envs.task
+    if task.stack_num != 1 and task.obs_type != "ram":
         raise ValueError(
-            f"a ReplayMemory makes the stacks: make the environments with stack_num=1, not {options.stack_num}"
+            f"a ReplayMemory makes the stacks: make the environments with stack_num=1, not {task.stack_num}"
         )
-    if not options.layout.is_engines:
+    if not envs.options.layout.is_engines:
         raise ValueError("a ReplayMemory stores what the engine writes: leave channels_last and dtype out")
     if envs.batch_size != envs.num_envs:
         raise ValueError("a ReplayMemory stores steps of all environments: leave batch_size out")
-    if protocol.life_loss_info or (protocol.seamless_lives and protocol.episodic_life):
+    if task.life_loss_info or task.seamless_lives:
         raise ValueError(
             "a ReplayMemory begins a stack anew after each end: it does not serve life_loss_info, "
             "nor episodic_life of a preset whose stack goes on after a lost life"
         )
-    return {"padding": protocol.padding}
+    return {"padding": task.padding}

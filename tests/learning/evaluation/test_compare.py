@@ -2,6 +2,7 @@
 
 import json
 import sys
+from dataclasses import replace
 
 import gymnasium
 import numpy as np
@@ -42,6 +43,26 @@ def test_several_trainings_are_runs():
     merged = compare([result(games=["pong"]), result(games=["breakout"])], "dopamine/rainbow")
     assert merged.games == compare(result(), "dopamine/rainbow").games
     assert merged.rows[0].runs == 1
+
+
+@pytest.mark.parametrize(
+    ("changes", "text"),
+    [
+        ({"mode": 4}, "another mode"),
+        ({"difficulty": 1}, "another difficulty"),
+        ({"interventions": [{}]}, "interventions"),
+    ],
+)
+def test_games_of_another_mode_or_with_interventions_are_not_compared(changes, text):
+    played = result(games=["breakout"])
+    task = {"mode": 0, "difficulty": 0, "interventions": []}
+    usual, other = (
+        replace(played, games=(replace(played["breakout"], task=one),)) for one in (task, {**task, **changes})
+    )
+    assert not compare(usual, "dopamine/rainbow").mixed
+    with pytest.raises(ValueError, match=f"breakout was played with .*{text.split()[-1]}"):
+        compare(other, "dopamine/rainbow")
+    assert text in compare(other, "dopamine/rainbow", mixed=True).notes[0]
 
 
 def test_equal_frames():

@@ -1,13 +1,19 @@
 """`evaluate`: which games are played, in which environments, and that the scores are those of whole games."""
 
+import json
 from dataclasses import replace
 
+import gymnasium
 import numpy as np
 import pytest
 
 import atari
-from atari.learning import PROTOCOLS, ScoresPolicy, evaluate
+from atari.learning import PROTOCOLS, EvaluationProtocol, Result, ScoresPolicy, evaluate, record_games
 from atari.learning.evaluation.evaluate import episode_seed
+from atari.learning.evaluation.played import find_entries, usual_protocol
+from atari.learning.evaluation.player import Player
+from atari.learning.policy import as_policy
+from atari.task import Task
 from atari.wrappers import preset, preset_options
 
 
@@ -181,6 +187,12 @@ def needs(**environment):
     return policy
 
 
+def of_task(task, **environment):
+    policy = needs(**environment)
+    policy.task = task
+    return policy
+
+
 @pytest.mark.parametrize(
     ("error", "arguments", "text"),
     [
@@ -193,6 +205,7 @@ def needs(**environment):
         (ValueError, {"episodes": 0}, "episodes must be within 1"),
         (TypeError, {"episodes": 1.5}, "episodes must be an integer"),
         (ValueError, {"seed": -1}, "seed must be within"),
+        (ValueError, {"seed": 2**32}, "seed must be within 0..4294967295, got 4294967296"),
         (ValueError, {"num_envs": 0}, "num_envs must be within"),
         (TypeError, {"policy": 5}, "a policy is a function"),
         (TypeError, {"policy": lambda: 0}, "a policy takes"),
@@ -205,16 +218,63 @@ def needs(**environment):
         (ValueError, {"policy": needs(frameskip="four")}, "frameskip"),
         (ValueError, {"policy": needs(preset=5)}, "there is no preset"),
         (ValueError, {"policy": needs(preset=[])}, "there is no preset"),
-        (ValueError, {"policy": needs(actions=5)}, "sequence of names"),
-        (ValueError, {"policy": needs(actions=[])}, "sequence of names"),
-        (ValueError, {"policy": needs(actions=[["NOOP"]])}, "action ['NOOP']"),
+        (ValueError, {"policy": needs(actions=5)}, "a list of names"),
+        (ValueError, {"policy": needs(actions=[])}, "a list of names"),
+        (ValueError, {"policy": needs(actions=[["NOOP"]])}, "got ['NOOP']"),
         (ValueError, {"policy": needs(img_height="84")}, "the environment of the policy"),
         (ValueError, {"policy": needs(obs_type="pixels")}, "obs_type"),
         (FileNotFoundError, {"policy": needs(rom="nosuch.bin")}, "nosuch.bin"),
         (ValueError, {"policy": needs(frameskip=5)}, "plays 4 frames an action, the policy 5"),
-        (ValueError, {"policy": needs(mode=2)}, "mode=None"),
+        (ValueError, {"policy": needs(mode=1)}, "pass atari.Task.of('pong', mode=1) as the game"),
+        (ValueError, {"policy": needs(difficulty=1)}, "pass atari.Task.of('pong', difficulty=1) as the game"),
+        (ValueError, {"policy": needs(interventions=["lazy_enemy"])}, "interventions=['lazy_enemy']) as the game"),
+        (ValueError, {"policy": needs(interventions=["lazy"])}, "lazy"),
+        (ValueError, {"policy": needs(players=2)}, "evaluated with players=1, and the policy has 2"),
+        (ValueError, {"policy": needs(continuous=True)}, "evaluated with continuous=False"),
+        (ValueError, {"policy": needs(agent_indicator=True)}, "agent_indicator=True has no effect"),
+        (
+            ValueError,
+            {"policy": needs(continuous_action_threshold=0.25)},
+            "continuous_action_threshold=0.25 has no effect",
+        ),
+        (ValueError, {"policy": needs(num_threads=2)}, "num_threads is an option of what plays the policy"),
+        (ValueError, {"policy": needs(episodic_life="no")}, "episodic_life must be True or False"),
+        (ValueError, {"policy": needs(task=5)}, "task must be an atari.Task"),
+        (ValueError, {"policy": needs(task={"format": 1, "game": "pong", "luck": 1})}, "no key 'luck'"),
+        (ValueError, {"policy": of_task(Task.of("pong", preset="dqn2015"), stack_num=2)}, "decides stack_num, too"),
+        (ValueError, {"policy": of_task(Task.of("pong", mode=1))}, "pass atari.Task.of('pong', mode=1)"),
+        (
+            ValueError,
+            {"policy": of_task(Task.of("pong", frameskip=(2, 5)))},
+            "plays 4 frames an action, the policy 2 to 4",
+        ),
+        (
+            ValueError,
+            {"games": Task.of("pong", mode=1), "policy": needs(mode=0)},
+            "mode=None, and the game to evaluate has 1",
+        ),
+        (ValueError, {"games": Task.of("pong", players=2)}, "plays games with players=1"),
+        (ValueError, {"games": Task.of("pong", continuous=True)}, "plays games with continuous=False"),
+        (
+            ValueError,
+            {"games": "Pong-ram-v0", "policy": needs(preset="dopamine")},
+            "shows RAM, and the policy sees obs_type='gray",
+        ),
+        (
+            ValueError,
+            {"games": "ALE/Pong-v5", "policy": needs(obs_type="ram")},
+            "ALE/Pong-v5 shows images, and the policy sees",
+        ),
+        (
+            ValueError,
+            {"games": "PongNoFrameskip-v4"},
+            "PongNoFrameskip-v4 has repeat_action_probability=0.0, and protocol",
+        ),
+        (ValueError, {"games": "ALE/Pong-v5", "protocol": "dqn2015"}, "pass 'pong', or another protocol"),
+        (ValueError, {"games": ["pong", Task.of("pong", mode=1)]}, "pong is given twice"),
+        (gymnasium.error.NameNotFound, {"games": "ALE/Pog-v5"}, "ALE/Pong-v5"),
         (ValueError, {"policy": needs(preset="dqn15")}, "dqn2015"),
-        (ValueError, {"policy": needs(actions=["FLY"])}, "action 'FLY'"),
+        (ValueError, {"policy": needs(actions=["FLY"])}, "got 'FLY'"),
         (ValueError, {"policy": needs(full_action_space=True), "protocol": "dqn2015"}, "all 18 actions"),
         (ValueError, {"policy": ScoresPolicy(lambda o: np.full((len(o), 6), np.nan))}, "NaN"),
         (ValueError, {"policy": ScoresPolicy(lambda o: np.zeros((len(o), 2, 2)))}, "must return scores"),
@@ -251,3 +311,129 @@ def test_progress_and_sources_by_game(tmp_path, monkeypatch):
     assert seen == [(1, 4), (2, 4), (3, 4), (4, 4)]
     assert result.policy == "{game}_policy:act"
     assert [one.game for one in result.games] == ["pong", "breakout"]
+
+
+def test_a_task_says_what_a_policy_needs():
+    def policy(observations, lanes):
+        assert (observations.shape, observations.dtype) == ((len(lanes), 42, 40, 2), np.float32)
+        return np.zeros(len(lanes), np.int64)
+
+    task = Task.of("breakout", preset="dqn2015", img_height=42, img_width=40, stack_num=2).replace(
+        actions=["LEFT", "NOOP"]
+    )
+    policy.environment = {"channels_last": True, "dtype": "float32"}
+    policy.task = task
+    one = evaluate(policy, "breakout", short("dopamine", 200), episodes=1)
+    del policy.task
+    policy.environment["task"] = json.loads(task.to_json())
+    assert evaluate(policy, "breakout", short("dopamine", 200), episodes=1) == one
+    played = one["breakout"].task
+    assert (played["actions"], played["pool_rgb"], played["episodic_life"]) == ("minimal", True, False)
+    assert (played["img_height"], played["repeat_action_probability"], played["noops"]) == (42, 0.25, [0, 0])
+    assert one["breakout"].observation["dtype"] == "float32"
+
+
+def test_the_game_decides_mode_difficulty_and_interventions():
+    def policy(observations):
+        return [1] * len(observations)
+
+    task = Task.of("pong", mode=1, difficulty=1, interventions=["lazy_enemy"])
+    protocol = short("dopamine", 400)
+    plain, changed = (evaluate(policy, game, protocol, episodes=1)["pong"] for game in ("pong", task))
+    assert (plain.task["mode"], changed.task["mode"], changed.task["difficulty"]) == (0, 1, 1)
+    assert [one["name"] for one in changed.task["interventions"]] == ["lazy_enemy"]
+    assert changed.observation == plain.observation  # of the protocol's preset
+    policy.environment = {"mode": 1, "difficulty": 1, "interventions": ["lazy_enemy"]}
+    assert evaluate(policy, task, protocol, episodes=1)["pong"].task["mode"] == 1
+
+
+@pytest.mark.parametrize("game", ["Pong-ram-v0", Task.of("Pong-ram-v4")])
+def test_a_game_of_ram_shows_ram(game):
+    shapes = set()
+
+    def policy(observations):
+        shapes.add(observations.shape[1:])
+        return [0] * len(observations)
+
+    evaluate(policy, game, short("machado2018", 100), episodes=1)
+    assert shapes == {(128,)}
+
+
+def test_the_games_of_a_task():
+    """`EvaluationProtocol.of_task` plays whole games, with scores that are not clipped."""
+    task = Task.of("ms_pacman", preset="baselines", frameskip=3, mode=1, max_frames=1500)
+    protocol = EvaluationProtocol.of_task(task, name="mine", source="", epsilon=0.0, episodes=3)
+    result = evaluate(sums, task, protocol, seed=2)["ms_pacman"]
+    env = task.replace(reward_clipping=False).make()
+    for seed, score, frames in zip(result.seeds, result.scores, result.frames, strict=True):
+        observation, info = env.reset(seed=seed, options={"new_game": True})
+        while "episode" not in info:
+            observation, _, terminated, truncated, info = env.step(int(sums(observation[None])[0]))
+            if (terminated or truncated) and "episode" not in info:
+                observation, info = env.reset()
+        assert (float(info["episode"]["r"]), int(info["episode"]["l"])) == (score, frames)
+    assert Task.from_json(json.dumps(result.task)) == task.replace(reward_clipping=False)
+
+
+def test_the_games_of_a_task_without_an_end_are_limited():
+    task = Task.of("breakout", preset="dopamine", max_num_frames_per_episode=None)
+    protocol = EvaluationProtocol.of_task(task, name="mine", source="", epsilon=0.0, episodes=1)
+    assert evaluate("noop", "breakout", protocol)["breakout"].frames == (108_000,)
+    with pytest.raises(ValueError, match="and the game to evaluate is pong; pass 'breakout'"):
+        evaluate("noop", "pong", protocol)
+    with pytest.raises(ValueError, match=r"pass atari.Task.of\('breakout', mode=None\) as the game"):
+        evaluate("noop", Task.of("breakout", mode=4), protocol)
+
+
+@pytest.mark.parametrize(
+    ("env_id", "shape", "calls"),
+    [
+        ("ALE/Pong-v5", (210, 160, 3), (75, 75)),
+        ("Pong-ram-v4", (128,), (90, 110)),
+        ("PongNoFrameskip-v4", (210, 160, 3), (300, 300)),
+    ],
+)
+def test_a_policy_that_says_nothing_plays_an_id_as_it_is(env_id, shape, calls, tmp_path):
+    protocol = usual_protocol(sums, find_entries(env_id)[0])
+    assert protocol.task == Task.of(env_id)
+    shapes = []
+
+    def policy(observations):
+        shapes.append(observations.shape[1:])
+        return [1] * len(observations)
+
+    task = protocol.task.replace(max_num_frames_per_episode=300)
+    limited = EvaluationProtocol.of_task(task, name="short", source="", epsilon=0.0, episodes=1)
+    ((_, frames),) = record_games(policy, env_id, limited, [2**32 - 1], tmp_path / "a.a26")
+    assert (set(shapes), frames) == ({shape}, 300)
+    assert calls[0] <= len(shapes) <= calls[1]
+
+
+def test_the_usual_protocol():
+    policy = returns(np.zeros)
+    (entry,) = find_entries("pong")
+    assert usual_protocol(policy, entry) == PROTOCOLS["baselines"]
+    assert usual_protocol(needs(obs_type="ram"), find_entries("Pong-ram-v4")[0]) == PROTOCOLS["baselines"]
+    policy.protocol = "dopamine"
+    assert usual_protocol(policy, find_entries("ALE/Pong-v5")[0]) == PROTOCOLS["dopamine"]
+
+
+def test_a_result_keeps_the_task_of_its_protocol(tmp_path):
+    task = Task.of("breakout", preset="envpool", frameskip=(2, 5), actions=["NOOP", "FIRE"], max_frames=60)
+    protocol = EvaluationProtocol.of_task(task, name="mine", source="", epsilon=0.5, episodes=2)
+    result = evaluate("random", task, protocol)
+    result.save(tmp_path / "result.json")
+    assert Result.load(tmp_path / "result.json") == result
+    assert "the actions NOOP, FIRE, 1-30 no-ops, 2 to 4 frames an action" in str(result)
+
+
+def test_random_actions_are_those_of_the_task():
+    task = Task.of("pong", preset="dopamine", max_num_frames_per_episode=400).replace(actions=["RIGHT", "LEFT"])
+    protocol = EvaluationProtocol.of_task(task, name="mine", source="", epsilon=1.0, episodes=1)
+    chosen = []
+    player = Player(as_policy(returns(lambda n: np.zeros(n, int))), protocol, find_entries(task)[0])
+    player.begin(np.arange(1), np.arange(1))
+    for _ in range(40):
+        chosen += player.act(np.zeros(1), np.arange(1)).tolist()
+    meanings = [action.name for action in Task.of("pong").action_set]
+    assert {meanings[index] for index in chosen} == {"RIGHT", "LEFT"}

@@ -1,13 +1,16 @@
 """Protocols and sets of games: their numbers, and that two protocols cannot have one name."""
 
+import json
 import re
 from dataclasses import asdict, replace
 
 import pytest
 
 import atari
-from atari.learning import GAME_SETS, PROTOCOLS
-from atari.learning.evaluation.protocols import find_games, find_protocol
+from atari.learning import GAME_SETS, PROTOCOLS, EvaluationProtocol
+from atari.learning.evaluation.played import find_entries
+from atari.learning.evaluation.protocols import differences, find_protocol
+from atari.task import Task
 
 
 @pytest.mark.parametrize(
@@ -37,11 +40,10 @@ def test_numbers(name, numbers):
 @pytest.mark.parametrize("name", PROTOCOLS)
 def test_numbers_are_those_of_the_preset(name):
     """But for what evaluation has of its own: episodic life, clipping, epsilon, and five minutes of dqn2015."""
-    of_preset, mine = atari.wrappers.PRESETS[name], PROTOCOLS[name]
-    options = of_preset.options
-    assert options["repeat_action_probability"] == mine.repeat_action_probability
-    assert options.get("full_action_space", False) == mine.full_action_space
-    assert of_preset.protocol.noops == (mine.noop_min, mine.noop_max)
+    fields, mine = atari.PRESETS[name].fields, PROTOCOLS[name]
+    assert fields["repeat_action_probability"] == mine.repeat_action_probability
+    assert (fields.get("actions") == "full") == mine.full_action_space
+    assert fields.get("noops", (0, 0)) == (mine.noop_min, mine.noop_max)
 
 
 def test_other_numbers_need_another_name():
@@ -64,6 +66,10 @@ def test_other_numbers_need_another_name():
         ("preset", "dqn15"),
         ("lives", "episodic"),
         ("frame_skip", 0),
+        ("frame_skip", (5, 2)),
+        ("lives", "task"),
+        ("preset", ""),
+        ("task", "pong"),
         ("name", None),
     ],
 )
@@ -72,14 +78,47 @@ def test_wrong_numbers(field, value):
         type(PROTOCOLS["dqn2015"])(**{**asdict(PROTOCOLS["dqn2015"]), "name": "mine", field: value})
 
 
+def of_task(task, **facts):
+    return EvaluationProtocol.of_task(task, **{"name": "mine", "source": "", "epsilon": 0.0, "episodes": 1, **facts})
+
+
+def test_the_protocol_of_a_task():
+    task = Task.of("pong", preset="envpool", frameskip=(2, 5), repeat_action_probability=0.1)
+    protocol = of_task(task)
+    assert (protocol.noop_min, protocol.noop_max, protocol.max_frames) == (1, 30, 108_000)
+    assert (protocol.frame_skip, protocol.repeat_action_probability, protocol.lives) == ((2, 5), 0.1, "task")
+    assert EvaluationProtocol.from_json(json.loads(json.dumps(protocol.to_json()))) == protocol
+    assert "2 to 4 frames an action" in str(protocol)
+    assert "games and lives begin as in its task (pong: Pong, as 'pong' with preset='envpool'" in str(protocol)
+    with pytest.raises(ValueError, match=r"noop_max must be 30, as the protocol's task has it, got 3"):
+        replace(protocol, noop_max=3)
+    with pytest.raises(ValueError, match=r"has lives='task' and preset='', got 'fire' and ''"):
+        replace(protocol, lives="fire")
+
+
+def test_protocols_of_tasks_differ_in_what_is_no_choice_of_the_policy():
+    task = Task.of("pong", preset="baselines")
+    assert differences(of_task(task), of_task(task.replace(img_height=42, img_width=42, reward_clipping=False))) == []
+    assert differences(of_task(task), of_task(Task.of("breakout", preset="baselines"))) == []
+    assert differences(of_task(task), of_task(task.replace(lives_unit="frame"))) == [
+        "lives_unit of the task skip and frame"
+    ]
+
+
+def test_protocols_of_release_0_2_have_no_task():
+    old = {name: value for name, value in asdict(PROTOCOLS["dopamine"]).items() if name != "task"}
+    assert EvaluationProtocol.from_json(old) == PROTOCOLS["dopamine"]
+
+
 def test_sets():
     sizes = {name: len(set(games)) for name, games in GAME_SETS.items()}
     assert sizes == {"atari5": 5, "atari26": 26, "atari49": 49, "atari55": 55, "atari57": 57, "atari60": 60}
     assert all(atari.games[game].single_player for games in GAME_SETS.values() for game in games)
     assert set(GAME_SETS["atari26"]) < set(GAME_SETS["atari57"])
-    games = find_games(["pong", "atari26", "atari5"])
+    games = find_entries(["pong", "atari26", "atari5", "ALE/Surround-v5"])
     assert games[0].id == "pong"
-    assert len(games) == len({"pong", *GAME_SETS["atari26"], *GAME_SETS["atari5"]})
+    assert len(games) == len({"pong", *GAME_SETS["atari26"], *GAME_SETS["atari5"]}) + 1
+    assert (games[0].env_id, games[-1].env_id) == (None, "ALE/Surround-v5")
 
 
 @pytest.mark.parametrize(

@@ -42,6 +42,16 @@ def test_a_file_keeps_everything(tmp_path):
     assert json.loads(file.read_text())["versions"] == {"numpy": "2"}
 
 
+def test_files_of_release_0_2(tmp_path):
+    """Their games and protocols have no task."""
+    content = changed(format="atari evaluation 1")
+    del content["protocol"]["task"]
+    for game in content["games"]:
+        del game["task"]
+    (tmp_path / "result.json").write_text(json.dumps(content))
+    assert Result.load(tmp_path / "result.json") == result()
+
+
 def changed(**changes):
     return {**json.loads(json.dumps(result().to_json())), **changes}
 
@@ -67,7 +77,12 @@ def with_game(**changes):
         "binary": (b"\xff\xfe\x00", "is no result"),
         "list": ([], "format"),
         "foreign": ({"games": []}, "format"),
-        "another version": (changed(format="atari evaluation 2"), "format"),
+        "another version": (changed(format="atari evaluation 3"), "of a newer release"),
+        "a task of another kind": (with_game(task=[]), "task is list"),
+        "no protocol's task": (
+            changed(protocol={**changed()["protocol"], "task": {"game": "pong"}}),
+            '"format" must be',
+        ),
         "no seed": (without("seed"), "'seed' is missing"),
         "no protocol": (without("protocol"), "'protocol' is missing"),
         "no games": (changed(games=[]), "at least one"),

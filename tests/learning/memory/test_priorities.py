@@ -117,3 +117,10 @@ def test_bad_priorities_change_nothing() -> None:
         memory.sample(1, beta=1.0)
     with pytest.raises(ValueError, match="priority_exponent"):
         ReplayMemory(10, 1, (2, 2)).update_priorities(np.array([0]), np.array([1.0]))
+
+
+def test_one_priority_is_given_for_each_step() -> None:
+    memory = filled(50)
+    for indices, priorities in (([0, 1], [1.0]), ([[0, 1]], [[1.0, 2.0]])):
+        with pytest.raises(ValueError, match=r"must be \(batch,\)"):
+            memory.update_priorities(np.array(indices), np.array(priorities))

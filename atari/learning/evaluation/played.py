@@ -1,0 +1,227 @@
+"""What an evaluation plays: the task of a game, a protocol and a policy."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from os import PathLike
+from types import MappingProxyType
+from typing import Any
+
+from atari.games.game import Game
+from atari.learning.evaluation.protocols import GAME_SETS, PROTOCOLS, EvaluationProtocol, find_protocol
+from atari.learning.needs import Needs, composed
+from atari.task import PRESETS, Task
+from atari.task.fields import GROUPS
+from atari.task.resolution import is_id
+
+_OF_GAME = ("mode", "difficulty", "interventions")
+"""Fields of which the game of an evaluation decides, and which it must have in common with the policy."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A game of an evaluation.
+
+    Attributes:
+        task: of which the game, its mode and difficulty, and interventions are played.
+        given: what the user gave: an ID, a `Task`, or the name or the definition of a game.
+    """
+
+    task: Task
+    given: Any
+
+    @property
+    def id(self) -> str:
+        """The game's id."""
+        return self.task.game
+
+    @property
+    def env_id(self) -> str | None:
+        """The environment ID, if the user gave one."""
+        return self.given if isinstance(self.given, str) and is_id(self.given) else None
+
+    @property
+    def ram(self) -> bool:
+        """Whether the user gave an ID or a `Task` of RAM."""
+        return self.task.obs_type == "ram"
+
+
+def find_entries(games: Any, options: Mapping[str, Any] = MappingProxyType({})) -> tuple[Entry, ...]:
+    """The games of an argument: a game, an ID, a `Task`, a name of `GAME_SETS`, or a sequence of these; each game once.
+
+    Args:
+        games: the argument. An `Entry` stays as it is.
+        options: of `Task.of`, of all games.
+
+    Raises:
+        TypeError, ValueError: there is no such game (the nearest is suggested), or none at all; or a game is given
+            twice, with other modes, difficulties or interventions.
+        gymnasium.error.NameNotFound: there is no such ID.
+        FileNotFoundError: there is no such file of a game of your own.
+    """
+    listed = [games] if isinstance(games, (str, PathLike, Game, Task, Entry)) else games
+    if not isinstance(listed, Sequence) or not listed:
+        raise TypeError(f"games must be a game, a set such as 'atari26', or a sequence of these, got {games!r}")
+    found: dict[str, Entry] = {}
+    for given in listed:
+        for one in GAME_SETS.get(given, (given,)) if isinstance(given, str) else (given,):
+            entry = one if isinstance(one, Entry) else Entry(Task.of(one, **options), one)
+            other = found.setdefault(entry.id, entry)
+            if (other.task, other.env_id) != (entry.task, entry.env_id):
+                raise ValueError(
+                    f"{entry.id} is given twice, as {other.given!r} and {entry.given!r}; leave one of them out"
+                )
+    return tuple(found.values())
+
+
+def usual_protocol(policy: Any, entry: Entry) -> EvaluationProtocol:
+    """The protocol that commands play unless a user names one.
+
+    It is that of the policy's training; for a policy that says nothing of what it needs, the whole games of an ID or of
+    a `Task`; else "baselines".
+    """
+    own = getattr(policy, "protocol", None)
+    if own is not None:
+        return find_protocol(own)
+    says_nothing = not getattr(policy, "task", None) and not getattr(policy, "environment", None)
+    if says_nothing and (entry.env_id is not None or isinstance(entry.given, Task)):
+        name = entry.env_id or "task"
+        facts: dict[str, Any] = {"name": name, "source": f"whole games of {name}", "epsilon": 0.0, "episodes": 1}
+        return EvaluationProtocol.of_task(entry.task, **facts)
+    return PROTOCOLS["baselines"]
+
+
+def played_task(entry: Entry, protocol: EvaluationProtocol, needs: Needs) -> Task:
+    """The task that an evaluation plays.
+
+    The game decides mode, difficulty and interventions; the protocol the actions, sticky actions, frame skip, how games
+    begin, lives and limits; the policy what it sees. If the policy does not say, it sees RAM if the game is an ID or a
+    `Task` of RAM, else the images of the protocol's preset or task.
+
+    Raises:
+        ValueError: game, protocol and policy contradict each other; the message says what to pass.
+    """
+    _check_game(entry)
+    if needs.task is not None:
+        _check_policy(entry, protocol, needs.task)
+    _check_id(entry, protocol, needs.task)
+    seen = needs.task or (entry.task if entry.ram else None)
+    if protocol.task is not None:
+        _check_same_game(entry, protocol.task)
+        return _whole_games(protocol, protocol.task, seen)
+    return composed(entry.task, **_observation(seen, protocol.preset), **_play(protocol), **_lives(protocol))
+
+
+def _observation(seen: Task | None, preset: str) -> dict[str, Any]:
+    """The fields of what a policy sees: those of a task, or of a preset."""
+    if seen is None:
+        fields = PRESETS[preset].fields
+        return {name: fields[name] for name in GROUPS["observation"] if name in fields}
+    return {name: getattr(seen, name) for name in GROUPS["observation"]}
+
+
+def _play(protocol: EvaluationProtocol) -> dict[str, Any]:
+    """The numbers of a protocol as fields of a task."""
+    return {
+        "repeat_action_probability": protocol.repeat_action_probability,
+        "actions": "full" if protocol.full_action_space else "minimal",
+        "frameskip": protocol.frame_skip,
+        "noops": (protocol.noop_min, protocol.noop_max),
+        "max_num_frames_per_episode": protocol.max_frames,
+    }
+
+
+def _lives(protocol: EvaluationProtocol) -> dict[str, Any]:
+    """The fields that decide how games begin besides the no-ops, and how they go on after a lost life."""
+    if protocol.lives == "continue":
+        return {}
+    preset = PRESETS["baselines" if protocol.lives == "fire" else protocol.preset].fields
+    names = [name for name in (*GROUPS["begin"], *GROUPS["lives"]) if name != "noops" and name in preset]
+    # Whole games are played, and the stack begins anew after a lost life, as in trainings whose episodes are lives.
+    after = "continue" if preset["on_reset"] == "new_game" else preset["on_reset"]
+    own = {name: preset[name] for name in names}
+    return {**own, "episodic_life": True, "on_reset": after, "seamless_lives": False}
+
+
+def _whole_games(protocol: EvaluationProtocol, task: Task, seen: Task | None) -> Task:
+    """The whole games of a task, with scores that are not clipped."""
+    names = [name for group in ("play", "begin", "lives", "limits") for name in GROUPS[group]]
+    own = {name: getattr(task, name) for name in names if name != "interventions"}
+    own["life_loss_info"] = False  # a report that ends nothing
+    if own["on_reset"] == "new_game":
+        own["on_reset"] = "continue"
+    if all(own[name] is None for name in GROUPS["limits"]):
+        own["max_num_frames_per_episode"] = protocol.max_frames  # a game may never end by itself
+    return composed(task, **own, **_observation(seen or task, ""))
+
+
+def _check_game(entry: Entry) -> None:
+    """Refuse games that an evaluation cannot play."""
+    for name, value in (("players", 1), ("continuous", False)):
+        if getattr(entry.task, name) != value:
+            raise ValueError(
+                f"an evaluation plays games with {name}={value}, and {entry.id} is given with "
+                f"{name}={getattr(entry.task, name)}; leave it out"
+            )
+
+
+def _check_policy(entry: Entry, protocol: EvaluationProtocol, policy: Task) -> None:
+    """Refuse a policy of another game than the one that is played."""
+    for name, value in (("players", 1), ("continuous", False)):
+        if getattr(policy, name) != value:
+            raise ValueError(
+                f"games are evaluated with {name}={value}, and the policy has {getattr(policy, name)}; evaluate a "
+                "policy of one player with a choice of actions"
+            )
+    _check_alike(entry.task, policy, "policy")
+    if policy.frames != _frames(protocol):
+        raise ValueError(
+            f"protocol {protocol.name!r} plays {_skip(protocol.frame_skip)} frames an action, the policy "
+            f"{_skip(policy.frameskip)}"
+        )
+
+
+def _check_id(entry: Entry, protocol: EvaluationProtocol, policy: Task | None) -> None:
+    """Refuse an ID, or a task of RAM, whose observations or sticky actions the evaluation does not play."""
+    named = entry.ram or entry.env_id is not None
+    if named and policy is not None and (policy.obs_type == "ram") != entry.ram:
+        shown, name = "RAM" if entry.ram else "images", entry.env_id or f"the task of {entry.id}"
+        raise ValueError(f"{name} shows {shown}, and the policy sees obs_type={policy.obs_type!r}; pass {entry.id!r}")
+    sticky = entry.task.repeat_action_probability
+    if entry.env_id is not None and sticky != protocol.repeat_action_probability:
+        raise ValueError(
+            f"{entry.env_id} has repeat_action_probability={sticky}, and protocol {protocol.name!r} "
+            f"{protocol.repeat_action_probability}; pass {entry.id!r}, or another protocol"
+        )
+
+
+def _check_same_game(entry: Entry, task: Task) -> None:
+    """Refuse another game than that of a protocol with a task."""
+    if entry.id != task.game:
+        raise ValueError(f"the protocol is of {task.game}, and the game to evaluate is {entry.id}; pass {task.game!r}")
+    _check_alike(entry.task, task, "protocol")
+
+
+def _check_alike(game: Task, wanted: Task, owner: str) -> None:
+    """Refuse a game with another mode or difficulty or other interventions than those of the policy or the protocol."""
+    for name in _OF_GAME:
+        if wanted.plain()[name] != game.plain()[name]:
+            theirs, ours = _shown(wanted, name), _shown(game, name)
+            raise ValueError(
+                f"the {owner} plays {wanted.game} with {name}={theirs}, and the game to evaluate has {ours}; "
+                f"pass atari.Task.of({game.game!r}, {name}={theirs}) as the game"
+            )
+
+
+def _shown(task: Task, name: str) -> str:
+    """A field as a user gives it, in an error: None is the default mode or difficulty."""
+    value = [one.name for one in task.interventions] if name == "interventions" else task.plain()[name]
+    return repr(value)
+
+
+def _frames(protocol: EvaluationProtocol) -> tuple[int, int]:
+    skip = protocol.frame_skip
+    return skip if isinstance(skip, tuple) else (skip, skip + 1)
+
+
+def _skip(skip: int | tuple[int, int]) -> str:
+    return f"{skip[0]} to {skip[1] - 1}" if isinstance(skip, tuple) else str(skip)

@@ -1,0 +1,117 @@
+"""`Needs`: what a policy says of the environments that it plays in: its task, or options by name."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from inspect import signature
+from typing import Any
+
+from atari.games.game import Game
+from atari.learning.named_actions import resolve_with_names
+from atari.task import Task
+from atari.task.resolution import ALIASES, OPTIONS
+from atari.task.rules import settle
+from atari.task.task import DEFAULTS
+from atari.validation import check_known
+from atari.vector import AtariVectorEnv
+from atari.vector.ale_names import NAMES
+from atari.vector.layout import Layout
+from atari.vector.options import VectorOptions
+
+_LAYOUT = ("channels_last", "dtype", "rom")
+"""Options of a policy that are not of a task."""
+
+
+@dataclass(frozen=True)
+class Needs:
+    """What a policy says of the environments that it plays in.
+
+    Attributes:
+        task: what it sees, and which actions its indices are; None if it does not say.
+        options: `channels_last`, `dtype` and `rom`, those that it says, as `AtariVectorEnv` takes them.
+    """
+
+    task: Task | None = None
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def actions(self) -> tuple[str, ...] | None:
+        """The names of its actions by index."""
+        return None if self.task is None else tuple(action.name for action in self.task.action_set)
+
+    def layout(self, task: Task) -> Layout:
+        """The axes and the dtype of observations of a task."""
+        return Layout.check(task, self.options.get("channels_last", False), self.options.get("dtype", "uint8"))
+
+
+def needs_of(policy: Any, game: Game) -> Needs:
+    """What a policy says by its attributes `task` and `environment`, see `atari.learning.Policy`.
+
+    Args:
+        policy: a policy.
+        game: that is played. `environment` is resolved as `AtariVectorEnv` resolves the same options of this game.
+
+    Raises:
+        ValueError: an option is wrong, or is not a policy's.
+    """
+    task = getattr(policy, "task", None)
+    environment = getattr(policy, "environment", None)
+    try:
+        options = _checked({} if environment is None else environment)
+        layout = {name: options.pop(name) for name in _LAYOUT if name in options}
+        stored = options.pop("task", None)
+        task = _task(stored) if task is None else _task(task)
+        if task is not None and options:
+            raise ValueError(f"it has a task, which decides {', '.join(options)}, too; leave them out")
+        if task is None and environment:
+            task = _resolved(game, options)
+        if task is not None:
+            Layout.check(task, layout.get("channels_last", False), layout.get("dtype", "uint8"))
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"the environment of the policy: {error}") from error
+    return Needs(task, layout)
+
+
+def _checked(environment: Any) -> dict[str, Any]:
+    """The options of an environment, with names that a policy may use.
+
+    Raises:
+        TypeError, ValueError: it is no mapping, or has another option.
+    """
+    if not isinstance(environment, Mapping):
+        raise TypeError(f"it must be a mapping of options, got {environment!r}")
+    known = (*OPTIONS, *ALIASES, *NAMES, *_LAYOUT, "preset", "task")
+    vectors = {*signature(AtariVectorEnv.__init__).parameters} - {*known, "self", "game", "options"}
+    for name in environment:
+        if name in vectors:
+            raise ValueError(f"{name} is an option of what plays the policy, not of the policy; leave it out")
+    check_known("it", [name for name in environment if name not in known], known)
+    return {name: value for name, value in environment.items() if value is not None or name in OPTIONS}
+
+
+def _task(task: Any) -> Task | None:
+    """A task, or one as a JSON object, as files of networks have it."""
+    if task is None or isinstance(task, Task):
+        return task
+    if isinstance(task, Mapping):
+        return Task.from_json(json.dumps(task))
+    raise TypeError(f"task must be an atari.Task, got {task!r}")
+
+
+def _resolved(game: Game, options: dict[str, Any]) -> Task:
+    """The task of options by the names of `AtariVectorEnv`."""
+    preset = options.pop("preset", None)
+    given = {"rom": None, "channels_last": False, "dtype": "uint8", "render_mode": None, "autoreset_mode": "Disabled"}
+    threads = {"batch_size": 0, "num_threads": 1, "thread_affinity_offset": -1}
+    return resolve_with_names(lambda own: VectorOptions.check(game, 1, preset, own, **given, **threads).task, options)
+
+
+def composed(game: Task, **fields: Any) -> Task:
+    """A task of another task's game, mode, difficulty and interventions, with these fields.
+
+    Fields that have no effect beside the others take their defaults.
+    """
+    kept = ("rules", "rom_md5", "mode", "difficulty", "interventions")
+    every = {**DEFAULTS, **{name: getattr(game, name) for name in kept}, **fields, "game": game.definition}
+    settle(every, DEFAULTS, given=())
+    return Task(**every)

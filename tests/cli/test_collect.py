@@ -1,0 +1,116 @@
+"""`atari collect`: what an ID plays, and what the data sets say of it."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from cli_tools import read, read_json
+
+from atari.cli import main
+from atari.lab import write_dataset
+from atari.recording import Replay
+from atari.task import Task
+
+h5py = pytest.importorskip("h5py", reason="h5py is not installed")
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.py").write_text(
+        "class Images:\n    environment = {'preset': 'dopamine'}\n    def __call__(self, o, lanes): return lanes * 0\n"
+        "class Sticky(Images):\n    protocol = 'dopamine'\n"
+    )
+
+
+def collected(capsys: pytest.CaptureFixture[str], game: str, *words: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    """What the command prints, and the attributes and the actions of its data set."""
+    file = f"{len(list(Path().glob('*.h5')))}.h5"
+    shown = read_json(capsys, "collect", game, "--labels", "", "--frames", "grayscale", "-o", file, *words)
+    with h5py.File(file) as root:
+        facts = {name: json.loads(root.attrs[name]) for name in ("task", "policy", "seeds") if name in root.attrs}
+        return shown, {**facts, "actions": root["episode_0/actions"][:].tolist()}
+
+
+def test_a_data_set_has_task_policy_and_seeds(capsys: pytest.CaptureFixture[str]) -> None:
+    shown, facts = collected(capsys, "pong", "--seed", "4294967294", "--episodes", "2", "--policy", "noop")
+    task = Task.of("pong", preset="baselines", reward_clipping=False)
+    assert Task.from_json(json.dumps(facts["task"])).differences(task) == {}
+    assert (facts["policy"], facts["seeds"], shown["task"]) == ("noop", [2**32 - 2, 2**32 - 1], facts["task"])
+
+
+def test_a_parquet_file_has_task_policy_and_seeds(capsys: pytest.CaptureFixture[str]) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed")
+    text = read(capsys, "collect", "Pong-ram-v0", "--labels", "", "-o", "a.parquet")
+    metadata = parquet.read_schema("a.parquet").metadata
+    assert Task.from_json(metadata[b"task"].decode()) == Task.of("Pong-ram-v0")
+    assert (metadata[b"policy"], metadata[b"seeds"]) == (b'"random"', b"[0]")
+    assert "  task      pong: Pong, as Pong-ram-v0\n" in text
+
+
+def test_a_minari_dataset_has_task_policy_and_seeds(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    minari = pytest.importorskip("minari", reason="minari is not installed")
+    monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path / "datasets"))
+    read(capsys, "collect", "ALE/Pong-v5", "--labels", "", "--frames", "grayscale", "-o", "pong/own-v0")
+    metadata = minari.load_dataset("pong/own-v0").storage.metadata
+    assert Task.from_json(metadata["task"]) == Task.of("ALE/Pong-v5")
+    assert (metadata["policy"], metadata["seeds"]) == ('"random"', "[0]")
+
+
+def test_ids_are_played_as_they_are(capsys: pytest.CaptureFixture[str]) -> None:
+    played = {name: collected(capsys, name)[1] for name in ("ALE/Pong-v5", "PongNoFrameskip-v4", "pong")}
+    for name in ("ALE/Pong-v5", "PongNoFrameskip-v4"):
+        assert Task.from_json(json.dumps(played[name]["task"])) == Task.of(name)
+    assert played["PongNoFrameskip-v4"]["task"]["frameskip"] == 1
+    assert len({json.dumps(facts["actions"]) for facts in played.values()}) == 3
+
+
+def test_mode_and_interventions(capsys: pytest.CaptureFixture[str]) -> None:
+    _, facts = collected(capsys, "pong", "--mode", "1", "--intervention", "lazy_enemy")
+    assert (facts["task"]["mode"], facts["task"]["interventions"][0]["name"]) == (1, "lazy_enemy")
+    assert facts["task"]["fire"] == "after_noops"  # all else is as without the options
+
+
+def test_a_policy_plays_what_it_was_trained_for(capsys: pytest.CaptureFixture[str]) -> None:
+    _, facts = collected(capsys, "ALE/Pong-v5", "--policy", "mine:Sticky")
+    assert (facts["task"]["repeat_action_probability"], facts["task"]["stack_num"]) == (0.25, 4)
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (
+            ["ALE/Pong-v5", "--policy", "mine:Images"],
+            "ALE/Pong-v5 has repeat_action_probability=0.25, and protocol 'base",
+        ),
+        (["Pong-ram-v4", "--policy", "mine:Images"], "Pong-ram-v4 shows RAM, and the policy sees obs_type='grayscale'"),
+        (["ALE/Pog-v5"], "ALE/Pong-v5"),
+        (["pong", "--seed", "4294967295", "--episodes", "2"], "seeds are below 4294967296"),
+        (["pong", "--seed", "4294967296"], "a seed must be within 0..4294967295, got 4294967296"),
+        (["ALE/Pong-v5", "--policy", "a.a26"], "what was played is in the replay a.a26; name the game alone, 'pong'"),
+        (["breakout", "--policy", "a.a26"], "a.a26 is a replay of pong, not of breakout"),
+    ],
+)
+def test_what_is_refused(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    if "a.a26" in words:
+        from atari.learning import record_games
+
+        record_games("noop", "pong", "dopamine", [0], "a.a26")
+    assert main(["collect", *words, "-o", "a.h5"]) in (1, 2)
+    assert text in capsys.readouterr().err
+    assert not Path("a.h5").exists()
+
+
+def test_a_replay_has_no_task(capsys: pytest.CaptureFixture[str]) -> None:
+    from atari.learning import record_games
+
+    record_games("noop", "pong", "dopamine", [0], "a.a26")
+    shown, facts = collected(capsys, "pong", "--policy", "a.a26")
+    assert (shown["task"], facts.keys()) == (None, {"actions"})
+    result = write_dataset(Replay.load("a.a26"), "b.h5", labels=[], facts={"author": {"name": "me"}})
+    with h5py.File("b.h5") as root:
+        assert json.loads(root.attrs["author"]) == {"name": "me"}
+    assert result["episodes"] == 1

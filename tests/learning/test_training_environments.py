@@ -1,0 +1,138 @@
+"""The environments of trainings: their bytes are those of release 0.2, whose options a configuration of format 1 has."""
+
+import hashlib
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+
+from atari.learning.environments import RamStack, TrainingEnvironments, whole_actions
+from atari.learning.old_runs import migrated
+from atari.learning.options import TrainingOptions
+from atari.task import PRESETS, Task
+
+OPTIONS_OF_FORMAT_1: dict[str, Any] = {
+    "game": "pong", "obs": "pixels", "seed": 0, "total_steps": 10_000_000, "stop_score": None, "num_envs": 3,
+    "protocol": "baselines", "sticky": None, "episodic_life": None, "actions": None, "image_size": 84, "stack": 4,
+    "network": "nature", "normalize": False, "bfloat16": False, "learning_rate": 2.5e-4, "gamma": 0.99, "device": "cpu",
+    "workers": 1, "checkpoint_minutes": 5.0,
+}  # fmt: skip
+
+CASES: list[tuple[str, dict[str, Any], bool, str]] = [
+    ("breakout", {"protocol": "dqn2015"}, True, "dd2928d9839457c8"),
+    ("ms_pacman", {"protocol": "machado2018"}, True, "777e2de0ee3d5fa1"),
+    ("breakout", {"protocol": "baselines"}, True, "489266864da7669e"),
+    ("pong", {"protocol": "baselines", "actions": ("NOOP", "RIGHT", "LEFT")}, True, "1aeb9b177c4f8dbf"),
+    ("breakout", {"protocol": "baselines", "obs": "ram", "stack": 3}, True, "21011eaf3e38f819"),
+    (
+        "ms_pacman",
+        {"protocol": "gymnasium", "episodic_life": True, "image_size": 42, "stack": 2},
+        True,
+        "9073010c0d500b1f",
+    ),
+    ("breakout", {"protocol": "dopamine"}, False, "019f0808df562f01"),
+    ("breakout", {"protocol": "atari100k"}, True, "df746afcae5a5764"),
+    (
+        "breakout",
+        {"protocol": "envpool", "episodic_life": True, "image_size": 42, "stack": 2},
+        True,
+        "c796354b8503bd16",
+    ),
+    ("pong", {"protocol": "envpool", "actions": ("FIRE", "RIGHTFIRE", "LEFTFIRE")}, True, "c6a354c3bebfc58e"),
+    ("breakout", {"protocol": "envpool", "obs": "ram", "stack": 3}, True, "a385c1518c168c2f"),
+    ("breakout", {"protocol": "envpool", "sticky": 0.1}, True, "188cb693133e981e"),
+    ("breakout", {"protocol": "ale_vector"}, True, "83ebaaa69e377ee4"),
+    (
+        "breakout",
+        {"protocol": "ale_vector", "actions": ("LEFT", "RIGHT", "NOOP"), "episodic_life": True},
+        True,
+        "ce014dbb34abdf67",
+    ),
+]
+
+
+def of_format_1(agent: str = "ppo", **options: Any) -> TrainingOptions:
+    network = {"network": "mlp"} if options.get("obs") == "ram" else {}
+    config = {"format": 1, "agent": agent, "options": {**OPTIONS_OF_FORMAT_1, **network, **options}, "policy": {}}
+    found = migrated(config)
+    assert (found["format"], "policy" in found) == (2, False)
+    return TrainingOptions(task=Task.from_json(json.dumps(found["task"])), **found["options"])
+
+
+def now(game: str, protocol: str, **old: Any) -> TrainingOptions:
+    """The options of today that play what those of format 1 did."""
+    size, stack = old.pop("image_size", 84), old.pop("stack", 4)
+    sees: dict[str, Any] = {"img_height": size, "img_width": size, "stack_num": stack}
+    if old.pop("obs", "pixels") == "ram":
+        sees = {"obs_type": "ram", "ram_stack": stack}
+    renamed = {{"sticky": "repeat_action_probability"}.get(name, name): value for name, value in old.items()}
+    return TrainingOptions.of(game, preset=protocol, num_envs=3, **sees, **renamed)
+
+
+def digest(options: TrainingOptions, stacked: bool, steps: int = 400) -> str:
+    """A check sum of all that a learner gets in some steps."""
+    envs = TrainingEnvironments(options, 3, stacked=stacked)
+    total, random = hashlib.sha256(), np.random.default_rng(7)
+    total.update(np.ascontiguousarray(envs.reset(seed=3)).tobytes())
+    for _ in range(steps):
+        chosen = random.integers(len(envs.actions), size=3)
+        observations, rewards, terminations, truncations, info = envs.step(chosen)
+        for array in (observations, rewards.astype(np.int64), terminations, truncations):
+            total.update(np.ascontiguousarray(array).tobytes())
+        if (terminations | truncations).any():
+            total.update(np.ascontiguousarray(envs.final_observations(info)).tobytes())
+    total.update(json.dumps([[score, length] for score, length in envs.take_games()]).encode())
+    envs.close()
+    return total.hexdigest()[:16]
+
+
+@pytest.mark.parametrize(("game", "old", "stacked", "expected"), CASES)
+def test_bytes_are_those_of_release_0_2(game: str, old: dict[str, Any], stacked: bool, expected: str) -> None:
+    assert digest(now(game, **old), stacked) == expected
+    assert digest(of_format_1(game=game, **old), stacked) == expected
+
+
+@pytest.mark.parametrize("obs", ["pixels", "ram"])
+@pytest.mark.parametrize("episodic_life", [None, True, False])
+@pytest.mark.parametrize("preset", PRESETS)
+def test_options_of_format_1_are_a_task(preset: str, episodic_life: bool | None, obs: str) -> None:
+    old = of_format_1(protocol=preset, episodic_life=episodic_life, obs=obs)
+    new = now("pong", preset, episodic_life=episodic_life, obs=obs)
+    differing = {"max_num_frames_per_episode": (None, 108_000)} if preset == "gymnasium" else {}
+    assert old.task.differences(new.task) == differing
+    assert (old.stack, old.padding) == (new.stack, new.padding)
+
+
+def test_format_1_had_combinations_that_presets_refuse() -> None:
+    assert of_format_1(protocol="dqn2015", sticky=0.25).task.repeat_action_probability == 0.25
+    assert of_format_1(protocol="dqn2015", obs="ram", agent="dqn").ram_padding == "zero"
+    assert of_format_1(protocol="envpool", obs="ram", agent="dqn").ram_padding == "reset"
+
+
+def test_stacks_of_ram_begin_with_zeros_or_the_first_vector() -> None:
+    first, second = np.full((2, 128), 7, np.uint8), np.full((2, 128), 8, np.uint8)
+    for padding, before in (("reset", 7), ("zero", 0)):
+        stack = RamStack(2, 3, padding)
+        assert stack.push(first, np.array([True, True]))[:, :, 0].tolist() == [[before, before, 7]] * 2
+        assert stack.push(second, np.array([False, True]))[:, :, 0].tolist()[0] == [before, 7, 8]
+
+
+def test_a_stack_of_ram_goes_on_where_that_of_images_does() -> None:
+    options: dict[str, Any] = {"preset": "envpool", "obs_type": "ram", "network": "mlp"}
+    for given, clears in (({"episodic_life": True}, True), ({"life_loss_info": True}, False)):
+        envs = TrainingEnvironments(TrainingOptions.of("breakout", **options, **given), 1)
+        before = envs.reset(seed=0)
+        ended = np.zeros(1, np.bool_)
+        while not ended.any():
+            before, _, terminations, truncations, _ = envs.step(np.array([1]))
+            ended = terminations | truncations
+        assert (before[0] == before[0, -1]).all() == clears
+        envs.close()
+
+
+def test_names_of_actions_leave_the_beginning_to_the_game() -> None:
+    task, indices = whole_actions(Task.of("pong", preset="baselines", actions=["LEFT", "NOOP"]))
+    assert (task.actions, indices.tolist()) == ("minimal", [3, 0])
+    task, indices = whole_actions(Task.of("pong", preset="envpool", actions=["UP", "NOOP"]))
+    assert (task.actions, indices.tolist()) == ("full", [2, 0])
