@@ -107,6 +107,7 @@ FAST: dict[str, Any] = {
 """Options for pixels, found by measurement on two cores; see docs/learning.md."""
 
 FAST_RAM: dict[str, Any] = {
+    "obs_type": "ram",
     "img_height": None,
     "img_width": None,
     "network": "bits",

@@ -85,7 +85,13 @@ FAST: dict[str, Any] = {
 }
 """Options for pixels, found by measurement on two cores; see docs/learning.md."""
 
-FAST_RAM: dict[str, Any] = {"img_height": None, "img_width": None, "network": "bits", "ram_stack": 2}
+FAST_RAM: dict[str, Any] = {
+    "obs_type": "ram",
+    "img_height": None,
+    "img_width": None,
+    "network": "bits",
+    "ram_stack": 2,
+}
 """Options for RAM, which replace those of the same name."""
 
 
