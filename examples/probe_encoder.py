@@ -29,17 +29,20 @@ def main() -> None:
     torch.set_num_threads(1)
 
     folder = RunFolder.open(args.run)
-    options, sees = read_options(folder), folder.config["policy"]
-    shape = (sees["stack_num"], sees["img_height"], sees["img_width"])
+    options = read_options(folder)
+    task = options.task
+    if task.stack_num is None or task.img_height is None or task.img_width is None:
+        raise SystemExit(f"{args.run} is a training from RAM; probe one from images")
+    screen = {"stack_num": task.stack_num, "img_height": task.img_height, "img_width": task.img_width}
+    shape = tuple(screen.values())
     agent = find_agent(folder.config["agent"])
     networks = []
     for _ in range(2):
         torch.manual_seed(0)
-        networks.append(agent.make_network(options, shape, len(sees["actions"])))
+        networks.append(agent.make_network(options, shape, len(task.action_set)))
     networks[0].load_state_dict(folder.load_weights())
 
-    screen = {name: sees[name] for name in ("stack_num", "img_height", "img_width")}
-    data = split_episodes(play_episodes(options.game, args.states, **screen), options.game)
+    data = split_episodes(play_episodes(task.game, args.states, **screen), task.game)
     print(
         f"{len(data.train)} states of training, {len(data.validation)} of validation, {len(data.test)} of the test",
         flush=True,

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import gymnasium
 
 from atari.cli.arguments import add_command, add_rom, find_game, number
+from atari.task import Task
 
 if TYPE_CHECKING:
     from atari.cli.arguments import Commands
@@ -90,10 +91,15 @@ def _session(source: str, rom: Path | None, agent: str | None, seed: int) -> "Se
         game: Any = getattr(player, "game", None)
         if game is None:
             raise ValueError(f"{source} does not say which game it plays")
-        return Session(AtariEnv(find_game(game), **_OPTIONS), agent=player, seed=seed)
+        return Session(AtariEnv(_frames_of(player.task_in(find_game(game)))), agent=player, seed=seed)
     player = _agent(agent)
     env = AtariEnv(find_game(source), rom=rom, **_OPTIONS)
     return Session(env, agent=player, seed=seed)
+
+
+def _frames_of(task: Task) -> Task:
+    """The frames of a task, one by one, with all actions."""
+    return task.of_emulator().replace(actions="full", obs_type="rgb")
 
 
 _OPTIONS: dict[str, Any] = {"frameskip": 1, "repeat_action_probability": 0.0, "full_action_space": True}

@@ -20,6 +20,7 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 import atari
 from atari.learning import environments
 from atari.learning.agents import find_agent
+from atari.task import Task
 
 SAME_STEP = AutoresetMode.SAME_STEP
 
@@ -54,37 +55,38 @@ class PlayedScores:
         self._envs.close()
 
 
-def make(side: str, game: Any, num_envs: int, given: dict[str, Any]) -> PlayedScores:
+def make(side: str, task: Task, num_envs: int, threads: int) -> PlayedScores:
     """The environments of one side."""
-    if given["obs_type"] == "ram":
+    game = task.game
+    if task.obs_type == "ram":
         options: dict[str, Any] = {"repeat_action_probability": 0.0, "full_action_space": False}
         if side == "ale-py":
 
             def one() -> Any:
-                return ale_py.env.AtariEnv(game.id, obs_type="ram", frameskip=4, **options)
+                return ale_py.env.AtariEnv(game, obs_type="ram", frameskip=4, **options)
 
             return PlayedScores(SyncVectorEnv([one] * num_envs, autoreset_mode=SAME_STEP))
         options |= {"noop_max": 0, "use_fire_reset": False, "reward_clipping": False, "obs_type": "ram"}
         return PlayedScores(
-            atari.AtariVectorEnv(game, num_envs, num_threads=given["num_threads"], autoreset_mode=SAME_STEP, **options)
+            atari.AtariVectorEnv(game, num_envs, num_threads=threads, autoreset_mode=SAME_STEP, **options)
         )
-    size = {name: given[name] for name in ("img_height", "img_width", "stack_num", "num_threads")}
+    size = {name: getattr(task, name) for name in ("img_height", "img_width", "stack_num")}
     kind = ale_py.vector_env.AtariVectorEnv if side == "ale-py" else atari.AtariVectorEnv
-    return PlayedScores(kind(game.id, num_envs, autoreset_mode=SAME_STEP, **size))
+    return PlayedScores(kind(game, num_envs, autoreset_mode=SAME_STEP, num_threads=threads, **size))
 
 
 def train(side: str, obs: str, game: str, steps: int, workers: int) -> tuple[float, float, list[float], dict[str, Any]]:
     """Train, and return all seconds, those of the environments' steps, the scores of games, and the weights."""
     made: list[PlayedScores] = []
 
-    def vector(found: Any, num_envs: int, **given: Any) -> PlayedScores:
-        made.append(make(side, found, num_envs, given))
+    def vector(task: Task, num_envs: int, num_threads: int, **_: Any) -> PlayedScores:
+        made.append(make(side, task, num_envs, num_threads))
         return made[-1]
 
     environments.AtariVectorEnv = vector  # type: ignore[assignment, misc]
     ppo = find_agent("ppo")
-    options = {**ppo.fast, **(ppo.fast_ram if obs == "ram" else {}), "obs": obs, "game": game, "workers": workers}
-    agent = ppo(ppo.options_class(**{**options, "total_steps": steps}))
+    options = {**ppo.fast, **(ppo.fast_ram if obs == "ram" else {}), "workers": workers, "total_steps": steps}
+    agent = ppo(ppo.options_class.of(game, **options))
     scores: list[float] = []
     start = time.perf_counter()
     while agent.steps < steps:
