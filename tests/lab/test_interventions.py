@@ -1,6 +1,7 @@
 """Interventions: their files, and the same play in single environments, vectors, snapshots and replays."""
 
 import copy
+import json
 import pickle
 from collections.abc import Callable
 from functools import partial
@@ -18,6 +19,7 @@ from atari.lab.interventions import check, load
 from atari.recording.replay.record_replay import RecordReplay
 from atari.recording.replay.record_vector_replay import RecordVectorReplay
 from atari.recording.replay.replay import Replay
+from atari.task.storage import to_short_json
 
 RANDOM = {
     "name": "shaky",
@@ -226,15 +228,20 @@ def test_a_replay_of_other_writes_differs(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("wrong", [["lazy_enemy"], ["x.toml#y"], 3, [{"name": "x"}], {"a": 1}])
-def test_a_replay_chooses_no_files(tmp_path: Path, wrong: Any) -> None:
-    env = RecordReplay(atari.AtariEnv("pong", interventions=["lazy_enemy"]), tmp_path / "x.a26")
-    env.env.unwrapped._options["interventions"] = wrong  # type: ignore[attr-defined]
-    env.close()
-    forged = atari.AtariEnv("pong")
-    forged._options["interventions"] = wrong
-    RecordReplay(forged, tmp_path / "y.a26").close()
-    with pytest.raises(ValueError, match="its header is wrong"):
-        Replay.load(tmp_path / "y.a26")
+def test_a_replay_chooses_no_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, wrong: Any) -> None:
+    env = atari.AtariEnv("pong")
+    options, text = env.ale_options(), to_short_json(env.task)
+    forged = json.dumps({**json.loads(text), "interventions": wrong})
+    with monkeypatch.context() as patch:
+        patch.setattr(env, "ale_options", lambda: {**options, "interventions": wrong})
+        RecordReplay(env, tmp_path / "options.a26").close()
+    env = atari.AtariEnv("pong")
+    with monkeypatch.context() as patch:
+        patch.setattr("atari.recording.replay.recorder.to_short_json", lambda task: forged)
+        RecordReplay(env, tmp_path / "task.a26").close()
+    for name in ("options", "task"):
+        with pytest.raises(ValueError, match="its header is wrong"):
+            Replay.load(tmp_path / f"{name}.a26")
 
 
 def test_a_replay_without_them_has_no_such_option(tmp_path: Path) -> None:
