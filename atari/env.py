@@ -191,19 +191,22 @@ class AtariEnv(gymnasium.Env[Any, Any]):
     @property
     def task(self) -> Task:
         """What is played, with the wrappers that `atari.make` has put around this, and with what `ale` has set."""
-        settings = self._core_options
-        set_since = {
+        return self._as_set(self.whole_task)
+
+    def _as_set(self, task: Task) -> Task:
+        """A task with what `ale` has set since."""
+        own, settings = self._task, self._core_options
+        fields = {
             "repeat_action_probability": settings["repeat_action_probability"],
             "max_num_frames_per_episode": settings["max_num_frames_per_episode"] or None,
             "mode": self.core.mode,
             "difficulty": self.core.difficulty,
         }
-        changed = {name: value for name, value in set_since.items() if value != getattr(self._task, name)}
-        return self.whole_task.with_set(**changed)
+        return task.with_set(**{name: value for name, value in fields.items() if value != getattr(own, name)})
 
     def ale_options(self) -> dict[str, Any]:
         """What this plays without wrappers, as options by ale-py's names."""
-        task = self._task
+        task = self._as_set(self._task)
         names = ("obs_type", "frameskip", "repeat_action_probability", "continuous", "continuous_action_threshold")
         return {
             "mode": task.set_mode,

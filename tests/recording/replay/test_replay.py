@@ -459,3 +459,17 @@ def test_settings_of_ale_are_part_of_the_task(tmp_path: Path) -> None:
     env.load_game()
     env.ale.setMode(4)
     assert env.task == atari.AtariEnv("breakout", repeat_action_probability=0.0, mode=4).task
+
+
+def test_settings_of_ale_before_the_recording_are_in_it(tmp_path: Path) -> None:
+    env = atari.AtariEnv("breakout", repeat_action_probability=0.5)
+    env.ale.setFloat("repeat_action_probability", 0.0)
+    env.load_game()
+    env.reset(seed=0)
+    with RecordReplay(env, tmp_path / "a.a26") as recorder:
+        recorder.reset(seed=1)
+        for step in range(30):
+            recorder.step(step % 4)
+    replay = Replay.load(tmp_path / "a.a26")
+    assert replay.task.repeat_action_probability == replay.options["repeat_action_probability"] == 0.0
+    assert replay.verify()
