@@ -343,7 +343,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         self.ale_settings.set_seed(int(words[1]))
         return words[0], words[1]
 
-    def draw(self, low: int, high: int) -> int:
+    def _draw(self, low: int, high: int) -> int:
         """A number within low..high-1 from the generator of episodes, which draws no-ops and frame skips."""
         if self._ale_random is None:
             return int(self.np_random.integers(low, high))
@@ -563,7 +563,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
     def _draw_frameskip(self) -> int:
         if isinstance(self._frameskip, int):
             return self._frameskip
-        return self.draw(*self._frameskip)
+        return self._draw(*self._frameskip)
 
     def _ale_action(self, action: Any) -> tuple[int, float]:
         """The ALE action number and the strength of an action of the action space."""

@@ -95,4 +95,4 @@ def step_noop(env: Environment) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
 def draw(env: Environment, low: int, high: int) -> int:
     """A number within low..high-1 from the generator of the environment's episodes."""
     inner = env.unwrapped
-    return inner.draw(low, high) if isinstance(inner, AtariEnv) else int(inner.np_random.integers(low, high))
+    return inner._draw(low, high) if isinstance(inner, AtariEnv) else int(inner.np_random.integers(low, high))

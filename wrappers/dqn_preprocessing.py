@@ -198,7 +198,7 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         play = self._play_direct if self._direct else self._play_through
         move = self._atari._ale_action(action) if self._direct else action
         seamless = self._seamless_life
-        skip = self.frame_skip if isinstance(self.frame_skip, int) else self._atari.draw(*self.frame_skip)
+        skip = self.frame_skip if isinstance(self.frame_skip, int) else self._atari._draw(*self.frame_skip)
         total = 0.0
         left = skip
         ended = False

@@ -63,7 +63,7 @@ def test_a_number_of_no_ops_is_drawn_also_if_only_one_is_possible() -> None:
     env.reset(seed=11)
     generator = AleRandom(11)
     generator.below(1)
-    assert env.unwrapped.draw(5, 1005) == 5 + generator.below(1000)
+    assert env.unwrapped._draw(5, 1005) == 5 + generator.below(1000)
 
 
 def test_a_skip_of_one_length_draws_nothing() -> None:
@@ -167,7 +167,7 @@ def test_other_environments_draw_from_numpys_generator() -> None:
     env = AtariEnv("pong", frameskip=(2, 5))
     env.reset(seed=6)
     twin = copy.deepcopy(env.np_random)
-    assert [env.draw(2, 5) for _ in range(9)] == [int(twin.integers(2, 5)) for _ in range(9)]
+    assert [env._draw(2, 5) for _ in range(9)] == [int(twin.integers(2, 5)) for _ in range(9)]
     assert "seeding" not in snapshot.unpack(env.snapshot())[0]
 
 
