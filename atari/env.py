@@ -662,8 +662,9 @@ def _require_plain(task: Task) -> None:
         raise ValueError(
             f"AtariEnv is for one player; atari.multiplayer.parallel_env({task.game!r}) plays with {task.players}"
         )
-    if task.preprocessed:
-        field = task.fields_of_wrappers()[0]
+    needed = task.fields_of_wrappers() + ["max_episode_steps"] * (task.max_episode_steps is not None)
+    if needed:
+        field = needed[0]
         raise ValueError(
             f"AtariEnv plays without wrappers, and {field}={getattr(task, field)!r} needs them; use atari.make, which "
             "adds them"

@@ -31,6 +31,12 @@ def test_options_and_defaults_are_those_of_ale_py() -> None:
         assert AtariEnv("breakout", **{name: value}).task == AtariEnv("breakout").task, name
 
 
+def test_fields_that_need_wrappers_are_refused() -> None:
+    for field, value in (("noops", (1, 30)), ("stack_num", 4), ("reward_clipping", True), ("max_episode_steps", 9)):
+        with pytest.raises(ValueError, match=f"{field}=.* needs them; use atari.make"):
+            AtariEnv("breakout", **{field: value})
+
+
 @pytest.mark.parametrize(
     ("option", "value", "error", "text"),
     [

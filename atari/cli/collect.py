@@ -29,7 +29,7 @@ def register(commands: "Commands", name: str = "collect") -> None:
     parser.add_argument(
         "game",
         metavar="GAME",
-        help=f"{GAME_HELP}. An ID is played as it is, by a policy that says what it needs if that agrees",
+        help=f"{GAME_HELP}. An ID is played unchanged; a policy that needs another task is refused",
     )
     parser.add_argument(
         "--policy",

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from atari.cli.arguments import Commands
 
 _PRESET = "dqn2015"
-"""What a game's name alone is played with; an ID is played as it says."""
+"""The preset of a game's name alone. An ID is played without one."""
 
 
 def register(commands: "Commands") -> None:

@@ -9,7 +9,7 @@ from atari.learning.evaluation.played import Entry, find_entries
 from atari.task.arguments import add_flags, given_options
 
 _OF_GAME = ("mode", "difficulty", "interventions")
-"""What the game decides where an evaluation protocol, or the policy's training, decides the rest."""
+"""Fields that the game decides where an evaluation protocol, or the policy's training, decides the others."""
 
 
 def add_game_options(parser: argparse.ArgumentParser) -> None:

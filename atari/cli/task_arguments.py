@@ -1,4 +1,4 @@
-"""What a command plays: GAME and the flags of a task, for all commands that play a game."""
+"""GAME and the flags of a task, as arguments of the commands that play a game."""
 
 import argparse
 import json

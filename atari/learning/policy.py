@@ -28,7 +28,7 @@ class Policy(Protocol):
       another frame skip than the protocol's, or of another mode, difficulty or interventions than those of the game to
       evaluate, and policies of several players or of continuous actions.
     - `game`: the id of the game that it was trained on.
-    - `protocol`: the `EvaluationProtocol` of its training, which commands play unless they are told another one.
+    - `protocol`: the `EvaluationProtocol` of its training, which commands play unless --protocol names another one.
     - `training_frames`: emulator frames of its training, an int.
     - `begin(game, actions, lanes, seeds)`: called when games begin in some lanes, before their first observations.
       `game` is the game's id, `actions` the names of all its actions in the order of indices, `lanes` (n,) int64,

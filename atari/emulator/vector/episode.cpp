@@ -37,7 +37,7 @@ Outcome Episode::step(const int* actions, float strength) {
     return outcome;
 }
 
-// What players do who are out is not theirs.
+// The engine plays the idle action of players who are out.
 Episode::Move Episode::move_of(const int* actions, float strength) const {
     Move move{{}, strength};
     for (int player = 0; player < settings_.players; ++player) {
@@ -85,7 +85,7 @@ void Episode::restore(const EpisodeSnapshot& snapshot) {
     environment_->restore(snapshot.environment);
 }
 
-// The scores are those of the players who play: states of another number of players have another size, and do not fit.
+// Only scores of players who play are saved: states of another number of players have another size, and do not fit.
 size_t Episode::rest_size() const {
     return observation_->state_size() + random_.state_size() + sizeof state_ +
            sizeof score_[0] * static_cast<size_t>(settings_.players);
@@ -106,7 +106,7 @@ void Episode::load_rest(const uint8_t* in) {
     in += random_.state_size();
     std::memcpy(&state_, in, sizeof state_);
     std::memcpy(score_.data(), in + sizeof state_, sizeof score_[0] * static_cast<size_t>(settings_.players));
-    // What was saved with other settings has no meaning here.
+    // Values that another setting has saved have no meaning here.
     if (!settings_.episodic_life) state_.life_lost = state_.same_game = 0;
     state_.out &= static_cast<uint8_t>(settings_.players == 1 ? 0 : (1 << settings_.players) - 1);
 }
