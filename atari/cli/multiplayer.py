@@ -24,8 +24,8 @@ def multiplayer(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--obs",
         choices=OBSERVATIONS,
-        help="what the functions of several players see: uint8, rgb (rows, 160, 3), grayscale and screen, which is palette "
-        "indices, (rows, 160), ram (128,) (default: rgb); run folders see what they were trained on",
+        help="what the functions of several players see: uint8, rgb (rows, 160, 3), grayscale and screen (palette "
+        "indices) (rows, 160), ram (128,) (default: rgb); run folders see what they were trained on",
     )
 
 
