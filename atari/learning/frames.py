@@ -33,9 +33,8 @@ class FrameObservations:
     """
 
     def __init__(self, task: Task, layout: Layout | None = None) -> None:
-        if task.sound_obs or task.players > 1:
-            field = "sound_obs=True" if task.sound_obs else f"players={task.players}"
-            raise ValueError(f"observations are made from the frames of one player without sound; leave {field} out")
+        if task.sound_obs:
+            raise ValueError("observations are made from frames without sound; leave sound_obs=True out")
         self._task = task
         self._layout = Layout.check(task, False, "uint8") if layout is None else layout
         self._colours = task.obs_type in ("rgb", "rgb_dict")
@@ -96,6 +95,14 @@ class FrameObservations:
         stack = self._stack[None].copy()
         dicts = self._task.obs_type in ("dict", "rgb_dict")
         return self._layout.apply({"image": stack, "ram": self._ram[None].copy()} if dicts else stack)
+
+    def state(self) -> tuple[ByteArray, ...]:
+        """A copy of the images that later observations need."""
+        return self._early.copy(), self._late.copy(), self._stack.copy()
+
+    def restore(self, state: tuple[ByteArray, ...]) -> None:
+        """Go on from what `state` returned."""
+        self._early, self._late, self._stack = (part.copy() for part in state)
 
     def _image(self, whole: bool, read: Read) -> ByteArray:
         """The frame for the observation after a step; `whole` is whether it was played to its end."""
