@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import gymnasium
 
+from atari._renamed import missing
 from atari.games.pettingzoo import ENVIRONMENTS, Environment
 from atari.multiplayer.core import MultiplayerCore
 
@@ -118,6 +119,4 @@ def __getattr__(name: str) -> Any:
         from atari.multiplayer.parallel import MultiplayerEnv
 
         return MultiplayerEnv
-    if name == "PreprocessedEnv":
-        raise AttributeError("there is no PreprocessedEnv; MultiplayerEnv has preset='multiplayer_dqn'")
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    raise missing(__name__, name)

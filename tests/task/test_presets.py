@@ -16,7 +16,7 @@ dopamine    0.25   minimal  108000  -       -       -             -       -     
 atari100k   0.0    minimal  108000  -       -       -             -       -      -      True   -      continue  True   -         -      zero     last       True   -
 envpool     0.0    -        None    108000  (1,30)  after_noops   True    -      -      False  -      continue  -      True      -      reset    envpool    False  -
 ale_vector  0.0    -        None    108000  (0,29)  before_noops  True    -      -      False  -      new_game  -      -         -      zero     gymnasium  True   -
-multiplayer_dqn 0.0 -    None    108000  -       -             -       -      -      False  -      -         -      -         -      reset    last       False     ale
+multiplayer_dqn 0.0 -    None    108000  -       -             -       -      -      False  -      continue  True   -         -      reset    last       False     ale
 """
 
 COLUMNS = (
