@@ -15,9 +15,9 @@ from pettingzoo import ParallelEnv
 from atari.actions import PLAYER_ACTIONS
 from atari.cores.ale_random import AleRandom
 from atari.cores.options import SEED_LIMIT
-from atari.learning.frames import FrameObservations
 from atari.multiplayer.core import OF_CORE, OWN_OPTIONS, MultiplayerCore
 from atari.multiplayer.resolution import resolve_several
+from atari.observations import FrameObservations
 from atari.task import Task
 from atari.task.fields import NO_LIMIT
 from atari.task.resolution import GameLike
@@ -160,7 +160,7 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
             if self.core.game_over or self.core.truncated:
                 self.core.reset()
         self._begin_counters()
-        self._seen.begin(self._read)
+        self._seen.begin(self.core)
         self.agents = self.possible_agents[:]
         return self._observe(self.agents), {agent: {} for agent in self.agents}
 
@@ -201,8 +201,8 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
             terminated = core.game_over or bool(self._out.all())
             no_more = task.max_frames is not None and self._frames_played >= task.max_frames
             truncated = core.truncated or (no_more and not terminated)
-            self._seen.frame_played(left, terminated or truncated, self._read)
-        self._seen.skip_ended(left, self._read)
+            self._seen.frame_played(self.core, left, terminated or truncated)
+        self._seen.skip_ended(self.core, left, terminated or truncated)
         self.frame += 1
         return paid, terminated, truncated or self.frame >= (task.max_episode_steps or self.frame + 1)
 
@@ -224,13 +224,13 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
     def snapshot(self) -> tuple[Any, ...]:
         """The state of the game, of its generator and its counters, the agents in it, and the stack of images."""
         counters = (self.frame, self._frames_played, self._out.copy(), tuple(self.agents))
-        return self.core.snapshot(), copy.deepcopy(self._random), counters, self._seen.state()
+        return self.core.snapshot(), copy.deepcopy(self._random), counters, self._seen.save()
 
     def restore(self, snapshot: tuple[Any, ...]) -> None:
         """Continue from what `snapshot` returned."""
         data, random, (frame, frames_played, out, agents), seen = snapshot
         self.core.restore(data)
-        self._seen.restore(seen)
+        self._seen.load(seen)
         self._random = copy.deepcopy(random)
         self.frame, self._frames_played, self._out, self.agents = frame, frames_played, out.copy(), list(agents)
 
@@ -258,9 +258,6 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
     def _begin_counters(self) -> None:
         self.frame = self._frames_played = 0
         self._out = np.zeros(self.core.players, np.bool_)
-
-    def _read(self) -> NDArray[np.uint8]:
-        return self._seen.read(self.core)  # type: ignore[arg-type]
 
     def _observe(self, agents: Sequence[str]) -> dict[str, Any]:
         self._seen.see_ram(self.core.ram())
