@@ -10,7 +10,7 @@ from atari.task import Task
 from atari.vector.layout import Layout
 from atari.vector.settings import observation_settings
 
-Frame = Core | ByteArray
+Frame = Core | _emulator.Emulator | ByteArray
 """A core, whose present frame is read where it is needed, or palette indices, (rows, 160) uint8, C-contiguous."""
 
 

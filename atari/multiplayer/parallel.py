@@ -15,7 +15,7 @@ from pettingzoo import ParallelEnv
 from atari.actions import PLAYER_ACTIONS
 from atari.cores.ale_random import AleRandom
 from atari.cores.options import SEED_LIMIT
-from atari.multiplayer.core import OF_CORE, OWN_OPTIONS, MultiplayerCore
+from atari.multiplayer.core import OF_CORE, OWN_OPTIONS, REFERENCES, MultiplayerCore
 from atari.multiplayer.resolution import resolve_several
 from atari.observations import FrameObservations
 from atari.task import Task
@@ -107,7 +107,7 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
             raise ValueError(f"give {min(given)} or action_sets, not both")
         others = ("max_cycles", "render_mode", "rom", "action_sets", *own)
         translated = _translated(options, preset)
-        ale_numbers = own.pop("mode_numbers", "multi_agent_ale") == "ale_py"
+        ale_numbers = check_name("mode_numbers", own.pop("mode_numbers", REFERENCES[0]), REFERENCES) == "ale_py"
         self.task, name = resolve_several(game, preset, translated, _BASE, "MultiplayerEnv", others, ale_numbers)
         self.render_mode = render_mode
         self.metadata = {
@@ -243,7 +243,7 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
     def _seed(self, seed: int) -> None:
         """Start the generators as the lane of a vector does."""
         first, second = (int(word) for word in np.random.SeedSequence(seed).generate_state(2))
-        self._random: Any = seeding.np_random(first)[0]
+        self._random = seeding.np_random(first)[0]
         if self.task.seeding == "ale":
             self._random = AleRandom()
             second = self._random.seed(seed)

@@ -54,7 +54,7 @@ def resolve_task(
     Raises:
         gymnasium.error.NameNotFound, TypeError, ValueError, FileNotFoundError: as `Task.of`.
     """
-    if is_versioned(game) and (environment := find_environment(game)) is not None:
+    if isinstance(game, str) and is_versioned(game) and (environment := find_environment(game)) is not None:
         game, options = games[environment.game], options_of(environment, options)
     given, names = translate(options, owner, others)
     fields = {**DEFAULTS, **_start(game, {} if preset is not None or base is None else base, given)}

@@ -213,7 +213,8 @@ class Task:
 
         Args:
             game: an environment ID ("ALE/Pong-v5"), which has the options of this ID; a game's name ("pong",
-                "MsPacman"), the path of a game file or a `Game`, which are ALE's v5; or a `Task`.
+                "MsPacman"), the path of a game file or a `Game`, which are ALE's v5; a name of PettingZoo's with its
+                version ("pong_v3"), with its mode and its players; or a `Task`.
             preset: name of a preprocessing, one of `PRESETS`.
             **options: fields of `Task`. Gymnasium's and ale-py's names `full_action_space` and `clip_reward` are
                 other names of `actions` and `reward_clipping`.

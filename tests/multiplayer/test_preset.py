@@ -158,6 +158,8 @@ def test_a_versioned_name_is_a_task() -> None:
         ({"rom": "a", "auto_rom_install_path": "b"}, TypeError, "two names of one option"),
         ({"obs_type": "grayscale", "agent_indicator": True}, ValueError, "add stack_num=1"),
         ({"repeat_action_probability": [0.1, 0.2, 0.3]}, ValueError, "one for each of 2 players"),
+        ({"mode_numbers": "ale"}, ValueError, "mode_numbers must be one of"),
+        ({"mode": 3, "mode_numbers": "ale_py"}, ValueError, "mode of boxing must be one of 2, got 3"),
         ({"players": 1}, ValueError, "boxing is for 2 players, got players=1"),
     ],
 )

@@ -48,18 +48,10 @@ _DEFAULTS = {
     "gray_scale": True,
 }
 
-_FIELDS = {
-    "frame_skip": "frameskip",
-    "reward_clip": "reward_clipping",
-    "stack_num": "stack_num",
-    "episodic_life": "episodic_life",
-    "img_height": "img_height",
-    "img_width": "img_width",
-    "mode": "mode",
-    "difficulty": "difficulty",
-    "full_action_space": "full_action_space",
-    "repeat_action_probability": "repeat_action_probability",
-}
+_SAME = (
+    "stack_num episodic_life img_height img_width mode difficulty full_action_space repeat_action_probability".split()
+)
+_FIELDS = {"frame_skip": "frameskip", "reward_clip": "reward_clipping", **dict(zip(_SAME, _SAME, strict=True))}
 """EnvPool's options that a `Task` has under another name or the same; -1 is the default."""
 
 _WITHOUT_EFFECT = {
@@ -192,7 +184,7 @@ def _resolve(task_id: GameLike, fields: Mapping[str, Any]) -> Task:
             raise ValueError(f"a game has one player, and the task has players={task_id.players}; use AtariVectorEnv")
         if task_id.obs_type == "ram":
             raise ValueError("EnvPool's environments show images and RAM, and the task has obs_type='ram'; use 'dict'")
-        return task_id.replace(**fields)
+        return task_id.replace(**{"stack_num": task_id.stack_num or 1, **fields})
     return resolve_for_agent(task_ids().get(str(task_id), task_id), "envpool", fields, owner="make_spec")
 
 
@@ -217,15 +209,13 @@ def _of_task(base: Task, task_id: GameLike) -> dict[str, Any]:
     own = {"repeat_action_probability": base.repeat_action_probability, "full_action_space": base.actions == "full"}
     if not isinstance(task_id, Task):
         return own
-    steps = None if base.max_frames is None else base.max_frames // base.frames[0]
-    fields = {name: getattr(base, field) for name, field in _FIELDS.items() if name not in own}
     return {
+        **{name: getattr(base, field) for name, field in _FIELDS.items() if name not in own},
         **own,
-        **fields,
         "noop_max": base.noops[1],
         "use_fire_reset": base.fire != "never",
         "gray_scale": base.obs_type in ("grayscale", "dict"),
-        "max_episode_steps": steps,
+        "max_episode_steps": None if base.max_frames is None else base.max_frames // base.frames[0],
     }
 
 
@@ -241,11 +231,11 @@ def _as_fields(config: Any, options: Mapping[str, Any]) -> dict[str, Any]:
     fields["obs_type"] = "dict" if check_bool("gray_scale", config.gray_scale) else "rgb_dict"
     if "noop_max" in options:
         fields["noops"] = (1, check_integer("noop_max", config.noop_max, 1, 1_000_000))
-    if "frame_skip" in options:
-        check_integer("frame_skip", config.frame_skip, 1, 10_000)
-    if config.max_episode_steps is not None and {"frame_skip", "max_episode_steps"} & options.keys():
-        limit = config.frame_skip * check_integer("max_episode_steps", config.max_episode_steps, 1, _MOST)
-        fields["max_frames"] = limit if limit <= _MOST else None
+    if {"frame_skip", "max_episode_steps"} & options.keys():
+        skip = check_integer("frame_skip", config.frame_skip, 1, 10_000)
+        if config.max_episode_steps is not None or "max_episode_steps" in options:
+            limit = skip * check_integer("max_episode_steps", config.max_episode_steps, 1, _MOST)
+            fields["max_frames"] = limit if limit <= _MOST else None
     if "use_fire_reset" in options:
         fires = check_bool("use_fire_reset", config.use_fire_reset)
         fields |= {"fire": "after_noops", "fire_counts": True} if fires else {"fire": "never"}
