@@ -10,6 +10,8 @@ from atari.games.players import choose_mode, options_of, rules_of
 from atari.task import Task
 from atari.task.resolution import GameLike, is_id, resolve_task, spelled
 
+_NONE_IS_NOT_GIVEN = ("mode", "players", "difficulty")
+
 
 def resolve_several(
     game: GameLike,
@@ -32,6 +34,7 @@ def resolve_several(
         gymnasium.error.NameNotFound, TypeError, ValueError, FileNotFoundError: as `resolve_task`; or the game has no
             rules for several players.
     """
+    options = {name: value for name, value in options.items() if value is not None or name not in _NONE_IS_NOT_GIVEN}
     environment = _environment(game)
     if environment is not None:
         name, game = environment.id, games[environment.game]

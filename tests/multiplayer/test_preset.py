@@ -113,6 +113,15 @@ def test_every_form_of_a_game_is_taken_at_every_door(form: str) -> None:
     assert (core.mode, core.players, core.frame_skip) == (4, 2, 3)
 
 
+def test_none_is_what_a_task_says() -> None:
+    task = Task.of("pong", players=4, mode=6, difficulty=3, frameskip=1)
+    nothing = {"mode": None, "players": None, "difficulty": None}
+    assert parallel_env(task, **nothing).task == task
+    assert MultiplayerCore(task, **nothing).task == task
+    assert MultiplayerCore(task, mode=5).task == task.replace(mode=5)
+    assert MultiplayerCore(task, players=2).mode == 4
+
+
 def test_a_game_file_is_taken(tmp_path: Path) -> None:
     file = tmp_path / "own.toml"
     file.write_text((Path(atari.__file__).parent / "games" / "data" / "pong.toml").read_text())
