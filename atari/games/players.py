@@ -40,7 +40,7 @@ def choose_mode(game: Game, mode: int | None, players: int | None, offset: int =
     if players is not None and check_integer("players", players, 1, 4) not in rules.modes:
         raise ValueError(f"{game.id} is for {' or '.join(map(str, rules.modes))} players, got players={players!r}")
     if mode is None:
-        return _default_mode(game, rules, players)
+        mode, offset = _default_mode(game, rules, players), 0
     number = check_integer("mode", mode, -(2**31), 2**31 - 1) - offset
     allowed = {m: n for n, modes in rules.modes.items() if players in (None, n) for m in modes}
     if number not in allowed:
@@ -50,16 +50,13 @@ def choose_mode(game: Game, mode: int | None, players: int | None, offset: int =
     return number, allowed[number]
 
 
-def _default_mode(game: Game, rules: Multiplayer, players: int | None) -> tuple[int, int]:
+def _default_mode(game: Game, rules: Multiplayer, players: int | None) -> int:
     environment = ENVIRONMENTS.get(game.id)
     if environment is not None:
-        own = {"num_players": players} if players and "num_players" in environment.defaults else {}
-        mode = environment.choose(own)
-        allowed = [n for n, modes in rules.modes.items() if players in (None, n) and mode in modes]
-        if allowed:
-            return mode, allowed[0]
-    players = players or min(rules.modes)
-    return rules.modes[players][0], players
+        mode = environment.choose({"num_players": players} if players and "num_players" in environment.defaults else {})
+        if any(mode in modes for count, modes in rules.modes.items() if players in (None, count)):
+            return mode
+    return rules.modes[players or min(rules.modes)][0]
 
 
 def options_of(environment: Environment, options: Mapping[str, Any], offset: int = 0) -> dict[str, Any]:
@@ -75,22 +72,16 @@ def options_of(environment: Environment, options: Mapping[str, Any], offset: int
     """
     own = {name: value for name, value in options.items() if name in environment.defaults}
     others = {name: value for name, value in options.items() if name not in own}
-    game, mode, players = games[environment.game], others.get("mode"), others.get("players")
-    if players is not None:
-        choose_mode(game, None, players)  # checks it
-    if mode is not None:
-        if own:
-            raise ValueError(f"give mode or {next(iter(own))}, not both")
-        mode, players = choose_mode(game, mode, players, offset)
-    else:
-        several = players if players is not None and "num_players" in environment.defaults else None
-        mode = environment.choose(own if several is None else {"num_players": several, **own})
-        count = rules_of(game).players(mode)
-        if players is not None and players != count:
-            if environment.name != environment.game or own:
-                raise ValueError(f"{environment.id} is for {count} players here, got players={players!r}")
-            mode, count = choose_mode(game, None, players)
-        players = count
+    mode, players = others.get("mode"), others.get("players")
+    if mode is not None and own:
+        raise ValueError(f"give mode or {next(iter(own))}, not both")
+    if mode is None and (own or environment.name != environment.game):
+        if players not in (None, *environment.players):
+            listed = " or ".join(map(str, environment.players))
+            raise ValueError(f"{environment.id} is for {listed} players, got players={players!r}")
+        several = {"num_players": players} if players and "num_players" in environment.defaults else {}
+        mode, offset = environment.choose({**several, **own}), 0
+    mode, players = choose_mode(games[environment.game], mode, players, offset)
     return {**others, "mode": mode, "players": players}
 
 

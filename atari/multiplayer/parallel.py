@@ -173,38 +173,45 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
             return {}, {}, {}, {}, {}
         moves = {agent: actions.get(agent, 0) if agent in agents else 0 for agent in self.possible_agents}
         paid, terminated, truncated = self._play([self._actions[agent][index] for agent, index in moves.items()])
-        paid[were_out] = 0
-        if self.task.reward_clipping:
-            paid = paid.clip(-1, 1)
-        rewards: Any = zero_sum(paid[None])[0] if self.task.zero_sum else paid
-        players = {agent: player for player, agent in enumerate(self.possible_agents) if agent in agents}
-        terminations = {agent: bool(terminated or self._out[player]) for agent, player in players.items()}
-        truncations = {agent: bool(truncated and not self._out[player]) for agent, player in players.items()}
+        rewards = self._rewards([0 if out else reward for out, reward in zip(were_out, paid, strict=True)])
+        out = dict(zip(self.possible_agents, self._out, strict=True))
+        terminations = {agent: terminated or out[agent] for agent in agents}
+        truncations = {agent: truncated and not out[agent] for agent in agents}
         self.agents = [agent for agent in agents if not terminations[agent]]  # as in PettingZoo, others are truncated
         if self.render_mode == "human":
             self.render()
-        paid_to = {agent: rewards[player] for agent, player in players.items()}
+        paid_to = {
+            agent: reward for agent, reward in zip(self.possible_agents, rewards, strict=True) if agent in agents
+        }
         return self._observe(agents), paid_to, terminations, truncations, {agent: {} for agent in agents}
 
-    def _play(self, moves: list[int]) -> tuple[NDArray[np.int32], bool, bool]:
+    def _play(self, moves: list[int]) -> tuple[list[int], bool, bool]:
         """Play the frames of a step; the rewards of the players, and whether the episode is terminated or truncated."""
-        task, core = self.task, self.core
-        paid = np.zeros(core.players, np.int32)
+        task, core, seen = self.task, self.core, self._seen
+        paid = [0] * len(moves)
         low, high = task.frames
         left = low if high == low + 1 else self._draw(low, high)
         terminated = truncated = False
         while left and not (terminated or truncated):
             left -= 1
-            paid += np.array(core.act_players(moves), np.int32)
-            self._out |= np.array(core.player_lives) < 0
+            paid = [sum(pair) for pair in zip(paid, core.act_players(moves), strict=True)]
+            self._out = [out or lives < 0 for out, lives in zip(self._out, core.player_lives, strict=True)]
             self._frames_played += 1
-            terminated = core.game_over or bool(self._out.all())
+            terminated = core.game_over or all(self._out)
             no_more = task.max_frames is not None and self._frames_played >= task.max_frames
             truncated = core.truncated or (no_more and not terminated)
-            self._seen.frame_played(self.core, left, terminated or truncated)
-        self._seen.skip_ended(self.core, left, terminated or truncated)
+            seen.frame_played(core, left, terminated or truncated)
+        seen.skip_ended(core, left, terminated or truncated)
         self.frame += 1
         return paid, terminated, truncated or self.frame >= (task.max_episode_steps or self.frame + 1)
+
+    def _rewards(self, paid: list[int]) -> list[Any]:
+        """The rewards of the players in a step as agents get them."""
+        if self.task.reward_clipping:
+            paid = [min(max(reward, -1), 1) for reward in paid]
+        if self.task.zero_sum:
+            return list(zero_sum(np.array([paid], np.int32))[0])
+        return [np.int32(reward) for reward in paid]
 
     def render(self) -> NDArray[np.uint8] | None:
         """The screen (rows, 160, 3), or None and a window."""
@@ -257,10 +264,11 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
 
     def _begin_counters(self) -> None:
         self.frame = self._frames_played = 0
-        self._out = np.zeros(self.core.players, np.bool_)
+        self._out = [False] * self.core.players
 
     def _observe(self, agents: Sequence[str]) -> dict[str, Any]:
-        self._seen.see_ram(self.core.ram())
+        if self.task.obs_type not in ("rgb", "grayscale"):
+            self._seen.see_ram(self.core.ram())
         batch = self._seen.observation()
         if not self.task.agent_indicator:
             return dict.fromkeys(agents, _row(batch, 0))

@@ -147,7 +147,7 @@ def test_a_versioned_name_is_a_task() -> None:
         assert (task.game, task.mode, task.players) == ("pong", mode, players)
         assert atari.AtariVectorEnv(name, 1).task.mode == mode
     assert Task.of("pong_v3", players=4).mode == 6
-    with pytest.raises(ValueError, match="quadrapong_v4 is for 4 players here, got players=2"):
+    with pytest.raises(ValueError, match="quadrapong_v4 is for 4 players, got players=2"):
         Task.of("quadrapong_v4", players=2)
 
 
