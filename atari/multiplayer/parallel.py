@@ -229,13 +229,20 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
         return None
 
     def snapshot(self) -> tuple[Any, ...]:
-        """The state of the game, of its generator and its counters, the agents in it, and the stack of images."""
+        """The task, and the state of the game, of its generator and its counters, the agents in it, and the images."""
         counters = (self.frame, self._frames_played, self._out.copy(), tuple(self.agents))
-        return self.core.snapshot(), copy.deepcopy(self._random), counters, self._seen.save()
+        return self.task, self.core.snapshot(), copy.deepcopy(self._random), counters, self._seen.save()
 
     def restore(self, snapshot: tuple[Any, ...]) -> None:
-        """Continue from what `snapshot` returned."""
-        data, random, (frame, frames_played, out, agents), seen = snapshot
+        """Continue from what `snapshot` returned.
+
+        Raises:
+            ValueError: it is of another task; nothing has changed.
+        """
+        task, data, random, (frame, frames_played, out, agents), seen = snapshot
+        if differing := self.task.differences(task):
+            name, (own, other) = next(iter(differing.items()))
+            raise ValueError(f"the snapshot is of a task with {name}={other!r}, and this environment has {own!r}")
         self.core.restore(data)
         self._seen.load(seen)
         self._random = copy.deepcopy(random)

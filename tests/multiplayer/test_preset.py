@@ -61,6 +61,11 @@ def test_a_snapshot_continues_with_its_stack() -> None:
     game.restore(state)
     again = [game.step({"first_0": 4, "second_0": 3})[0]["first_0"] for _ in range(5)]
     assert np.array_equal(after, again)
+    before = game.core.save()
+    for options in ({"frameskip": 4}, {"frameskip": (2, 5), "stack_num": 3}):
+        with pytest.raises(ValueError, match=r"the snapshot is of a task with (frameskip|stack_num)="):
+            game.restore(MultiplayerEnv("boxing", preset=DQN, **options).snapshot())
+    assert game.core.save() == before
 
 
 def test_pettingzoos_tests_pass_with_the_preset() -> None:
