@@ -195,7 +195,8 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
         while left and not (terminated or truncated):
             left -= 1
             paid = [sum(pair) for pair in zip(paid, core.act_players(moves), strict=True)]
-            self._out = [out or lives < 0 for out, lives in zip(self._out, core.player_lives, strict=True)]
+            for player, lives in enumerate(core.player_lives):
+                self._out[player] |= lives < 0
             self._frames_played += 1
             terminated = core.game_over or all(self._out)
             no_more = task.max_frames is not None and self._frames_played >= task.max_frames
