@@ -33,8 +33,9 @@ ALLOWED = {
     # What is played, and the environments that play it.
     "env_ids": "games",
     "task": "actions cores env_ids games validation",
-    "env": "actions cores games notebook rendering task validation",
-    "restorable": "cores env",
+    "env_state": "cores games task",
+    "env": "actions cores env_state games notebook rendering task validation",
+    "restorable": "cores env task",
     "wrappers": "_emulator cores env restorable task validation",
     # Its views for JAX and PyTorch are of `integrations`, in modules that do not import `vector`.
     "vector": "_emulator _gymnasium actions cores games integrations multiplayer notebook rendering roms task validation wrappers",

@@ -38,7 +38,7 @@ def header_of(env: AtariEnv, source: str) -> dict[str, Any]:
         del options["interventions"]  # releases without the option read the file
     return {
         "game": env.game.id,
-        "rom": rom_md5(env.game, env._rom),
+        "rom": rom_md5(env.game, env._made_with["rom"]),
         "core": env.core.name,
         "source": source,
         "id": env.spec.id if env.spec else None,
