@@ -5,7 +5,6 @@ Options, defaults, observations, rewards and random streams are those of ale-py'
 """
 
 import inspect
-from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from os import PathLike
 from typing import Any, Literal, Protocol, get_args
@@ -13,6 +12,7 @@ from typing import Any, Literal, Protocol, get_args
 import gymnasium
 import numpy as np
 from gymnasium import logger, spaces
+from typing_extensions import Unpack
 
 from atari.actions import PLAYER_ACTIONS, Action, in_continuous_space, joystick_action, make_action_space
 from atari.cores import CORES, Core
@@ -23,6 +23,7 @@ from atari.notebook import picture, png
 from atari.rendering import Window
 from atari.task import Task
 from atari.task.fields import UNSET
+from atari.task.options import AddedOptions, Interventions
 from atari.task.resolution import GameLike, resolve_task
 from atari.validation import check_action_index, check_name
 
@@ -110,8 +111,8 @@ class AtariEnv(EnvState):
         *,
         core: str = "native",
         rom: str | PathLike[str] | None = None,
-        interventions: "Sequence[str | Mapping[str, Any] | Intervention] | None" = UNSET,
-        **options: Any,
+        interventions: Interventions = UNSET,
+        **options: Unpack[AddedOptions],
     ) -> None:
         named = {name: value for name, value in locals().items() if name in ALE_OPTIONS and value is not UNSET}
         others = ("render_mode", "core", "rom")
@@ -375,7 +376,7 @@ class AtariEnv(EnvState):
                 self.core.writes = added  # type: ignore[attr-defined]
                 self.core.load(state)  # type: ignore[attr-defined]
         else:
-            self.core.set_mode(self._task.mode)
+            self.core.set_mode(self._task.mode)  # type: ignore[arg-type]  # a task has found it
             self.core.set_difficulty(difficulty)
         self.ale_settings.stale = False
 

@@ -8,10 +8,12 @@ from typing import Any
 
 import gymnasium
 from gymnasium.envs.registration import EnvSpec
+from typing_extensions import Unpack
 
 from atari import env_ids
 from atari.env import AtariEnv
 from atari.task import Task
+from atari.task.options import MakeOptions
 from atari.task.resolution import ALIASES, ENTRY_POINT, OPTIONS, GameLike, is_id, is_ours, known_ids, resolve_task
 from atari.validation import check_known
 from atari.vector import AtariVectorEnv
@@ -22,7 +24,7 @@ _RUN_OPTIONS = ("render_mode", "core", "rom")
 Env = gymnasium.Env[Any, Any]
 
 
-def make(game_or_id: GameLike, *, preset: str | None = None, **options: Any) -> Env:
+def make(game_or_id: GameLike, *, preset: str | None = None, **options: Unpack[MakeOptions]) -> Env:
     """Make an environment of a game, an ID or a task, as `gymnasium.make` would.
 
     Args:
@@ -54,14 +56,15 @@ def make(game_or_id: GameLike, *, preset: str | None = None, **options: Any) -> 
             return _make_other(env_id, preset, options)
     known = ("preset", *OPTIONS, *ALIASES, *_RUN_OPTIONS, *_options_of_gymnasium())
     check_known("atari.make", [name for name in options if name not in known], known)
-    own = {name: options.pop(name) for name in list(options) if name in OPTIONS or name in ALIASES}
-    task = resolve_task(game_or_id, preset, own, owner="atari.make")
+    fields = {name: value for name, value in options.items() if name in OPTIONS or name in ALIASES}
+    others = {name: value for name, value in options.items() if name not in fields}
+    task = resolve_task(game_or_id, preset, fields, owner="atari.make")
     if task.preprocessed:
         from atari.wrappers.layers import wrap  # it imports OpenCV
 
-        env = wrap(_make_plain(game_or_id, task.of_emulator(), options), task)
+        env = wrap(_make_plain(game_or_id, task.of_emulator(), others), task)
     else:
-        env = _make_plain(game_or_id, task, options)
+        env = _make_plain(game_or_id, task, others)
     env.unwrapped.whole_task = task  # type: ignore[attr-defined]
     return env
 

@@ -188,7 +188,10 @@ class TestTask:
             ({"frameskip": 3}, "with frameskip = 3, but this environment has 4; restore"),
             ({"full_action_space": True}, "with actions = 'full', but this environment has 'minimal'; restore"),
             ({"interventions": ["guided_paddle"]}, r"with interventions = \['guided_paddle'\], but .* has \(\)"),
-            ({"mode": 4, "frameskip": (2, 5)}, r"with mode = 4, but this .* has 0; frameskip = \(2, 5\), not 4; restore"),
+            (
+                {"mode": 4, "frameskip": (2, 5)},
+                r"with mode = 4, but this .* has 0; frameskip = \(2, 5\), not 4; restore",
+            ),
         ],
     )
     def test_each_field_that_differs_is_named(self, options: dict[str, Any], text: str) -> None:
@@ -210,7 +213,7 @@ class TestTask:
         env.ale.setDifficulty(1)
         saved = env.snapshot()
         for one, data in ((env, before), (plain, saved)):
-            with unchanged(one), pytest.raises(ValueError, match="with mode = .*; difficulty = ., not"):
+            with unchanged(one), pytest.raises(ValueError, match=r"with mode = .*; difficulty = ., not"):
                 one.restore(data)
         plain.ale.setMode(8)
         plain.ale.setDifficulty(1)
@@ -226,7 +229,10 @@ class TestTask:
             one.ale.setFloat("repeat_action_probability", 0.5)
             one.ale.setInt("max_num_frames_per_episode", 900)
             one.reset(seed=3)
-        with unchanged(plain), pytest.raises(ValueError, match=r"probability = 0\.5, .* 0\.25; max_num.* 900, not None"):
+        with (
+            unchanged(plain),
+            pytest.raises(ValueError, match=r"probability = 0\.5, .* 0\.25; max_num.* 900, not None"),
+        ):
             plain.restore(env.snapshot())
         twin.restore(env.snapshot())
         assert play(twin, 20) == play(env, 20)

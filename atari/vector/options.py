@@ -25,6 +25,7 @@ from atari.roms.image import read_image
 from atari.task import Task
 from atari.task.fields import NO_LIMIT
 from atari.task.resolution import ALIASES, OPTIONS, is_id, resolve_task
+from atari.task.storage import identity
 from atari.validation import check_integer, check_known
 from atari.vector import ale_names
 from atari.vector.layout import Layout
@@ -92,6 +93,11 @@ class VectorOptions:
     def task(self) -> Task:
         """The task of the first environment. All have it, but for the game, its mode and interventions."""
         return self.tasks[0]
+
+    @cached_property
+    def identities(self) -> tuple[str, ...]:
+        """The task of each environment as its snapshots have it."""
+        return tuple(map(identity, self.tasks))
 
     @cached_property
     def games(self) -> tuple[Game, ...]:

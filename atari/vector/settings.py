@@ -1,7 +1,6 @@
 """The settings of the vector engine, filled by name from a task."""
 
 import enum
-from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
 from atari import _emulator
@@ -27,7 +26,9 @@ def filled_by_name(settings: _Settings, task: Task, **others: Any) -> _Settings:
         AttributeError: a task lacks a field.
     """
     fields = [name for name, member in vars(type(settings)).items() if isinstance(member, property)]
-    values = {name: _as_engine_reads(name, getattr(task, name)) for name in fields if name not in others}
+    sticky = as_ale_reads(task.repeat_action_probability)
+    reads: dict[str, Any] = {"frameskip": task.frames, "repeat_action_probability": sticky}
+    values = {name: reads.get(name, getattr(task, name)) for name in fields if name not in others}
     for name, value in values.items():
         kind = type(getattr(settings, name))
         if issubclass(kind, enum.Enum):
@@ -47,16 +48,3 @@ def observation_settings(
     """The settings of how the engine pools, resizes and stacks frames."""
     size = {"img_height": height, "img_width": width, "stack_num": task.stack_num or 1}
     return filled_by_name(_emulator.ObservationSettings(), task, pixels=pixels, **size)
-
-
-def _frames(frameskip: Any) -> tuple[int, int]:
-    """From how many frames and below how many a skip is drawn."""
-    return frameskip if isinstance(frameskip, tuple) else (frameskip, frameskip + 1)
-
-
-_READS: Mapping[str, Callable[[Any], Any]] = {"frameskip": _frames, "repeat_action_probability": as_ale_reads}
-"""By field, what makes the engine's value of an option where they differ."""
-
-
-def _as_engine_reads(name: str, value: Any) -> Any:
-    return _READS[name](value) if name in _READS else value

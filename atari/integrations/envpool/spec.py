@@ -132,17 +132,19 @@ class EnvPoolSpec:
         config = self.config
         skip = check_integer("frame_skip", config.frame_skip, 1, 10_000)
         limit = skip * check_integer("max_episode_steps", config.max_episode_steps, 1, _MOST)
-        options = {name: getattr(config, name) for name in _OF_TASK}
+        given = {name: getattr(config, name) for name in _OF_TASK}
+        options: dict[str, Any] = {name: None if value == -1 else value for name, value in given.items()}
+        fire: dict[str, Any] = {} if config.use_fire_reset else {"fire": "never"}
         return Task.of(
             config.task,
             preset="envpool",
-            **{name: None if value == -1 else value for name, value in options.items()},
+            **options,
             obs_type="dict" if config.gray_scale else "rgb_dict",
             reward_clipping=config.reward_clip,
             frameskip=skip,
             noops=(1, check_integer("noop_max", config.noop_max, 1, 1_000_000)),
             max_frames=limit if limit <= _MOST else None,
-            **{} if config.use_fire_reset else {"fire": "never"},
+            **fire,
         )
 
     def _observation_space(self, spaces: Any) -> Any:

@@ -30,6 +30,8 @@ def filled(steps: int = 5, **options: Any) -> ReplayMemory:
     ("options", "error"),
     [
         ({"capacity": 0}, ValueError),
+        ({"seed": 2**32}, ValueError),
+        ({"seed": -1}, ValueError),
         ({"capacity": 2.5}, TypeError),
         ({"capacity": True}, TypeError),
         ({"capacity": 2**70}, ValueError),
