@@ -242,7 +242,7 @@ def test_switches_are_true_or_false(name: str, value: Any) -> None:
 
 def test_messages_have_the_number_that_was_given() -> None:
     """A threshold is compared as float32, which has no 0.1."""
-    with pytest.raises(ValueError, match="continuous_action_threshold=0.1 has no effect"):
+    with pytest.raises(ValueError, match=r"continuous_action_threshold=0\.1 has no effect"):
         Task.of("pong", continuous_action_threshold=0.1)
     task = Task.of("pong", continuous=True, continuous_action_threshold=float(np.float32(0.1)))
     assert task == Task.of("pong", continuous=True, continuous_action_threshold=0.1)
