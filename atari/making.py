@@ -17,6 +17,7 @@ from atari.task.options import MakeOptions
 from atari.task.resolution import ALIASES, ENTRY_POINT, OPTIONS, GameLike, is_id, is_ours, known_ids, resolve_task
 from atari.validation import check_known
 from atari.vector import AtariVectorEnv
+from atari.vector.options import OF_TASKS
 
 _RUN_OPTIONS = ("render_mode", "core", "rom")
 """Options of an environment that do not change what is played."""
@@ -118,19 +119,16 @@ def make_env(task: Task, render_mode: Any = None, core: str = "native", rom: str
     if not task.preprocessed:
         limit = task.max_episode_steps
         env: Env = AtariEnv(task.replace(max_episode_steps=None), render_mode=render_mode, core=core, rom=rom)
-        env = env if limit is None else _limited(env, limit)
+        if limit is not None:
+            from atari.wrappers._step_limit import StepLimit  # it imports OpenCV
+
+            env = StepLimit(env, limit)
     else:
         from atari.wrappers.layers import wrap  # it imports OpenCV
 
         env = wrap(AtariEnv(task.of_emulator(), render_mode=render_mode, core=core, rom=rom), task)
     env.unwrapped.whole_task = task  # type: ignore[attr-defined]
     return env
-
-
-def _limited(env: Env, limit: int) -> Env:
-    from atari.wrappers._step_limit import StepLimit  # it imports OpenCV
-
-    return StepLimit(env, limit)
 
 
 def make_AtariEnv(  # other programs find Atari games by this word in the entry point
@@ -174,7 +172,7 @@ def make_AtariVectorEnv(base: str, num_envs: int, *, preset: str | None = None, 
     Raises:
         TypeError, ValueError, FileNotFoundError: as `AtariVectorEnv`.
     """
-    running = {name: options.pop(name) for name in _VECTOR_OPTIONS if name in options}
+    running = {name: options.pop(name) for name in list(options) if name not in OF_TASKS and name != "game"}
     given = given_beside(base, options)
     if preset is None and env_ids.is_ale_py_vector(base):
         family, game = env_ids.ids()[base]
@@ -184,14 +182,6 @@ def make_AtariVectorEnv(base: str, num_envs: int, *, preset: str | None = None, 
 
 
 VECTOR_ENTRY_POINT = "atari.making:make_AtariVectorEnv"
-
-_VECTOR_OPTIONS = frozenset(inspect.signature(AtariVectorEnv.__init__).parameters) - {
-    "self",
-    "game",
-    "num_envs",
-    "preset",
-    "options",
-}
 
 
 def given_beside(env_id: str | None, options: Mapping[str, Any]) -> dict[str, Any]:

@@ -187,7 +187,7 @@ class TestTask:
         [
             ({"frameskip": 3}, "with frameskip = 3, but this environment has 4; restore"),
             ({"full_action_space": True}, "with actions = 'full', but this environment has 'minimal'; restore"),
-            ({"interventions": ["guided_paddle"]}, r"with interventions = \['guided_paddle'\], but .* has \(\)"),
+            ({"interventions": ["guided_paddle"]}, r"with interventions = 'guided_paddle \(.*\)', but .* has None"),
             (
                 {"mode": 4, "frameskip": (2, 5)},
                 r"with mode = 4, but this .* has 0; frameskip = \(2, 5\), not 4; restore",

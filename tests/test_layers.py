@@ -49,7 +49,7 @@ ALLOWED = {
     "sb3": "integrations",
     "learning": "_emulator _gymnasium _interrupt actions cores env env_ids games making recording registration rendering "
     "restorable task validation vector wrappers",
-    "lab": "_emulator _gymnasium actions cores env games recording registration rendering restorable roms validation vector "
+    "lab": "_emulator _gymnasium actions cores env games recording registration rendering restorable roms task validation vector "
     "wrappers",
     # The package itself exports the parts above, and `atari.__version__` to the parts below and to recordings.
     "atari": "actions algorithmic cores env games integrations making registration roms task vector wrappers",

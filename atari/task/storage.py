@@ -6,9 +6,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from atari.cores.writes import fact
 from atari.games.catalog import games
 from atari.games.game import Game
-from atari.games.interventions import Intervention
 from atari.task.task import DEFAULTS, FIELDS, Task
 
 FORMAT = 1
@@ -65,19 +65,16 @@ def require_same(stored: Any, own: Task, leave_out: Collection[str] = ()) -> Non
         pairs = {"game": (game, own.game)} if game != own.game else from_json(stored, own.definition).differences(own)
     except TypeError as error:
         raise ValueError(f"the snapshot is damaged: {error}") from None
-    texts = [
-        [f"{name} = {_shown(one)}", _shown(other)] for name, (one, other) in pairs.items() if name not in leave_out
-    ]
+    kept = {name: pair for name, pair in pairs.items() if name not in leave_out}
+    texts = [[f"{name} = {_shown(name, one)}", _shown(name, other)] for name, (one, other) in kept.items()]
     if texts:
         differing = "; ".join([", but this environment has ".join(texts[0]), *map(", not ".join, texts[1:])])
         raise ValueError(f"the snapshot was taken with {differing}; restore it into one made with the same options")
 
 
-def _shown(value: Any) -> str:
-    """The value of a field, with interventions by name."""
-    if isinstance(value, tuple) and any(isinstance(one, Intervention) for one in value):
-        return repr([one.name for one in value])
-    return f"{value!r:.80}"
+def _shown(name: str, value: Any) -> str:
+    """The value of a field, with interventions by name and digest."""
+    return repr(fact(value) if name == "interventions" else value)[:200]
 
 
 def _table(task: Task) -> dict[str, Any]:

@@ -73,7 +73,7 @@ class VectorOptions:
         if given["render_mode"] not in (None, "rgb_array"):
             raise ValueError(f"render_mode must be 'rgb_array' or None, got {given['render_mode']!r}")
         check_known(
-            "AtariVectorEnv", [name for name in task_options if name not in _OF_TASKS], (*_OF_TASKS, *_RUN, *given)
+            "AtariVectorEnv", [name for name in task_options if name not in OF_TASKS], (*OF_TASKS, *_RUN, *given)
         )
         tasks = _resolve(listed, preset, dict(task_options))
         _check_alike(tasks)
@@ -340,7 +340,7 @@ def _resolve_one(game: Any, preset: Any, options: dict[str, Any]) -> Task:
     return task
 
 
-_OF_TASKS = (*OPTIONS, *ALIASES, *ale_names.NAMES)
+OF_TASKS = (*OPTIONS, *ALIASES, *ale_names.NAMES)
 """The options that decide what is played."""
 
 _RUN = ("num_envs", "preset")
