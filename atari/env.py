@@ -15,7 +15,7 @@ from gymnasium import logger, spaces
 from typing_extensions import Unpack
 
 from atari.actions import PLAYER_ACTIONS, Action, in_continuous_space, joystick_action, make_action_space
-from atari.cores import CORES, Core
+from atari.cores import CORES, Core, NativeCore
 from atari.cores.ale_interface import AleInterface, AleSettings
 from atari.env_state import EnvState, Played, slots
 from atari.games.interventions import Intervention
@@ -215,8 +215,6 @@ class AtariEnv(EnvState):
     def play_frames(self, action: int, frames: int, strength: float = 1.0) -> float:
         """Play frames with an ALE action number and return the reward, without making an observation.
 
-        Wrappers that read only some of the frames (`atari.wrappers.DqnPreprocessing`) call it instead of `step`.
-
         Raises:
             gymnasium.error.ResetNeeded: before the first reset.
             TypeError, ValueError: no ALE action (0..17), or a strength that is not finite.
@@ -227,13 +225,36 @@ class AtariEnv(EnvState):
         reward = 0.0
         for _ in range(frames):
             reward += act(action, strength)
+        self._count(reward)
+        return reward
+
+    def play_until(self, action: int, frames: int, strength: float = 1.0) -> tuple[float, int]:
+        """Play up to `frames` frames, and return the reward and how many were played.
+
+        The last one ends the game, or changes the number of lives, or is the last of `frames`; cores that play single
+        frames alone, and observers, end it after one. Wrappers that read only some of the frames
+        (`atari.wrappers.DqnPreprocessing`) call it instead of `step`.
+
+        Raises:
+            gymnasium.error.ResetNeeded, TypeError, ValueError: as `play_frames`.
+        """
+        if self._phase != "playing":
+            self._check_phase()
+        core = self.core
+        if self.observers or not isinstance(core, NativeCore):
+            return self.play_frames(action, 1, strength), 1
+        reward, played = core.act_until(action, frames, strength)
+        self._count(reward)
+        return float(reward), played
+
+    def _count(self, reward: float) -> None:
+        """Count a reward, and find out whether the game has ended."""
         if reward:
             self._game.score += reward
             self._game.rewards += 1
         if (self.core.game_over or self.core.truncated) and self._phase == "playing":
             self._phase = "over"
             self._ended_game = self._game.statistics(self.core)
-        return reward
 
     def make_sound(self) -> None:
         """Switch the emulator's sound on; observations stay what they are.

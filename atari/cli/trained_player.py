@@ -9,8 +9,8 @@ from atari.cores import ByteArray
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.learning import ScoresPolicy
-from atari.learning.frames import FrameObservations
 from atari.learning.needs import needs_of
+from atari.observations import FrameObservations
 from atari.play.multiplayer_session import Observation
 
 _LANE = np.zeros(1, np.int64)
@@ -44,7 +44,7 @@ class TrainedPlayer:
         self._names = tuple(action.name for action in self._task.action_set)
         self._layout = needs.layout(self._task)
         self._seen = FrameObservations(self._task, self._layout)
-        self.obs_type: Observation = self._seen.kind
+        self.obs_type: Observation = "ram" if self._task.obs_type == "ram" else "screen"
         """Of the observations that this player is called with."""
         self._next = -1
         self._left = 0
@@ -68,13 +68,14 @@ class TrainedPlayer:
         self._random = np.random.default_rng(self._seed)
         self._policy.begin(self._game, self._names, _LANE, np.array([self._seed]))
         self._seen = FrameObservations(self._task, self._layout)
-        self._seen.begin(lambda: self._mirror(frame))
+        self._seen.begin(self._mirror(frame))
 
     def _frame_played(self, frame: ByteArray) -> None:
         self._left -= 1
-        self._seen.frame_played(self._left, False, lambda: self._mirror(frame))
+        if self._left == 1:
+            self._seen.frame_played(self._mirror(frame), 1, False)
         if self._left == 0:
-            self._seen.skip_ended(0, lambda: self._mirror(frame))
+            self._seen.skip_ended(self._mirror(frame), 0, False)
 
     def _choose(self, frame: ByteArray) -> None:
         """The action of the next step, and its number of frames."""
@@ -86,4 +87,4 @@ class TrainedPlayer:
         self._action = Action[self._names[index]]
 
     def _mirror(self, frame: ByteArray) -> ByteArray:
-        return frame[:, ::-1] if self._mirrored and frame.ndim > 1 else frame
+        return np.ascontiguousarray(frame[:, ::-1]) if self._mirrored and frame.ndim > 1 else frame

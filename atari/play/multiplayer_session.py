@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
 
@@ -18,8 +18,8 @@ from atari.validation import check_name
 Policy = Callable[[ByteArray, dict[str, Any]], Any]
 """A player that is a function: of the observation and the info of a frame, to an action's number (0 .. 17) or name."""
 
-Observation = Literal["rgb", "grayscale", "ram"]
-OBSERVATIONS: tuple[Observation, ...] = ("rgb", "grayscale", "ram")
+Observation = Literal["rgb", "grayscale", "ram", "screen"]
+OBSERVATIONS: tuple[Observation, ...] = get_args(Observation)
 _FRAMES_PER_RANDOM_ACTION = 4
 
 
@@ -36,8 +36,9 @@ class MultiplayerSession(BaseSession):
             a policy is called with the observation and an info, and returns an action's number (0 .. 17) or name
             ("UPFIRE"). The info has `player` (0 is the first), `players`, `mode`, `frame` (since the game began),
             `scores`, `rewards` (of the last frame) and `lives`; the last three are lists, a number of each player.
-        obs_type: of the policies' observations, all uint8: "rgb" (height, 160, 3), "grayscale" (height, 160) or "ram"
-            (128,). A policy with an attribute `obs_type` gets these instead. All players see the same game.
+        obs_type: of the policies' observations, all uint8: "rgb" (height, 160, 3), "grayscale" (height, 160), "screen"
+            (height, 160) palette indices, or "ram" (128,). A policy with an attribute `obs_type` gets these instead.
+            All players see the same game.
         state: the file of the saved state.
         replay: the replay file, with the suffix ".a26"; None writes no replay.
         videos: the folder of the videos.
@@ -139,9 +140,9 @@ class MultiplayerSession(BaseSession):
         return rewards
 
     def _observe(self, kind: Observation) -> ByteArray:
-        if kind == "ram":
-            return self.core.ram()
-        return self.core.screen_rgb() if kind == "rgb" else self.core.screen_grayscale()
+        core = self.core
+        read = {"rgb": core.screen_rgb, "grayscale": core.screen_grayscale, "ram": core.ram, "screen": core.screen}
+        return read[kind]()
 
     def _decide(self, player: int, observation: ByteArray) -> int:
         """The action of a policy.

@@ -46,7 +46,7 @@ class AddedOptions(TypedDict, total=False):
 class _Shared(AddedOptions, total=False):
     obs_type: ObsType | None
     frameskip: int | tuple[int, int]
-    repeat_action_probability: float | None
+    repeat_action_probability: float | tuple[float, ...] | None
     full_action_space: bool | None
     continuous: bool
     continuous_action_threshold: float

@@ -60,11 +60,10 @@ def test_a_player_observes_what_its_training_did(options: dict[str, Any]) -> Non
         return plan[len(seen) - 1 :][:1]
 
     played = player(scores, **options)
-    assert played.obs_type == ("rgb" if task.pool_rgb else "grayscale")
+    assert played.obs_type == "screen"
     skip: Any = task.frameskip
     for frame in range(skip * len(plan)):
-        screen = core.screen_rgb() if played.obs_type == "rgb" else core.screen_grayscale()
-        action = Action[played(screen, {"frame": frame})]
+        action = Action[played(core.screen(), {"frame": frame})]
         if frame % skip == 0:
             assert np.array_equal(seen[-1], expected)
             expected = envs.step([int(action)])[0]
@@ -77,7 +76,7 @@ def test_a_policy_says_what_it_sees_by_a_task_or_an_environment() -> None:
     environment = {"preset": "baselines", "actions": ACTIONS, "channels_last": True}
     seen: list[Any] = []
     policy = ScoresPolicy(lambda images: seen.append(images) or np.array([2]), environment=environment)
-    assert TrainedPlayer(policy, "pong")(np.zeros((210, 160, 3), np.uint8), {"frame": 0}) == "RIGHT"
+    assert TrainedPlayer(policy, "pong")(np.zeros((210, 160), np.uint8), {"frame": 0}) == "RIGHT"
     assert seen[0].shape == (1, 84, 84, 4)
     for attributes, text in (
         ({}, "mine does not say what it sees"),

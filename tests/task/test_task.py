@@ -10,7 +10,7 @@ from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 import gymnasium
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from task_strategies import tasks
 
 import atari
@@ -39,7 +39,7 @@ def test_the_docstring_describes_every_field() -> None:
 
 
 @given(tasks(GAMES))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
 def test_a_task_is_one_value(task: Task) -> None:
     assert Task.from_json(task.to_json()) == task
     assert eval(repr(task)) == task
@@ -51,7 +51,7 @@ def test_a_task_is_one_value(task: Task) -> None:
 
 
 @given(tasks(("pong",)), tasks(("pong",)))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
 def test_differences_name_what_differs(one: Task, other: Task) -> None:
     differing = one.differences(other)
     assert (one == other) == (not differing)
