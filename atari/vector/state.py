@@ -88,10 +88,9 @@ class VectorState:
         chosen = self._indices(indices)
         with self._lock:
             engine = self._started()
-            for index, snapshot in zip(chosen, snapshots, strict=False):
-                if isinstance(snapshot, LaneSnapshot):
-                    self._require_same(index, snapshot.task)
-            engine.restore(chosen, [one.state if isinstance(one, LaneSnapshot) else one for one in snapshots])
+            pairs = [one if isinstance(one, LaneSnapshot) else (one, None) for one in snapshots]
+            self._require_same(chosen, [task for _, task in pairs])
+            engine.restore(chosen, [state for state, _ in pairs])
 
     def fork(self, source: int, targets: Iterable[int]) -> None:
         """Continue some environments from where another one of the same task is, its generators included.
@@ -103,18 +102,18 @@ class VectorState:
         with self._lock:
             engine = self._started()
             if 0 <= source < self.num_envs:
-                for index in chosen:
-                    self._require_same(index, self._options.identities[source])
+                self._require_same(chosen, [self._options.identities[source]] * len(chosen))
             engine.fork(source, chosen)
 
-    def _require_same(self, index: int, task: str) -> None:
-        """Refuse a state of another task for an environment; the engine checks that there is such an environment."""
-        if not 0 <= index < self.num_envs or task == self._options.identities[index]:
-            return
-        try:
-            require_same(task, self.tasks[index])
-        except ValueError as error:
-            raise ValueError(f"environment {index} cannot continue from it: {error}") from None
+    def _require_same(self, indices: Sequence[int], tasks: Sequence[str | None]) -> None:
+        """Refuse states of other tasks for environments; the engine checks that there are such environments."""
+        own = self._options.identities
+        for index, task in zip(indices, tasks, strict=False):
+            if 0 <= index < len(own) and task != own[index]:
+                try:
+                    require_same(task, self.tasks[index])
+                except ValueError as error:
+                    raise ValueError(f"environment {index} cannot continue from it: {error}") from None
 
     def _started(self) -> _emulator.VectorEngine:
         engine: _emulator.VectorEngine = self._open()
