@@ -23,7 +23,6 @@ from atari.recording.replay.file_format import ReplayContent, ReplayFileWriter, 
 GAMES = [game.id for game in atari.games.playable()]
 
 
-@pytest.mark.parametrize("game", GAMES)
 @pytest.mark.parametrize(
     ("setting", "value", "played"), [("Int", 3, "frame_skip=1"), ("Bool", True, "color_averaging=False")]
 )
@@ -38,6 +37,7 @@ def test_what_ale_has_set_and_no_task_has_is_refused(setting: str, value: Any, p
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("game", GAMES)
 def test_every_game_plays_as_recorded_on_the_other_core(game: str, tmp_path: Path) -> None:
     number = GAMES.index(game)
     recorded_on, core = ("native", "ale")[:: (1, -1)[number % 2]]
