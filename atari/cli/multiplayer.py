@@ -6,8 +6,8 @@ from typing import Any
 
 from atari.cli.arguments import find_function, find_game, number
 from atari.games.game import Game
+from atari.games.pettingzoo import find_environment
 from atari.games.players import rules_of
-from atari.multiplayer.environments import find_environment
 from atari.play.multiplayer_session import OBSERVATIONS, MultiplayerSession, Policy, no_op_policy, random_policy
 
 

@@ -26,9 +26,11 @@ def filled_by_name(settings: _Settings, task: Task, **others: Any) -> _Settings:
         AttributeError: a task lacks a field.
     """
     fields = [name for name, member in vars(type(settings)).items() if isinstance(member, property)]
-    sticky = as_ale_reads(task.repeat_action_probability)
-    reads: dict[str, Any] = {"frameskip": task.frames, "repeat_action_probability": sticky}
-    values = {name: reads.get(name, getattr(task, name)) for name in fields if name not in others}
+    values: dict[str, Any] = {name: getattr(task, name) for name in fields if name not in others}
+    if "frameskip" in values:
+        values["frameskip"] = task.frames
+    if "repeat_action_probability" in values:
+        values["repeat_action_probability"] = as_ale_reads(values["repeat_action_probability"])
     for name, value in values.items():
         kind = type(getattr(settings, name))
         if issubclass(kind, enum.Enum):

@@ -84,7 +84,7 @@ def test_a_policy_plays_player_2_and_gets_observation_and_info() -> None:
     observation, info = calls[-1]
     assert (observation.shape, observation.dtype) == ((128,), np.uint8)
     assert info == {
-        "player": 1, "players": 2, "mode": 3, "frame": 699, "scores": info["scores"], "rewards": [0, 0], "lives": [0, 0],
+        "player": 1, "players": 2, "mode": 4, "frame": 699, "scores": info["scores"], "rewards": [0, 0], "lives": [0, 0],
     }  # fmt: skip
     assert [info["frame"] for _, info in calls] == list(range(700))
 
@@ -263,7 +263,7 @@ def test_the_mode_says_how_many_players_there_are(
         (["boxing_v2", "--players", "4"], "boxing_v2 is for 2 players, got --players 4"),
         (["combat"], "combat has no game of one player; give --players 2"),
         (["combat", "--players", "2", "--mode", "99"], "mode of combat for 2 players must be one of 1, 2, "),
-        (["combat", "--players", "2", "--difficulty", "9"], "difficulty must be one of"),
+        (["combat", "--players", "2", "--difficulty", "9"], "difficulty must be within 0..3, got 9"),
         (["pong", "--players", "2", "--replay", "a.mp4"], "the name of a replay must end in"),
         (["pong", "--opponent", "policies_of_two.py"], "policies and replays in files are of the one-player game"),
         (["pong", "--opponent", "best"], "must be random, noop, MODULE:FUNCTION or a run folder, got 'best'"),
