@@ -177,9 +177,13 @@ def make_AtariVectorEnv(base: str, num_envs: int, *, preset: str | None = None, 
     if preset is None and env_ids.is_ale_py_vector(base):
         family, game = env_ids.ids()[base]
         of_id = family.options(game)
-        return AtariVectorEnv(of_id.pop("game"), num_envs, **running, **{**of_id, **given})
+        kept = {name: value for name, value in of_id.items() if _OTHER_NAMES.get(name) not in given}
+        return AtariVectorEnv(kept.pop("game"), num_envs, **running, **{**kept, **given})
     return AtariVectorEnv(base, num_envs, preset=preset, **running, **given)
 
+
+_OTHER_NAMES = {"full_action_space": "actions", "max_num_frames_per_episode": "max_frames"}
+"""The name that a user may give for an option of an ID, as ale-py's vector has it."""
 
 VECTOR_ENTRY_POINT = "atari.making:make_AtariVectorEnv"
 
