@@ -7,8 +7,8 @@ from pathlib import Path
 
 from atari.cli.arguments import find_function, find_game
 from atari.games.game import Game
+from atari.games.pettingzoo import find_environment
 from atari.games.players import rules_of
-from atari.multiplayer.environments import find_environment
 from atari.play.base import BY_FRAME
 from atari.play.multiplayer_session import MultiplayerSession, Policy, no_op_policy, random_policy
 from atari.task import Task

@@ -58,6 +58,8 @@ class FrameAgent:
 
     def _task_of(self, needs: Needs, game: Game) -> Task:
         task = needs.task or Task.of(game, preset="baselines")
+        if task.players > 1:
+            raise ValueError(f"{self.name} is for players={task.players}, and an agent plays alone; leave players out")
         if task.continuous:
             raise ValueError(f"{self.name} has continuous=True, and an agent chooses one of the actions; leave it out")
         if task.definition == game:

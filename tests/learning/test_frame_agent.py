@@ -170,7 +170,7 @@ def test_wrong_actions() -> None:
     [
         ({"sound_obs": True}, "the environment of the policy: sound_obs=True is for"),
         ({"continuous": True}, "recorder has continuous=True, and an agent chooses"),
-        ({"players": 2}, "made from the frames of one player without sound; leave players=2 out"),
+        ({"players": 2}, "is for players=2, and an agent plays alone; leave players out"),
         ({"colour": 1}, "the environment of the policy: it has no option 'colour'"),
         ([], "the environment of the policy: it must be a mapping"),
     ],

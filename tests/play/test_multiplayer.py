@@ -84,7 +84,7 @@ def test_a_policy_plays_player_2_and_gets_observation_and_info() -> None:
     observation, info = calls[-1]
     assert (observation.shape, observation.dtype) == ((128,), np.uint8)
     assert info == {
-        "player": 1, "players": 2, "mode": 3, "frame": 699, "scores": info["scores"], "rewards": [0, 0], "lives": [0, 0],
+        "player": 1, "players": 2, "mode": 4, "frame": 699, "scores": info["scores"], "rewards": [0, 0], "lives": [0, 0],
     }  # fmt: skip
     assert [info["frame"] for _, info in calls] == list(range(700))
 
