@@ -106,7 +106,7 @@ def _runs(args: argparse.Namespace, tasks: list[Task]) -> Iterator[Run]:
                 game.id if game.file is None else str(game.file),
                 frames=args.frames,
                 seed=seed_,
-                repeat_action_probability=task.repeat_action_probability,
+                repeat_action_probability=task.repeat_action_probability,  # type: ignore[arg-type]  # of one player
                 mode=mode,
                 difficulty=difficulty,
                 max_num_frames_per_episode=task.max_num_frames_per_episode or 0,
