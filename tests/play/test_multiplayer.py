@@ -100,9 +100,9 @@ def test_a_policy_can_say_what_it_observes() -> None:
             shapes[info["player"]] = observation.shape
             return 0
 
-    policies = {0: Sees("rgb"), 1: Sees("grayscale"), 2: Sees("ram"), 3: lambda observation, info: 0}
+    policies = {0: Sees("rgb"), 1: Sees("grayscale"), 2: Sees("ram"), 3: Sees("screen")}
     MultiplayerSession("pong", players=4, policies=policies, obs_type="ram").play()
-    assert shapes == {0: (210, 160, 3), 1: (210, 160), 2: (128,)}
+    assert shapes == {0: (210, 160, 3), 1: (210, 160), 2: (128,), 3: (210, 160)}
     with pytest.raises(ValueError, match="obs_type must be one of"):
         MultiplayerSession("pong", policies={1: Sees("colours")})
 

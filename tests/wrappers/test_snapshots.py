@@ -224,7 +224,11 @@ def test_other_environments_have_none(scripted: Any) -> None:
 @pytest.mark.parametrize(
     ("other", "text"),
     [
-        (lambda: started("dopamine", repeat_action_probability=0.25), "taken with the wrappers"),
+        (
+            lambda: started("dopamine", repeat_action_probability=0.25),
+            r"0\.25, but this .* 0\.0; noops = \(0, 0\), not \(1, 30\); fire",
+        ),
+        (lambda: wrappers.StickyActions(started()), "taken with the wrappers StickyActions, "),
         (lambda: started(game="pong"), "taken with game = 'pong'"),
         (lambda: started(mode=4), "taken with mode = 4"),
         (lambda: started().unwrapped, "taken with of = 'AtariEnv', but this environment has 'wrappers'"),
@@ -242,6 +246,33 @@ def test_other_arguments_are_refused() -> None:
     small, large = (wrappers.DqnPreprocessing(AtariEnv("pong", frameskip=1), screen_size=size) for size in (42, 84))
     with pytest.raises(ValueError, match=r"taken with other arguments of DqnPreprocessing than {'frame_skip': 4"):
         large.restore(small.snapshot())
+
+
+def test_an_argument_that_an_earlier_release_did_not_have_is_its_default() -> None:
+    env, same, other = (
+        wrappers.DqnPreprocessing(wrappers.EpisodicLife(AtariEnv("breakout", frameskip=1), last_life=last_life))
+        for last_life in (False, False, True)
+    )
+    env.reset(seed=0)
+    played(env, 10)
+    facts, blobs = snapshot.unpack(env.snapshot())
+    removed = [
+        layer["arguments"].pop("last_life", layer["arguments"].pop("obs_type", None)) for layer in facts["layers"]
+    ]
+    assert removed == ["image", False]
+    old = snapshot.pack(facts, blobs)
+    with pytest.raises(ValueError, match="taken with other arguments of EpisodicLife"):
+        other.restore(old)
+    same.restore(old)
+    assert played(same, 100, seed=1) == played(env, 100, seed=1)
+
+
+def test_a_snapshot_without_images_is_refused() -> None:
+    env = started()
+    facts, blobs = snapshot.unpack(env.snapshot())
+    old = {name: blob for name, blob in blobs.items() if not name.endswith(".images")}
+    with pytest.raises(ValueError, match="has no images of DqnPreprocessing: it is damaged, or of an earlier release"):
+        env.restore(snapshot.pack(facts, old))
 
 
 def test_a_snapshot_of_a_stack_is_none_of_an_environment() -> None:
