@@ -520,8 +520,8 @@ def _require_plain(task: Task) -> None:
     """
     if task.players > 1:
         raise ValueError(
-            f"AtariEnv is for one player, got players={task.players}; atari.multiplayer.parallel_env({task.game!r}) and "
-            "AtariVectorEnv are for more"
+            f"AtariEnv is for one player, got players={task.players}; "
+            f"atari.multiplayer.parallel_env({task.game!r}) and AtariVectorEnv are for more"
         )
     needed = task.fields_of_wrappers() + ["max_episode_steps"] * (task.max_episode_steps is not None)
     if needed:

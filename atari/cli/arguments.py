@@ -14,7 +14,7 @@ from atari.games.catalog import games
 from atari.games.game import Game
 from atari.recording.video.overlay import OVERLAYS
 from atari.task import Task
-from atari.task.arguments import game_of
+from atari.task.arguments import field_of_flag, game_of
 from atari.task.resolution import is_id, spelled
 
 if TYPE_CHECKING:
@@ -29,7 +29,12 @@ class Parser(argparse.ArgumentParser):
         chosen = re.search(r"invalid choice: '([^']*)' \(choose from (.*)\)", message)
         unknown = re.match(r"unrecognized arguments: (--[\w-]+)", message)
         near: list[str] = []
-        if chosen:
+        field = field_of_flag(unknown[1]) if unknown else None
+        if unknown and field is not None:
+            message = f"{self.prog} has no place for {unknown[1]}, the field {field!r} of a task; leave it out"
+        elif unknown and unknown[1] == "--json":
+            message = "--json stands after the command's name"
+        elif chosen:
             near = difflib.get_close_matches(chosen[1], re.findall(r"[\w.-]+", chosen[2]), n=1)
         elif unknown:
             near = difflib.get_close_matches(unknown[1], self._option_string_actions, n=1)

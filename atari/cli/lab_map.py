@@ -38,7 +38,7 @@ def register(commands: "Commands") -> None:
         "-o", "--output", type=Path, default=Path("maps"), metavar="FOLDER", help="for GAME.npz and GAME.png"
     )
     aside = {**SCREEN, **BY_FRAME}  # forks are played frame by frame beside a twin with the same random words
-    add_task(parser, (), aside=aside, preset=False)
+    add_task(parser, ("mode", "difficulty"), aside=aside, preset=False)
 
 
 def _map(args: argparse.Namespace) -> int:
@@ -54,7 +54,7 @@ def _map(args: argparse.Namespace) -> int:
     start = time.perf_counter()
     with tqdm(total=args.states, unit=" states", disable=None, leave=False) as bar:
         found = causes(
-            game,
+            task,
             args.states,
             args.values,
             args.frames,

@@ -21,8 +21,11 @@ from atari.task.resolution import is_id
 OF_GAME = ("mode", "difficulty", "interventions")
 """Fields that the game decides where an evaluation protocol, or the policy's training, decides the others."""
 
-ALONE = ("players", "continuous", "continuous_action_threshold", "sound_obs", "agent_indicator", "zero_sum")
-"""Fields that games of policies have no place for."""
+ALONE = (
+    *("players", "continuous", "continuous_action_threshold", "sound_obs", "agent_indicator", "zero_sum"),
+    *("life_loss_info", "reward_clipping"),
+)
+"""Fields that whole games of policies have no place for: their scores are the game's own."""
 
 RecordGames = Callable[[Sequence[int], Path], list[tuple[float, int]]]
 """Records games of seeds in a replay, and returns the score and the frames of each."""

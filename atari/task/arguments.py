@@ -87,7 +87,7 @@ def _options_of(groups: Collection[str]) -> tuple[str, ...]:
 
 
 def _add_flag(group: Any, name: str, text: str) -> None:
-    flags = _NAMES.get(name, (f"--{name.replace('_', '-')}",))
+    flags = _flags_of(name)
     common: dict[str, Any] = {"dest": name, "default": argparse.SUPPRESS, "help": text}
     if _kinds()[name] is bool:
         group.add_argument(*flags, action=argparse.BooleanOptionalAction, **common)
@@ -95,6 +95,16 @@ def _add_flag(group: Any, name: str, text: str) -> None:
         group.add_argument(*flags, action="append", metavar="NAME", **{**common, "help": f"{text}; may be repeated"})
     else:
         group.add_argument(*flags, type=_reader(name), metavar=_metavar(name), **common)
+
+
+def _flags_of(name: str) -> tuple[str, ...]:
+    return _NAMES.get(name, (f"--{name.replace('_', '-')}",))
+
+
+def field_of_flag(flag: str) -> str | None:
+    """The option of a task that a flag of some command sets, or None."""
+    positive = flag.replace("--no-", "--", 1)
+    return next((name for name in OPTIONS if {flag, positive} & {*_flags_of(name)}), None)
 
 
 def given_options(args: argparse.Namespace) -> dict[str, Any]:

@@ -302,7 +302,16 @@ class Task:
 
     def of_emulator(self) -> "Task":
         """The part of this task that an `AtariEnv` plays inside of the wrappers: single frames."""
-        kept = ("rules", "mode", "difficulty", "players", "actions", "continuous", "repeat_action_probability", "interventions")
+        kept = (
+            "rules",
+            "mode",
+            "difficulty",
+            "players",
+            "actions",
+            "continuous",
+            "repeat_action_probability",
+            "interventions",
+        )
         fields = {name: getattr(self, name) for name in (*kept, "max_num_frames_per_episode", "sound_obs")}
         if self.continuous:
             fields["continuous_action_threshold"] = self.continuous_action_threshold

@@ -85,13 +85,17 @@ def test_a_door_takes_or_refuses_a_field(door: Door, field: str) -> None:
     if field in door.refuses:
         with pytest.raises((TypeError, ValueError)) as error:
             call(door, options)
-        assert any(name in str(error.value) for name in {*options} - {"game"}), door.refuses[field]
+        text = str(error.value).replace("-", "_")  # of flags
+        assert any(name in text for name in {*options} - {"game"}), door.refuses[field]
         return
     played = call(door, options)
     assert getattr(played, door.translates.get(field, field)) == getattr(Task(**options), field)
 
 
-@pytest.mark.parametrize("door", DOORS, ids=lambda door: door.name)
+WITH_SKIP = [door for door in DOORS if "frameskip" not in door.refuses]
+
+
+@pytest.mark.parametrize("door", WITH_SKIP, ids=lambda door: door.name)
 def test_a_door_suggests_the_right_name(door: Door) -> None:
     with pytest.raises((TypeError, ValueError), match="frameskip"):
         call(door, {"game": "pong", "frame_skip": 3})
