@@ -1,7 +1,7 @@
 """`FrameAgent`: a policy that plays a core frame by frame, as programs that show every frame need it."""
 
 from collections.abc import Generator, Iterator
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from gymnasium.utils import seeding
@@ -13,7 +13,6 @@ from atari.learning.environments import whole_actions
 from atari.learning.frames import FrameObservations
 from atari.learning.needs import Needs, composed, needs_of
 from atari.learning.policies import load_policy
-from atari.learning.policy import Policy
 from atari.task import Task
 from atari.task.fields import GROUPS
 
@@ -34,17 +33,17 @@ class FrameAgent:
     "baselines".
 
     Args:
-        policy: as of `load_policy`, or a policy.
+        policy: as of `load_policy`.
         seed: of no-ops, random frame skips, and policies that draw numbers, 0..2**32-1.
 
     Raises:
         TypeError, ValueError, FileNotFoundError, gymnasium.error.DependencyNotInstalled: see `load_policy`.
     """
 
-    def __init__(self, policy: "str | Policy", seed: int = 0) -> None:
-        self._policy = load_policy(policy) if isinstance(policy, str) else policy
+    def __init__(self, policy: Any, seed: int = 0) -> None:
+        self._policy = load_policy(policy)
         self._seed = seed
-        self.name: str = getattr(self._policy, "name", "") or str(policy)
+        self.name = self._policy.name
         self.game: str | None = getattr(self._policy, "game", None)
         self._frames: Iterator[int] = iter(())
 
@@ -83,9 +82,7 @@ class FrameAgent:
         self._fire_counts = self._task.fire_counts and Action.FIRE in every
         first = int(np.random.SeedSequence(self._seed).generate_state(2)[0])  # as `AtariEnv.reset` makes it of a seed
         self._random, _ = seeding.np_random(first)
-        begin = getattr(self._policy, "begin", None)
-        if begin is not None:
-            begin(core.game.id, names, _LANE, np.array([self._seed], np.int64))
+        self._policy.begin(core.game.id, names, _LANE, np.array([self._seed], np.int64))
         self._core, self._lives = core, core.lives
         self._frames = self._play("game" if core.episode_frame_number == 0 else "middle")
 
@@ -101,9 +98,8 @@ class FrameAgent:
             lost = False
             while not lost:
                 lost = yield from self._skip(self._choose())
-            begin = getattr(self._policy, "begin_episodes", None)
-            if begin is not None and not self._task.seamless_lives:
-                begin(_LANE)
+            if not self._task.seamless_lives:
+                self._policy.begin_episodes(_LANE)
             start = "middle" if self._task.on_reset == "new_game" else "life"
 
     def _begin_episode(self, start: Start) -> Iterator[int]:
@@ -160,9 +156,5 @@ class FrameAgent:
     def _choose(self) -> int:
         """The policy's action."""
         self._seen.see_ram(self._core.ram())
-        chosen = np.asarray(self._policy(self._seen.observation(), _LANE))
-        if chosen.shape != (1,) or chosen.dtype.kind not in "iu" or not 0 <= chosen[0] < len(self._actions):
-            raise ValueError(
-                f"{self.name} must return one of {len(self._actions)} actions, (1,) integers, got {chosen!r}"
-            )
-        return self._actions[int(chosen[0])]
+        (chosen,) = self._policy(self._seen.observation(), _LANE)
+        return self._actions[chosen]

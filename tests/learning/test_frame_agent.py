@@ -161,7 +161,7 @@ def test_a_policy_of_another_game_keeps_what_it_sees() -> None:
 def test_wrong_actions() -> None:
     policy = Recorder(environment={"actions": ["NOOP"]})
     policy.random = type("Wrong", (), {"integers": lambda *_, **__: np.ones(1, np.int64)})()  # type: ignore[assignment]
-    with pytest.raises(ValueError, match="recorder must return one of 1 actions"):
+    with pytest.raises(ValueError, match="policy recorder returned action 1; in pong it has 1 actions"):
         follow(policy, "pong", 1)
 
 

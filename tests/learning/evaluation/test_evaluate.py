@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 import atari
-from atari.learning import PROTOCOLS, EvaluationProtocol, Result, ScoresPolicy, evaluate, record_games
+from atari.learning import PROTOCOLS, EvaluationProtocol, Result, ScoresPolicy, evaluate, load_policy, record_games
 from atari.learning.evaluation.evaluate import episode_seed
 from atari.learning.evaluation.played import find_entries, usual_protocol
 from atari.learning.evaluation.player import Player
-from atari.learning.policy import as_policy
 from atari.task import Task
 from atari.wrappers import preset, preset_options
 
@@ -431,7 +430,7 @@ def test_random_actions_are_those_of_the_task():
     task = Task.of("pong", preset="dopamine", max_num_frames_per_episode=400).replace(actions=["RIGHT", "LEFT"])
     protocol = EvaluationProtocol.of_task(task, name="mine", source="", epsilon=1.0, episodes=1)
     chosen = []
-    player = Player(as_policy(returns(lambda n: np.zeros(n, int))), protocol, find_entries(task)[0])
+    player = Player(load_policy(returns(lambda n: np.zeros(n, int))), protocol, find_entries(task)[0])
     player.begin(np.arange(1), np.arange(1))
     for _ in range(40):
         chosen += player.act(np.zeros(1), np.arange(1)).tolist()
