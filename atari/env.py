@@ -186,7 +186,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         self._game = _Game()
         self._ended_game: dict[str, Any] | None = None  # until `GameStatistics` takes it
         self._restored = False  # since the last reset, without the wrappers
-        self._only_noop = False  # whether NOOP is played whatever the action is, see `step_noop` of the wrappers
+        self._instead: Action | None = None  # is played whatever the action is, see `step_named` of the wrappers
 
     @property
     def task(self) -> Task:
@@ -567,8 +567,8 @@ class AtariEnv(gymnasium.Env[Any, Any]):
 
     def _ale_action(self, action: Any) -> tuple[int, float]:
         """The ALE action number and the strength of an action of the action space."""
-        if self._only_noop:
-            return Action.NOOP, 1.0
+        if self._instead is not None:
+            return int(self._instead), 1.0
         if self.continuous:
             return self._continuous_action(action)
         index = check_action_index(action, len(self._action_set), self.game.id)

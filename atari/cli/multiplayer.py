@@ -4,11 +4,10 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from atari.cli.arguments import find_function, find_game, number
-from atari.games.game import Game
+from atari.cli.arguments import find_game, number
 from atari.games.players import rules_of
 from atari.multiplayer.environments import find_environment
-from atari.play.multiplayer_session import OBSERVATIONS, MultiplayerSession, Policy, no_op_policy, random_policy
+from atari.play.multiplayer_session import OBSERVATIONS, MultiplayerSession
 
 
 def multiplayer(parser: argparse.ArgumentParser) -> None:
@@ -24,8 +23,8 @@ def multiplayer(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--obs",
         choices=OBSERVATIONS,
-        help="what the functions of several players see: uint8, (rows, 160, 3), (rows, 160) or (128,) (default: rgb); "
-        "run folders see what they were trained on",
+        help="what policies of several players see that do not say it: uint8, (rows, 160, 3), (rows, 160) or (128,) "
+        "(default: rgb)",
     )
 
 
@@ -51,12 +50,7 @@ def make_match(
     if len(names) > count - first or (option == "--policy" and len(names) != count):
         often = f"once, or {count} times" if option == "--policy" else f"at most {count - first} times"
         raise ValueError(f"{args.game} has {count} players; give {option} {often}, got {len(names)}")
-    seed = args.seed or 0
-    mirrors = rules.modes[count][0] if mode is None else mode
-    policies = {
-        player: _policy(option, name, game, seed + index, player == 1 and mirrors in rules.mirrored_modes)
-        for index, (player, name) in enumerate(zip(range(first, count), names, strict=False))
-    }
+    policies = dict(zip(range(first, count), names, strict=False))
     return MultiplayerSession(
         game,
         rom=args.rom,
@@ -86,37 +80,6 @@ def _game_and_mode(args: argparse.Namespace) -> tuple[Any, int | None]:
         raise ValueError(f"{environment.id} is for {allowed} players, got --players {args.players}")
     own = {"num_players": args.players} if args.players and "num_players" in environment.defaults else {}
     return game, environment.choose(own)
-
-
-def _policy(option: str, name: str, game: Game, seed: int, mirrored: bool) -> Policy:
-    if name == "random":
-        return random_policy(rules_of(game).minimal_actions, seed)
-    if name == "noop":
-        return no_op_policy
-    if ":" in name and not Path(name).exists():
-        return find_function(option, name)
-    if Path(name).is_dir():
-        return _trained(option, name, game, seed, mirrored)
-    if Path(name).exists():
-        raise ValueError(
-            f"{option} {name}: policies and replays in files are of the one-player game; give a run folder of "
-            "`atari train`, or write a MODULE:FUNCTION"
-        )
-    raise ValueError(
-        f"{option} with several players must be random, noop, MODULE:FUNCTION or a run folder, got {name!r}"
-    )
-
-
-def _trained(option: str, name: str, game: Game, seed: int, mirrored: bool) -> Policy:
-    """The policy of a run folder as a player."""
-    from atari.cli.trained_player import TrainedPlayer
-    from atari.learning import ScoresPolicy, load_policy
-
-    policy = load_policy(Path(name))
-    assert isinstance(policy, ScoresPolicy)
-    if policy.game != game.id:
-        raise ValueError(f"{option} {name} is a training in {policy.game}, not in {game.id}")
-    return TrainedPlayer(policy, game.id, seed, mirrored)
 
 
 def _either(numbers: Any) -> str:

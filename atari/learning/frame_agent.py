@@ -9,14 +9,11 @@ from gymnasium.utils import seeding
 from atari.actions import Action
 from atari.cores import ByteArray, Core
 from atari.games.game import Game
-from atari.learning.environments import whole_actions
 from atari.learning.frames import FrameObservations
 from atari.learning.needs import Needs, composed, needs_of
 from atari.learning.policies import load_policy
 from atari.task import Task
 from atari.task.fields import GROUPS
-
-_LANE = np.zeros(1, np.int64)
 
 Start = Literal["game", "life", "middle"]
 """How an episode begins: at the start of a game, after a lost life, or anywhere in a game."""
@@ -40,11 +37,14 @@ class FrameAgent:
         TypeError, ValueError, FileNotFoundError, gymnasium.error.DependencyNotInstalled: see `load_policy`.
     """
 
+    _players = 1
+
     def __init__(self, policy: Any, seed: int = 0) -> None:
         self._policy = load_policy(policy)
         self._seed = seed
         self.name = self._policy.name
         self.game: str | None = getattr(self._policy, "game", None)
+        self._lanes = np.zeros(1, np.int64)
         self._frames: Iterator[int] = iter(())
 
     def task_in(self, game: Game) -> Task:
@@ -56,33 +56,47 @@ class FrameAgent:
         return self._task_of(needs_of(self._policy, game), game)
 
     def _task_of(self, needs: Needs, game: Game) -> Task:
-        task = needs.task or Task.of(game, preset="baselines")
+        task = needs.task or self._unsaid(game)
         if task.continuous:
             raise ValueError(f"{self.name} has continuous=True, and an agent chooses one of the actions; leave it out")
+        if task.players not in (1, self._players):
+            raise ValueError(
+                f"{self.name} has players={task.players}, and the game is played by {self._players}; give a policy "
+                f"whose task has players={self._players}"
+            )
         if task.definition == game:
             return task
         groups = ("play", "begin", "lives", "limits", "observation")  # of a policy of another game
         fields = {name: getattr(task, name) for group in groups for name in GROUPS[group] if name != "interventions"}
-        return composed(Task.of(game), **fields)
+        return composed(self._unsaid(game), **fields)
 
-    def begin(self, core: Core) -> None:
+    def _unsaid(self, game: Game) -> Task:
+        """The task of a policy that does not say what it needs."""
+        return Task.of(game, preset="baselines")
+
+    def begin(self, core: Core, seed: int | None = None) -> None:
         """Begin a game, or go on from another state of it: the first observation fills the stack.
+
+        Args:
+            core: that is played.
+            seed: instead of the agent's.
 
         Raises:
             ValueError: as `task_in`.
         """
+        seed = self._seed if seed is None else seed
         needs = needs_of(self._policy, core.game)
         self._task = self._task_of(needs, core.game)
         self._seen = FrameObservations(self._task, needs.layout(self._task))
         names = tuple(action.name for action in self._task.action_set)
         self._actions = [int(Action[name]) for name in names]
-        every = whole_actions(self._task)[0].action_set
+        every = self._task.begin_actions
         fires = self._task.fire != "never" and Action.FIRE in every
         self._fire = [int(Action.FIRE), *([int(every[2])] if self._task.third_action else [])] if fires else []
         self._fire_counts = self._task.fire_counts and Action.FIRE in every
-        first = int(np.random.SeedSequence(self._seed).generate_state(2)[0])  # as `AtariEnv.reset` makes it of a seed
+        first = int(np.random.SeedSequence(seed).generate_state(2)[0])  # as `AtariEnv.reset` makes it of a seed
         self._random, _ = seeding.np_random(first)
-        self._policy.begin(core.game.id, names, _LANE, np.array([self._seed], np.int64))
+        self._policy.begin(core.game.id, names, self._lanes, np.array([seed], np.int64))
         self._core, self._lives = core, core.lives
         self._frames = self._play("game" if core.episode_frame_number == 0 else "middle")
 
@@ -99,7 +113,7 @@ class FrameAgent:
             while not lost:
                 lost = yield from self._skip(self._choose())
             if not self._task.seamless_lives:
-                self._policy.begin_episodes(_LANE)
+                self._policy.begin_episodes(self._lanes)
             start = "middle" if self._task.on_reset == "new_game" else "life"
 
     def _begin_episode(self, start: Start) -> Iterator[int]:
@@ -156,5 +170,5 @@ class FrameAgent:
     def _choose(self) -> int:
         """The policy's action."""
         self._seen.see_ram(self._core.ram())
-        (chosen,) = self._policy(self._seen.observation(), _LANE)
+        (chosen,) = self._policy(self._seen.observation(), self._lanes)
         return self._actions[chosen]

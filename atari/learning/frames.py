@@ -22,20 +22,20 @@ class FrameObservations:
     `observation` is what a policy sees.
 
     Args:
-        task: of one player, without sound.
+        task: without sound and indicator of the player.
         layout: the axes and the dtype of observations.
 
     Attributes:
         kind: what `read` returns: "rgb", "grayscale" or, for a task of RAM, "ram".
 
     Raises:
-        ValueError: the task has sound or several players.
+        ValueError: the task has sound, or an indicator of the player.
     """
 
     def __init__(self, task: Task, layout: Layout | None = None) -> None:
-        if task.sound_obs or task.players > 1:
-            field = "sound_obs=True" if task.sound_obs else f"players={task.players}"
-            raise ValueError(f"observations are made from the frames of one player without sound; leave {field} out")
+        if task.sound_obs or task.agent_indicator:
+            field = "sound_obs" if task.sound_obs else "agent_indicator"
+            raise ValueError(f"observations are made from frames alone, which do not have it; leave {field}=True out")
         self._task = task
         self._layout = Layout.check(task, False, "uint8") if layout is None else layout
         self._colours = task.obs_type in ("rgb", "rgb_dict")

@@ -7,7 +7,7 @@ from inspect import signature
 from typing import Any
 
 from atari.games.game import Game
-from atari.learning.named_actions import resolve_with_names
+from atari.games.players import rules_of
 from atari.task import Task
 from atari.task.resolution import ALIASES, OPTIONS
 from atari.task.rules import settle
@@ -101,17 +101,19 @@ def _task(task: Any) -> Task | None:
 def _resolved(game: Game, options: dict[str, Any]) -> Task:
     """The task of options by the names of `AtariVectorEnv`."""
     preset = options.pop("preset", None)
+    if not game.single_player:
+        options.setdefault("players", min(rules_of(game).modes))
     given = {"rom": None, "channels_last": False, "dtype": "uint8", "render_mode": None, "autoreset_mode": "Disabled"}
     threads = {"batch_size": 0, "num_threads": 1, "thread_affinity_offset": -1}
-    return resolve_with_names(lambda own: VectorOptions.check(game, 1, preset, own, **given, **threads).task, options)
+    return VectorOptions.check(game, 1, preset, options, **given, **threads).task
 
 
 def composed(game: Task, **fields: Any) -> Task:
-    """A task of another task's game, mode, difficulty and interventions, with these fields.
+    """A task of another task's game, mode, difficulty, players and interventions, with these fields.
 
     Fields that have no effect beside the others take their defaults.
     """
-    kept = ("rules", "rom_md5", "mode", "difficulty", "interventions")
+    kept = ("rules", "rom_md5", "mode", "difficulty", "players", "interventions")
     every = {**DEFAULTS, **{name: getattr(game, name) for name in kept}, **fields, "game": game.definition}
     settle(every, DEFAULTS, given=())
     return Task(**every)

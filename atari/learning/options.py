@@ -5,13 +5,11 @@ import types
 import typing
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
 from typing import Any, ClassVar, Literal, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
-from atari.learning.named_actions import resolve_with_names
 from atari.task import Task
 from atari.task.resolution import ALIASES, OPTIONS, GameLike, resolve_for_agent
 from atari.validation import check_integer, check_known
@@ -112,8 +110,7 @@ class TrainingOptions:
             given.setdefault("seamless_lives", False)  # the stack begins anew where the learner's episode does
             if "clip_reward" not in given:
                 given.setdefault("reward_clipping", True)
-        resolve = partial(resolve_for_agent, game, preset, default=cls.default_preset, owner=cls.__name__)
-        task = resolve_with_names(resolve, given)
+        task = resolve_for_agent(game, preset, given, default=cls.default_preset, owner=cls.__name__)
         rest = {name: value for name, value in options.items() if name in own}
         if task.obs_type == "ram":
             rest.setdefault("network", "mlp")

@@ -102,9 +102,8 @@ def _of_object(source: Any, sample: bool) -> Policy:
     if is_network(source) and not takes_lanes(source):
         return _network(source, type(source).__name__, sample)
     if sample:
-        raise ValueError(
-            f"sample=True draws actions with the probabilities of a network, and {getattr(source, 'name', source)} has none; leave it out"
-        )
+        name = getattr(source, "name", source)
+        raise ValueError(f"sample=True draws actions with the probabilities of a network, and {name} has none")
     found: Policy = source
     return found
 

@@ -134,8 +134,8 @@ def takes_lanes(policy: Any) -> bool:
         raise TypeError(f"a policy is a function of observations and lanes, got {policy!r}")
     try:
         signature = inspect.signature(policy.forward if is_network(policy) else policy)
-    except (TypeError, ValueError):  # a builtin
-        return True
+    except (TypeError, ValueError):  # a builtin, or a traced network
+        return not is_network(policy)
     # A second argument with a default is something else, unless its name is `lanes`.
     for count in (2, 1, 2)["lanes" not in signature.parameters :]:
         try:

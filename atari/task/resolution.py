@@ -190,12 +190,18 @@ def _require(name: str, preset: Preset, given: Mapping[str, Any], names: Mapping
         wanted = preset.fields[field]
         if field not in given or given[field] == wanted:
             continue
-        if field == "actions" and Task.of(game, actions=given[field]) == Task.of(game, actions=wanted):
-            continue  # both sets are the same in this game
+        if field == "actions" and _within(game, given[field], wanted):
+            continue
         shown, value = wanted, given[field]
         if names[field] == "full_action_space":
             shown, value = wanted == "full", given[field] == "full"
         raise ValueError(f"preset {name!r} needs {names[field]}={shown!r}, got {value!r}; leave it out")
+
+
+def _within(game: Game, actions: Any, wanted: str) -> bool:
+    """Whether an agent that has these actions plays the game of a preset that requires a set of them."""
+    own, allowed = (Task.of(game, actions=chosen).action_set for chosen in (actions, wanted))
+    return own == allowed or (not isinstance(actions, str) and {*own} <= {*allowed})
 
 
 def _fitting(preset: Preset, fields: Mapping[str, Any]) -> dict[str, Any]:

@@ -143,7 +143,7 @@ class VectorOptions:
                 _emulator.MemberSpec(),
                 game=native[game],
                 actions=list(map(int, self.actions[index])),
-                action_set=list(map(int, self.action_sets[index])),
+                action_set=list(map(int, self.tasks[index].begin_actions)),
                 mode=self.tasks[index].set_mode,
                 difficulty=self.tasks[index].set_difficulty,
                 seed=seeds[index],

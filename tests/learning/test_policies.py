@@ -154,17 +154,20 @@ def test_sample_is_for_what_has_probabilities(source):
         load_policy(source, sample=True)
 
 
+def play(agent, core):
+    while True:
+        core.act(agent.act(core))
+
+
 def test_scores_of_another_number_of_actions_are_refused():
     three = ScoresPolicy(lambda observations: np.zeros((len(observations), 3)), name="three")
     text = r"three gives scores of 3 actions, and in pong it has 6 \(NOOP, FIRE, RIGHT, .*name them by index"
     with pytest.raises(ValueError, match=text):
         evaluate(three, "pong", "baselines", episodes=1)
+    agent, core = FrameAgent(three), NativeCore("pong")
+    agent.begin(core)
     with pytest.raises(ValueError, match=text):
-        agent = FrameAgent(three)
-        core = NativeCore("pong")
-        agent.begin(core)
-        for _ in range(100):
-            core.act(agent.act(core))
+        play(agent, core)
     three.environment = {"actions": ["NOOP", "RIGHT", "LEFT"]}
     protocol = replace(PROTOCOLS["baselines"], name="short", max_frames=60)
     assert evaluate(three, "pong", protocol, episodes=1).games[0].frames == (60,)

@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from atari.learning.environments import whole_actions
 from atari.learning.evaluation.played import Entry, played_task
 from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.learning.needs import needs_of
@@ -41,11 +40,10 @@ class Player:
         needs = needs_of(policy, entry.task.definition)
         self.task = played_task(entry, protocol, needs)
         self._options = needs.options
-        self._whole, indices = whole_actions(self.task)
         every = tuple(action.name for action in self.task.action_set)
         self._names = every if needs.actions is None else _names(needs.actions, every, entry.id)
-        self._every = indices
-        self._indices = indices[[every.index(name) for name in self._names]]
+        self._every = len(every)
+        self._indices = np.array([every.index(name) for name in self._names])
         self.max_frames = self.task.max_num_frames_per_episode or NO_LIMIT
         try:
             self.make(1).close()  # so that errors are raised before the first game of an evaluation
@@ -54,7 +52,7 @@ class Player:
 
     def make(self, lanes: int, num_threads: int = 1) -> AtariVectorEnv:
         """Environments of the game, which wait for a reset when a game or a life has ended."""
-        return _Counting(self._whole, lanes, autoreset_mode="Disabled", num_threads=num_threads, **self._options)
+        return _Counting(self.task, lanes, autoreset_mode="Disabled", num_threads=num_threads, **self._options)
 
     def facts(self) -> dict[str, Any]:
         """What the policy is shown, as a mapping of JSON's types."""
@@ -83,7 +81,7 @@ class Player:
             for row, lane in enumerate(lanes.tolist()):
                 generator = self._generators[lane]
                 if generator.random() < self._epsilon:
-                    chosen[row] = self._every[generator.integers(len(self._every))]
+                    chosen[row] = generator.integers(self._every)
         return chosen
 
 
