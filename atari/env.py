@@ -186,7 +186,9 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         self._game = _Game()
         self._ended_game: dict[str, Any] | None = None  # until `GameStatistics` takes it
         self._restored = False  # since the last reset, without the wrappers
-        self._instead: Action | None = None  # is played whatever the action is, see `step_named` of the wrappers
+        self._instead: str | None = (
+            None  # the name of the action that is played whatever the action is, see `step_named` of the wrappers
+        )
 
     @property
     def task(self) -> Task:
@@ -568,7 +570,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
     def _ale_action(self, action: Any) -> tuple[int, float]:
         """The ALE action number and the strength of an action of the action space."""
         if self._instead is not None:
-            return int(self._instead), 1.0
+            return int(Action[self._instead]), 1.0
         if self.continuous:
             return self._continuous_action(action)
         index = check_action_index(action, len(self._action_set), self.game.id)

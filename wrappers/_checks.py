@@ -6,7 +6,6 @@ import gymnasium
 import numpy as np
 from gymnasium import spaces
 
-from atari.actions import Action
 from atari.env import AtariEnv
 from atari.restorable import layers
 
@@ -64,8 +63,8 @@ def require_single_frames(env: Environment, wrapper: str) -> None:
 
 
 def has_noop(env: Environment) -> bool:
-    """Whether NOOP is one of the actions; the minimal sets of Backgammon and Video Checkers do not have it."""
-    return not isinstance(env.action_space, spaces.Discrete) or "NOOP" in action_meanings(env)
+    """Whether episodes can begin with NOOP; the minimal sets of Backgammon and Video Checkers do not have it."""
+    return not isinstance(env.action_space, spaces.Discrete) or "NOOP" in begin_meanings(env)
 
 
 def action_meanings(env: Environment) -> list[str]:
@@ -104,7 +103,7 @@ def step_named(env: Environment, name: str) -> tuple[Any, Any, bool, bool, dict[
     if name in meanings:
         return env.step(meanings.index(name))
     atari = require_atari(env, f"a {name}")
-    atari._instead = Action[name]
+    atari._instead = name
     try:
         return env.step(0)
     finally:

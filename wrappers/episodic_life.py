@@ -15,7 +15,7 @@ from gymnasium.utils import RecordConstructorArgs
 from atari.env import AtariEnv
 from atari.restorable import Restorable, State, warn_of_restore
 from atari.validation import check_name
-from atari.wrappers._checks import Environment, step_named
+from atari.wrappers._checks import Environment, has_noop, step_named
 
 OnReset = Literal["noop", "continue", "new_game"]
 
@@ -71,9 +71,8 @@ class EpisodicLife(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
         if self._atari is not None and self._atari._restored:
             warn_of_restore(self.env, "EpisodicLife")
         observation, reward, terminated, truncated, info = self.env.step(action)
-        instead = None if self._atari is None else self._atari._instead
-        if self._atari is not None and instead is not None and instead not in self._atari.task.begin_actions:
-            return observation, reward, terminated, truncated, info  # a NOOP that no game has does not count as a step
+        if self._atari is not None and self._atari._instead is not None and not has_noop(self.env):
+            return observation, reward, terminated, truncated, info  # a NOOP that the game does not have is no step
         self._last = observation, info
         return observation, reward, self.observe(info["lives"], terminated, truncated), truncated, info
 

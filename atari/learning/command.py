@@ -15,7 +15,7 @@ from tqdm import tqdm
 
 from atari._interrupt import ctrl_c_as_event
 from atari.learning.agents import find_agent
-from atari.learning.options import TrainingOptions, parse
+from atari.learning.options import FAST_RAM, TrainingOptions, parse
 from atari.learning.run import RunFolder
 from atari.learning.training import Training
 from atari.task.arguments import add_flags, descriptions, given_options
@@ -72,7 +72,7 @@ def _options(agent: Any, args: argparse.Namespace) -> Any:
     if args.fast:
         preset = args.preset or agent.fast["preset"]
         ram = resolve_for_agent(game, preset, of_task, owner=kind.__name__).obs_type == "ram"
-        measured = {**agent.fast, **(agent.fast_ram if ram else {})}
+        measured = {**agent.fast, **(FAST_RAM if ram else {})}
     named = {} if args.preset is None else {"preset": args.preset}
     return kind.of(game, **{**measured, **named, **of_task, **own})
 

@@ -16,7 +16,7 @@ from atari.validation import check_known
 from atari.vector import AtariVectorEnv
 from atari.vector.ale_names import NAMES
 from atari.vector.layout import Layout
-from atari.vector.options import VectorOptions
+from atari.vector.options import resolve_one
 
 _LAYOUT = ("channels_last", "dtype", "rom")
 """Options of a policy that are not of a task."""
@@ -103,9 +103,7 @@ def _resolved(game: Game, options: dict[str, Any]) -> Task:
     preset = options.pop("preset", None)
     if not game.single_player:
         options.setdefault("players", min(rules_of(game).modes))
-    given = {"rom": None, "channels_last": False, "dtype": "uint8", "render_mode": None, "autoreset_mode": "Disabled"}
-    threads = {"batch_size": 0, "num_threads": 1, "thread_affinity_offset": -1}
-    return VectorOptions.check(game, 1, preset, options, **given, **threads).task
+    return resolve_one(game, preset, options)
 
 
 def composed(game: Task, **fields: Any) -> Task:

@@ -17,6 +17,30 @@ from atari.validation import check_integer, check_known
 SEEDS = 2**32
 """Seeds are below it."""
 
+FAST_PIXELS: Mapping[str, Any] = {
+    "total_steps": 2_000_000,
+    "num_envs": 64,
+    "preset": "envpool",
+    "episodic_life": True,
+    "img_height": 42,
+    "img_width": 42,
+    "network": "small",
+    "normalize": True,
+    "bfloat16": True,
+    "workers": 2,
+}
+"""Options for pixels that all agents have in common, found by measurement on two cores; see docs/learning.md."""
+
+FAST_RAM: Mapping[str, Any] = {
+    "obs_type": "ram",
+    "img_height": None,
+    "img_width": None,
+    "network": "bits",
+    "ram_stack": 2,
+    "ram_padding": "reset",
+}
+"""Options for RAM, which replace those of the same name."""
+
 _Options = TypeVar("_Options", bound="TrainingOptions")
 
 

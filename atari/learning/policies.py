@@ -15,7 +15,7 @@ import gymnasium
 import numpy as np
 import numpy.typing as npt
 
-from atari.learning.policy import Array, LoadedPolicy, Policy, ScoresPolicy, is_network, show, takes_lanes
+from atari.learning.policy import Array, LoadedPolicy, Policy, ScoresPolicy, is_network, makes_policy, show, takes_lanes
 from atari.validation import check_file
 
 __all__ = ["LoadedPolicy", "Policy", "ScoresPolicy", "load_policy"]
@@ -43,7 +43,7 @@ def load_policy(source: Any, *, sample: bool = False) -> LoadedPolicy:
             - "module:name", which is one of the following; a module in this folder is found;
             - a `torch.nn.Module`, which may have the attributes of a `Policy`;
             - a `Policy`, or a function of observations alone;
-            - a class of these that is made without arguments.
+            - a class of these that is made without arguments, or a function without parameters that returns one.
 
             Networks are called in their evaluation mode with uint8 observations (n, ...), and return scores
             (n, actions), floats, or actions (n,), integers.
@@ -93,8 +93,8 @@ def import_named(name: str, owner: str) -> Any:
 
 
 def _of_object(source: Any, sample: bool) -> Policy:
-    """The policy that an object, or an instance of a class, is or has."""
-    if isinstance(source, type):
+    """The policy of an object, or of what a class or a function without parameters makes."""
+    if makes_policy(source):
         try:
             source = source()
         except TypeError as error:
@@ -118,22 +118,15 @@ def _run_folder(folder: Path, sample: bool) -> Policy:
     return run_policy(folder, sample)
 
 
-class _Random:
+class _Random(ScoresPolicy):
     """Uniformly random actions."""
 
-    name = "random"
-
     def __init__(self) -> None:
-        self._count = 0
-        self._generators: dict[int, np.random.Generator] = {}
-
-    def begin(self, game: str, actions: Sequence[str], lanes: npt.NDArray[np.int64], seeds: Array) -> None:
-        self._count = len(actions)
-        for lane, seed in zip(lanes.tolist(), seeds.tolist(), strict=True):
-            self._generators[lane] = np.random.default_rng(seed)
+        super().__init__(len, name="random")
 
     def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Array:
-        return np.array([self._generators[lane].integers(self._count) for lane in lanes.tolist()], np.int64)
+        count = len(self._begun[1]) if self._begun else 0
+        return np.array([self._generators[lane].integers(count) for lane in lanes.tolist()], np.int64)
 
 
 class _Noop:

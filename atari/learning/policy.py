@@ -35,6 +35,8 @@ class Policy(Protocol):
       `game` is the game's id, `actions` the names of all its actions in the order of indices, `lanes` (n,) int64,
       `seeds` (n,) int64. A policy that draws numbers or has a memory sets them up here for these lanes; then results
       do not depend on the number of lanes.
+    - `state()` and `restore(state)`: what its next actions depend on besides their arguments and the weights, such as
+      its generators, which can be pickled; and `load(weights)`. `atari.integrations.ray.RolloutActors` calls them.
     - `begin_episodes(lanes)`: called where the environment begins an episode in the same game, after a lost life, and a
       new stack of images.
 
@@ -47,7 +49,10 @@ class Policy(Protocol):
     """
 
     def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Any:
-        """Actions (n,), integers, for the observations (n, ...) uint8 of the environments `lanes` (n,) int64."""
+        """Actions (n,), integers, for the observations (n, ...) uint8 of the environments `lanes` (n,) int64.
+
+        Or (actions, extras), with a mapping of arrays (n, ...) that a `Rollout` has beside the actions.
+        """
 
 
 def show(observations: Any) -> str:
@@ -101,10 +106,9 @@ class LoadedPolicy:
         Raises:
             ValueError: the policy returns anything else.
         """
-        returned = self._policy(observations, lanes) if self._takes_lanes else self._policy(observations)
-        actions = np.asarray(returned)
+        actions, _ = self.choose(observations, lanes)
         if actions.dtype.kind not in "iu" or actions.shape != (len(lanes),):
-            got = type(returned).__name__ if actions.dtype.kind == "O" else f"{actions.dtype} {actions.shape}"
+            got = "nothing" if actions.dtype.kind == "O" else f"{actions.dtype} {actions.shape}"
             raise ValueError(
                 f"policy {self.name} must return integers of shape ({len(lanes)},), one for each observation, got "
                 f"{got}; wrap a function that returns scores in atari.learning.ScoresPolicy"
@@ -117,11 +121,39 @@ class LoadedPolicy:
             )
         return actions.astype(np.int64)
 
+    def choose(self, observations: Any, lanes: npt.NDArray[np.int64]) -> tuple[Array, Mapping[str, Any]]:
+        """What the policy returns, unchecked: actions, and extras by name.
+
+        Raises:
+            ValueError: it returns no array.
+        """
+        returned = self._policy(observations, lanes) if self._takes_lanes else self._policy(observations)
+        extras: Mapping[str, Any] = {}
+        if isinstance(returned, tuple) and len(returned) == 2 and isinstance(returned[1], Mapping):
+            returned, extras = returned
+        try:
+            return np.asarray(returned), extras
+        except ValueError as error:
+            raise ValueError(
+                f"policy {self.name} must return actions, or (actions, extras) with a mapping of arrays, got "
+                f"{returned!r:.80}"
+            ) from error
+
 
 def is_network(policy: Any) -> bool:
     """Whether it is a network of PyTorch, of which there is none before PyTorch is imported."""
     torch = sys.modules.get("torch")
     return torch is not None and isinstance(policy, torch.nn.Module)
+
+
+def makes_policy(source: Any) -> bool:
+    """Whether it is a class, or a function without parameters, which returns a policy."""
+    if isinstance(source, type) or not callable(source) or is_network(source):
+        return isinstance(source, type)
+    try:
+        return not inspect.signature(source).parameters
+    except (TypeError, ValueError):  # a builtin
+        return False
 
 
 def takes_lanes(policy: Any) -> bool:
@@ -189,6 +221,14 @@ class ScoresPolicy:
         self._begun = game, tuple(actions)
         for lane, seed in zip(lanes.tolist(), seeds.tolist(), strict=True):
             self._generators[lane] = np.random.default_rng(seed)
+
+    def state(self) -> Any:
+        """The generators."""
+        return self._generators
+
+    def restore(self, state: Any) -> None:
+        """Continue with the generators of `state`."""
+        self._generators = state
 
     def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Array:
         """The actions (n,) for observations (n, ...) of some lanes.

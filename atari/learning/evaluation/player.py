@@ -1,6 +1,5 @@
 """`Player`: a policy in the environments of one game, as a protocol has them."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,6 @@ from atari.learning.needs import needs_of
 from atari.learning.policy import LoadedPolicy
 from atari.task.fields import GROUPS, NO_LIMIT
 from atari.vector import AtariVectorEnv
-from atari.vector.options import VectorOptions
 
 IntArray = npt.NDArray[np.int64]
 
@@ -52,7 +50,8 @@ class Player:
 
     def make(self, lanes: int, num_threads: int = 1) -> AtariVectorEnv:
         """Environments of the game, which wait for a reset when a game or a life has ended."""
-        return _Counting(self.task, lanes, autoreset_mode="Disabled", num_threads=num_threads, **self._options)
+        run: dict[str, Any] = {"autoreset_mode": "Disabled", "num_threads": num_threads, "game_info": True}
+        return AtariVectorEnv(self.task, lanes, **run, **self._options)
 
     def facts(self) -> dict[str, Any]:
         """What the policy is shown, as a mapping of JSON's types."""
@@ -83,13 +82,6 @@ class Player:
                 if generator.random() < self._epsilon:
                     chosen[row] = generator.integers(self._every)
         return chosen
-
-
-class _Counting(AtariVectorEnv):
-    """Environments whose `info` has the scores of whole games, whatever their task."""
-
-    def _begin(self, options: VectorOptions) -> None:
-        super()._begin(replace(options, game_info=True))
 
 
 def _names(chosen: tuple[str, ...], given: tuple[str, ...], game: str) -> tuple[str, ...]:
