@@ -155,6 +155,7 @@ def test_a_worker_plays_what_load_policy_loads(source: Any) -> None:
             None,
             "needs frameskip=3, and the environments have 4",
         ),
+        ({"environment": {"preset": "dqn2015", "channels_last": True}}, None, "mine needs channels_last or dtype"),
         ({}, 1, r"policy mine has no load\(weights\), which set_weights needs"),
         ({"environment": {"preset": "dqn2015"}}, None, "mine gives scores of 3 actions, and in breakout it has 4"),
     ],

@@ -182,17 +182,18 @@ class RolloutWorker:
         Raises:
             ValueError: it needs other environments than these.
         """
-        played, needed = self._envs.task, needs_of(self._policy, self._envs.games[0]).task
-        if needed is not None:
-            names = [
-                name for name in ("actions", "frameskip", *GROUPS["observation"]) if name in needed.differences(played)
-            ]
-            if names:
-                theirs, ours = getattr(needed, names[0]), getattr(played, names[0])
-                raise ValueError(
-                    f"policy {self._policy.name} needs {names[0]}={theirs!r}, and the environments have {ours!r}; make "
-                    "them with the policy's task as the game"
-                )
+        played, needs = self._envs.task, needs_of(self._policy, self._envs.games[0])
+        if needs.task is not None:
+            fields = needs.task.differences(played)
+            for name in ("actions", "frameskip", *GROUPS["observation"]):
+                if name in fields:
+                    theirs, ours = fields[name]
+                    raise ValueError(
+                        f"policy {self._policy.name} needs {name}={theirs!r}, and the environments have {ours!r}; make "
+                        "them with the policy's task as the game"
+                    )
+            if not needs.layout(needs.task).is_engines:
+                raise ValueError(f"policy {self._policy.name} needs channels_last or dtype, which rollouts do not have")
         names = [action.name for action in self._envs.options.actions[0]]
         self._policy.begin(played.game, names, self._lanes, self._seeds)
 

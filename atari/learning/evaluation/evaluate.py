@@ -109,10 +109,7 @@ def evaluate(
         for game, of_game in zip(chosen, seeds, strict=True)
         for part in range(parts)
     ]
-    if elsewhere is None:
-        done = _play_here(tasks, [player for player in players for _ in range(parts)], progress)
-    else:
-        done = _play_elsewhere(tasks, elsewhere, progress)
+    done = _play_all(tasks, [player for player in players for _ in range(parts)], elsewhere, progress)
     played = [_joined(done[start : start + parts]) for start in range(0, len(done), parts)]
     frames = {getattr(one, "training_frames", None) for one in policies}
     return Result(
@@ -212,24 +209,21 @@ class _Task:
     version: str = version("atari-envs")
 
 
-def _play_here(tasks: Sequence[_Task], players: Sequence[Player], progress: Progress | None) -> list[GameResult]:
-    """Do the tasks in this process, with players that exist."""
+def _play_all(
+    tasks: Sequence[_Task], players: Sequence[Player], workers: Workers | None, progress: Progress | None
+) -> list[GameResult]:
+    """Do the tasks, in this process with players that exist, or by workers."""
     results: list[GameResult] = []
+    elsewhere = None if workers is None else iter(workers.map(_play_task, tasks))
     total, before = sum(len(task.seeds) for task in tasks), 0
     for task, player in zip(tasks, players, strict=True):
-        results.append(_play(task, player, task.num_threads, _report(progress, before, total)))
+        report = _report(progress, before, total)
+        if elsewhere is None:
+            results.append(_play(task, player, task.num_threads, report))
+        else:
+            results.append(next(elsewhere))
+            report(len(task.seeds))
         before += len(task.seeds)
-    return results
-
-
-def _play_elsewhere(tasks: Sequence[_Task], workers: Workers, progress: Progress | None) -> list[GameResult]:
-    """Have the tasks done by workers."""
-    results: list[GameResult] = []
-    total, before = sum(len(task.seeds) for task in tasks), 0
-    for task, result in zip(tasks, workers.map(_play_task, tasks), strict=True):
-        results.append(result)
-        before += len(task.seeds)
-        _report(progress, 0, total)(before)
     return results
 
 

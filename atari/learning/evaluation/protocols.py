@@ -111,6 +111,11 @@ class EvaluationProtocol:
                     f"{name} must be {value!r}, as the protocol's task has it, got {getattr(self, name)!r}"
                 )
 
+    @property
+    def frames(self) -> tuple[int, int]:
+        """The range of the frame skip, (low, high): low..high-1."""
+        return self.frame_skip if isinstance(self.frame_skip, tuple) else (self.frame_skip, self.frame_skip + 1)
+
     def to_json(self) -> dict[str, Any]:
         """All fields, as the types of JSON."""
         own = {field.name: getattr(self, field.name) for field in fields(self)}
@@ -137,13 +142,17 @@ class EvaluationProtocol:
             "preset": f"; games and lives begin as in preset {self.preset}",
             "task": "" if self.task is None else f"; games and lives begin as in its task ({summary(self.task)})",
         }[self.lives]
-        low, high = self.frame_skip if isinstance(self.frame_skip, tuple) else (self.frame_skip, self.frame_skip + 1)
-        frames = f"{low}" if high == low + 1 else f"{low} to {high - 1}"
         return (
             f"{self.name}: sticky actions {self.repeat_action_probability:g}, {actions}, {noops}, "
-            f"{frames} frames an action, epsilon {self.epsilon:g}, at most {self.max_frames:,} frames a game"
-            f"{lives}; unclipped scores of whole games"
+            f"{in_words(self.frames)} frames an action, epsilon {self.epsilon:g}, "
+            f"at most {self.max_frames:,} frames a game{lives}; unclipped scores of whole games"
         )
+
+
+def in_words(frames: tuple[int, int]) -> str:
+    """A range of frames (low, high) in words."""
+    low, high = frames
+    return f"{low}" if high == low + 1 else f"{low} to {high - 1}"
 
 
 def _numbers_of(task: Task) -> dict[str, Any]:
