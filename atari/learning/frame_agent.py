@@ -171,4 +171,4 @@ class FrameAgent:
         """The policy's action."""
         self._seen.see_ram(self._core.ram())
         (chosen,) = self._policy(self._seen.observation(), self._lanes)
-        return self._actions[chosen]
+        return self._actions[int(chosen)]

@@ -122,7 +122,7 @@ class _Random(ScoresPolicy):
     """Uniformly random actions."""
 
     def __init__(self) -> None:
-        super().__init__(len, name="random")
+        super().__init__(np.asarray, name="random")
 
     def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Array:
         count = len(self._begun[1]) if self._begun else 0

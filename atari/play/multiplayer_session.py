@@ -137,11 +137,11 @@ class MultiplayerSession(BaseSession):
         Raises:
             RuntimeError: the policy fails, or returns no action. Not ValueError, after which a window plays on.
         """
+        core: Any = self.core
         try:
             if self._agents_are_new:
-                seed = (self._seed + player + self._games * self.core.players) % SEED_LIMIT
-                agent.begin(self.core, seed)
-            return agent.act(self.core)
+                agent.begin(core, (self._seed + player + self._games * core.players) % SEED_LIMIT)
+            return agent.act(core)
         except Exception as error:
             raise RuntimeError(f"the policy of player {player + 1} failed: {type(error).__name__}: {error}") from error
 
