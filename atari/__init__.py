@@ -12,6 +12,7 @@ if find_spec("atari._emulator") is None:  # the source folder, which Python find
     __path__[:] = import_module("atari._sources").installed_modules()
 
 from atari import algorithmic, cores
+from atari._renamed import missing
 from atari.actions import Action
 from atari.env import AtariEnv
 from atari.games.game import Game
@@ -54,4 +55,4 @@ def __getattr__(name: str) -> Any:
     """Import `atari.wrappers` and `atari.roms` when they are first used, to keep `import atari` quick."""
     if name in ("roms", "wrappers"):
         return import_module(f"atari.{name}")
-    raise AttributeError(f"module 'atari' has no attribute {name!r}")
+    raise missing("atari", name)

@@ -1,5 +1,6 @@
 """What `import atari` does and does not do: each test runs a new interpreter."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -152,3 +153,22 @@ def test_sources_that_are_not_installed_say_what_to_do(monkeypatch: pytest.Monke
         f"{ROOT / 'atari'} is the source folder, and atari is not installed for {sys.executable}; run `pip install"
     )
     assert message in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("imports", "new"),
+    [
+        ("from atari import Protocol", "atari.Task"),
+        ("import atari; atari.Protocol", "atari.Task"),
+        ("from atari.protocols import Protocol", "atari.Task"),
+        ("from atari.wrappers import preset_protocol", "atari.Task.of(game, preset=name)"),
+    ],
+)
+def test_an_old_name_says_the_new_one(imports: str, new: str) -> None:
+    with pytest.raises(ImportError, match=f"is now {re.escape(new)};"):
+        exec(imports, {})
+
+
+def test_an_unknown_name_is_an_attribute_error() -> None:
+    assert not hasattr(atari, "Protocols")
+    assert not hasattr(atari.wrappers, "preset_protocols")

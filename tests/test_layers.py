@@ -20,6 +20,8 @@ ALLOWED = {
     "_emulator": "",
     "_gymnasium": "",
     "_interrupt": "",
+    "_renamed": "",
+    "protocols": "_renamed",
     "_sources": "",
     "actions": "",
     "_script": "",
@@ -35,7 +37,7 @@ ALLOWED = {
     "task": "actions cores env_ids games validation",
     "env": "actions cores games notebook rendering task validation",
     "restorable": "cores env",
-    "wrappers": "_emulator cores env restorable task validation",
+    "wrappers": "_emulator _renamed cores env restorable task validation",
     # Its views for JAX and PyTorch are of `integrations`, in modules that do not import `vector`.
     "vector": "_emulator _gymnasium actions cores games integrations multiplayer notebook rendering roms task validation wrappers",
     "making": "env env_ids task validation vector wrappers",
@@ -51,7 +53,7 @@ ALLOWED = {
     "lab": "_emulator _gymnasium actions cores env games recording registration rendering restorable roms validation vector "
     "wrappers",
     # The package itself exports the parts above, and `atari.__version__` to the parts below and to recordings.
-    "atari": "actions algorithmic cores env games integrations making registration roms task vector wrappers",
+    "atari": "_renamed actions algorithmic cores env games integrations making registration roms task vector wrappers",
     # Programs and old interfaces, which no part above imports; they may import `recording`.
     "play": "actions cores env games learning multiplayer recording registration rendering task validation",
     "classic": "_script atari cores env env_ids games recording registration rendering validation wrappers",

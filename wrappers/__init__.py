@@ -8,6 +8,9 @@ Gymnasium has wrappers of some of these names, but its reward and image wrappers
 and its stack copies each frame twice.
 """
 
+from typing import Any
+
+from atari._renamed import missing
 from atari.task import PRESETS, Preset
 from atari.wrappers.clip_reward import ClipReward
 from atari.wrappers.dqn_preprocessing import DqnPreprocessing
@@ -42,3 +45,7 @@ __all__ = [
     "preset",
     "preset_options",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    raise missing("atari.wrappers", name)

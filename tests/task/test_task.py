@@ -7,7 +7,7 @@ from typing import Any
 
 import gymnasium
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from task_strategies import tasks
 
 import atari
@@ -36,7 +36,7 @@ def test_the_docstring_describes_every_field() -> None:
 
 
 @given(tasks(GAMES))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
 def test_a_task_is_one_value(task: Task) -> None:
     assert Task.from_json(task.to_json()) == task
     assert eval(repr(task)) == task
@@ -48,7 +48,7 @@ def test_a_task_is_one_value(task: Task) -> None:
 
 
 @given(tasks(("pong",)), tasks(("pong",)))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
 def test_differences_name_what_differs(one: Task, other: Task) -> None:
     differing = one.differences(other)
     assert (one == other) == (not differing)

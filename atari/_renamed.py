@@ -1,0 +1,21 @@
+"""Public names of 0.2 that have others now: each raises an error that says the new one."""
+
+from collections.abc import Mapping
+
+RENAMED: Mapping[str, str] = {
+    "atari.Protocol": "atari.Task",
+    "atari.protocols.Protocol": "atari.Task",
+    "atari.wrappers.preset_protocol": "atari.Task.of(game, preset=name)",
+}
+"""The new name by the old one."""
+
+
+def missing(module: str, name: str) -> Exception:
+    """The error for an attribute that a module does not have.
+
+    An old name gets an ImportError: the message of an AttributeError is lost in `from module import name`.
+    """
+    new = RENAMED.get(f"{module}.{name}")
+    if new is None:
+        return AttributeError(f"module {module!r} has no attribute {name!r}")
+    return ImportError(f"{module}.{name} is now {new}; docs/from-0.2.md has all names that changed")
