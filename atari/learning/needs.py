@@ -54,22 +54,24 @@ def needs_of(policy: Any, game: Game) -> Needs:
     Raises:
         ValueError: an option is wrong, or is not a policy's.
     """
-    task = getattr(policy, "task", None)
     environment = getattr(policy, "environment", None)
     try:
         options = _checked({} if environment is None else environment)
         layout = {name: options.pop(name) for name in _LAYOUT if name in options}
         stored = options.pop("task", None)
-        task = _task(stored) if task is None else _task(task)
+        task = _task(getattr(policy, "task", None) or stored)
         if task is not None and options:
             raise ValueError(f"it has a task, which decides {', '.join(options)}, too; leave them out")
         if task is None and environment:
-            task = _resolved(game, options)
+            if not game.single_player:
+                options.setdefault("players", min(rules_of(game).modes))
+            task = resolve_one(game, options.pop("preset", None), options)  # as `AtariVectorEnv` does
+        needs = Needs(task, layout)
         if task is not None:
-            Layout.check(task, layout.get("channels_last", False), layout.get("dtype", "uint8"))
+            needs.layout(task)
     except (TypeError, ValueError) as error:
         raise ValueError(f"the environment of the policy: {error}") from error
-    return Needs(task, layout)
+    return needs
 
 
 def _checked(environment: Any) -> dict[str, Any]:
@@ -96,14 +98,6 @@ def _task(task: Any) -> Task | None:
     if isinstance(task, Mapping):
         return Task.from_json(json.dumps(task))
     raise TypeError(f"task must be an atari.Task, got {task!r}")
-
-
-def _resolved(game: Game, options: dict[str, Any]) -> Task:
-    """The task of options by the names of `AtariVectorEnv`."""
-    preset = options.pop("preset", None)
-    if not game.single_player:
-        options.setdefault("players", min(rules_of(game).modes))
-    return resolve_one(game, preset, options)
 
 
 def composed(game: Task, **fields: Any) -> Task:

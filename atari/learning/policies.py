@@ -11,12 +11,11 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-import gymnasium
 import numpy as np
 import numpy.typing as npt
 
 from atari.learning.policy import Array, LoadedPolicy, Policy, ScoresPolicy, is_network, makes_policy, show, takes_lanes
-from atari.validation import check_file
+from atari.validation import check_file, import_extra
 
 __all__ = ["LoadedPolicy", "Policy", "ScoresPolicy", "load_policy"]
 
@@ -174,10 +173,7 @@ def _file(file: Path, sample: bool) -> Policy:
 
 
 def _need(module: str, what: str, install: str) -> Any:
-    try:
-        return import_module(module)
-    except ImportError as error:
-        raise gymnasium.error.DependencyNotInstalled(f"{what} needs {module}: pip install {install}") from error
+    return import_extra(module, f"{what} needs {module}: pip install {install}")
 
 
 def _sb3(file: Path, facts: Mapping[str, Any], sample: bool) -> Policy:

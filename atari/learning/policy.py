@@ -108,7 +108,7 @@ class LoadedPolicy:
         """
         actions, _ = self.choose(observations, lanes)
         if actions.dtype.kind not in "iu" or actions.shape != (len(lanes),):
-            got = "nothing" if actions.dtype.kind == "O" else f"{actions.dtype} {actions.shape}"
+            got = f"{actions!r:.60}" if actions.dtype.kind == "O" else f"{actions.dtype} {actions.shape}"
             raise ValueError(
                 f"policy {self.name} must return integers of shape ({len(lanes)},), one for each observation, got "
                 f"{got}; wrap a function that returns scores in atari.learning.ScoresPolicy"

@@ -207,7 +207,8 @@ def of_task(task, **environment):
         (ValueError, {"seed": 2**32}, "seed must be within 0..4294967295, got 4294967296"),
         (ValueError, {"num_envs": 0}, "num_envs must be within"),
         (TypeError, {"policy": 5}, "a policy is a function"),
-        (TypeError, {"policy": lambda: 0}, "a policy takes"),
+        (TypeError, {"policy": lambda: 0}, "a policy is a function of observations and lanes, got 0"),
+        (TypeError, {"policy": lambda a, b, c: 0}, "a policy takes"),
         (ValueError, {"policy": {"breakout": "random"}}, "there is no policy for pong"),
         (ValueError, {"policy": returns(np.zeros)}, "must return integers"),
         (ValueError, {"policy": returns(lambda n: np.zeros(n + 1, int))}, "must return integers"),
@@ -434,5 +435,5 @@ def test_random_actions_are_those_of_the_task():
     player.begin(np.arange(1), np.arange(1))
     for _ in range(40):
         chosen += player.act(np.zeros(1), np.arange(1)).tolist()
-    meanings = [action.name for action in Task.of("pong").action_set]
+    meanings = [action.name for action in player.make(1).task.action_set]
     assert {meanings[index] for index in chosen} == {"RIGHT", "LEFT"}
