@@ -133,6 +133,12 @@ class Emulator:
     def seed(self, seed: int) -> None: ...
     def reset(self) -> None: ...
     def act(self, action: int, strength: float = 1.0) -> int: ...
+    def act_until(self, action: int, frames: int, strength: float = 1.0) -> tuple[int, int]:
+        """
+        Play up to `frames` frames, until the game is over or truncated, or has another number of lives. Returns
+        the sum of the rewards, and how many frames were played.
+        """
+
     def act_players(self, actions: Sequence[int]) -> list[int]:
         """Hold an action of each of the first players; a reward for each."""
 
@@ -194,19 +200,6 @@ class Emulator:
         """
 
     def close(self) -> None: ...
-
-class AreaResize:
-    """
-    Scales a gray frame, (rows, 160), down to (height, width) as OpenCV's INTER_AREA does, to the byte.
-
-    Raises ValueError if the size is not served: larger than the frame, narrower than 11, or
-    dividing the frame's in both directions.
-    """
-
-    def __init__(self, rows: int, height: int, width: int) -> None: ...
-    def __call__(self, frame: numpy.typing.NDArray[numpy.uint8], out: numpy.typing.NDArray[numpy.uint8]) -> None: ...
-    def __getstate__(self) -> tuple[int, int, int]: ...
-    def __setstate__(self, arg: tuple[int, int, int], /) -> None: ...
 
 def palette(format: str) -> numpy.typing.NDArray[numpy.uint8]:
     """
@@ -432,13 +425,6 @@ class VectorSettings:
     @autoreset.setter
     def autoreset(self, arg: Autoreset, /) -> None: ...
 
-class GrayOfPairs:
-    """
-    For GRAY_OF_RGB: the gray value of the maximum of two colours, 256 x 256.
-    """
-
-    def __init__(self, values: bytes) -> None: ...
-
 class MemberSpec:
     """
     What differs between the environments of a vector. `seed` is nine words: the emulator's, and
@@ -470,10 +456,6 @@ class MemberSpec:
     def seed(self) -> list[int]: ...
     @seed.setter
     def seed(self, arg: Sequence[int], /) -> None: ...
-    @property
-    def gray_of_pairs(self) -> GrayOfPairs: ...
-    @gray_of_pairs.setter
-    def gray_of_pairs(self, table: GrayOfPairs | None) -> None: ...
 
 class RamOf(enum.Enum):
     """
@@ -632,6 +614,49 @@ class VectorEngine:
     def difficulty(self, environment: int) -> int: ...
     def set_mode(self, environment: int, mode: int) -> None: ...
     def set_difficulty(self, environment: int, difficulty: int) -> None: ...
+
+class ObservationStack:
+    """
+    The pooled, resized and stacked frames that an agent observes, as a lane of `VectorEngine` makes them.
+
+    A frame is a core, which is read, or a C-contiguous uint8 array of palette indices, (rows, 160). Frames of a
+    core are rendered only where an image needs them. Raises ValueError if a size is not served or a core has
+    other rows or another TV format, TypeError for another frame.
+    """
+
+    def __init__(self, settings: ObservationSettings, rows: int, format: str) -> None: ...
+    def begin(self, frame: object, new_stack: bool = True) -> None:
+        """
+        Begin an episode with the present frame; with `new_stack`, without the images before it.
+        """
+
+    def repeat(self, new_stack: bool = False) -> None:
+        """Add the last image again."""
+
+    def frame_played(self, frame: object, left: int, ended: bool) -> None:
+        """
+        A frame of a skip was played, and `left` are to come; `ended`: the episode has ended with it. Must be
+        called where 1 is left; a core must then play exactly one frame before `skip_ended`.
+        """
+
+    def skip_ended(self, frame: object, left: int, ended: bool) -> None:
+        """Add the image of a skip, `left` frames before its end."""
+
+    def observation(self) -> numpy.typing.NDArray[numpy.uint8]:
+        """
+        A new array, (stack_num, img_height, img_width), of colours with a last axis of 3; the oldest first.
+        """
+
+    def save(self) -> bytes:
+        """The images, and what the next may need of the last ones, as bytes."""
+
+    def load(self, state: bytes) -> None:
+        """
+        Continue from `save` of a stack with the same settings; ValueError if the bytes have another length.
+        """
+
+    def __getstate__(self) -> tuple[int, int, int, int, bool, int, int, int, str, bytes]: ...
+    def __setstate__(self, arg: tuple[int, int, int, int, bool, int, int, int, str, bytes], /) -> None: ...
 
 class XlaPort:
     """

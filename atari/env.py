@@ -18,7 +18,7 @@ import numpy as np
 from gymnasium import logger, spaces
 
 from atari.actions import PLAYER_ACTIONS, Action, in_continuous_space, joystick_action, make_action_space
-from atari.cores import CORES, ByteArray, Core, snapshot, writes
+from atari.cores import CORES, ByteArray, Core, NativeCore, snapshot, writes
 from atari.cores.ale_interface import AleInterface, AleSettings
 from atari.cores.ale_random import AleRandom
 from atari.games.game import Game
@@ -264,8 +264,6 @@ class AtariEnv(gymnasium.Env[Any, Any]):
     def play_frames(self, action: int, frames: int, strength: float = 1.0) -> float:
         """Play frames with an ALE action number and return the reward, without making an observation.
 
-        Wrappers that read only some of the frames (`atari.wrappers.DqnPreprocessing`) call it instead of `step`.
-
         Raises:
             gymnasium.error.ResetNeeded: before the first reset.
             TypeError, ValueError: no ALE action (0..17), or a strength that is not finite.
@@ -276,13 +274,36 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         reward = 0.0
         for _ in range(frames):
             reward += act(action, strength)
+        self._count(reward)
+        return reward
+
+    def play_until(self, action: int, frames: int, strength: float = 1.0) -> tuple[float, int]:
+        """Play up to `frames` frames, and return the reward and how many were played.
+
+        The last one ends the game, or changes the number of lives, or is the last of `frames`; cores that play single
+        frames alone, and observers, end it after one. Wrappers that read only some of the frames
+        (`atari.wrappers.DqnPreprocessing`) call it instead of `step`.
+
+        Raises:
+            gymnasium.error.ResetNeeded, TypeError, ValueError: as `play_frames`.
+        """
+        if self._phase != "playing":
+            self._check_phase()
+        core = self.core
+        if self.observers or not isinstance(core, NativeCore):
+            return self.play_frames(action, 1, strength), 1
+        reward, played = core.act_until(action, frames, strength)
+        self._count(reward)
+        return float(reward), played
+
+    def _count(self, reward: float) -> None:
+        """Count a reward, and find out whether the game has ended."""
         if reward:
             self._game.score += reward
             self._game.rewards += 1
         if (self.core.game_over or self.core.truncated) and self._phase == "playing":
             self._phase = "over"
             self._ended_game = self._game_statistics()
-        return reward
 
     def make_sound(self) -> None:
         """Switch the emulator's sound on; observations stay what they are.

@@ -5,6 +5,7 @@ have a state, from the outside in, with their arguments and the scalars of their
 compressed with zlib. The blob "env" is the snapshot of the `AtariEnv`. Wrappers without a state may differ.
 """
 
+import inspect
 import json
 import zlib
 from collections.abc import Iterator, Mapping
@@ -189,7 +190,7 @@ def _checked_layers(saved: Any, stateful: list[Environment]) -> list[dict[str, A
             f"{', '.join(own) or 'none'}; restore it into the same wrappers"
         )
     for part, layer in zip(saved, stateful, strict=True):
-        if part.get("arguments") != (arguments := _identity(layer)["arguments"]):
+        if not _same_arguments(part.get("arguments"), arguments := _identity(layer)["arguments"], layer):
             raise ValueError(
                 f"the snapshot was taken with other arguments of {type(layer).__name__} than {arguments}; "
                 "restore it into wrappers made with the same arguments"
@@ -197,12 +198,26 @@ def _checked_layers(saved: Any, stateful: list[Environment]) -> list[dict[str, A
     return [part["state"] for part in saved]
 
 
+def _same_arguments(saved: Any, own: dict[str, Any], layer: Environment) -> bool:
+    """Whether the arguments are equal; those that a snapshot of an earlier release lacks have their defaults."""
+    if not isinstance(saved, dict):
+        return False
+    parameters = inspect.signature(type(layer)).parameters
+    missing = {name: parameters[name].default for name in own.keys() - saved.keys() if name in parameters}
+    return {**missing, **saved} == own
+
+
 def _state(layer: Environment, number: int, scalars: dict[str, Any], blobs: Mapping[str, bytes]) -> State:
     """The saved state of a layer, with the names, types, shapes and dtypes of its current one."""
     state = {}
     for name, now in _save_state(layer).items():
         if isinstance(now, np.ndarray):
-            state[name] = _array(blobs.get(f"{number}.{name}", b""), now)
+            if f"{number}.{name}" not in blobs:
+                raise ValueError(
+                    f"the snapshot has no {name} of {type(layer).__name__}: it is damaged, or of an earlier release, "
+                    "whose snapshots of this wrapper cannot be restored; take a new one"
+                )
+            state[name] = _array(blobs[f"{number}.{name}"], now)
         elif type(scalars.get(name)) is type(now):
             state[name] = scalars[name]
         else:

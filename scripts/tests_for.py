@@ -44,6 +44,7 @@ PLACES: dict[str, tuple[str, ...]] = {
     "atari/validation.py": ("tests/test_env.py", "tests/wrappers", "tests/vector"),
     "atari/games/interventions": ("tests/lab",),
     "atari/games": ("tests/games", "tests/conformance/test_ale_goldens.py"),
+    "atari/observations.py": ("tests/learning/test_frame_agent.py", "tests/cli/test_trained_player.py"),
     "atari/restorable.py": ("tests/wrappers/test_snapshots.py",),
     "atari/env_ids.py": ("tests/conformance/test_ids.py", "tests/test_registration.py"),
     "atari/making.py": ("tests/test_registration.py", "tests/vector/test_registration.py", "tests/task"),

@@ -37,28 +37,29 @@ ALLOWED = {
     "task": "actions cores env_ids games validation",
     "env": "actions cores games notebook rendering task validation",
     "restorable": "cores env",
-    "wrappers": "_emulator _renamed cores env restorable task validation",
+    "wrappers": "_emulator _renamed cores env restorable task validation vector",
     # Its views for JAX and PyTorch are of `integrations`, in modules that do not import `vector`.
-    "vector": "_emulator _gymnasium actions cores games integrations multiplayer notebook rendering roms task validation wrappers",
+    "vector": "_emulator _gymnasium actions cores games integrations multiplayer notebook rendering roms task validation",
+    "observations": "_emulator cores task vector",
     "making": "env env_ids task validation vector wrappers",
     "registration": "cores env_ids games making roms task",
     "algorithmic": "validation",
     "recording": "_gymnasium atari actions cores env env_ids games making multiplayer notebook rendering restorable roms task "
     "validation vector wrappers",
-    "multiplayer": "_emulator actions cores env games recording rendering roms validation vector",
+    "multiplayer": "_emulator actions cores env games observations recording rendering roms validation vector",
     "integrations": "_emulator _gymnasium _script classic cores env_ids games lab learning recording task validation vector wrappers",
     "sb3": "integrations",
-    "learning": "_emulator _gymnasium _interrupt actions cores env env_ids games making recording registration rendering "
+    "learning": "_emulator _gymnasium _interrupt actions cores env env_ids games making observations recording registration rendering "
     "restorable task validation vector wrappers",
     "lab": "_emulator _gymnasium actions cores env games recording registration rendering restorable roms validation vector "
     "wrappers",
     # The package itself exports the parts above, and `atari.__version__` to the parts below and to recordings.
     "atari": "_renamed actions algorithmic cores env games integrations making registration roms task vector wrappers",
     # Programs and old interfaces, which no part above imports; they may import `recording`.
-    "play": "actions cores env games learning multiplayer recording registration rendering task validation",
+    "play": "actions cores env games learning multiplayer observations recording registration rendering task validation",
     "classic": "_script atari cores env env_ids games recording registration rendering validation wrappers",
-    "cli": "_interrupt atari actions cores env env_ids games integrations lab learning making multiplayer play recording "
-    "registration rendering roms task validation vector wrappers",
+    "cli": "_interrupt atari actions cores env env_ids games integrations lab learning making multiplayer observations play "
+    "recording registration rendering roms task validation vector wrappers",
     "__main__": "cli",
 }
 """By part, the parts that it may import."""

@@ -2,16 +2,14 @@
 
 Repeat the action, take the maximum of the last two frames, make it gray, scale it down, stack it (Mnih et al. 2015).
 With separate wrappers, each frame would become an unused RGB observation. `DqnPreprocessing` plays the frames without
-observations, reads at most two of them from the emulator, and writes the result into the returned array.
+observations. The emulator's `ObservationStack`, which makes the observations of `AtariVectorEnv`, reads at most two.
 
 Implementations differ in details, mostly in the observation when an episode ends inside a skip; `atari.wrappers.preset`
 has the parameters of each.
 """
 
-import contextlib
+import copy
 import inspect
-from collections.abc import Callable
-from functools import partial
 from typing import Any, Literal, get_args
 
 import cv2
@@ -24,10 +22,10 @@ from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker
 from atari import _emulator
 from atari.cores import ByteArray
 from atari.env import AtariEnv
-from atari.restorable import Restorable, layers, warn_of_restore
+from atari.restorable import Restorable, State, layers, warn_of_restore
 from atari.validation import check_integer, check_name
+from atari.vector.settings import filled
 from atari.wrappers._checks import Environment, require_atari, require_pixels, require_single_frames
-from atari.wrappers._rgb_pool import RgbPool
 from atari.wrappers.episodic_life import EpisodicLife
 from atari.wrappers.frame_stack import Padding
 
@@ -90,8 +88,6 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         4
     """
 
-    _state = ("_early", "_late", "_stack", "_frames_played", "_frame_number")
-
     def __init__(
         self,
         env: Environment,
@@ -113,7 +109,6 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         _check_observations(env, arguments)
         require_single_frames(env, "DqnPreprocessing")
         low, high = _check_frame_skip(frame_skip)
-        self._size = _check_size(screen_size, self._atari.game.screen.shape)
         if stack_size is not None:
             stack_size = check_integer("stack_size", stack_size, 1, 10_000)
         if max_frames is not None:
@@ -132,35 +127,37 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         super().__init__(env)
         self.frame_skip = frame_skip
         self._max_frames = max_frames
-        self._reads_ram = obs_type == "ram"
-        self._frames_read = 0 if self._reads_ram else 2 if max_pool and high > 2 else 1
-        self._pads_zero = padding_type == "zero"
-        self._end_frames = end_frames
         self._direct = _can_drive_directly(env, self._atari)
         self._life = next((layer for layer in layers(env) if isinstance(layer, EpisodicLife)), None)
         self._seamless_life = self._life if seamless_lives else None
         self._frames_played = 0
         self._frame_number = 0
         self._info: dict[str, Any] = {}
-        self._grayscale = grayscale
-        self._rgb_pool = RgbPool(self._atari.game.screen.format) if pool_rgb and grayscale else None
-        self._make_buffers(stack_size)
-
-    def _make_buffers(self, stack_size: int | None) -> None:
-        """Arrays for the frames from the emulator (gray values, palette indices or colours) and for the stack."""
-        colours = () if self._grayscale else (3,)
-        raw: tuple[int, ...] = (*self._atari.game.screen.shape, *colours)
-        image: tuple[int, ...] = (self._size[1], self._size[0], *colours)
-        if self._reads_ram:
-            raw = image = (0,)
-        self._early: ByteArray = np.zeros(raw, np.uint8)  # the last frame but one of a skip
-        self._late: ByteArray = np.zeros(raw, np.uint8)  # the last one
-        self._pooled: ByteArray = np.zeros(raw, np.uint8)
         self._stacked = stack_size is not None
-        self._stack: ByteArray = np.zeros((stack_size or 1, *image), np.uint8)
-        self._shrink = _shrinker(self._atari.game.screen.shape[0], self._size, self._grayscale)
-        shown = (128,) if self._reads_ram else self._stack.shape if self._stacked else image
+        self._size: tuple[int, int] | None = None
+        self._images: _emulator.ObservationStack | None = None
+        shown: tuple[int, ...] = (128,)
+        if obs_type == "image":
+            settings = {
+                "pixels": _pixels(grayscale, pool_rgb),
+                "stack_num": stack_size or 1,
+                "maxpool": max_pool,
+                "end_frames": _emulator.EndFrames[end_frames.upper()],
+                "padding": _emulator.Padding[padding_type.upper()],
+            }
+            width, height = size = _check_size(screen_size, self._atari.game.screen.shape)
+            try:
+                self._images = self._make_images(size, settings)
+            except ValueError:  # images that only OpenCV makes, of the screen
+                self._size = size
+                self._images = self._make_images((160, self._atari.game.screen.height), settings)
+            shown = (stack_size, height, width, 3)[not self._stacked : 3 if grayscale else 4]
         self.observation_space = spaces.Box(0, 255, shown, np.uint8)
+
+    def _make_images(self, size: tuple[int, int], settings: dict[str, Any]) -> _emulator.ObservationStack:
+        screen = self._atari.game.screen
+        made = filled(_emulator.ObservationSettings(), img_width=size[0], img_height=size[1], **settings)
+        return _emulator.ObservationStack(made, screen.shape[0], screen.format)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset; the observation is the screen after the resets of the inner wrappers.
@@ -179,113 +176,86 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
 
     def _first_observation(self, same_game: bool) -> ByteArray:
         """The observation after a reset, which has continued the same game or begun a new one."""
-        if self._reads_ram:
-            return self._atari.core.ram()
-        fill = not same_game or self._seamless_life is None
-        if same_game and self._atari.core.frame_number == self._frame_number:
-            return self._push(None, fill)
-        # The array of the image that is shown again if the first skip is cut short.
-        kept_late = self._end_frames == "gymnasium" or self._frames_read == 1
-        shown, other = (self._late, self._early) if kept_late else (self._early, self._late)
-        self._read(shown)
-        other.fill(0)
-        return self._push(self._single(shown), fill)
+        core, images = self._atari.core, self._images
+        if images is not None:
+            fill = not same_game or self._seamless_life is None
+            if same_game and core.frame_number == self._frame_number:
+                images.repeat(fill)
+            else:
+                images.begin(core, fill)
+        return self._observation()
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Play the action until the skip or the episode ends."""
-        if self._atari._restored:
+        atari, images, seamless, most = self._atari, self._images, self._seamless_life, self._max_frames
+        if atari._restored:
             warn_of_restore(self.env, "DqnPreprocessing")
         play = self._play_direct if self._direct else self._play_through
-        move = self._atari._ale_action(action) if self._direct else action
-        seamless = self._seamless_life
-        skip = self.frame_skip if isinstance(self.frame_skip, int) else self._atari._draw(*self.frame_skip)
+        move = atari._ale_action(action) if self._direct else action
+        left = self.frame_skip if isinstance(self.frame_skip, int) else atari._draw(*self.frame_skip)
         total = 0.0
-        left = skip
         ended = False
         while left and not ended:
-            reward, terminated, truncated = play(move)
+            frames = left - 1 or 1  # up to the last but one, of which `images` takes note
+            if most is not None:
+                frames = min(frames, max(most - self._frames_played, 1))
+            reward, played, terminated, truncated = play(move, frames)
             total += reward
-            left -= 1
+            left -= played
             if seamless is not None and seamless.life_lost:
                 terminated = False  # reported after the skip has been played
-            if self._max_frames is not None:
-                self._frames_played += 1
-                truncated = truncated or (self._frames_played >= self._max_frames and not terminated)
+            if most is not None:
+                self._frames_played += played
+                truncated = truncated or (self._frames_played >= most and not terminated)
             ended = terminated or truncated
-            if left < self._frames_read and not (ended and self._end_frames == "gymnasium"):
-                self._read(self._early if left else self._late)
+            if left == 1 and images is not None:
+                # Inner wrappers may do anything to the emulator before its next frame.
+                images.frame_played(atari.core if self._direct else atari.core.screen(), left, ended)
+        if images is not None:
+            images.skip_ended(atari.core, left, ended)
         if seamless is not None and seamless.life_lost:
             terminated = not truncated
-        if skip == 1 < self._frames_read:
-            np.copyto(self._early, self._late)  # a skip of one frame has no other to pool
-        observation = self._atari.core.ram() if self._reads_ram else self._push(self._final_frame(whole=left == 0))
-        info = self._atari._info() if self._direct else self._info
+        info = atari._info() if self._direct else self._info
         self._frame_number = info["frame_number"]
-        return observation, total, terminated, truncated, info
+        return self._observation(), total, terminated, truncated, info
 
-    def _play_direct(self, move: tuple[int, float]) -> tuple[float, bool, bool]:
-        """Play a frame on the emulator."""
+    def _play_direct(self, move: tuple[int, float], frames: int) -> tuple[float, int, bool, bool]:
+        """Play up to `frames` frames on the emulator: until the game ends, or the number of lives changes."""
         atari = self._atari
-        reward = atari.play_frames(move[0], 1, move[1])
+        reward, played = atari.play_until(move[0], frames, move[1])
         core = atari.core
         ended = atari._phase != "playing"
         terminated, truncated = ended and core.game_over, ended and core.truncated
         if self._life is not None:
             terminated = self._life.observe(core.lives, terminated, truncated)
-        return reward, terminated, truncated
+        return reward, played, terminated, truncated
 
-    def _play_through(self, action: Any) -> tuple[float, bool, bool]:
+    def _play_through(self, action: Any, frames: int) -> tuple[float, int, bool, bool]:
         """Play a frame through the inner wrappers."""
         _, reward, terminated, truncated, self._info = self.env.step(action)
-        return float(reward), terminated, truncated
+        return float(reward), 1, terminated, truncated
 
-    def _read(self, out: ByteArray) -> None:
-        """Fill `out` with the screen."""
-        core = self._atari.core
-        if self._rgb_pool is not None:
-            core.screen(out)
-        elif self._grayscale:
-            core.screen_grayscale(out)
-        else:
-            core.screen_rgb(out)
+    def _observation(self) -> ByteArray:
+        """A new array of the images, or the RAM."""
+        if self._images is None:
+            return self._atari.core.ram()
+        stack = self._images.observation()
+        if self._size is not None:
+            stack = np.stack([cv2.resize(image, self._size, interpolation=cv2.INTER_AREA) for image in stack])
+        return stack if self._stacked else stack[0]
 
-    def _final_frame(self, whole: bool) -> ByteArray:
-        """The frame for the observation after a skip; `whole` is whether the skip was played to its end."""
-        early, late, pooled = self._early, self._late, self._pooled
-        if self._end_frames == "last" and not whole:
-            self._read(late)
-            return self._single(late)
-        if self._frames_read == 1:
-            return self._single(late)
-        if self._end_frames == "gymnasium":
-            return np.maximum(late, early, out=late)  # in place: a later stale frame is this maximum
-        if self._end_frames == "envpool":
-            return np.maximum(early, late, out=early) if whole else early
-        if self._rgb_pool is not None:
-            return self._rgb_pool.pooled(early, late, pooled)
-        return np.maximum(early, late, out=pooled)
+    def _save_state(self) -> State:
+        state: dict[str, Any] = {"_frames_played": self._frames_played, "_frame_number": self._frame_number}
+        if self._images is not None:
+            state["images"] = np.frombuffer(self._images.save(), np.uint8)
+        return state
 
-    def _single(self, frame: ByteArray) -> ByteArray:
-        """The image of one frame."""
-        return frame if self._rgb_pool is None else self._rgb_pool.gray(frame, self._pooled)
-
-    def _push(self, image: ByteArray | None, fill: bool = False) -> ByteArray:
-        """Resize an image and append it to the stack, or, with `fill`, start a stack with it.
-
-        None appends the last image again.
-        """
-        stack = np.empty_like(self._stack)
-        if image is None:
-            stack[-1] = self._stack[-1]
-        else:
-            self._shrink(image, stack[-1])
-        if not fill:
-            stack[:-1] = self._stack[1:]
-        else:
-            stack[:-1] = 0 if self._pads_zero else stack[-1]
-        self._stack = stack
-        observation: ByteArray = stack.copy() if self._stacked else stack[0]
-        return observation
+    def _load_state(self, state: State) -> dict[str, Any]:
+        attributes = dict(state)
+        if self._images is not None:
+            attributes["_images"] = copy.copy(self._images)
+            attributes["_images"].load(attributes.pop("images").tobytes())
+        return attributes
 
 
 _ALSO_OF_RAM = ("frame_skip", "seamless_lives", "max_frames", "obs_type")
@@ -327,16 +297,10 @@ def _check_size(screen_size: Any, screen: tuple[int, int]) -> tuple[int, int]:
     return width, height
 
 
-def _shrinker(rows: int, size: tuple[int, int], grayscale: bool) -> Callable[[ByteArray, ByteArray], object]:
-    """The resize function: our own if it supports the shape (faster, same bytes), else OpenCV's."""
-    if grayscale:
-        with contextlib.suppress(ValueError):
-            return _emulator.AreaResize(rows, size[1], size[0])
-    return partial(_shrink, size)
-
-
-def _shrink(size: tuple[int, int], image: ByteArray, out: ByteArray) -> None:
-    cv2.resize(image, size, dst=out, interpolation=cv2.INTER_AREA)
+def _pixels(grayscale: bool, pool_rgb: bool) -> _emulator.PixelFormat:
+    if not grayscale:
+        return _emulator.PixelFormat.RGB
+    return _emulator.PixelFormat.GRAY_OF_RGB if pool_rgb else _emulator.PixelFormat.GRAY
 
 
 def _can_drive_directly(env: Environment, atari: AtariEnv) -> bool:

@@ -7,11 +7,11 @@ import numpy as np
 from gymnasium.utils import seeding
 
 from atari.actions import Action
-from atari.cores import ByteArray, Core
+from atari.cores import Core
 from atari.games.game import Game
-from atari.learning.frames import FrameObservations
 from atari.learning.needs import Needs, composed, needs_of
 from atari.learning.policies import load_policy
+from atari.observations import Frame, FrameObservations
 from atari.task import Task
 from atari.task.fields import GROUPS
 
@@ -130,7 +130,7 @@ class FrameAgent:
         if start == "life" and (not lives_in_skip or self._core.frame_number == before):
             self._seen.repeat(fill)
         else:
-            self._seen.begin(self._read, fill)
+            self._seen.begin(self._frame(), fill)
         if task.fire_unit == "skip" and self._fire:
             for action in self._fire:
                 yield from self._skip(action)
@@ -153,14 +153,15 @@ class FrameAgent:
             over = self._core.game_over or self._core.truncated
             lost = (task.lives_unit == "frame" and self._life_lost()) or lost
             ended = over or (lost and not task.seamless_lives)
-            self._seen.frame_played(left, ended, self._read)
-        self._seen.skip_ended(left, self._read)
+            self._seen.frame_played(self._frame(), left, ended)
+        self._seen.skip_ended(self._frame(), left, ended)
         if task.lives_unit == "skip":
             lost = self._life_lost()
         return lost and not over
 
-    def _read(self) -> ByteArray:
-        return self._seen.read(self._core)
+    def _frame(self) -> Frame:
+        """The present frame."""
+        return self._core
 
     def _life_lost(self) -> bool:
         """Whether a life that counts was lost since the last call."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from atari.recording import RecordMatch
 from atari.validation import check_name
 
 Observation = Literal["rgb", "grayscale", "ram"]
-OBSERVATIONS: tuple[Observation, ...] = ("rgb", "grayscale", "ram")
+OBSERVATIONS: tuple[Observation, ...] = get_args(Observation)
 
 
 class MultiplayerSession(BaseSession):

@@ -4,11 +4,11 @@ from typing import Any
 
 import numpy as np
 
-from atari.cores import ByteArray
 from atari.games.game import Game
 from atari.learning.frame_agent import FrameAgent
 from atari.learning.needs import Needs
 from atari.multiplayer import MultiplayerCore
+from atari.observations import Frame
 from atari.task import Task
 
 
@@ -45,6 +45,5 @@ class PlayerAgent(FrameAgent):
     def _unsaid(self, game: Game) -> Task:
         return Task.of(game, players=self._players, obs_type=self._obs_type)
 
-    def _read(self) -> ByteArray:
-        frame = super()._read()
-        return frame[:, ::-1] if self._mirrored else frame
+    def _frame(self) -> Frame:
+        return np.ascontiguousarray(self._core.screen()[:, ::-1]) if self._mirrored else self._core

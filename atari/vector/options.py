@@ -28,7 +28,7 @@ from atari.task.resolution import ALIASES, OPTIONS, is_id, resolve_task
 from atari.validation import check_integer, check_known
 from atari.vector import ale_names
 from atari.vector.layout import Layout
-from atari.vector.settings import episode_settings, filled, observation_settings
+from atari.vector.settings import episode_settings, filled, image_shape, observation_settings
 
 _INT64, _ndarray = np.dtype(np.int64), np.ndarray  # found once: they are used at every step
 
@@ -126,19 +126,12 @@ class VectorOptions:
         """Whether images are gray."""
         return self.task.obs_type in ("grayscale", "dict")
 
-    @cached_property
-    def image_shape(self) -> tuple[int, int]:
-        """(rows, columns) of an image."""
-        rows, columns = self.games[0].screen.shape
-        return self.task.img_height or rows, self.task.img_width or columns
-
     def make_engine(self) -> _emulator.VectorEngine:
         """The engine, which has the environments and their threads."""
         writes = self._writes
         games = set(self.games)
         compile_game = compiled if self.players == 1 else compiled_for_players
         native = {game: compile_game(game, read_image(find(game, self.rom))) for game in games}
-        tables = {game: _gray_of_pairs(game) if self.task.pool_rgb else None for game in games}
         seeds = np.random.SeedSequence().generate_state(9 * len(self.games)).reshape(-1, 9).tolist()
         members = [
             filled(
@@ -149,7 +142,6 @@ class VectorOptions:
                 mode=self.tasks[index].set_mode,
                 difficulty=self.tasks[index].set_difficulty,
                 seed=seeds[index],
-                gray_of_pairs=tables[game],
             )
             for index, game in enumerate(self.games)
         ]
@@ -163,20 +155,13 @@ class VectorOptions:
         engine = _emulator.VectorEngine(
             members,
             episode_settings(self.task),
-            observation_settings(self.task, self._pixel_format(), *self.image_shape),
+            observation_settings(self.task),
             threads,
         )
         for index, made in enumerate(writes):
             for write in made:
                 engine.add_write(index, write)
         return engine
-
-    def _pixel_format(self) -> _emulator.PixelFormat:
-        if self.task.obs_type == "ram":
-            return _emulator.PixelFormat.NONE
-        if self.task.pool_rgb:
-            return _emulator.PixelFormat.GRAY_OF_RGB
-        return _emulator.PixelFormat.GRAY if self.grayscale else _emulator.PixelFormat.RGB
 
     @cached_property
     def _writes(self) -> tuple[list[_emulator.Write], ...]:
@@ -222,7 +207,7 @@ class VectorOptions:
     def observation_space(self) -> spaces.Space[Any]:
         """The observation space of one environment, as the engine writes it: with an axis for the stack."""
         colours = () if self.grayscale else (3,)
-        image = spaces.Box(0, 255, (self.task.stack_num or 1, *self.image_shape, *colours), np.uint8)
+        image = spaces.Box(0, 255, (self.task.stack_num or 1, *image_shape(self.task), *colours), np.uint8)
         ram = spaces.Box(0, 255, (128,), np.uint8)
         if self.is_dict:
             return spaces.Dict({"image": image, "ram": ram})
@@ -367,12 +352,6 @@ def _check_alike(tasks: tuple[Task, ...]) -> None:
             raise ValueError(
                 f"the screens of {first.game} and {task.game} have other sizes; add img_height=84, img_width=84"
             )
-
-
-def _gray_of_pairs(game: Game) -> _emulator.GrayOfPairs:
-    from atari.wrappers._rgb_pool import gray_of_pairs  # here, because it imports OpenCV
-
-    return _emulator.GrayOfPairs(gray_of_pairs(game.screen.format).tobytes())
 
 
 def _spread(name: str, value: Any, count: int) -> tuple[int | None, ...]:

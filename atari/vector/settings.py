@@ -41,12 +41,25 @@ def episode_settings(task: Task) -> _emulator.EpisodeSettings:
     return filled_by_name(_emulator.EpisodeSettings(), task, acts_after_end=alone)
 
 
-def observation_settings(
-    task: Task, pixels: _emulator.PixelFormat, height: int, width: int
-) -> _emulator.ObservationSettings:
+def observation_settings(task: Task) -> _emulator.ObservationSettings:
     """The settings of how the engine pools, resizes and stacks frames."""
+    height, width = image_shape(task)
     size = {"img_height": height, "img_width": width, "stack_num": task.stack_num or 1}
-    return filled_by_name(_emulator.ObservationSettings(), task, pixels=pixels, **size)
+    return filled_by_name(_emulator.ObservationSettings(), task, pixels=_pixels(task), **size)
+
+
+def image_shape(task: Task) -> tuple[int, int]:
+    """(rows, columns) of an image."""
+    rows, columns = task.definition.screen.shape
+    return task.img_height or rows, task.img_width or columns
+
+
+def _pixels(task: Task) -> _emulator.PixelFormat:
+    if task.obs_type == "ram":
+        return _emulator.PixelFormat.NONE
+    if task.pool_rgb:
+        return _emulator.PixelFormat.GRAY_OF_RGB
+    return _emulator.PixelFormat.GRAY if task.obs_type in ("grayscale", "dict") else _emulator.PixelFormat.RGB
 
 
 def _frames(frameskip: Any) -> tuple[int, int]:

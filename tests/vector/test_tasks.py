@@ -1,6 +1,7 @@
 """A task is one environment with wrappers, and the lane of a vector: the same bytes for every field.
 
-The wrappers share no code with the engine but the emulator, so each is the test of the other.
+The wrappers share no code with the engine but the emulator and its `ObservationStack`, so each is the test of the other.
+`composed` replaces that class by NumPy and OpenCV.
 """
 
 from typing import Any
@@ -8,12 +9,15 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from task_strategies import VALUES, tasks
 
+from atari import wrappers
+from atari.env import AtariEnv
 from atari.task import Task
 from atari.task.task import FIELDS
+from atari.wrappers.layers import layers_of
 
 GAMES = ("breakout", "ms_pacman", "bank_heist", "frogger", "pong", "backgammon", "video_checkers", "space_invaders")
 NUMBERS = ("lives", "frame_number", "episode_frame_number")
@@ -23,10 +27,10 @@ MODES = ("NextStep", "SameStep", "Disabled")
 class Lane:
     """A vector of one environment, beside a single environment of the same task."""
 
-    def __init__(self, task: Task, mode: str) -> None:
+    def __init__(self, task: Task, mode: str, single: Any = None) -> None:
         self.task, self.mode = task, mode
         self.envs = task.make_vec(1, num_threads=1, autoreset_mode=mode)
-        self.single: Any = task.make()
+        self.single: Any = task.make() if single is None else single
         self.done = False
         self.ends = 0
         assert self.single.action_space == self.envs.single_action_space
@@ -134,6 +138,50 @@ def test_episodes_begin_alike_for_agents_with_some_of_the_actions(actions: tuple
             observation, info = envs.reset(seed=7)
             shown.append((np.squeeze(observation).tobytes(), int(np.max(info["frame_number"]))))
     assert len({*shown}) == 1
+
+
+def composed(task: Task) -> Any:
+    """The task by wrappers that share no code with `ObservationStack`, in place of `DqnPreprocessing`.
+
+    Raises:
+        hypothesis.errors.UnsatisfiedAssumption: they cannot express it.
+    """
+    images = task.obs_type in ("grayscale", "rgb")
+    assume(images and isinstance(task.frameskip, int) and task.max_frames is None and not task.seamless_lives)
+    assume(task.end_frames == "last")
+    # `FrameSkip` pools two frames of a skip that was cut, and a lost life shows the last frame, not the last image.
+    assume(not task.maxpool or (task.frameskip <= 2 and (task.on_reset != "continue" or task.lives_unit == "skip")))
+    env: Any = AtariEnv(task.of_emulator().replace(obs_type="rgb" if task.pool_rgb else task.obs_type))
+    for wrapper, arguments in layers_of(task):
+        if wrapper is wrappers.FrameStack:
+            continue
+        if wrapper is not wrappers.DqnPreprocessing:
+            env = wrapper(env, **arguments)
+            continue
+        env = wrappers.FrameSkip(env, task.frameskip, task.maxpool)
+        env = wrappers.Grayscale(env) if task.pool_rgb else env
+        rows, columns = task.definition.screen.shape
+        env = wrappers.Resize(env, (task.img_height or rows, task.img_width or columns))
+        if arguments["stack_size"] is not None:
+            env = wrappers.FrameStack(env, task.stack_num, task.padding)
+    outside = any(wrapper is wrappers.FrameStack for wrapper, _ in layers_of(task))
+    return wrappers.FrameStack(env, task.stack_num, task.padding) if outside else env
+
+
+@given(tasks(GAMES), st.sampled_from(MODES), st.integers(0, 2**32 - 2))
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
+def test_an_independent_composition_is_the_lane_of_a_vector(task: Task, mode: str, seed: int) -> None:
+    fields = {"end_frames": "last", "seamless_lives": False, "max_frames": None}
+    if task.obs_type != "ram" and not task.pool_rgb:
+        fields["obs_type"] = "grayscale" if seed % 2 else "rgb"
+    if not isinstance(task.frameskip, int) or task.maxpool:
+        fields["frameskip"] = 1 + seed % 2
+    task = task.replace(**fields)
+    lane = Lane(task, mode, composed(task))
+    try:
+        play(lane, seed, 60)
+    finally:
+        lane.close()
 
 
 LIVES = {"episodic_life": True, "frameskip": 4}

@@ -302,7 +302,7 @@ class TestStack:
         env = made(episodic_life=True, on_reset="continue", seamless_lives=True)
         env.reset(seed=0)
         lose_a_life(env)
-        last = env.env._stack
+        last = env.env._images.observation()
         np.testing.assert_array_equal(env.reset()[0][:3], last[1:])
 
 

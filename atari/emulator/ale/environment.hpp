@@ -148,6 +148,7 @@ class Environment {
     int frame_number() const { return state_.frame; }
     int episode_frame_number() const { return state_.episode_frame; }
     int height() const { return std::max(game_->console.height, 200); }
+    bool averages_colours() const { return settings_.colour_averaging; }
 
     void screen(uint8_t* out);       // palette indices, height() x 160
     void screen_rgb(uint8_t* out);   // height() x 160 x 3

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "ale/colour_conversion.hpp"
+#include "gray_of_pairs.hpp"
 #include "pooling.hpp"
 
 namespace atari {
@@ -22,16 +23,15 @@ void release(std::vector<uint8_t>& values) { std::vector<uint8_t>().swap(values)
 
 }  // namespace
 
-ObservationStack::ObservationStack(Environment& environment, const ObservationSettings& settings,
-                                   std::shared_ptr<const Resizer> resizer,
-                                   std::shared_ptr<const GrayOfPairs> gray_of_pairs)
-    : environment_(environment), settings_(settings), resizer_(std::move(resizer)),
-      gray_of_pairs_(std::move(gray_of_pairs)), planes_(settings.pixels == PixelFormat::kNone  ? 0
-                                                        : settings.pixels == PixelFormat::kRgb ? 3
-                                                                                               : 1),
+ObservationStack::ObservationStack(const FrameSource& source, const ObservationSettings& settings,
+                                   std::shared_ptr<const Resizer> resizer)
+    : source_(source), settings_(settings), resizer_(std::move(resizer)),
+      planes_(settings.pixels == PixelFormat::kNone  ? 0
+              : settings.pixels == PixelFormat::kRgb ? 3
+                                                     : 1),
       pools_last_again_(settings.maxpool && settings.end_frames == EndFrames::kGymnasium && !is_screen_rgb()) {
-    const Palette& palette = *environment.game()->palette;
-    tables_[0] = settings_.pixels == PixelFormat::kGrayOfRgb ? gray_of_pairs_->values.data() : palette.gray;
+    const Palette& palette = source_.palette();
+    tables_[0] = settings_.pixels == PixelFormat::kGrayOfRgb ? gray_of_pairs(palette) : palette.gray;
     if (settings_.pixels == PixelFormat::kRgb) {
         for (int plane = 0; plane < 3; ++plane)
             for (int i = 0; i < 256; ++i) colours_.push_back(static_cast<uint8_t>(palette.rgb[i] >> (16 - 8 * plane)));
@@ -48,7 +48,7 @@ void ObservationStack::begin(bool new_stack) {
     early_noted_ = false;
     drop_last();
     std::fill(late_.begin(), late_.end(), uint8_t{0});
-    add(current(), current());
+    add(source_.current(), source_.current());
     if (new_stack) repeat(true);
 }
 
@@ -68,14 +68,11 @@ void ObservationStack::repeat(bool new_stack) {
     }
 }
 
-// Notes the last frame but one of a skip. The console renders the next frame into its other framebuffer. It continues a
-// partial frame in place, so a partial frame is copied.
+// Notes the last frame but one of a skip.
 void ObservationStack::frame_played(int left, bool ended) {
     if (left != 1 || !planes_ || !settings_.maxpool || (ended && settings_.end_frames == EndFrames::kGymnasium)) return;
     early_noted_ = true;
-    early_copied_ = environment_.console().machine().tia.partial;
-    if (early_copied_) early_.assign(current().pixels, current().pixels + plane_size());
-    else release(early_);
+    source_.note();
 }
 
 void ObservationStack::skip_ended(int left, bool ended) {
@@ -85,21 +82,21 @@ void ObservationStack::skip_ended(int left, bool ended) {
         drop_last();
         // In the order in which the frames were played: consecutive frames share more lines, which are not rendered
         // again.
-        const Frame first = pools ? early() : current(), last = current();
+        const Frame first = pools ? source_.noted() : source_.current(), last = source_.current();
         if (!late_.empty()) std::copy_n(last.pixels, late_.size(), late_.begin());
         return add(first, last);
     }
     switch (settings_.end_frames) {
-        case EndFrames::kLast: return add(current(), current());
+        case EndFrames::kLast: return add(source_.current(), source_.current());
         case EndFrames::kGymnasium:  // without the frame that ended the episode; with the frame before, if it was noted
             if (!pools) break;
             return add_pooled_with_last();
         case EndFrames::kBaselines:
             if (!pools) break;
-            return add(current(), {late_.data(), nullptr});
+            return add(source_.current(), {late_.data(), nullptr});
         case EndFrames::kEnvpool:
             if (!pools) break;
-            return add(current(), current());
+            return add(source_.current(), source_.current());
     }
     repeat(false);
 }
@@ -112,7 +109,7 @@ void ObservationStack::add(Frame early, Frame late) {
         PooledPlane pooled;
         uint8_t* const slot = next_slot();
         for (int plane = 0; plane < planes_; ++plane) {
-            pool_plane(early, late, plane, 0, environment_.height(), pooled.pixels, pooled.changes);
+            pool_plane(early, late, plane, 0, source_.rows(), pooled.pixels, pooled.changes);
             resize_plane(plane, pooled.pixels, pooled.changes, slot);
         }
     }
@@ -123,21 +120,23 @@ void ObservationStack::add(Frame early, Frame late) {
 void ObservationStack::pool_all(Frame early, Frame late, uint8_t* out) const {
     uint32_t changes[kFrameRows];
     for (int plane = 0; plane < planes_; ++plane, out += plane_size())
-        pool_plane(early, late, plane, 0, environment_.height(), out, changes);
+        pool_plane(early, late, plane, 0, source_.rows(), out, changes);
 }
 
 // Keeps the frames that the newest resized frame was pooled from, in place of the frames kept before.
 void ObservationStack::keep_last(Frame early, Frame late) {
-    last_[0] = early.framebuffer;
-    last_[1] = late.framebuffer;
-    if (early.framebuffer >= 0) return environment_.console().framebuffers().hold();
+    if (source_.hold(early)) {
+        last_[0] = early.framebuffer;
+        last_[1] = late.framebuffer;
+        return;
+    }
     pooled_.resize(pooled_size());
     pool_all(early, late, pooled_.data());
 }
 
 // To be called before the frames of the next resized frame are rendered.
 void ObservationStack::drop_last() {
-    environment_.console().framebuffers().let_go();
+    source_.let_go();
     last_[0] = last_[1] = -1;
     release(pooled_);
 }
@@ -149,15 +148,14 @@ void ObservationStack::pool_last(uint8_t* out) const {
     } else if (last_[0] < 0) {  // no frame is kept
         std::fill_n(out, pooled_size(), uint8_t{0});
     } else {
-        const Framebuffers& framebuffers = environment_.console().framebuffers();
-        pool_all({framebuffers.held(last_[0]), nullptr}, {framebuffers.held(last_[1]), nullptr}, out);
+        pool_all(source_.held(last_[0]), source_.held(last_[1]), out);
     }
 }
 
 // Sets `changed` for each row whose looks differ from those of the newest resized frame, or are unknown.
 void ObservationStack::find_changed_rows(Frame early, Frame late, uint8_t* changed) {
     static constexpr uint32_t kUnknown[kFrameRows] = {};
-    const auto height = static_cast<size_t>(environment_.height());
+    const auto height = static_cast<size_t>(source_.rows());
     for (std::vector<uint32_t>& looks : looks_) looks.resize(height);
     const uint32_t* const first = early.looks ? early.looks : kUnknown;
     const uint32_t* const second = late.looks ? late.looks : kUnknown;
@@ -211,15 +209,15 @@ void ObservationStack::pool_plane(Frame early, Frame late, int plane, int first,
 
 void ObservationStack::add_rgb(Frame early, Frame late) {
     uint8_t* const slot = next_slot();
-    to_rgb(late.pixels, environment_.height(), *environment_.game()->palette, slot);
+    to_rgb(late.pixels, source_.rows(), source_.palette(), slot);
     if (early.pixels != late.pixels) pool_rgb(early, slot);
 }
 
 // Raises `colours` to the maximum of itself and of a frame, channel by channel.
 void ObservationStack::pool_rgb(Frame frame, uint8_t* colours) const {
     uint8_t others[3 * kScreenWidth];
-    for (int row = 0; row < environment_.height(); ++row, colours += sizeof others) {
-        to_rgb(frame.pixels + kScreenWidth * row, 1, *environment_.game()->palette, others);
+    for (int row = 0; row < source_.rows(); ++row, colours += sizeof others) {
+        to_rgb(frame.pixels + kScreenWidth * row, 1, source_.palette(), others);
         for (size_t i = 0; i < sizeof others; ++i) colours[i] = std::max(colours[i], others[i]);
     }
 }
@@ -228,16 +226,16 @@ void ObservationStack::pool_rgb(Frame frame, uint8_t* colours) const {
 void ObservationStack::add_pooled_with_last() {
     if (is_screen_rgb()) {
         repeat(false);
-        return pool_rgb(early(), newest_slot());
+        return pool_rgb(source_.noted(), newest_slot());
     }
-    const Frame frame = early();
+    const Frame frame = source_.noted();
     std::vector<uint8_t> pooled(pooled_size());
     pool_last(pooled.data());
     PooledPlane others;
     uint8_t* const slot = next_slot();
     for (int plane = 0; plane < planes_; ++plane) {
         uint8_t* const out = pooled.data() + plane_size() * static_cast<size_t>(plane);
-        pool_plane(frame, frame, plane, 0, environment_.height(), others.pixels, others.changes);
+        pool_plane(frame, frame, plane, 0, source_.rows(), others.pixels, others.changes);
         for (size_t i = 0; i < plane_size(); ++i) out[i] = std::max(out[i], others.pixels[i]);
         resize_plane(plane, out, nullptr, slot);
     }

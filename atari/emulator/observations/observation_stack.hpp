@@ -2,14 +2,14 @@
 // stacked.
 //
 // Frames are rendered only when this class reads them. Implementations of the preprocessing differ in the observation
-// when an episode ends inside a skip: see `EndFrames`. atari/wrappers/dqn_preprocessing.py does the same in Python.
+// when an episode ends inside a skip: see `EndFrames`.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <vector>
 
-#include "ale/environment.hpp"
+#include "frame_source.hpp"
 #include "resizer.hpp"
 
 namespace atari {
@@ -19,12 +19,6 @@ enum class PixelFormat { kNone, kGray, kRgb, kGrayOfRgb };
 enum class EndFrames { kLast, kGymnasium, kBaselines, kEnvpool };
 enum class Padding { kZero, kReset };  // what a new stack is filled with: zeros, or the first frame of the episode
 
-// For kGrayOfRgb: the gray value of the maximum of two colours, by early palette index * 256 + late palette index.
-struct GrayOfPairs {
-    static constexpr size_t kSize = 65536;
-    std::vector<uint8_t> values;  // kSize
-};
-
 struct ObservationSettings {
     PixelFormat pixels = PixelFormat::kGray;
     int img_height = 84, img_width = 84, stack_num = 4;
@@ -33,12 +27,18 @@ struct ObservationSettings {
     Padding padding = Padding::kZero;
 };
 
-// Owns a ring of resized frames. The environment must outlive it.
+// Owns a ring of resized frames.
 class ObservationStack {
   public:
-    // `gray_of_pairs` is needed for kGrayOfRgb only, `resizer` for all formats but kNone.
-    ObservationStack(Environment& environment, const ObservationSettings& settings,
-                     std::shared_ptr<const Resizer> resizer, std::shared_ptr<const GrayOfPairs> gray_of_pairs);
+    // `resizer` is needed for all formats but kNone.
+    ObservationStack(const FrameSource& source, const ObservationSettings& settings,
+                     std::shared_ptr<const Resizer> resizer);
+
+    FrameSource& source() { return source_; }
+    // To be called when the source reads another environment than before, whose looks mean other rows.
+    void forget_looks() {
+        for (std::vector<uint32_t>& looks : looks_) looks.clear();
+    }
 
     void begin(bool new_stack);   // adds the current screen
     void repeat(bool new_stack);  // adds the last resized frame again
@@ -48,6 +48,8 @@ class ObservationStack {
     // Adds the resized frame of a skip. If the episode ended inside the skip, `left` frames were not played.
     void skip_ended(int left, bool ended);
 
+    const ObservationSettings& settings() const { return settings_; }
+    size_t planes() const { return static_cast<size_t>(planes_); }  // 0 for kNone
     size_t size() const { return ring_.size(); }
     void write(uint8_t* out) const;  // (stack, height, width), for kRgb (stack, height, width, 3); the oldest first
 
@@ -57,18 +59,8 @@ class ObservationStack {
     const uint8_t* load(const uint8_t* in);
 
   private:
-    // A frame of palette indices. `looks` are those of its rows (LineCache::looks), or null. `framebuffer` is the
-    // number of the console's framebuffer that holds it, or -1.
-    struct Frame {
-        const uint8_t* pixels;
-        const uint32_t* looks;
-        int framebuffer = -1;
-    };
     void add(Frame early, Frame late);
     void find_changed_rows(Frame early, Frame late, uint8_t* changed);
-    void forget_looks() {
-        for (std::vector<uint32_t>& looks : looks_) looks.clear();
-    }
     void add_changed_rows(Frame early, Frame late, const AreaResize& resize);
     void add_rgb(Frame early, Frame late);
     void pool_rgb(Frame frame, uint8_t* colours) const;
@@ -82,39 +74,26 @@ class ObservationStack {
     void resize_plane(int plane, const uint8_t* pooled, const uint32_t* changes, uint8_t* slot) const;
     uint8_t* next_slot();
     uint8_t* newest_slot() { return ring_.data() + frame_size_ * static_cast<size_t>(newest_); }
-    Frame early() {
-        if (early_copied_) return {early_.data(), nullptr};
-        Console& console = environment_.console();
-        const uint8_t* const pixels = console.previous_framebuffer();
-        return {pixels, console.previous_looks(), console.machine().tia.current ^ 1};
-    }
-    Frame current() {
-        Console& console = environment_.console();
-        const uint8_t* const pixels = console.framebuffer();
-        return {pixels, console.looks(), console.machine().tia.current};
-    }
     // Whether frames are RGB of the screen's size. They are then pooled in the ring, all colours at once.
     bool is_screen_rgb() const {
-        return planes_ == 3 && settings_.img_height == environment_.height() && settings_.img_width == kScreenWidth;
+        return planes_ == 3 && settings_.img_height == source_.rows() && settings_.img_width == kScreenWidth;
     }
-    size_t plane_size() const { return static_cast<size_t>(environment_.height()) * kScreenWidth; }
+    size_t plane_size() const { return static_cast<size_t>(source_.rows()) * kScreenWidth; }
 
-    Environment& environment_;
+    FrameSource source_;
     const ObservationSettings settings_;
     const std::shared_ptr<const Resizer> resizer_;
-    const std::shared_ptr<const GrayOfPairs> gray_of_pairs_;
     const int planes_;
-    const uint8_t* tables_[3];      // by plane, of 256 values; for kGrayOfRgb `gray_of_pairs_`
+    const uint8_t* tables_[3];      // by plane, of 256 values; for kGrayOfRgb `gray_of_pairs`
     std::vector<uint8_t> colours_;  // for kRgb: the memory of `tables_`
-    // With EndFrames::kGymnasium, an episode may end with the last frame pooled once more. The console holds the two
+    // With EndFrames::kGymnasium, an episode may end with the last frame pooled once more. The source holds the two
     // framebuffers, with the numbers `last_`, that the last frame was pooled from. Where it cannot, `pooled_` holds the
     // planes of that frame before it was resized. At most one of the two is in use.
     const bool pools_last_again_;
     int last_[2] = {-1, -1};
     std::vector<uint8_t> pooled_;
-    std::vector<uint8_t> late_;   // for kBaselines: the last frame of the last whole skip
-    std::vector<uint8_t> early_;  // a copy of the skip's last frame but one, where the console overwrites it
-    bool early_noted_ = false, early_copied_ = false;
+    std::vector<uint8_t> late_;       // for kBaselines: the last frame of the last whole skip
+    bool early_noted_ = false;        // whether the source has noted the last frame but one of the present skip
     std::vector<uint32_t> looks_[2];  // by row, looks of the two frames of the newest resized frame; 0 is unknown
     std::vector<uint8_t> ring_;       // of `stack` resized frames
     size_t frame_size_;               // bytes of a resized frame

@@ -12,15 +12,13 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
-#include <cmath>
 #include <exception>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 
 #include "ale/environment.hpp"
-#include "observations/area_resize.hpp"
-#include "state.hpp"
+#include "bound_emulator.hpp"
 #include "threads.hpp"
 
 namespace nb = nanobind;
@@ -28,8 +26,6 @@ using namespace nb::literals;
 
 namespace atari {
 namespace {
-
-using Array = nb::ndarray<nb::numpy, uint8_t, nb::c_contig, nb::device::cpu>;
 
 Array colours_of(const std::string& format) {
     const Palette& palette = palette_of(format);
@@ -88,194 +84,16 @@ Shared<Game> make_game(nb::bytes image, const std::string& cartridge, const std:
     return {game};
 }
 
-std::string shown(nb::handle value) { return nb::repr(value).c_str(); }
-
-int action_number(nb::handle action) {
-    const Py_ssize_t number = PyNumber_AsSsize_t(action.ptr(), nullptr);
-    if (number == -1 && PyErr_Occurred()) {
-        PyErr_Clear();
-        throw nb::type_error(("an action is an integer 0..17, got " + shown(action)).c_str());
-    }
-    if (number < 0 || number > 17)
-        throw nb::value_error(("an ALE action number is within 0..17, got " + shown(action)).c_str());
-    return static_cast<int>(number);
-}
-
-double strength_factor(nb::handle strength) {
-    const double factor = PyFloat_AsDouble(strength.ptr());
-    if (factor == -1.0 && PyErr_Occurred()) {
-        PyErr_Clear();
-        throw nb::type_error(("strength must be a number, got " + shown(strength)).c_str());
-    }
-    if (!(std::abs(factor) <= 1000.0))  // negated, so that NaN fails too
-        throw nb::value_error(
-            ("strength must be finite and at most 1000 in magnitude, got " + shown(strength)).c_str());
-    return factor;
-}
-
-// The core of a game. Every method that emulates or copies framebuffers releases the GIL. Threads may share a core.
-class Emulator : Exclusive {
-  public:
-    Emulator(const Shared<Game>& game, double probability, int frame_skip, int max_frames, bool sound,
-             bool colour_averaging, uint32_t seed, bool plain, bool one_generator, bool second_player_starts,
-             const std::vector<double>& player_probabilities) {
-        if (frame_skip < 1 || frame_skip > kMaxFrameSkip)
-            throw std::invalid_argument("frame_skip must be within 1..10000");
-        const Settings settings{probability,   frame_skip,           max_frames,
-                                sound,         colour_averaging,     plain,
-                                one_generator, second_player_starts, player_probabilities};
-        environment_ = std::make_unique<Environment>(game.value, settings, seed);
-    }
-
-    template <typename Work>
-    auto locked(Work&& work) {
-        return Exclusive::locked([&] { return work(open()); });
-    }
-
-    template <typename Work>
-    auto briefly(Work&& work) {
-        return Exclusive::briefly([&] { return work(open()); });
-    }
-
-    void close() {
-        Exclusive::locked([&] { environment_.reset(); });
-    }
-
-    nb::bytes save() {
-        std::vector<uint8_t> state;
-        locked([&](Environment& e) {
-            state.resize(e.state_size());
-            e.save(state.data());
-            return 0;
-        });
-        return nb::bytes(state.data(), state.size());
-    }
-
-    void load(nb::bytes state) {
-        const auto* bytes = static_cast<const uint8_t*>(state.data());
-        const size_t size = state.size();
-        const bool good = locked([&](Environment& e) { return size == e.state_size() && e.load(bytes); });
-        if (!good) throw nb::value_error("the state is damaged, or of another game or version");
-    }
-
-    State clone_state(bool include_rng) {
-        return locked([&](Environment& e) { return State{e.game(), include_rng, e.snapshot(), {}, 0}; });
-    }
-
-    void restore_state(const State& state) {
-        const bool good = locked([&](Environment& e) { return state.restore(e); });
-        if (!good) throw nb::value_error("the state is of another game than this core, or of another kind of core");
-    }
-
-    void add_write(const Shared<Write>& write, bool now) {
-        if (!locked([&](Environment& e) { return e.add_write(write.value, now); }))
-            throw nb::value_error(kTooManyWrites);
-    }
-
-    int remove_write(const Shared<Write>& write) {
-        return locked([&](Environment& e) { return e.remove_write(write.value.get()); });
-    }
-
-    using Slots = std::vector<std::optional<Shared<Write>>>;
-
-    Slots writes() {
-        const Writes::Slots writes = locked([](Environment& e) { return e.writes().slots(); });
-        Slots slots;
-        for (const auto& write : writes) slots.push_back(write ? std::optional(Shared<Write>{write}) : std::nullopt);
-        return slots;
-    }
-
-    void set_writes(const Slots& slots) {
-        Writes::Slots writes;
-        for (const auto& slot : slots) writes.push_back(slot ? slot->value : nullptr);
-        while (!writes.empty() && !writes.back()) writes.pop_back();
-        if (writes.size() > kMaxWrites) throw nb::value_error(kTooManyWrites);
-        locked([&](Environment& e) { return e.set_writes(std::move(writes)), 0; });
-    }
-
-    // Returns a new array, or `out`, filled by `fill(environment, pointer)`.
-    template <typename Fill>
-    nb::object filled(const std::vector<size_t>& shape, nb::object out, Fill&& fill) {
-        size_t size = 1;
-        for (size_t extent : shape) size *= extent;
-        if (!out.is_none()) {
-            nb::ndarray<uint8_t, nb::c_contig, nb::device::cpu> array;
-            bool good = nb::try_cast(out, array, false) && array.ndim() == shape.size();
-            for (size_t i = 0; good && i < shape.size(); ++i) good = array.shape(i) == shape[i];
-            if (!good) throw nb::value_error(expectation(shape).c_str());
-            const nb::object fixed = prevent_resize(out);
-            locked([&](Environment& e) {
-                fill(e, array.data());
-                return 0;
-            });
-            return out;
-        }
-        auto* bytes = new uint8_t[size];
-        nb::capsule owner(bytes, [](void* memory) noexcept { delete[] static_cast<uint8_t*>(memory); });
-        locked([&](Environment& e) {
-            fill(e, bytes);
-            return 0;
-        });
-        return nb::cast(Array(bytes, shape.size(), shape.data(), owner));
-    }
-
-    static std::string expectation(const std::vector<size_t>& shape) {
-        std::string text = "out must be a writable C-contiguous uint8 array of shape (";
-        for (size_t i = 0; i < shape.size(); ++i) text += (i ? ", " : "") + std::to_string(shape[i]);
-        return text + (shape.size() == 1 ? ",)" : ")");
-    }
-
-    size_t height() {
-        return briefly([](Environment& e) { return static_cast<size_t>(e.height()); });
-    }
-
-    // Converts the action without nanobind's casters, for less time a frame and for readable errors.
-    int act(nb::handle action, nb::handle strength) {
-        const int number = action_number(action);
-        const double factor = strength_factor(strength);
-        return locked([&](Environment& e) { return e.act(number, static_cast<float>(factor)); });
-    }
-
-    std::vector<int> act_players(const nb::sequence& actions) {
-        std::vector<int> numbers;
-        for (nb::handle action : actions) numbers.push_back(action_number(action));
-        std::vector<int> rewards(numbers.size());
-        locked([&](Environment& e) {
-            if (numbers.empty() || static_cast<int>(numbers.size()) > e.game()->players)
-                throw std::invalid_argument("act_players takes 1 to " + std::to_string(e.game()->players) +
-                                            " actions of this game, got " + std::to_string(numbers.size()));
-            e.act(numbers.data(), static_cast<int>(numbers.size()), rewards.data());
-            return 0;
-        });
-        return rewards;
-    }
-
-    std::vector<int> player_lives() {
-        return briefly([](Environment& e) {
-            std::vector<int> lives;
-            for (int player = 0; player < e.game()->players; ++player) lives.push_back(e.lives(player));
-            return lives;
-        });
-    }
-
-  private:
-    Environment& open() {
-        if (!environment_) throw std::runtime_error("this core is closed; make a new one");
-        return *environment_;
-    }
-
-    std::unique_ptr<Environment> environment_;
-};
-
 }  // namespace
 
-void register_state(nb::module_& m);   // state.cpp
-void register_vector(nb::module_& m);  // binding_vector.cpp
-void register_memory(nb::module_& m);  // binding_memory.cpp
-void register_causes(nb::module_& m);  // binding_causes.cpp
-void register_labels(nb::module_& m);  // binding_labels.cpp
-void register_writes(nb::module_& m);  // binding_writes.cpp
-void register_xla(nb::module_& m);     // binding_xla.cpp
+void register_state(nb::module_& m);         // state.cpp
+void register_observations(nb::module_& m);  // binding_observations.cpp
+void register_vector(nb::module_& m);        // binding_vector.cpp
+void register_memory(nb::module_& m);        // binding_memory.cpp
+void register_causes(nb::module_& m);        // binding_causes.cpp
+void register_labels(nb::module_& m);        // binding_labels.cpp
+void register_writes(nb::module_& m);        // binding_writes.cpp
+void register_xla(nb::module_& m);           // binding_xla.cpp
 
 }  // namespace atari
 
@@ -348,6 +166,11 @@ NB_MODULE(_emulator, m) {
              })
         .def("act", &Emulator::act, "action"_a.none(), "strength"_a.none() = 1.0,
              nb::sig("def act(self, action: int, strength: float = 1.0) -> int"))
+        .def(
+            "act_until", &Emulator::act_until, "action"_a.none(), "frames"_a, "strength"_a.none() = 1.0,
+            nb::sig("def act_until(self, action: int, frames: int, strength: float = 1.0) -> tuple[int, int]"),
+            "Play up to `frames` frames, until the game is over or truncated, or has another number of lives. Returns\n"
+            "the sum of the rewards, and how many frames were played.")
         .def("act_players", &Emulator::act_players, "actions"_a,
              nb::sig("def act_players(self, actions: collections.abc.Sequence[int]) -> list[int]"),
              "Hold an action of each of the first players; a reward for each.")
@@ -418,36 +241,11 @@ NB_MODULE(_emulator, m) {
              "Continue from a state of `clone_state`; ValueError if it is of another game or core.")
         .def("close", &Emulator::close);
 
-    using Frame = nb::ndarray<const uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-    using Small = nb::ndarray<uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-    nb::class_<AreaResize>(m, "AreaResize",
-                           "Scales a gray frame, (rows, 160), down to (height, width) as OpenCV's INTER_AREA does, to "
-                           "the byte.\n\n"
-                           "Raises ValueError if the size is not served: larger than the frame, narrower than 11, or\n"
-                           "dividing the frame's in both directions.")
-        .def(nb::init<int, int, int>(), "rows"_a, "height"_a, "width"_a)
-        .def(
-            "__call__",
-            [](const AreaResize& resize, Frame frame, Small out) {
-                if (static_cast<int>(frame.shape(0)) != resize.rows() || frame.shape(1) != kScreenWidth ||
-                    static_cast<int>(out.shape(0)) != resize.height() ||
-                    static_cast<int>(out.shape(1)) != resize.width())
-                    throw nb::value_error("the frame or `out` is not of the shape that this was made for");
-                resize(frame.data(), nullptr, out.data());
-            },
-            "frame"_a, nb::arg("out").noconvert(),
-            nb::sig("def __call__(self, frame: " ARRAY ", out: " ARRAY ") -> None"))
-        .def("__getstate__",
-             [](const AreaResize& resize) { return std::tuple(resize.rows(), resize.height(), resize.width()); })
-        .def("__setstate__", [](AreaResize& resize, const std::tuple<int, int, int>& size) {
-            const auto [rows, height, width] = size;
-            new (&resize) AreaResize(rows, height, width);
-        });
-
     m.def("palette", &colours_of, "format"_a, nb::sig("def palette(format: str) -> " ARRAY),
           "Red, green and blue of the 256 palette indices of a TV format, (256, 3).");
 
     register_vector(m);
+    register_observations(m);
     register_xla(m);
     register_memory(m);
     register_causes(m);

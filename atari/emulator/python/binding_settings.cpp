@@ -1,6 +1,5 @@
 // The settings of the vector engine, bound as structs and enums: atari/vector/settings.py makes them of a `Protocol`.
 #include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
@@ -16,17 +15,6 @@ namespace nb = nanobind;
 using namespace nb::literals;
 
 namespace atari {
-namespace {
-
-void make_gray_of_pairs(Shared<GrayOfPairs>* self, nb::bytes values) {
-    if (values.size() != GrayOfPairs::kSize)
-        throw nb::value_error("the gray values of pairs of colours are 65536 bytes");
-    const auto* data = static_cast<const uint8_t*>(values.data());
-    new (self) Shared<GrayOfPairs>{std::make_shared<const GrayOfPairs>(GrayOfPairs{{data, data + values.size()}})};
-}
-
-}  // namespace
-
 void register_settings(nb::module_& m) {
     nb::enum_<FirePress>(m, "FirePress", "When FIRE is pressed at the start of an episode.")
         .value("NEVER", FirePress::kNever)
@@ -98,9 +86,6 @@ void register_settings(nb::module_& m) {
         .def_rw("threads", &VectorSettings::threads)
         .def_rw("first_core", &VectorSettings::first_core)
         .def_rw("autoreset", &VectorSettings::autoreset);
-    nb::class_<Shared<GrayOfPairs>>(m, "GrayOfPairs",
-                                    "For GRAY_OF_RGB: the gray value of the maximum of two colours, 256 x 256.")
-        .def("__init__", &make_gray_of_pairs, "values"_a);
     nb::class_<MemberSpec>(m, "MemberSpec",
                            "What differs between the environments of a vector. `seed` is nine words: the emulator's, "
                            "and\n"
@@ -113,11 +98,7 @@ void register_settings(nb::module_& m) {
         .def_rw("action_set", &MemberSpec::action_set)
         .def_rw("mode", &MemberSpec::mode, nb::arg().none())
         .def_rw("difficulty", &MemberSpec::difficulty, nb::arg().none())
-        .def_rw("seed", &MemberSpec::seed)
-        .def_prop_rw(
-            "gray_of_pairs", [](const MemberSpec& x) { return Shared<GrayOfPairs>{x.gray_of_pairs}; },
-            [](MemberSpec& x, const Shared<GrayOfPairs>* table) { x.gray_of_pairs = table ? table->value : nullptr; },
-            nb::for_setter(nb::arg("table").none()));
+        .def_rw("seed", &MemberSpec::seed);
 }
 
 }  // namespace atari

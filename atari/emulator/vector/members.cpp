@@ -8,13 +8,11 @@
 namespace atari {
 namespace {
 
-void check(const MemberSpec& spec, const ObservationSettings& observation, int players) {
+void check(const MemberSpec& spec, int players) {
     if (!spec.game) throw std::invalid_argument("each environment needs a game");
     if (spec.game->players < players) throw std::invalid_argument("a game has rules for fewer players");
     for (int action : spec.actions)
         if (action < 0 || action > 17) throw std::invalid_argument("an ALE action number is within 0..17");
-    if (observation.pixels == PixelFormat::kGrayOfRgb && !spec.gray_of_pairs)
-        throw std::invalid_argument("gray of RGB needs the gray values of pairs of colours");
 }
 
 StartActions start_actions(const std::vector<int>& actions, const std::vector<int>& action_set) {
@@ -41,7 +39,7 @@ std::vector<VectorEngine::Member> make_members(const std::vector<MemberSpec>& sp
     std::map<int, std::shared_ptr<const Resizer>> resizers;  // by height of the screen
     std::map<const Game*, const Environment*> twins;         // the first environment of each game
     for (const MemberSpec& spec : specs) {
-        check(spec, observation, episode.players);
+        check(spec, episode.players);
         const Environment*& twin = twins[spec.game.get()];
         const Seed seed = seed_of(spec.seed);
         auto environment = std::make_unique<Environment>(spec.game, episode.emulator(), seed.emulator, twin);
@@ -52,7 +50,7 @@ std::vector<VectorEngine::Member> make_members(const std::vector<MemberSpec>& sp
         if (!resizer && observation.pixels != PixelFormat::kNone)
             resizer =
                 std::make_shared<const Resizer>(environment->height(), observation.img_height, observation.img_width);
-        auto stack = std::make_unique<ObservationStack>(*environment, observation, resizer, spec.gray_of_pairs);
+        auto stack = std::make_unique<ObservationStack>(FrameSource(*environment), observation, resizer);
         members.push_back({std::make_unique<Episode>(std::move(environment), std::move(stack), episode,
                                                      start_actions(spec.actions, spec.action_set), seed),
                            spec.actions});

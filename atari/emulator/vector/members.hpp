@@ -20,7 +20,6 @@ struct MemberSpec {
     std::vector<int> action_set;  // the actions that the game uses
     std::optional<int> mode, difficulty;
     SeedWords seed{};
-    std::shared_ptr<const GrayOfPairs> gray_of_pairs;  // for PixelFormat::kGrayOfRgb
 };
 
 // Throws std::invalid_argument if a setting is out of range or a size cannot be made.

@@ -1,0 +1,86 @@
+// `FrameSource`: the frames that an `ObservationStack` reads, from an environment or from arrays of the caller.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "ale/environment.hpp"
+
+namespace atari {
+
+// A frame of palette indices. `looks` are those of its rows (LineCache::looks), or null. `framebuffer` is the number of
+// the console's framebuffer that holds it, or -1.
+struct Frame {
+    const uint8_t* pixels;
+    const uint32_t* looks = nullptr;
+    int framebuffer = -1;
+};
+
+// What it reads must exist while frames are read. Owns a copy of the noted frame where the next frame overwrites it.
+class FrameSource {
+  public:
+    // Reads an environment without averaged colours, for which no other source holds frames.
+    explicit FrameSource(Environment& environment)
+        : rows_(environment.height()), palette_(environment.game()->palette), environment_(&environment), holds_(true) {
+    }
+    // Reads what `read` gives: frames of rows x 160.
+    FrameSource(int rows, const Palette& palette) : rows_(rows), palette_(&palette) {}
+
+    // Reads the environment, or the frame, from here on. Frames of an environment are rendered when they are read.
+    void read(Environment& environment) {
+        environment_ = &environment;
+        pixels_ = nullptr;
+    }
+    void read(const uint8_t* pixels) {
+        environment_ = nullptr;
+        pixels_ = pixels;
+    }
+
+    int rows() const { return rows_; }
+    const Palette& palette() const { return *palette_; }
+
+    Frame current() {
+        if (!environment_) return {pixels_};
+        Console& console = environment_->console();
+        const uint8_t* const pixels = console.framebuffer();
+        return {pixels, console.looks(), console.machine().tia.current};
+    }
+
+    // Notes the present frame; `noted` returns it after the next frame. A console renders the next frame into its other
+    // framebuffer. It continues a partial frame in place, so a partial frame is copied.
+    void note() {
+        copied_ = !environment_ || environment_->console().machine().tia.partial;
+        if (!copied_) return std::vector<uint8_t>().swap(copy_);  // frees the memory
+        const uint8_t* const pixels = current().pixels;
+        copy_.assign(pixels, pixels + rows_ * kScreenWidth);
+    }
+    Frame noted() {
+        if (copied_) return {copy_.data()};
+        if (!environment_) return current();
+        Console& console = environment_->console();
+        const uint8_t* const pixels = console.previous_framebuffer();
+        return {pixels, console.previous_looks(), console.machine().tia.current ^ 1};
+    }
+
+    // Keeps the console's framebuffers, of which one has this frame, until `let_go`. False if this source cannot.
+    bool hold(Frame frame) {
+        if (!holds_ || frame.framebuffer < 0) return false;
+        environment_->console().framebuffers().hold();
+        return true;
+    }
+    void let_go() {
+        if (holds_) environment_->console().framebuffers().let_go();
+    }
+    Frame held(int framebuffer) const { return {environment_->console().framebuffers().held(framebuffer)}; }
+
+  private:
+    int rows_;
+    const Palette* palette_;
+    Environment* environment_ = nullptr;
+    const uint8_t* pixels_ = nullptr;
+    bool holds_ = false;
+    bool copied_ = false;  // whether `copy_` is the noted frame
+    std::vector<uint8_t> copy_;
+};
+
+}  // namespace atari

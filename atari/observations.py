@@ -1,0 +1,83 @@
+"""`FrameObservations`: the observations of a task, made from single frames, for programs that play frame by frame."""
+
+from typing import Any
+
+import numpy as np
+
+from atari import _emulator
+from atari.cores import ByteArray, Core
+from atari.task import Task
+from atari.vector.layout import Layout
+from atari.vector.settings import observation_settings
+
+Frame = Core | ByteArray
+"""A core, whose present frame is read where it is needed, or palette indices, (rows, 160) uint8, C-contiguous."""
+
+
+class FrameObservations:
+    """The observations of a task, equal to those of `AtariVectorEnv`.
+
+    `begin` gets the frame at the start of an episode, `frame_played` that after each frame of a step, and `skip_ended`
+    makes the image of the step. After `begin` and `skip_ended`, `observation` is what a policy sees.
+
+    Args:
+        task: without sound and indicator of the player.
+        layout: the axes and the dtype of observations.
+
+    Raises:
+        ValueError: the task has sound, or an indicator of the player, or images of a size that a vector does not make.
+
+    Example:
+        >>> import atari
+        >>> from atari.observations import FrameObservations
+        >>> core = atari.cores.NativeCore("pong", seed=0)
+        >>> core.reset()
+        >>> seen = FrameObservations(atari.Task.of("pong", preset="dqn2015"))
+        >>> seen.begin(core)
+        >>> seen.observation().shape
+        (1, 4, 84, 84)
+    """
+
+    def __init__(self, task: Task, layout: Layout | None = None) -> None:
+        if task.sound_obs or task.agent_indicator:
+            field = "sound_obs" if task.sound_obs else "agent_indicator"
+            raise ValueError(f"observations are made from frames alone, which do not have it; leave {field}=True out")
+        self._layout = Layout.check(task, False, "uint8") if layout is None else layout
+        self._dict = task.obs_type in ("dict", "rgb_dict")
+        self._stack: _emulator.ObservationStack | None = None
+        if task.obs_type != "ram":
+            screen = task.definition.screen
+            self._stack = _emulator.ObservationStack(observation_settings(task), screen.shape[0], screen.format)
+        self._ram: ByteArray = np.zeros(128, np.uint8)
+
+    def see_ram(self, ram: ByteArray) -> None:
+        """The RAM of the next observation, for tasks whose observations have it."""
+        self._ram = ram
+
+    def begin(self, frame: Frame, fill: bool = True) -> None:
+        """Begin an episode with the present frame; without `fill`, the images before it stay."""
+        if self._stack is not None:
+            self._stack.begin(frame, fill)
+
+    def repeat(self, fill: bool = True) -> None:
+        """Begin an episode with the last image again."""
+        if self._stack is not None:
+            self._stack.repeat(fill)
+
+    def frame_played(self, frame: Frame, left: int, ended: bool) -> None:
+        """A frame of a step was played, with `left` to come; `ended` is whether the episode has ended with it."""
+        if self._stack is not None:
+            self._stack.frame_played(frame, left, ended)
+
+    def skip_ended(self, frame: Frame, left: int, ended: bool) -> None:
+        """A step has ended, `left` frames early; `ended` is whether the episode has ended with it."""
+        if self._stack is not None:
+            self._stack.skip_ended(frame, left, ended)
+
+    def observation(self) -> Any:
+        """A batch of one observation; a new array."""
+        ram = self._ram[None].copy()
+        if self._stack is None:
+            return self._layout.apply(ram)
+        images = self._stack.observation()[None]
+        return self._layout.apply({"image": images, "ram": ram} if self._dict else images)
