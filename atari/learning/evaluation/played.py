@@ -158,7 +158,10 @@ def _check_alone(task: Task, owner: str) -> None:
     """Refuse what an evaluation cannot play."""
     for name, value in (("players", 1), ("continuous", False)):
         if getattr(task, name) != value:
-            raise ValueError(f"games are evaluated with {name}={value}, and {owner} has {getattr(task, name)}")
+            raise ValueError(
+                f"an evaluation plays games with {name}={value}, and {owner} has {name}={getattr(task, name)}; "
+                "leave it out"
+            )
 
 
 def _check_policy(entry: Entry, protocol: EvaluationProtocol, policy: Task) -> None:

@@ -229,8 +229,8 @@ def of_task(task, **environment):
         (ValueError, {"policy": needs(difficulty=1)}, "pass atari.Task.of('pong', difficulty=1) as the game"),
         (ValueError, {"policy": needs(interventions=["lazy_enemy"])}, "interventions=['lazy_enemy']) as the game"),
         (ValueError, {"policy": needs(interventions=["lazy"])}, "lazy"),
-        (ValueError, {"policy": needs(players=2)}, "evaluated with players=1, and the policy has 2"),
-        (ValueError, {"policy": needs(continuous=True)}, "evaluated with continuous=False"),
+        (ValueError, {"policy": needs(players=2)}, "plays games with players=1, and the policy has players=2"),
+        (ValueError, {"policy": needs(continuous=True)}, "plays games with continuous=False, and the policy"),
         (ValueError, {"policy": needs(agent_indicator=True)}, "agent_indicator=True has no effect"),
         (
             ValueError,
