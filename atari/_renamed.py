@@ -5,6 +5,7 @@ from collections.abc import Mapping
 RENAMED: Mapping[str, str] = {
     "atari.Protocol": "atari.Task",
     "atari.protocols.Protocol": "atari.Task",
+    "atari.multiplayer.PreprocessedEnv": "atari.multiplayer.MultiplayerEnv(game, preset='multiplayer_dqn')",
     "atari.wrappers.preset_protocol": "atari.Task.of(game, preset=name)",
 }
 """The new name by the old one."""

@@ -10,7 +10,7 @@ from atari.task import Task
 from atari.vector.layout import Layout
 from atari.vector.settings import observation_settings
 
-Frame = Core | ByteArray
+Frame = Core | _emulator.Emulator | ByteArray
 """A core, whose present frame is read where it is needed, or palette indices, (rows, 160) uint8, C-contiguous."""
 
 
@@ -21,11 +21,11 @@ class FrameObservations:
     makes the image of the step. After `begin` and `skip_ended`, `observation` is what a policy sees.
 
     Args:
-        task: without sound and indicator of the player.
+        task: without sound.
         layout: the axes and the dtype of observations.
 
     Raises:
-        ValueError: the task has sound, or an indicator of the player, or images of a size that a vector does not make.
+        ValueError: the task has sound, or images of a size that a vector does not make.
 
     Example:
         >>> import atari
@@ -39,9 +39,8 @@ class FrameObservations:
     """
 
     def __init__(self, task: Task, layout: Layout | None = None) -> None:
-        if task.sound_obs or task.agent_indicator:
-            field = "sound_obs" if task.sound_obs else "agent_indicator"
-            raise ValueError(f"observations are made from frames alone, which do not have it; leave {field}=True out")
+        if task.sound_obs:
+            raise ValueError("observations are made from frames without sound; leave sound_obs=True out")
         self._layout = Layout.check(task, False, "uint8") if layout is None else layout
         self._dict = task.obs_type in ("dict", "rgb_dict")
         self._stack: _emulator.ObservationStack | None = None
@@ -73,6 +72,19 @@ class FrameObservations:
         """A step has ended, `left` frames early; `ended` is whether the episode has ended with it."""
         if self._stack is not None:
             self._stack.skip_ended(frame, left, ended)
+
+    def save(self) -> bytes:
+        """The images, as bytes."""
+        return b"" if self._stack is None else self._stack.save()
+
+    def load(self, state: bytes) -> None:
+        """Go on from what `save` returned.
+
+        Raises:
+            ValueError: these are other bytes.
+        """
+        if self._stack is not None:
+            self._stack.load(state)
 
     def observation(self) -> Any:
         """A batch of one observation; a new array."""

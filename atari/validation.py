@@ -185,6 +185,10 @@ _OTHER_NAMES = {
     "terminal_on_life_loss": "episodic_life",
     "noop_max": "noops",
     "use_fire_reset": "fire",
+    "shape": "img_height",
+    "player_indicator": "agent_indicator",
+    "max_cycles": "max_episode_steps",
+    "num_players": "players",
 }
 
 _OF_VECTORS = frozenset(("num_envs", "num_threads", "batch_size", "autoreset_mode", "channels_last"))

@@ -46,7 +46,7 @@ ALLOWED = {
     "algorithmic": "validation",
     "recording": "_gymnasium atari actions cores env env_ids games making multiplayer notebook rendering restorable roms task "
     "validation vector wrappers",
-    "multiplayer": "_emulator actions cores env games observations recording rendering roms validation vector",
+    "multiplayer": "_emulator _renamed actions cores env games observations recording rendering roms task validation vector",
     "integrations": "_emulator _gymnasium _script classic cores env_ids games lab learning recording task validation vector wrappers",
     "sb3": "integrations",
     "learning": "_emulator _gymnasium _interrupt actions cores env env_ids games making observations recording registration rendering "
@@ -67,6 +67,8 @@ ALLOWED = {
 UPWARD = {
     # `Task.of`, `to_json`, `from_json` and `str` need modules that make tasks themselves.
     "atari.task.task": "atari.task.resolution atari.task.storage atari.task.description atari.making atari.vector",
+    # `TorchEnvs` makes the vector of a game; `AtariVectorEnv.torch` makes a `TorchEnvs`.
+    "atari.integrations.torch": "atari.vector.env",
 }
 """By module, what methods of its classes import when they are called: modules that import this one. `Task.make` and
 `Task.make_vec` are the others. These imports are in functions or for type checkers only."""

@@ -43,7 +43,7 @@ class StickyActions(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCon
     def __init__(self, env: Environment, repeat_action_probability: float = 0.25) -> None:
         repeat_action_probability = check_probability("repeat_action_probability", repeat_action_probability)
         inner = env.unwrapped
-        if isinstance(inner, AtariEnv) and inner.task.repeat_action_probability > 0:
+        if isinstance(inner, AtariEnv) and inner.task.repeat_action_probability != 0.0:
             raise ValueError(
                 f"the actions of {inner.game.id} are sticky already (probability "
                 f"{inner.task.repeat_action_probability}); make it with repeat_action_probability=0.0"

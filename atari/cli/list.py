@@ -9,7 +9,7 @@ from atari.cli.arguments import add_command
 from atari.cli.output import print_json, print_table
 from atari.games.catalog import games
 from atari.games.game import Game
-from atari.multiplayer.environments import ENVIRONMENTS
+from atari.games.pettingzoo import ENVIRONMENTS
 
 if TYPE_CHECKING:
     from atari.cli.arguments import Commands

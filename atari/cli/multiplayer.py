@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from atari.cli.arguments import find_game, number
+from atari.games.pettingzoo import find_environment
 from atari.games.players import rules_of
-from atari.multiplayer.environments import find_environment
 from atari.play.multiplayer_session import OBSERVATIONS, MultiplayerSession
 
 

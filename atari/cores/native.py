@@ -34,7 +34,43 @@ _NO_RULES = CompiledRules(
 """The rules of a game without single-player rules: no reward, no lives, no end."""
 
 
-class NativeCore(_emulator.Emulator):
+class EmulatorCore(_emulator.Emulator):
+    """The emulator with checked pokes, and snapshots as portable bytes; the base of our cores."""
+
+    def set_ram(self, index: int, value: int) -> None:
+        """Write one byte of RAM."""
+        super().set_ram(*check_poke(index, value))
+
+    def snapshot(self) -> bytes:
+        """The whole state as portable bytes, about 5 kB."""
+        return snapshot.pack(self._facts(), {"state": zlib.compress(self.save(), 1)})
+
+    def restore(self, data: bytes) -> None:
+        """Continue from a snapshot.
+
+        Raises:
+            TypeError, ValueError: not a snapshot, damaged, or of another game, core, version or other options. The
+                game is as it was.
+        """
+        facts, blobs = snapshot.unpack(data)
+        self._check(facts)
+        snapshot.require_blobs(blobs, "state")
+        try:
+            state = zlib.decompressobj().decompress(blobs["state"], 1 << 20)
+        except zlib.error as error:
+            raise ValueError(f"the snapshot is damaged: {error}") from None
+        self.load(state)
+
+    def _check(self, facts: dict[str, Any]) -> None:
+        """Refuse a snapshot that the core cannot continue from."""
+        snapshot.require(facts, self._facts())
+
+    def _facts(self) -> dict[str, Any]:
+        """The facts in which a snapshot must agree with this core."""
+        raise NotImplementedError
+
+
+class NativeCore(EmulatorCore):
     """A game played by the native emulator. See `Core` for the methods.
 
     Args:
@@ -125,10 +161,6 @@ class NativeCore(_emulator.Emulator):
         self.difficulty = check_difficulty(self.game, difficulty)
         super().set_difficulty(self.difficulty)
 
-    def set_ram(self, index: int, value: int) -> None:
-        """Write one byte of RAM."""
-        super().set_ram(*check_poke(index, value))
-
     def restore_state(self, state: _emulator.State) -> None:
         """Continue from a state that `clone_state` returned; it is complete, with framebuffer, sound and held action.
 
@@ -150,28 +182,7 @@ class NativeCore(_emulator.Emulator):
         core.load(self.save())
         return core
 
-    def snapshot(self) -> bytes:
-        """The whole state as portable bytes, about 5 kB."""
-        return snapshot.pack(self._facts(), {"state": zlib.compress(self.save(), 1)})
-
-    def restore(self, data: bytes) -> None:
-        """Continue from a snapshot.
-
-        Raises:
-            TypeError, ValueError: not a snapshot, damaged, or of another game, core, version or other options.
-        """
-        facts, blobs = snapshot.unpack(data)
-        snapshot.require(facts, self._facts())
-        snapshot.require_blobs(blobs, "state")
-        unpacker = zlib.decompressobj()
-        try:
-            state = unpacker.decompress(blobs["state"], 1 << 20)
-        except zlib.error as error:
-            raise ValueError(f"the snapshot is damaged: {error}") from None
-        self.load(state)
-
     def _facts(self) -> dict[str, Any]:
-        """The facts in which a snapshot must agree with this core."""
         return {
             "core": NativeCore.name,  # `PlainCore` has it too: its state is the same to the byte
             "game": self.game.id,

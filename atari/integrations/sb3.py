@@ -19,6 +19,7 @@ from gymnasium import logger, spaces
 from atari._gymnasium import AutoresetMode
 from atari.cores.options import SEED_LIMIT
 from atari.recording import RecordVectorReplay, RecordVectorVideo
+from atari.task import Task
 from atari.task.resolution import GameLike
 from atari.vector.env import AtariVectorEnv
 
@@ -86,6 +87,11 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         )
         self._actions: Any = None
         self._made_at = time.time()
+
+    @property
+    def task(self) -> Task:
+        """What the first environment plays."""
+        return self._atari.task
 
     def reset(self) -> Any:
         """Begin new games, with the seeds of `seed` if it was called. Warn if a `VecFrameStack` calls it."""

@@ -23,18 +23,26 @@ class TorchEnvs:
     while the environments may already play the next step. The current stream waits for the copy, Python does not.
 
     Args:
-        envs: the vector environment; use either at any time.
+        envs: the vector environment, of which either can be used at any time; or a game as `AtariVectorEnv` takes it.
         device: as PyTorch names it; None is the CPU.
-        takes_out: whether the observations are written as the engine writes them, so that `out` is possible.
+        num_envs, options: of `AtariVectorEnv`, for a game.
 
     Attributes:
         envs: the vector environment.
+        task: what the first environment plays.
         device: a `torch.device`.
+
+    Raises:
+        TypeError, ValueError, FileNotFoundError: as `AtariVectorEnv`; or an option is given for
+            environments that exist.
     """
 
-    def __init__(self, envs: Any, device: Any = None, takes_out: bool = False) -> None:
-        self.envs = envs
-        self._takes_out = takes_out
+    def __init__(self, envs: Any, device: Any = None, num_envs: int | None = None, **options: Any) -> None:
+        from atari.vector.env import vector_of  # it imports this module
+
+        self.envs = envs = vector_of(envs, num_envs, options)
+        self.task = envs.task
+        self._takes_out: bool = envs.options.layout.is_engines
         self.device: Any = torch.device("cpu" if device is None else device)
         self._copies = _Copies(self.device) if self.device.type != "cpu" else None
         self._actions: Any = None  # where those of a CUDA device are copied to

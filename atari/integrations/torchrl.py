@@ -8,6 +8,7 @@ from gymnasium import spaces
 
 from atari._gymnasium import AutoresetMode
 from atari.integrations.torch import TorchEnvs
+from atari.vector.env import vector_of
 
 try:
     import torch
@@ -31,20 +32,27 @@ class AtariTorchRLEnv(EnvBase):
     observation of an episode, not the first one of the following.
 
     Args:
-        envs: an `AtariVectorEnv` with autoreset_mode="Disabled" and batches of all environments.
+        envs: an `AtariVectorEnv` with autoreset_mode="Disabled" and batches of all environments; or a game as
+            `AtariVectorEnv` takes it: an ID, a name, a game file, a `Game`, an `atari.Task`, or a list of them.
         device: of the tensors; None is the CPU. Copies to a CUDA device are as `TorchEnvs` makes them.
+        num_envs, options: of `AtariVectorEnv`, for a game.
+
+    Attributes:
+        task: what the first environment plays.
 
     Raises:
-        ValueError: the vector environment resets by itself, has batches of fewer than all, or several players.
+        TypeError, ValueError, FileNotFoundError: as `AtariVectorEnv`; or the vector environment resets by itself, has
+            batches of fewer than all, or several players.
 
     Example:
-        >>> envs = AtariTorchRLEnv(atari.AtariVectorEnv("pong", 8, autoreset_mode="Disabled"))
+        >>> envs = AtariTorchRLEnv("pong", num_envs=8)
         >>> data = envs.rollout(100, break_when_any_done=False)
         >>> data["next", "observation"].shape
         torch.Size([8, 100, 4, 84, 84])
     """
 
-    def __init__(self, envs: Any, device: Any = None) -> None:
+    def __init__(self, envs: Any, device: Any = None, num_envs: int | None = None, **options: Any) -> None:
+        envs = vector_of(envs, num_envs, options, autoreset_mode=AutoresetMode.DISABLED)
         mode = envs.metadata["autoreset_mode"]
         if mode != AutoresetMode.DISABLED:
             raise ValueError(
@@ -56,6 +64,7 @@ class AtariTorchRLEnv(EnvBase):
             raise ValueError("TorchRL's specs here are of one player: leave players out")
         super().__init__(device=torch.device("cpu" if device is None else device), batch_size=[envs.num_envs])
         self._view: TorchEnvs = envs.torch(device)
+        self.task = self._view.task
         self._seed_of_reset: int | None = None
         self._make_specs(envs)
 

@@ -10,33 +10,31 @@ from typing import TYPE_CHECKING, Any
 
 import gymnasium
 
+from atari._renamed import missing
+from atari.games.pettingzoo import ENVIRONMENTS, Environment
 from atari.multiplayer.core import MultiplayerCore
-from atari.multiplayer.environments import ENVIRONMENTS, Environment
-from atari.validation import check_name
 
 if TYPE_CHECKING:
     from pettingzoo import AECEnv, ParallelEnv
 
     from atari.multiplayer.parallel import MultiplayerEnv
-    from atari.multiplayer.preprocessing import PreprocessedEnv
+    from atari.task.resolution import GameLike
 
 __all__ = [
     "ENVIRONMENTS",
     "Environment",
     "MultiplayerCore",
     "MultiplayerEnv",
-    "PreprocessedEnv",
     "env",
     "parallel_env",
     "raw_env",
 ]
 
 
-def raw_env(game: str, *, preset: str | None = None, **options: Any) -> "AECEnv[str, Any, int]":
-    """The game as PettingZoo's AEC environment, in which agents take turns, without checks.
+def raw_env(game: "GameLike", **options: Any) -> "AECEnv[str, Any, int]":
+    """The task as PettingZoo's AEC environment, in which agents take turns, without checks.
 
-    The emulator plays a frame when the last agent has acted. Arguments and errors are those of `MultiplayerEnv`, and
-    with preset="dqn" also those of `PreprocessedEnv`, which then is around it.
+    The emulator plays a step when the last agent has acted. Arguments, errors and `task` are those of `MultiplayerEnv`.
 
     Example:
         >>> from atari.multiplayer import raw_env
@@ -53,15 +51,10 @@ def raw_env(game: str, *, preset: str | None = None, **options: Any) -> "AECEnv[
 
     from atari.multiplayer.parallel import MultiplayerEnv
 
-    if preset is None:
-        return parallel_to_aec_wrapper(MultiplayerEnv(game, **options))
-    from atari.multiplayer.preprocessing import preprocessed
-
-    check_name("preset", preset, ("dqn",))
-    return parallel_to_aec_wrapper(preprocessed(game, **options))
+    return _with_task(parallel_to_aec_wrapper, MultiplayerEnv(game, **options))
 
 
-def env(game: str, **options: Any) -> "AECEnv[str, Any, int]":
+def env(game: "GameLike", **options: Any) -> "AECEnv[str, Any, int]":
     """The game as PettingZoo's AEC environment, with PettingZoo's checks of actions and of the order of calls.
 
     Arguments and errors are those of `raw_env`.
@@ -78,10 +71,11 @@ def env(game: str, **options: Any) -> "AECEnv[str, Any, int]":
     _require()
     from pettingzoo.utils import wrappers
 
-    return wrappers.OrderEnforcingWrapper(wrappers.AssertOutOfBoundsWrapper(raw_env(game, **options)))
+    checked = wrappers.AssertOutOfBoundsWrapper(raw_env(game, **options))
+    return wrappers.OrderEnforcingWrapper(checked)
 
 
-def parallel_env(game: str, **options: Any) -> "ParallelEnv[str, Any, int]":
+def parallel_env(game: "GameLike", **options: Any) -> "ParallelEnv[str, Any, int]":
     """The game as PettingZoo's parallel environment, in which all agents act at once, with PettingZoo's checks.
 
     Arguments and errors are those of `raw_env`.
@@ -99,7 +93,14 @@ def parallel_env(game: str, **options: Any) -> "ParallelEnv[str, Any, int]":
     _require()
     from pettingzoo.utils.conversions import aec_to_parallel_wrapper
 
-    return aec_to_parallel_wrapper(env(game, **options))
+    return _with_task(aec_to_parallel_wrapper, env(game, **options))
+
+
+def _with_task(wrapper: Any, inner: Any) -> Any:
+    """A conversion of PettingZoo's, which hides what the environment inside has, with its `task`."""
+    env = wrapper(inner)
+    env.task = inner.task
+    return env
 
 
 def _require() -> None:
@@ -118,9 +119,4 @@ def __getattr__(name: str) -> Any:
         from atari.multiplayer.parallel import MultiplayerEnv
 
         return MultiplayerEnv
-    if name == "PreprocessedEnv":
-        _require()
-        from atari.multiplayer.preprocessing import PreprocessedEnv
-
-        return PreprocessedEnv
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    raise missing(__name__, name)

@@ -1,8 +1,9 @@
-"""`MultiplayerEnv`: a game of two to four players as a parallel environment of PettingZoo."""
+"""`MultiplayerEnv`: a task of two to four players as a parallel environment of PettingZoo."""
 
-from collections.abc import Iterable, Mapping, Sequence
+import copy
+from collections.abc import Mapping, Sequence
 from os import PathLike
-from typing import Any, Literal
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -12,39 +13,66 @@ from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
 from atari.actions import PLAYER_ACTIONS
-from atari.multiplayer.core import MultiplayerCore, check_switch
-from atari.multiplayer.environments import find_environment
-from atari.validation import check_integer, check_known, check_name
+from atari.cores.ale_random import AleRandom
+from atari.cores.options import SEED_LIMIT
+from atari.multiplayer.core import OF_CORE, OWN_OPTIONS, REFERENCES, MultiplayerCore
+from atari.multiplayer.resolution import resolve_several
+from atari.observations import FrameObservations
+from atari.task import Task
+from atari.task.fields import NO_LIMIT
+from atari.task.resolution import GameLike
+from atari.validation import check_integer, check_name
+from atari.vector.layout import Layout
+from atari.vector.results import zero_sum
 
 AGENTS = ("first_0", "second_0", "third_0", "fourth_0")
-OBSERVATION_TYPES = ("rgb_image", "grayscale_image", "ram")
+
+_BASE = {
+    "repeat_action_probability": 0.0,
+    "frameskip": 1,
+    "max_num_frames_per_episode": None,
+    "max_episode_steps": 100_000,
+    "seeding": "ale",
+}
+"""What a name alone has instead of ALE's v5: PettingZoo's environments."""
+
+_NO_OP = 0
+
+Infos = dict[str, dict[str, Any]]
 
 
-class MultiplayerEnv(ParallelEnv[str, NDArray[np.uint8], int]):
-    """All agents act in each frame, and see the same observation.
+class MultiplayerEnv(ParallelEnv[str, Any, int]):
+    """All agents act in each step. They see the same observation, but for `agent_indicator`.
 
-    Spaces, rewards, ends and infos are those of PettingZoo's Atari environments. `parallel_env` and `env` put
-    PettingZoo's checks around it; this class is the fast inside.
+    A name alone, without a preset, has the spaces, rewards, ends and infos of PettingZoo's Atari environments. Any task
+    of several players is played as `AtariVectorEnv` plays it, with the channels of images last. `parallel_env` and
+    `env` put PettingZoo's checks around it; this class is the fast inside.
+
+    Observations are uint8: (rows, columns, 3) for obs_type="rgb", (rows, columns) for "grayscale" and (128,) for "ram",
+    or a dict; with `stack_num` images are (rows, columns, stack_num), in RGB (rows, columns, 3 * stack_num).
 
     Args:
-        game: a name of PettingZoo's with or without version ("pong_v3", "pong"), or the id of a game that has rules for
-            several players ("backgammon").
-        obs_type: "rgb_image" (rows, 160, 3), "grayscale_image" (rows, 160, 1) or "ram" (128,), each uint8.
-        full_action_space: all 18 actions instead of those that have an effect.
-        max_cycles: steps until all agents are truncated.
+        game: a name of PettingZoo's with or without version ("pong_v3", "pong"), the id of a game that has rules for
+            several players ("backgammon"), an environment ID, the path of a game file, a `Game`, or a `Task`.
+        preset: name of a preprocessing, one of `atari.PRESETS` that is for several players: "multiplayer_dqn".
         render_mode: None, "rgb_array", or "human", a window.
-        auto_rom_install_path: a folder with ROM files; None searches as `atari.roms.find` does.
+        rom: a ROM file, or a folder with ROM files; None searches as `atari.roms.find` does. PettingZoo's name is
+            `auto_rom_install_path`.
         seed: of the first game; None takes a random one.
-        zero_sum: give each player its reward minus the mean of the others' rewards, as np.float64. The sum over all
-            players, those that have ended included, is 0. Rewards of two players that are zero-sum already are doubled;
-            in teams of two that are, they become 4/3 of what they were.
         action_sets: the names of each agent's actions, a list for each in their order, or by agent; None gives all
-            agents the same set. Not with `full_action_space`.
-        **options: the parameters of the environment (for example `num_players=4` of pong), and options of
-            `MultiplayerCore`.
+            agents the actions of the task.
+        **options: fields of `Task`; the parameters of PettingZoo's environment (for example `num_players=4` of pong);
+            and the options of `MultiplayerCore` that are no fields: `parameters`, `corrected_scores`, `mode_numbers`,
+            `end_of_reset`, `random_words`, `sound`. PettingZoo's `max_cycles` is another name of `max_episode_steps`,
+            obs_type="rgb_image" of "rgb", and "grayscale_image" of "grayscale" with stack_num=1.
+
+    Attributes:
+        task: what is played.
+        core: the `MultiplayerCore`.
+        frame: steps of the episode.
 
     Raises:
-        ValueError, TypeError: a name, a parameter or an option that does not exist.
+        ValueError, TypeError: a name, a parameter or an option that does not exist, or a field of one player.
 
     Example:
         >>> from atari.multiplayer import parallel_env
@@ -60,119 +88,131 @@ class MultiplayerEnv(ParallelEnv[str, NDArray[np.uint8], int]):
 
     def __init__(
         self,
-        game: str,
+        game: GameLike,
         *,
-        obs_type: Literal["rgb_image", "grayscale_image", "ram"] = "rgb_image",
-        full_action_space: bool = False,
-        max_cycles: int = 100_000,
+        preset: str | None = None,
         render_mode: str | None = None,
+        rom: str | PathLike[str] | None = None,
         auto_rom_install_path: str | PathLike[str] | None = None,
         seed: int | None = None,
-        zero_sum: bool = False,
         action_sets: Sequence[Sequence[str]] | Mapping[str, Sequence[str]] | None = None,
         **options: Any,
     ) -> None:
-        self.obs_type = check_name("obs_type", obs_type, OBSERVATION_TYPES)
-        self.max_cycles = check_integer("max_cycles", max_cycles, 1, 2**31 - 1)
         if render_mode is not None:
             check_name("render_mode", render_mode, ("human", "rgb_array"))
+        if rom is not None and auto_rom_install_path is not None:
+            raise TypeError("auto_rom_install_path and rom are two names of one option; give one of them")
+        own = {name: options.pop(name) for name in OWN_OPTIONS if name in options}
+        if action_sets is not None and (given := {"actions", "full_action_space"} & {*options}):
+            raise ValueError(f"give {min(given)} or action_sets, not both")
+        others = ("max_cycles", "render_mode", "rom", "action_sets", *own)
+        translated = _translated(options, preset)
+        ale_numbers = check_name("mode_numbers", own.pop("mode_numbers", REFERENCES[0]), REFERENCES) == "ale_py"
+        self.task, name = resolve_several(game, preset, translated, _BASE, "MultiplayerEnv", others, ale_numbers)
         self.render_mode = render_mode
-        environment = find_environment(game)
-        if environment is not None:
-            own = {name: options.pop(name) for name in list(options) if name in environment.defaults}
-            known = _CORE_OPTIONS | set(environment.defaults)
-            check_known(environment.id, set(options) - known, sorted(known))
-            if "mode" not in options:
-                options["mode"] = environment.choose(own)
-            elif own:
-                raise ValueError(f"give mode or {next(iter(own))}, not both")
-        else:
-            check_known(game, set(options) - _CORE_OPTIONS, sorted(_CORE_OPTIONS))
-        name = environment.id if environment else f"custom_{game}"
-        if seed is not None:
-            check_integer("seed", seed, 0, 2**63 - 1)
-        self.np_random, first_seed = seeding.np_random(seed)
-        self.core = MultiplayerCore(
-            environment.game if environment else game,
-            seed=first_seed % 2**32,
-            rom=auto_rom_install_path,
-            **options,
-        )
         self.metadata = {
             "render_modes": ["human", "rgb_array"],
             "name": name,
             "render_fps": 60,
             "is_parallelizable": True,
         }
+        layout = Layout.check(self.task, self.task.stack_num is not None and self.task.obs_type != "ram", "uint8")
+        self._seen = FrameObservations(self.task, layout)
+        if seed is not None:
+            check_integer("seed", seed, 0, 2**63 - 1)
+        emulated = {name: getattr(self.task, name) for name in OF_CORE if name not in ("game", "frameskip")}
+        self.core = MultiplayerCore(
+            Task(self.task.definition, frameskip=1, **emulated),  # type: ignore[arg-type]
+            rom=rom if auto_rom_install_path is None else auto_rom_install_path,
+            **own,
+        )
         self.possible_agents = list(AGENTS[: self.core.players])
         self.agents = self.possible_agents[:]
-        self.zero_sum = check_switch("zero_sum", zero_sum)
-        if action_sets is None:
-            actions = PLAYER_ACTIONS if full_action_space else self.core.rules.minimal_actions
-            self._actions = {agent: [int(a) for a in actions] for agent in self.possible_agents}
-        elif full_action_space:
-            raise ValueError("give full_action_space or action_sets, not both")
-        else:
-            self._actions = _own_actions(action_sets, self.possible_agents)
+        sets = [[action.name for action in self.task.action_set]] * self.core.players
+        self._actions = _own_actions(sets if action_sets is None else action_sets, self.possible_agents)
         self.action_mappings = {agent: np.array(numbers, np.int32) for agent, numbers in self._actions.items()}
         self.action_mapping = self.action_mappings[self.possible_agents[0]]
         self.action_spaces = {agent: spaces.Discrete(len(numbers)) for agent, numbers in self._actions.items()}
-        space = spaces.Box(0, 255, self._observe().shape, np.uint8)
-        self.observation_spaces = dict.fromkeys(self.possible_agents, space)
-        self.frame = 0
+        self.observation_spaces = {agent: _space(seen) for agent, seen in self._observe(self.possible_agents).items()}
         self._window: Any = None
+        self._begin_counters()
+        self._seed(int(np.random.SeedSequence().generate_state(1)[0]) if seed is None else seed)
 
-    def observation_space(self, agent: str) -> spaces.Box:
-        """The space of an agent's observations, the same for all."""
+    def observation_space(self, agent: str) -> spaces.Space[Any]:
+        """The space of an agent's observations."""
         return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> spaces.Discrete:
         """The space of an agent's actions: indices into `action_mappings[agent]`, which has ALE's numbers."""
         return self.action_spaces[agent]
 
-    def reset(
-        self, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[dict[str, NDArray[np.uint8]], dict[str, dict[str, Any]]]:
-        """Begin a new game. With a seed, the console is loaded anew, so that equal seeds give equal games."""
-        self.np_random, number = seeding.np_random(seed)
+    def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Any], Infos]:
+        """Begin a new game. With a seed, the console is loaded anew, so that equal seeds give equal games.
+
+        As in PettingZoo, whose tests of the API give some, `options` have no effect.
+        """
         if seed is not None:
-            self.core.seed(number % 2**32)
+            self._seed(check_integer("seed", seed, 0, 2**63 - 1))
         self.core.reset()
+        low, high = self.task.noops
+        for _ in range(self._draw(low, high + 1)):
+            self.core.act_players([_NO_OP] * self.core.players)
+            if self.core.game_over or self.core.truncated:
+                self.core.reset()
+        self._begin_counters()
+        self._seen.begin(self.core)
         self.agents = self.possible_agents[:]
-        self.frame = 0
-        return dict.fromkeys(self.agents, self._observe()), {agent: {} for agent in self.agents}
+        return self._observe(self.agents), {agent: {} for agent in self.agents}
 
     def step(
         self, actions: dict[str, int]
-    ) -> tuple[
-        dict[str, NDArray[np.uint8]],
-        dict[str, Any],
-        dict[str, bool],
-        dict[str, bool],
-        dict[str, dict[str, Any]],
-    ]:
-        """Play a frame. An agent without an action, or that has ended, takes action 0 of the action space."""
-        chosen = [numbers[actions.get(agent, 0)] for agent, numbers in self._actions.items()]
-        paid: Iterable[Any] = self.core.act_players(chosen)
-        paid = _zero_sum(list(paid)) if self.zero_sum else map(np.int32, paid)
-        rewards = dict(zip(self.possible_agents, paid, strict=True))
-        self.frame += 1
-        agents = self.agents
-        if self.core.game_over or self.core.truncated:
-            terminations = dict.fromkeys(agents, True)
-        else:
-            lives = dict(zip(self.possible_agents, self.core.player_lives, strict=True))
-            terminations = {agent: lives[agent] < 0 for agent in agents}
-        self.agents = [agent for agent in agents if not terminations[agent]]
+    ) -> tuple[dict[str, Any], dict[str, Any], dict[str, bool], dict[str, bool], Infos]:
+        """Play a step. An agent without an action, or that has ended, takes action 0 of the action space."""
+        agents, were_out = self.agents, self._out.copy()
+        if not agents:
+            return {}, {}, {}, {}, {}
+        moves = {agent: actions.get(agent, 0) if agent in agents else 0 for agent in self.possible_agents}
+        paid, terminated, truncated = self._play([self._actions[agent][index] for agent, index in moves.items()])
+        rewards = self._rewards([0 if out else reward for out, reward in zip(were_out, paid, strict=True)])
+        out = dict(zip(self.possible_agents, self._out, strict=True))
+        terminations = {agent: terminated or out[agent] for agent in agents}
+        truncations = {agent: truncated and not out[agent] for agent in agents}
+        self.agents = [agent for agent in agents if not terminations[agent]]  # as in PettingZoo, others are truncated
         if self.render_mode == "human":
             self.render()
-        return (
-            dict.fromkeys(agents, self._observe()),
-            {agent: rewards[agent] for agent in agents},
-            terminations,
-            dict.fromkeys(agents, self.frame >= self.max_cycles),
-            {agent: {} for agent in agents},
-        )
+        paid_to = {
+            agent: reward for agent, reward in zip(self.possible_agents, rewards, strict=True) if agent in agents
+        }
+        return self._observe(agents), paid_to, terminations, truncations, {agent: {} for agent in agents}
+
+    def _play(self, moves: list[int]) -> tuple[list[int], bool, bool]:
+        """Play the frames of a step; the rewards of the players, and whether the episode is terminated or truncated."""
+        task, core, seen = self.task, self.core, self._seen
+        paid = [0] * len(moves)
+        low, high = task.frames
+        left = low if high == low + 1 else self._draw(low, high)
+        terminated = truncated = False
+        while left and not (terminated or truncated):
+            left -= 1
+            paid = [sum(pair) for pair in zip(paid, core.act_players(moves), strict=True)]
+            for player, lives in enumerate(core.player_lives):
+                self._out[player] |= lives < 0
+            self._frames_played += 1
+            terminated = core.game_over or all(self._out)
+            no_more = task.max_frames is not None and self._frames_played >= task.max_frames
+            truncated = core.truncated or (no_more and not terminated)
+            seen.frame_played(core, left, terminated or truncated)
+        seen.skip_ended(core, left, terminated or truncated)
+        self.frame += 1
+        return paid, terminated, truncated or self.frame >= (task.max_episode_steps or self.frame + 1)
+
+    def _rewards(self, paid: list[int]) -> list[Any]:
+        """The rewards of the players in a step as agents get them."""
+        if self.task.reward_clipping:
+            paid = [min(max(reward, -1), 1) for reward in paid]
+        if self.task.zero_sum:
+            return list(zero_sum(np.array([paid], np.int32))[0])
+        return [np.int32(reward) for reward in paid]
 
     def render(self) -> NDArray[np.uint8] | None:
         """The screen (rows, 160, 3), or None and a window."""
@@ -189,15 +229,25 @@ class MultiplayerEnv(ParallelEnv[str, NDArray[np.uint8], int]):
         self._window.show(screen)
         return None
 
-    def snapshot(self) -> tuple[bytes, int, tuple[str, ...]]:
-        """The state of the game, its step and the agents in it."""
-        return self.core.snapshot(), self.frame, tuple(self.agents)
+    def snapshot(self) -> tuple[Any, ...]:
+        """The task, and the state of the game, of its generator and its counters, the agents in it, and the images."""
+        counters = (self.frame, self._frames_played, self._out.copy(), tuple(self.agents))
+        return self.task, self.core.snapshot(), copy.deepcopy(self._random), counters, self._seen.save()
 
-    def restore(self, snapshot: tuple[bytes, int, tuple[str, ...]]) -> None:
-        """Continue from what `snapshot` returned."""
-        data, frame, agents = snapshot
+    def restore(self, snapshot: tuple[Any, ...]) -> None:
+        """Continue from what `snapshot` returned.
+
+        Raises:
+            ValueError: it is of another task; nothing has changed.
+        """
+        task, data, random, (frame, frames_played, out, agents), seen = snapshot
+        if differing := self.task.differences(task):
+            name, (own, other) = next(iter(differing.items()))
+            raise ValueError(f"the snapshot is of a task with {name}={other!r}, and this environment has {own!r}")
         self.core.restore(data)
-        self.frame, self.agents = frame, list(agents)
+        self._seen.load(seen)
+        self._random = copy.deepcopy(random)
+        self.frame, self._frames_played, self._out, self.agents = frame, frames_played, out.copy(), list(agents)
 
     def close(self) -> None:
         """Close the window, if there is one."""
@@ -205,18 +255,58 @@ class MultiplayerEnv(ParallelEnv[str, NDArray[np.uint8], int]):
             self._window.close()
             self._window = None
 
-    def _observe(self) -> NDArray[np.uint8]:
-        if self.obs_type == "ram":
-            return self.core.ram()
-        if self.obs_type == "rgb_image":
-            return self.core.screen_rgb()
-        return self.core.screen_grayscale()[..., None]
+    def _seed(self, seed: int) -> None:
+        """Start the generators as the lane of a vector does."""
+        first, second = (int(word) for word in np.random.SeedSequence(seed).generate_state(2))
+        self._random = seeding.np_random(first)[0]
+        if self.task.seeding == "ale":
+            self._random = AleRandom()
+            second = self._random.seed(seed)
+        self.core.seed(min(second, SEED_LIMIT - 2))
+
+    def _draw(self, low: int, high: int) -> int:
+        """A number within low..high-1."""
+        if isinstance(self._random, AleRandom):
+            return low + self._random.below(high - low)
+        return int(self._random.integers(low, high))
+
+    def _begin_counters(self) -> None:
+        self.frame = self._frames_played = 0
+        self._out = [False] * self.core.players
+
+    def _observe(self, agents: Sequence[str]) -> dict[str, Any]:
+        if self.task.obs_type not in ("rgb", "grayscale"):
+            self._seen.see_ram(self.core.ram())
+        batch = self._seen.observation()
+        if not self.task.agent_indicator:
+            return dict.fromkeys(agents, _row(batch, 0))
+        return {agent: _row(_row(batch, 0), self.possible_agents.index(agent)) for agent in agents}
 
 
-def _zero_sum(rewards: list[int]) -> list[np.float64]:
-    """Each reward minus the mean of the others, by one division of whole numbers."""
-    total, players = sum(rewards), len(rewards)
-    return [np.float64((players * reward - total) / (players - 1)) for reward in rewards]
+def _row(batch: Any, row: int) -> Any:
+    """A row of an observation, which may be a dict."""
+    return {name: part[row] for name, part in batch.items()} if isinstance(batch, dict) else batch[row]
+
+
+def _space(observation: Any) -> spaces.Space[Any]:
+    if isinstance(observation, dict):
+        return spaces.Dict({name: _space(part) for name, part in observation.items()})
+    return spaces.Box(0, 255, observation.shape, np.uint8)
+
+
+def _translated(options: Mapping[str, Any], preset: str | None) -> dict[str, Any]:
+    """Options with a task's names for PettingZoo's."""
+    fields = dict(options)
+    if "max_cycles" in fields:
+        if "max_episode_steps" in fields:
+            raise TypeError("max_cycles and max_episode_steps are two names of one option; give one of them")
+        fields["max_episode_steps"] = check_integer("max_cycles", fields.pop("max_cycles"), 1, NO_LIMIT)
+    kind = fields.get("obs_type")
+    if kind in ("rgb_image", "grayscale_image"):
+        fields["obs_type"] = kind.removesuffix("_image")
+        if kind == "grayscale_image" and preset is None:
+            fields.setdefault("stack_num", 1)
+    return fields
 
 
 def _own_actions(sets: Any, agents: list[str]) -> dict[str, list[int]]:
@@ -236,10 +326,3 @@ def _own_actions(sets: Any, agents: list[str]) -> dict[str, list[int]]:
         for name in names:
             check_name(f"action_sets of {agent}: an action", name, numbers)
     return {agent: [numbers[name] for name in names] for agent, names in zip(agents, sets, strict=True)}
-
-
-_CORE_OPTIONS = frozenset(
-    "mode players repeat_action_probability difficulty frame_skip max_num_frames_per_episode parameters "
-    "corrected_scores mode_numbers end_of_reset random_words sound".split()
-)
-"""The options that are passed on to `MultiplayerCore`."""

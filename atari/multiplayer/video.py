@@ -21,7 +21,7 @@ def record_game(
 
     Args:
         path: the file, in a format of `VideoWriter`, or ".a26" for a replay (see `RecordMatch`).
-        core: the game, with frame_skip=1, and with sound=True unless the video is to be silent.
+        core: the game, with frameskip=1, and with sound=True unless the video is to be silent.
         policy: gives the action of each player, ALE's numbers, for the core in its present state.
         frames: the most frames that are played.
 
@@ -33,7 +33,7 @@ def record_game(
         TypeError, OSError, gymnasium.error.DependencyNotInstalled: as `VideoWriter`.
     """
     if core.frame_skip != 1:
-        raise ValueError(f"a video needs each frame: make the core with frame_skip=1, got {core.frame_skip}")
+        raise ValueError(f"a video needs each frame: make the core with frameskip=1, got {core.frame_skip}")
     with ExitStack() as stack:
         game: Any = core
         video = None

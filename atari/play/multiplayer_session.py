@@ -9,11 +9,11 @@ import numpy as np
 from atari.actions import PLAYER_ACTIONS, Action
 from atari.cores import ByteArray
 from atari.cores.options import SEED_LIMIT
-from atari.games.game import Game
 from atari.multiplayer import MultiplayerCore
 from atari.play.base import BaseSession
 from atari.play.player_agent import PlayerAgent
 from atari.recording import RecordMatch
+from atari.task.resolution import GameLike
 from atari.validation import check_name
 
 Observation = Literal["rgb", "grayscale", "ram"]
@@ -21,12 +21,12 @@ OBSERVATIONS: tuple[Observation, ...] = get_args(Observation)
 
 
 class MultiplayerSession(BaseSession):
-    """A game of two to four players, played frame by frame. All 18 actions are legal, and none is sticky.
+    """A game of two to four players, played frame by frame whatever the frame skip of a task. All 18 actions are legal.
 
     Args:
-        game: id of a game ("combat"), or a `Game`; it must have rules for several players.
+        game: as of `MultiplayerCore`, a name ("combat"), an ID, a game file, a `Game` or a `Task`.
         players: 2, 3 or 4; None is that of `mode`, else the fewest that the game has.
-        mode: in Multi-Agent-ALE's numbering; None is the first mode for `players`.
+        mode: in Multi-Agent-ALE's numbering; None is PettingZoo's for `players`, else the first.
         difficulty: None is 0.
         seed: of the game; None is a random one.
         policies: by player (0 is the first), the players that are policies, as of `atari.learning.load_policy`; human
@@ -54,7 +54,7 @@ class MultiplayerSession(BaseSession):
 
     def __init__(
         self,
-        game: str | Game,
+        game: GameLike,
         *,
         rom: Path | None = None,
         players: int | None = None,
@@ -72,7 +72,7 @@ class MultiplayerSession(BaseSession):
         if seed is None:
             seed = int(np.random.default_rng().integers(SEED_LIMIT))
         self.core = MultiplayerCore(
-            game, rom=rom, players=players, mode=mode, difficulty=difficulty, seed=seed, sound=True
+            game, rom=rom, players=players, mode=mode, difficulty=difficulty, seed=seed, sound=True, frameskip=1
         )
         self._agents: dict[int, PlayerAgent] = {}
         for player, policy in (policies or {}).items():

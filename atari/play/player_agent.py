@@ -40,6 +40,8 @@ class PlayerAgent(FrameAgent):
         if needs.task is not None and needs.task.definition != game:
             raise ValueError(f"{self.name} is a policy of {needs.task.game}, not of {game.id}")
         task = super()._task_of(needs, game)
+        if task.agent_indicator:
+            raise ValueError(f"{self.name} has agent_indicator=True, which players do not see; leave it out")
         return task.replace(fire="never", noops=(0, 0), episodic_life=False, life_loss_info=False)
 
     def _unsaid(self, game: Game) -> Task:

@@ -105,8 +105,10 @@ def skip_text(frameskip: int | tuple[int, int]) -> str:
     return "none, 1 frame a step" if frameskip == 1 else f"{frameskip} frames a step"
 
 
-def sticky_text(probability: float) -> str:
+def sticky_text(probability: float | tuple[float, ...]) -> str:
     """Sticky actions in words."""
+    if isinstance(probability, tuple):
+        return f"the previous action of each player repeats with probability {', '.join(map(str, probability))}"
     return f"the previous action repeats with probability {probability} each frame" if probability else "no"
 
 

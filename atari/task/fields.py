@@ -104,6 +104,14 @@ def check_actions(name: str, value: Any) -> str | tuple[str, ...]:
     return names
 
 
+def _check_probabilities(name: str, value: Any) -> float | tuple[float, ...]:
+    """A probability, or one for each of several players."""
+    if not isinstance(value, (list, tuple, np.ndarray)):
+        return check_probability(name, value)
+    each = tuple(check_probability(f"{name}[{player}]", one) for player, one in enumerate(value))
+    return each[0] if len(set(each)) == 1 < len(each) else each
+
+
 def _check_text(name: str, value: Any) -> str | None:
     if value is not None and not isinstance(value, str):
         raise TypeError(f"{name} must be a string or None, got {value!r}")
@@ -145,7 +153,7 @@ _CHECKS: Mapping[str, Callable[[str, Any], Any]] = {
     "actions": check_actions,
     "continuous": check_bool,
     "continuous_action_threshold": lambda name, value: float(np.float32(check_probability(name, value))),
-    "repeat_action_probability": check_probability,
+    "repeat_action_probability": _check_probabilities,
     "frameskip": lambda name, value: check_frameskip(value),
     "interventions": _as_is,
     "noops": _check_noops,

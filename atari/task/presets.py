@@ -1,7 +1,8 @@
 """`PRESETS`: the preprocessing of well-known implementations and protocols. A preset is a task without its game.
 
-All presets follow Mnih et al. 2015. They differ in the no-ops, in FIRE, in the effect of a lost life, in the pooling of
-frames, and in the observation when an episode ends inside a skip. Such details change scores.
+All presets follow Mnih et al. 2015; "multiplayer_dqn" is for games of several players. They differ in the no-ops, in
+FIRE, in the effect of a lost life, in the pooling of frames, and in the observation when an episode ends inside a skip.
+Such details change scores.
 """
 
 import difflib
@@ -154,6 +155,19 @@ PRESETS: Mapping[str, Preset] = MappingProxyType(
             end_frames="gymnasium",
             reward_clipping=True,
         ),
+        "multiplayer_dqn": _preset(
+            "SuperSuit's wrappers for PettingZoo's Atari environments, in the order of their documentation",
+            repeat_action_probability=0.0,
+            max_num_frames_per_episode=None,
+            seeding="ale",
+            episodic_life=False,
+            on_reset="continue",
+            last_life=True,
+            max_frames=_MAX_FRAMES,
+            padding="reset",
+            end_frames="last",
+            reward_clipping=False,
+        ),
     }
 )
 """Every preset by name."""
@@ -190,4 +204,6 @@ def find_preset(name: Any) -> Preset:
     known = next((preset for other, preset in OTHER_NAMES.items() if other in wanted), None)
     near = [known] if known else difflib.get_close_matches(wanted, PRESETS, n=1)
     hint = f"did you mean {near[0]!r}?" if near else "see the list"
+    if wanted == "dqn":
+        hint += " That of several players is 'multiplayer_dqn'"
     raise ValueError(f"there is no preset {name!r}; {hint} ({', '.join(PRESETS)})")

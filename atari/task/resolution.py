@@ -1,5 +1,6 @@
 """`resolve_task`: the only way from what a user gives to a `Task`."""
 
+import re
 from collections.abc import Iterable, Mapping
 from os import PathLike
 from typing import Any
@@ -9,6 +10,8 @@ import gymnasium
 from atari import env_ids
 from atari.games.catalog import games
 from atari.games.game import Game
+from atari.games.pettingzoo import find_environment
+from atari.games.players import options_of
 from atari.task.fields import check_bool, check_field
 from atari.task.presets import Preset, find_preset
 from atari.task.rules import settle
@@ -51,11 +54,13 @@ def resolve_task(
     Raises:
         gymnasium.error.NameNotFound, TypeError, ValueError, FileNotFoundError: as `Task.of`.
     """
+    if isinstance(game, str) and is_versioned(game) and (environment := find_environment(game)) is not None:
+        game, options = games[environment.game], options_of(environment, options)
     given, names = translate(options, owner, others)
     fields = {**DEFAULTS, **_start(game, {} if preset is not None or base is None else base, given)}
     if preset is not None:
         chosen = find_preset(preset)
-        _require(preset, chosen, given, names, fields["game"])
+        _require(preset, chosen, {"players": fields["players"], **given}, names, fields["game"])
         fields |= _fitting(chosen, fields)
     fields |= given
     settle(fields, DEFAULTS, given)
@@ -135,6 +140,11 @@ def _start(game: GameLike, base: Mapping[str, Any], given: Mapping[str, Any]) ->
     return {**base, "game": games.resolve(spelled(game)) if several else games.find(spelled(game))}
 
 
+def is_versioned(game: Any) -> bool:
+    """Whether a game is named as PettingZoo names it with a version, such as "pong_v3"."""
+    return isinstance(game, str) and re.fullmatch(r"[a-z_]+_v\d+", game) is not None
+
+
 def is_id(game: str) -> bool:
     """Whether a string is an environment ID, not a game's name or a file."""
     return not game.endswith(".toml") and ("-v" in game or "/" in game or game.startswith(env_ids.MODULE_PREFIX))
@@ -184,13 +194,14 @@ def known_ids() -> tuple[str, ...]:
 
 def _require(name: str, preset: Preset, given: Mapping[str, Any], names: Mapping[str, str], game: Game) -> None:
     """Refuse an option that contradicts what a preset requires."""
-    if given.get("players", 1) > 1:
-        raise ValueError(f"preset {name!r} is for one player; leave players={given['players']} or the preset out")
+    players = given["players"]
+    if players > 1 and (preset.fields["episodic_life"] or preset.fields.get("fire", "never") != "never"):
+        raise ValueError(f"preset {name!r} is for one player; use 'multiplayer_dqn', or leave players={players} out")
     for field in preset.required:
         wanted = preset.fields[field]
         if field not in given or given[field] == wanted:
             continue
-        if field == "actions" and _within(game, given[field], wanted):
+        if field == "actions" and _within(game, players, given[field], wanted):
             continue
         shown, value = wanted, given[field]
         if names[field] == "full_action_space":
@@ -198,9 +209,10 @@ def _require(name: str, preset: Preset, given: Mapping[str, Any], names: Mapping
         raise ValueError(f"preset {name!r} needs {names[field]}={shown!r}, got {value!r}; leave it out")
 
 
-def _within(game: Game, actions: Any, wanted: str) -> bool:
+def _within(game: Game, players: int, actions: Any, wanted: str) -> bool:
     """Whether an agent that has these actions plays the game of a preset that requires a set of them."""
-    own, allowed = (Task.of(game, actions=chosen).action_set for chosen in (actions, wanted))
+    tasks = (resolve_task(game, None, {"players": players, "actions": chosen}) for chosen in (actions, wanted))
+    own, allowed = (task.action_set for task in tasks)
     return own == allowed or (not isinstance(actions, str) and {*own} <= {*allowed})
 
 

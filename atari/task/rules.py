@@ -122,7 +122,16 @@ def check_together(task: Fields, game: Game) -> None:
 def _contradictions(task: Fields, game: Game) -> list[tuple[bool, str]]:
     several = task["players"] > 1
     height, width = task["img_height"], task["img_width"]
+    sticky = task["repeat_action_probability"]
     return [
+        (
+            isinstance(sticky, tuple) and len(sticky) != task["players"],
+            f"repeat_action_probability must be a number, or one for each of {task['players']} players, got {sticky}",
+        ),
+        (
+            task["agent_indicator"] and _is_gray(task) and task["stack_num"] is None,
+            "agent_indicator=True adds channels, and a gray image without a stack has none; add stack_num=1",
+        ),
         (
             task["fire"] == "before_noops" and task["fire_unit"] == "skip",
             "fire='before_noops' presses FIRE before single frames, and fire_unit='skip' for a whole step after them; "
@@ -164,6 +173,10 @@ def _contradictions(task: Fields, game: Game) -> list[tuple[bool, str]]:
         (
             several and _fires(task),
             f"fire={task['fire']!r} is for one player; leave it or players={task['players']} out",
+        ),
+        (
+            several and task["sound_obs"],
+            f"sound_obs=True is for one player; leave it or players={task['players']} out",
         ),
         (
             several and task["continuous"],

@@ -73,7 +73,7 @@ def from_json(text: str, game: Game | None = None) -> Task:
     if "game" not in table:
         raise ValueError("a task needs the key 'game'")
     fields = {**defaults, **table}
-    for key in ("frameskip", "noops", "actions"):
+    for key in ("frameskip", "noops", "actions", "repeat_action_probability"):
         if isinstance(fields[key], list):
             fields[key] = tuple(fields[key])
     changes = fields["interventions"]

@@ -44,7 +44,8 @@ class Task:
         actions: minimal (those that the game uses), full (all legal ones), or names of actions.
         continuous: actions are (radius, angle, fire), three float32 (Farebrother and Castro 2024, "CALE").
         continuous_action_threshold: how far the stick must be moved, or fire pressed, to count.
-        repeat_action_probability: of repeating the previous action, drawn in each frame (sticky actions).
+        repeat_action_probability: of repeating the previous action, drawn in each frame (sticky actions); of several
+            players, each can have its own.
         frameskip: frames for each action, or (low, high) for a number within low..high-1 drawn at each step.
         interventions: changes of the game through its RAM; names, paths as "file.toml#name", or definitions.
         noops: an episode begins with so many frames of NOOP, drawn from (low, high), both included.
@@ -105,7 +106,7 @@ class Task:
     actions: str | tuple[str, ...] = "minimal"
     continuous: bool = False
     continuous_action_threshold: float = 0.5
-    repeat_action_probability: float = 0.25
+    repeat_action_probability: float | tuple[float, ...] = 0.25
     frameskip: int | tuple[int, int] = 4
     interventions: tuple[Intervention, ...] = ()
     noops: tuple[int, int] = (0, 0)
@@ -169,7 +170,7 @@ class Task:
         fields["interventions"] = resolve(game, fields["interventions"])
         if several:
             rules = rules_of(game)
-            fields["mode"], _ = choose_mode(rules, game, fields["mode"], fields["players"])
+            fields["mode"], _ = choose_mode(game, fields["mode"], fields["players"])
             difficulty = 0 if fields["difficulty"] is None else check_integer("difficulty", fields["difficulty"], 0, 3)
             if difficulty not in rules.difficulties and fields["difficulty"] is not None:
                 raise ValueError(f"difficulty of {game.id} must be one of {rules.difficulties}, got {difficulty}")
@@ -212,7 +213,8 @@ class Task:
 
         Args:
             game: an environment ID ("ALE/Pong-v5"), which has the options of this ID; a game's name ("pong",
-                "MsPacman"), the path of a game file or a `Game`, which are ALE's v5; or a `Task`.
+                "MsPacman"), the path of a game file or a `Game`, which are ALE's v5; a name of PettingZoo's with its
+                version ("pong_v3"), with its mode and its players; or a `Task`.
             preset: name of a preprocessing, one of `PRESETS`.
             **options: fields of `Task`. Gymnasium's and ale-py's names `full_action_space` and `clip_reward` are
                 other names of `actions` and `reward_clipping`.
@@ -374,7 +376,7 @@ class Task:
         if self.rules == fingerprint(self.definition):
             fields["rules"] = ""
         several = self.players > 1
-        default = choose_mode(rules_of(self.definition), self.definition, None, self.players)[0] if several else None
+        default = choose_mode(self.definition, None, self.players)[0] if several else None
         fields["mode"] = None if several and self.mode == default else self.set_mode
         fields["difficulty"] = self.set_difficulty
         return fields

@@ -9,7 +9,7 @@ import copy
 import operator
 import os
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
@@ -77,8 +77,7 @@ class AtariVectorEnv(Views, VectorEnv):
             environment (added). Games whose actions differ get all 18 as their common action space;
             `info["action_mask"]`, bool (batch, 18), says which of them a game uses.
         num_envs: how many environments; may be left out if `game` is a sequence.
-        preset: name of a preprocessing, one of `atari.PRESETS` (added). With `players`, "dqn": the stack begins as
-            copies of the first image, as in `atari.multiplayer.parallel_env`.
+        preset: name of a preprocessing, one of `atari.PRESETS` (added), with `players` "multiplayer_dqn".
         batch_size: results of so many environments make a batch, 0 is all. With fewer than all, `recv` returns the
             first that are ready, and `info["env_id"]` says which.
         num_threads: at most so many, of which the caller's is one; 0 is as many as the machine has cores.
@@ -571,6 +570,25 @@ class AtariVectorEnv(Views, VectorEnv):
         if self._phase == "new" and not mask.all():
             raise FirstResetNeeded("the first reset() must reset every environment, without reset_mask")
         return np.ascontiguousarray(mask)
+
+
+def vector_of(envs: Any, num_envs: int | None, options: Mapping[str, Any], **defaults: Any) -> Any:
+    """A vector environment: `envs` if it is one, else a new one of a game.
+
+    Args:
+        envs: a vector environment, or a game as `AtariVectorEnv` takes it.
+        num_envs, options: of `AtariVectorEnv`, for a game.
+        defaults: options of a game that are not given.
+
+    Raises:
+        TypeError, ValueError: as `AtariVectorEnv`; or an option is given for environments that exist.
+    """
+    if not hasattr(envs, "single_action_space"):
+        return AtariVectorEnv(envs, num_envs, **{**defaults, **options})
+    given = {**options, **({} if num_envs is None else {"num_envs": num_envs})}
+    if given:
+        raise TypeError(f"{next(iter(given))} is an option of new environments, and these exist; leave it out")
+    return envs
 
 
 def _closed() -> gymnasium.error.ClosedEnvironmentError:

@@ -44,7 +44,8 @@ class Layout:
             raise ValueError(
                 "channels_last=True puts the stack last, and stack_num=None has none; leave one of them out"
             )
-        if task.agent_indicator and task.obs_type in ("rgb", "rgb_dict") and not channels_last:
+        rgb_stack = task.stack_num is not None and task.obs_type in ("rgb", "rgb_dict")
+        if task.agent_indicator and rgb_stack and not channels_last:
             raise ValueError("agent_indicator adds channels, which RGB images have last; add channels_last=True")
         try:
             name = np.dtype(dtype).name
@@ -102,7 +103,7 @@ class Layout:
         This is the indicator of SuperSuit's `agent_indicator_v0`. The channels of RAM are its bytes.
         """
         players = self.indicators
-        axis = 2 if array.ndim == 4 and not self.channels_last else -1  # of the channels in the result
+        axis = 2 if array.ndim == 4 and self.stacked and not self.channels_last else -1  # of the channels in the result
         one_each = np.broadcast_to(array[:, None], (len(array), players, *array.shape[1:]))
         widths = [(0, 0)] * one_each.ndim
         widths[axis] = (0, players)

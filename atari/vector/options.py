@@ -24,7 +24,7 @@ from atari.roms import find
 from atari.roms.image import read_image
 from atari.task import Task
 from atari.task.fields import NO_LIMIT, check_bool
-from atari.task.resolution import ALIASES, OPTIONS, is_id, resolve_task
+from atari.task.resolution import ALIASES, OPTIONS, is_id, is_versioned, resolve_task
 from atari.validation import check_integer, check_known
 from atari.vector import ale_names
 from atari.vector.layout import Layout
@@ -307,21 +307,20 @@ def resolve_one(game: Any, preset: Any, options: dict[str, Any]) -> Task:
     Raises:
         TypeError, ValueError: an option is wrong.
     """
-    several = options.get("players") is not None and options["players"] != 1
-    if several and preset not in (None, "dqn"):
-        raise ValueError(f"preset of several players must be 'dqn' or None, got {preset!r}")
-    base: dict[str, Any] = {}
-    bare = _is_bare(game) and (preset is None or several)
-    if bare:
-        base = dict(ale_names.SEVERAL_PLAYERS if several else ale_names.ONE_PLAYER)
-    if several:
-        base, preset = {**base, "padding": "zero" if preset is None else "reset"}, None
+    several = is_versioned(game) or options.get("players") not in (None, 1)
+    bare = _is_bare(game) and preset is None
+    base = (ale_names.SEVERAL_PLAYERS if several else ale_names.ONE_PLAYER) if bare else {}
     kind = base.get("obs_type") or (game.obs_type if isinstance(game, Task) else "grayscale" if preset else "rgb")
     fields = ale_names.as_task_options(options, bare, kind)
     task = resolve_task(game, preset, fields, base=base, owner="AtariVectorEnv")
     if task.sound_obs:
         raise ValueError(
             "sound_obs=True is for single environments, a vector has no sound; use atari.make, or leave it out"
+        )
+    if isinstance(task.repeat_action_probability, tuple):
+        raise ValueError(
+            f"repeat_action_probability={task.repeat_action_probability} differs by player, and a vector has one for "
+            "all players; use atari.multiplayer, or give a number"
         )
     return task
 

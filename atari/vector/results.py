@@ -55,7 +55,7 @@ class Results:
         # Methods that copy a row, without those of ended episodes.
         copy_reward = reward.copy if players == 1 else partial(reward.astype, np.float64)
         if options.task.zero_sum:
-            copy_reward = partial(_zero_sum, reward)
+            copy_reward = partial(zero_sum, reward)
         self._copies = (copy_reward, *(row.copy for row in (lives, frame, episode_frame, *ends)))
         self._game_copies = (game_reward.copy, game_steps.copy, game_over.copy) if options.game_info else ()
         self._env_id_copy = env_id.copy if rows < len(options.games) else None
@@ -185,10 +185,10 @@ def _lenders(parts: dict[str, npt.NDArray[np.uint8]]) -> dict[str, _emulator.Arr
     return {name: _emulator.ArrayLender(array) for name, array in parts.items()}
 
 
-def _zero_sum(reward: npt.NDArray[np.int32]) -> npt.NDArray[np.float64]:
-    """The rewards (rows, players), each minus the mean of those of the other players."""
-    others = reward.sum(axis=1, keepdims=True) - reward
-    relative: npt.NDArray[np.float64] = reward - others / (reward.shape[1] - 1)
+def zero_sum(reward: npt.NDArray[np.int32]) -> npt.NDArray[np.float64]:
+    """The rewards (rows, players), each minus the mean of those of the other players: one division of integers."""
+    players = reward.shape[1]
+    relative: npt.NDArray[np.float64] = (players * reward - reward.sum(axis=1, keepdims=True)) / (players - 1)
     return relative
 
 

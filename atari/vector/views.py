@@ -117,4 +117,4 @@ class Views:
         """
         from atari.integrations.torch import TorchEnvs
 
-        return TorchEnvs(self, device, self._options.layout.is_engines)
+        return TorchEnvs(self, device)

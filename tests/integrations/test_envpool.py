@@ -15,6 +15,8 @@ import numpy as np
 import pytest
 from gymnasium.vector import VectorEnv
 
+import atari
+from atari import Task
 from atari.integrations import envpool
 
 SCRIPTS = Path(__file__).parent / "scripts"
@@ -223,8 +225,10 @@ class TestTasks:
         ("arguments", "error", "words"),
         [
             ({"task_id": "Breakot-v5"}, ValueError, "did you mean 'Breakout-v5'"),
-            ({"task_id": "ALE/Pong-v5"}, ValueError, "did you mean 'Pong-v5'"),
-            ({"task_id": "PongNoFrameskip-v4"}, ValueError, "did you mean 'Pong-v5'"),
+            ({"task_id": "ALE/Pnog-v5"}, ValueError, "did you mean 'Pong-v5'"),
+            ({"task_id": Task.of("pong", players=2)}, ValueError, "a game has one player"),
+            ({"task_id": Task.of("pong", obs_type="ram")}, ValueError, "use 'dict'"),
+            ({"reward_clip": "no"}, TypeError, "reward_clipping must be True or False"),
             ({"env_type": "dm"}, ValueError, "'gym' or 'gymnasium', got 'dm'"),
             ({"num_env": 3}, TypeError, "did you mean 'num_envs'"),
             ({"task": "pong"}, TypeError, "there is no option 'task'"),
@@ -241,6 +245,32 @@ class TestTasks:
     def test_mistakes(self, arguments: dict[str, Any], error: type[Exception], words: str) -> None:
         with pytest.raises(error, match=re.escape(words)):
             envpool.make(**{"task_id": "Pong-v5", "env_type": "gym", **arguments})
+
+    @pytest.mark.parametrize(
+        ("game", "fields"),
+        [
+            ("pong", {}),
+            ("Pong-v5", {}),
+            (atari.games["pong"], {}),
+            ("ALE/Pong-v5", {"repeat_action_probability": 0.25}),
+            ("PongNoFrameskip-v4", {}),
+        ],
+    )
+    def test_every_form_of_a_game(self, game: Any, fields: dict[str, Any]) -> None:
+        envs = envpool.make_gymnasium(game, num_envs=2, stack_num=3, frame_skip=2)
+        wanted = Task.of("pong", preset="envpool", stack_num=3, frameskip=2, obs_type="dict", max_frames=54_000)
+        assert envs.task == wanted.replace(**fields)
+        for name, value in fields.items():
+            assert envs.config[name] == value
+
+    def test_a_task_keeps_its_fields(self) -> None:
+        task = Task.of("breakout", preset="dqn2015", frameskip=3)
+        envs = envpool.make_gymnasium(task, num_envs=2)
+        assert envs.task == task.replace(obs_type="dict")
+        config = envs.config
+        assert (config["frame_skip"], config["noop_max"], config["episodic_life"]) == (3, 30, True)
+        assert (config["reward_clip"], config["use_fire_reset"], config["task"]) == (True, False, "breakout")
+        assert envpool.make_gymnasium(task, num_envs=1, episodic_life=False).task.episodic_life is False
 
     def test_wrong_steps(self) -> None:
         envs = make()

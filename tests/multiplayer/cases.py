@@ -15,7 +15,7 @@ import warnings
 from collections.abc import Iterator
 from typing import Any
 
-from atari.multiplayer.environments import ENVIRONMENTS
+from atari.games.pettingzoo import ENVIRONMENTS
 
 STEPS = 150
 _CHOICES: dict[str, tuple[Any, ...]] = {

@@ -53,7 +53,7 @@ def played(core: Any) -> Any:
     ("other", "text"),
     [
         (lambda: MultiplayerCore("pong", players=4), "is of a game of 4 players, not of 2"),
-        (lambda: MultiplayerCore("pong", mode=10), "was taken with mode = 10, but this environment has 3"),
+        (lambda: MultiplayerCore("pong", mode=10), "was taken with mode = 10, but this environment has 4"),
         (lambda: MultiplayerCore("warlords", players=2), "was taken with game = 'warlords'"),
         (lambda: NativeCore("pong", seed=0), "was taken with core = 'native', but this environment has 'multiplayer'"),
         (lambda: MultiplayerCore("pong", repeat_action_probability=0.5), "was taken with repeat_action_probability"),
@@ -104,7 +104,7 @@ def test_wrong_calls_change_nothing() -> None:
         with pytest.raises((ValueError, TypeError)):
             core.act_players(actions)
     assert core.save() == before
-    with pytest.raises(ValueError, match="atlantis, backgammon, blackjack, bowling, boxing"):
+    with pytest.raises(ValueError, match="no game of several players named 'breakout'"):
         MultiplayerCore("breakout")
     with pytest.raises(ValueError, match="for 2 or 4 players"):
         MultiplayerCore("pong", players=3)

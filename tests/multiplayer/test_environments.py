@@ -55,7 +55,7 @@ def test_a_snapshot_continues_the_game() -> None:
 
 
 def test_games_without_an_environment_of_pettingzoos_have_one_here() -> None:
-    game = MultiplayerEnv("fishing_derby", obs_type="grayscale_image", frame_skip=4)
+    game = MultiplayerEnv("fishing_derby", obs_type="grayscale_image", frameskip=4)
     observations, _ = game.reset(seed=1)
     assert observations["second_0"].shape == (210, 160, 1)
     assert game.metadata["name"] == "custom_fishing_derby"
@@ -67,14 +67,14 @@ def test_games_without_an_environment_of_pettingzoos_have_one_here() -> None:
         (lambda: parallel_env("pong_v2"), ValueError, "the version of pong is 3"),
         (lambda: parallel_env("pnog"), ValueError, "did you mean 'pong'"),
         (lambda: parallel_env("breakout"), ValueError, "no game of several players named 'breakout'"),
-        (lambda: parallel_env(3), TypeError, "named by text"),
+        (lambda: parallel_env(3), TypeError, "named by a string"),
         (lambda: parallel_env("pong", num_players=3), ValueError, "2 or 4, got 3"),
         (lambda: parallel_env("pong", num_players=True), TypeError, "must be int"),
         (lambda: parallel_env("pong", game_version="tennis"), ValueError, "one of 'classic'"),
-        (lambda: parallel_env("pong", frameskip=4), TypeError, "did you mean 'frame_skip'"),
+        (lambda: parallel_env("pong", frame_skip=4), TypeError, "did you mean 'frameskip'"),
         (lambda: parallel_env("boxing", mode=1), ValueError, "mode of boxing must be one of 2, got 1"),
         (lambda: parallel_env("pong", mode=4, num_players=2), ValueError, "not both"),
-        (lambda: parallel_env("pong", obs_type="rgb"), ValueError, "one of 'rgb_image'"),
+        (lambda: parallel_env("pong", obs_type="pixels"), ValueError, "one of 'rgb'"),
         (lambda: parallel_env("pong", max_cycles=0), ValueError, "max_cycles"),
         (lambda: parallel_env("pong", render_mode="ansi"), ValueError, "render_mode"),
         (lambda: parallel_env("tennis", parameters={"turn": 1}), ValueError, "this game has: max_turn_time"),

@@ -70,8 +70,8 @@ def test_games_without_an_error_are_the_same_when_corrected() -> None:
 
 @pytest.mark.parametrize(("players", "factor"), [(2, 2.0), (4, 4 / 3)])
 def test_zero_sum_rewards_of_pong_are_multiples(players: int, factor: float) -> None:
-    plain = MultiplayerEnv("pong", num_players=players, obs_type="ram", frame_skip=4)
-    other = MultiplayerEnv("pong", num_players=players, obs_type="ram", frame_skip=4, zero_sum=True)
+    plain = MultiplayerEnv("pong", num_players=players, obs_type="ram", frameskip=4)
+    other = MultiplayerEnv("pong", num_players=players, obs_type="ram", frameskip=4, zero_sum=True)
     source, points = np.random.default_rng(0), 0
     plain.reset(seed=1)
     other.reset(seed=1)
@@ -87,8 +87,8 @@ def test_zero_sum_rewards_of_pong_are_multiples(players: int, factor: float) -> 
 
 
 def test_zero_sum_is_the_reward_minus_the_mean_of_the_others() -> None:
-    plain = MultiplayerEnv("space_invaders", obs_type="ram", frame_skip=4)
-    other = MultiplayerEnv("space_invaders", obs_type="ram", frame_skip=4, zero_sum=True)
+    plain = MultiplayerEnv("space_invaders", obs_type="ram", frameskip=4)
+    other = MultiplayerEnv("space_invaders", obs_type="ram", frameskip=4, zero_sum=True)
     plain.reset(seed=1)
     other.reset(seed=1)
     points = 0

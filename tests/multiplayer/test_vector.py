@@ -3,54 +3,12 @@
 import pickle
 from typing import Any
 
-import cv2
 import gymnasium
 import numpy as np
 import pytest
+from multiplayer.reference import Reference
 
 from atari import AtariVectorEnv
-from atari.multiplayer import MultiplayerCore
-
-
-class Reference:
-    """One game, as an environment of the vector plays it."""
-
-    def __init__(self, game: str, players: int, frames: int = 108_000, full: bool = False, **options: Any) -> None:
-        self.core = MultiplayerCore(game, players=players, **options)
-        actions = range(18) if full else self.core.rules.minimal_actions
-        self.actions = [int(action) for action in actions]
-        self.limit = frames
-        self.ended = False
-
-    def reset(self, seed: int | None = None) -> None:
-        if seed is not None:
-            self.core.seed(seed)
-        self.core.reset()
-        self.frames, self.ended = 0, False
-        self.out = np.zeros(self.core.players, np.bool_)
-        self.stack = np.zeros((4, 84, 84), np.uint8)
-        self.push(self.core.screen_grayscale())
-        self.signals = np.zeros(self.core.players), self.out.copy(), self.out.copy()
-
-    def push(self, screen: Any) -> None:
-        image = cv2.resize(screen, (84, 84), interpolation=cv2.INTER_AREA)
-        self.stack = np.concatenate([self.stack[1:], image[None]])
-
-    def step(self, indices: Any) -> None:
-        was_out = self.out.copy()
-        held = [self.actions[0 if out else index] for index, out in zip(indices, was_out, strict=True)]
-        rewards, screens = np.zeros(self.core.players), []
-        while len(screens) < 4 and not self.ended:
-            rewards += self.core.act_players(held)
-            screens.append(self.core.screen_grayscale())
-            self.frames += 1
-            self.out |= np.array(self.core.player_lives) < 0
-            over = self.core.game_over or self.out.all()
-            self.ended = over or self.frames >= self.limit
-        self.push(np.maximum(*screens[2:]) if len(screens) == 4 else screens[-1])
-        rewards[was_out] = 0
-        self.signals = rewards, self.out | over, np.array([self.ended and not over] * len(rewards)) & ~self.out
-
 
 GAMES = [
     ("pong", 2, {}),
@@ -274,7 +232,7 @@ def test_all_other_options_are_as_with_one_player() -> None:
         assert terminations.dtype == truncations.dtype == np.bool_
         assert set(rewards.ravel()) <= {-1.0, 0.0, 1.0}
     assert envs.members[0].player_lives == [0, 0]
-    assert envs.get_attr("mode") == (3, 3)
+    assert envs.get_attr("mode") == (4, 4)
     envs.set_attr("mode", 10)
     with pytest.raises(ValueError, match="pong has no mode 1; it has 3, 4,"):
         envs.set_attr("mode", 1)
@@ -301,7 +259,12 @@ def test_games_may_differ() -> None:
         ("pong", {"players": 2.0}, TypeError, "players must be an integer within 1..4, got 2.0"),
         ("pong", {"players": 2, "mode": 33}, ValueError, "mode of pong for 2 players must be one of 3, 4, "),
         ("joust", {"players": 2, "difficulty": 1}, ValueError, r"difficulty of joust must be one of \(0,\), got 1"),
-        ("pong", {"players": 2, "preset": "dqn2015"}, ValueError, "preset of several players must be 'dqn' or None"),
+        (
+            "pong",
+            {"players": 2, "preset": "dqn2015"},
+            ValueError,
+            "preset 'dqn2015' is for one player; use 'multiplayer_dqn'",
+        ),
         (
             "pong",
             {"players": 2, "continuous": True},
@@ -358,9 +321,10 @@ def test_the_preset_is_that_of_the_parallel_environment(game: str, players: int)
     pytest.importorskip("pettingzoo")
     from atari.multiplayer import parallel_env
 
-    given: dict[str, Any] = {"players": players, "preset": "dqn", "agent_indicator": True, "channels_last": True}
-    singles = [parallel_env(game, preset="dqn", player_indicator=True) for _ in range(2)]
-    envs = AtariVectorEnv(game, 2, max_num_frames_per_episode=100_000, mode=singles[0].unwrapped.core.mode, **given)
+    given: dict[str, Any] = {"players": players, "preset": "multiplayer_dqn", "agent_indicator": True}
+    singles = [parallel_env(game, **given) for _ in range(2)]
+    envs = AtariVectorEnv(game, 2, **given, channels_last=True)
+    assert envs.task == singles[0].task
     observations, _ = envs.reset(seed=3)
     firsts = [single.reset(seed=3 + row)[0] for row, single in enumerate(singles)]
     rng = np.random.default_rng(0)

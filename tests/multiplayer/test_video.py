@@ -37,6 +37,6 @@ def test_a_video_has_the_frames_and_the_sound_of_the_game(tmp_path: Path) -> Non
 
 
 def test_a_frame_skip_is_refused_before_a_file_exists(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="frame_skip=1, got 4"):
-        record_game(tmp_path / "match.mkv", MultiplayerCore("combat", frame_skip=4), lambda _: [0, 0])
+    with pytest.raises(ValueError, match="frameskip=1, got 4"):
+        record_game(tmp_path / "match.mkv", MultiplayerCore("combat", frameskip=4), lambda _: [0, 0])
     assert not list(tmp_path.iterdir())

@@ -45,6 +45,17 @@ def staged(envs: atari.AtariVectorEnv) -> Any:
     return view
 
 
+def test_a_game_instead_of_environments() -> None:
+    from atari.integrations.torch import TorchEnvs
+
+    task = atari.Task.of("ALE/Pong-v5", obs_type="ram")
+    for made in (TorchEnvs(task, num_envs=2), TorchEnvs("ALE/Pong-v5", num_envs=2, obs_type="ram")):
+        assert made.task == task == made.envs.task
+        assert made.reset(seed=0)[0].shape == (2, 128)
+    with pytest.raises(TypeError, match="num_envs is an option of new environments, and these exist"):
+        TorchEnvs(made.envs, num_envs=2)
+
+
 @pytest.mark.parametrize("view", [lambda envs: envs.torch(), staged], ids=["shared", "staged"])
 @pytest.mark.parametrize("case", CASES)
 def test_steps_are_the_same(case: str, view: Any) -> None:

@@ -24,6 +24,15 @@ def wrap(**options: Any) -> Any:
     return AtariTorchRLEnv(make(**options))
 
 
+def test_a_game_instead_of_environments() -> None:
+    from atari.integrations.torchrl import AtariTorchRLEnv
+
+    task = atari.Task.of("pong", obs_type="ram")
+    for made in (AtariTorchRLEnv(task, num_envs=2), AtariTorchRLEnv("ALE/Pong-v5", num_envs=2, obs_type="ram")):
+        assert made.task == task
+        assert made.rollout(3)["observation"].shape == (2, 3, 128)
+
+
 @pytest.mark.parametrize("options", [{}, {"obs_type": "ram"}, {"obs_type": "dict"}, {"continuous": True}], ids=str)
 def test_its_checks_pass(options: Any) -> None:
     from torchrl.envs.utils import check_env_specs

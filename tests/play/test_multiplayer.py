@@ -313,7 +313,7 @@ def test_the_mode_says_how_many_players_there_are(
         (["boxing_v2", "--players", "4"], "boxing_v2 is for 2 players, got --players 4"),
         (["combat"], "combat has no game of one player; give --players 2"),
         (["combat", "--players", "2", "--mode", "99"], "mode of combat for 2 players must be one of 1, 2, "),
-        (["combat", "--players", "2", "--difficulty", "9"], "difficulty must be one of"),
+        (["combat", "--players", "2", "--difficulty", "9"], "difficulty must be within 0..3, got 9"),
         (["pong", "--players", "2", "--replay", "a.mp4"], "the name of a replay must end in"),
         (
             ["pong", "--opponent", "policies_of_two.py"],

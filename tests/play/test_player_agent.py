@@ -131,7 +131,7 @@ def follow(observations: Any) -> Any:
 
 
 def match(players: dict[int, Any]) -> list[int]:
-    session = MultiplayerSession("pong", seed=1, policies=players)
+    session = MultiplayerSession("pong", mode=3, seed=1, policies=players)
     while not session.over:
         session.play()
     return session.scores

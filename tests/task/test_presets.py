@@ -7,20 +7,21 @@ from atari.task import PRESETS
 IMAGES = {"frameskip": 4, "obs_type": "grayscale", "img_height": 84, "img_width": 84, "stack_num": 4, "maxpool": True}
 
 DIFFERENT = """
-            sticky actions  limit   after   noops   fire          counts  third  unit   lives  unit   on_reset  last   seamless  rgb    padding  end        clip
-dqn2015     0.0    minimal  108000  -       (1,30)  -             -       -      -      True   -      continue  True   -         True   zero     last       True
-machado2018 0.25   full     108000  -       -       -             -       -      -      False  -      continue  True   -         -      zero     last       False
-baselines   0.0    -        108000  -       (1,30)  after_noops   -       True   skip   True   skip   noop      -      -         True   zero     baselines  True
-gymnasium   -      -        -       -       (1,30)  -             -       -      -      False  -      new_game  True   -         -      reset    gymnasium  False
-dopamine    0.25   minimal  108000  -       -       -             -       -      -      False  -      continue  True   -         -      zero     baselines  True
-atari100k   0.0    minimal  108000  -       -       -             -       -      -      True   -      continue  True   -         -      zero     last       True
-envpool     0.0    -        None    108000  (1,30)  after_noops   True    -      -      False  -      continue  -      True      -      reset    envpool    False
-ale_vector  0.0    -        None    108000  (0,29)  before_noops  True    -      -      False  -      new_game  -      -         -      zero     gymnasium  True
+            sticky actions  limit   after   noops   fire          counts  third  unit   lives  unit   on_reset  last   seamless  rgb    padding  end        clip   seeding
+dqn2015     0.0    minimal  108000  -       (1,30)  -             -       -      -      True   -      continue  True   -         True   zero     last       True   -
+machado2018 0.25   full     108000  -       -       -             -       -      -      False  -      continue  True   -         -      zero     last       False  -
+baselines   0.0    -        108000  -       (1,30)  after_noops   -       True   skip   True   skip   noop      -      -         True   zero     baselines  True   -
+gymnasium   -      -        -       -       (1,30)  -             -       -      -      False  -      new_game  True   -         -      reset    gymnasium  False  -
+dopamine    0.25   minimal  108000  -       -       -             -       -      -      False  -      continue  True   -         -      zero     baselines  True   -
+atari100k   0.0    minimal  108000  -       -       -             -       -      -      True   -      continue  True   -         -      zero     last       True   -
+envpool     0.0    -        None    108000  (1,30)  after_noops   True    -      -      False  -      continue  -      True      -      reset    envpool    False  -
+ale_vector  0.0    -        None    108000  (0,29)  before_noops  True    -      -      False  -      new_game  -      -         -      zero     gymnasium  True   -
+multiplayer_dqn 0.0 -    None    108000  -       -             -       -      -      False  -      continue  True   -         -      reset    last       False     ale
 """
 
 COLUMNS = (
     "repeat_action_probability actions max_num_frames_per_episode max_frames noops fire fire_counts third_action "
-    "fire_unit episodic_life lives_unit on_reset last_life seamless_lives pool_rgb padding end_frames reward_clipping"
+    "fire_unit episodic_life lives_unit on_reset last_life seamless_lives pool_rgb padding end_frames reward_clipping seeding"
 ).split()
 
 

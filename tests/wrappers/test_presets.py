@@ -242,7 +242,7 @@ def test_the_set_of_actions_counts_not_the_option(game_env):
         ("machado", r"did you mean 'machado2018'\?"),
         (
             "???",
-            r"see the list \(dqn2015, machado2018, baselines, gymnasium, dopamine, atari100k, envpool, ale_vector\)",
+            r"see the list \(dqn2015, machado2018, baselines, gymnasium, dopamine, atari100k, envpool, ale_vector, multiplayer_dqn\)",
         ),
         (None, r"there is no preset None"),
     ],

@@ -12,6 +12,8 @@ from atari._gymnasium import AutoresetMode, VectorEnv
 from atari.cores.options import SEED_LIMIT
 from atari.integrations.envpool.spec import EnvPoolSpec, make_spec, task_ids
 from atari.integrations.envpool.xla import xla
+from atari.task import Task
+from atari.task.resolution import GameLike
 from atari.vector import AtariVectorEnv
 from atari.vector.results import pick_rows
 
@@ -60,6 +62,11 @@ class EnvPool:
         self.returns_done = returns_done
         self._reset_returns_info = not returns_done or spec.config.gym_reset_return_info
         self._seed: Any = spec.config.seed
+
+    @property
+    def task(self) -> Task:
+        """What is played."""
+        return self.vector.task
 
     def reset(self, env_id: Any = None, *, seed: Any = None, options: Any = None) -> Any:
         """Reset all environments, or those in `env_id`, and return their first observations and `info`.
@@ -206,11 +213,12 @@ class GymnasiumEnvPool(EnvPool, VectorEnv, gymnasium.Env[Any, Any]):  # type: ig
     """An `EnvPool` for Gymnasium's wrappers, of single and of vector environments, as EnvPool's own is."""
 
 
-def make(task_id: str, env_type: str, **options: Any) -> EnvPool:
+def make(task_id: GameLike, env_type: str, **options: Any) -> EnvPool:
     """Make environments of a task, as `envpool.make` does.
 
     Args:
-        task_id: a name of `list_all_envs`, such as "Breakout-v5".
+        task_id: a name of `list_all_envs`, such as "Breakout-v5", or another that `make_spec` takes: a game's name,
+            a game file, an environment ID, or an `atari.Task`.
         env_type: "gym", where `step` returns four values and `reset` one, as in EnvPool with Gym before 0.26; or
             "gymnasium".
         options: EnvPool's: num_envs, batch_size, num_threads, thread_affinity_offset, seed, max_episode_steps,
@@ -235,7 +243,7 @@ def make(task_id: str, env_type: str, **options: Any) -> EnvPool:
     raise ValueError(f"env_type must be 'gym' or 'gymnasium', got {env_type!r}")
 
 
-def make_gym(task_id: str, **options: Any) -> EnvPool:
+def make_gym(task_id: GameLike, **options: Any) -> EnvPool:
     """`make` with env_type="gym". If `gym` is imported, the result is one of its `Env` and has its spaces.
 
     Example:
@@ -254,7 +262,7 @@ def make_gym(task_id: str, **options: Any) -> EnvPool:
     return kind(make_spec(task_id, **options), returns_done=True)
 
 
-def make_gymnasium(task_id: str, **options: Any) -> EnvPool:
+def make_gymnasium(task_id: GameLike, **options: Any) -> EnvPool:
     """`make` with env_type="gymnasium".
 
     Example:

@@ -3,6 +3,7 @@
 import difflib
 import sys
 from collections import namedtuple
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -13,6 +14,8 @@ import numpy as np
 from atari.env_ids import stem
 from atari.games.catalog import games
 from atari.task import Task
+from atari.task.fields import check_bool
+from atari.task.resolution import GameLike, resolve_for_agent
 from atari.validation import check_integer
 from atari.vector import AtariVectorEnv
 
@@ -45,17 +48,11 @@ _DEFAULTS = {
     "gray_scale": True,
 }
 
-_OF_TASK = (
-    "stack_num",
-    "episodic_life",
-    "img_height",
-    "img_width",
-    "mode",
-    "difficulty",
-    "full_action_space",
-    "repeat_action_probability",
+_SAME = (
+    "stack_num episodic_life img_height img_width mode difficulty full_action_space repeat_action_probability".split()
 )
-"""EnvPool's options that a `Task` has by the same name; -1 is the default."""
+_FIELDS = {"frame_skip": "frameskip", "reward_clip": "reward_clipping", **dict(zip(_SAME, _SAME, strict=True))}
+"""EnvPool's options that a `Task` has under another name or the same; -1 is the default."""
 
 _WITHOUT_EFFECT = {
     "max_num_players": "a game has one player",
@@ -75,6 +72,7 @@ class EnvPoolSpec:
 
     Attributes:
         config: every option of EnvPool's with its value, a named tuple.
+        played: what these options play.
 
     Example:
         >>> import atari.integrations.envpool as envpool
@@ -84,6 +82,7 @@ class EnvPoolSpec:
     """
 
     config: Any
+    played: Task
 
     reward_threshold = None
 
@@ -111,48 +110,27 @@ class EnvPoolSpec:
         """The vector environment. It returns images and RAM.
 
         Raises:
-            TypeError, ValueError: an option is of the wrong kind or out of range.
+            TypeError, ValueError: `batch_size` or a number of threads is wrong.
             FileNotFoundError: there is no ROM of the game.
         """
         config = self.config
         return AtariVectorEnv(
-            self.as_task(),
+            self.played,
             config.num_envs,
             batch_size=config.batch_size,
             num_threads=config.num_threads,
             thread_affinity_offset=config.thread_affinity_offset,
         )
 
-    def as_task(self) -> Task:
-        """What these options play.
-
-        Raises:
-            TypeError, ValueError: an option is of the wrong kind or out of range.
-        """
-        config = self.config
-        skip = check_integer("frame_skip", config.frame_skip, 1, 10_000)
-        limit = skip * check_integer("max_episode_steps", config.max_episode_steps, 1, _MOST)
-        options = {name: getattr(config, name) for name in _OF_TASK}
-        return Task.of(
-            config.task,
-            preset="envpool",
-            **{name: None if value == -1 else value for name, value in options.items()},
-            obs_type="dict" if config.gray_scale else "rgb_dict",
-            reward_clipping=config.reward_clip,
-            frameskip=skip,
-            noops=(1, check_integer("noop_max", config.noop_max, 1, 1_000_000)),
-            max_frames=limit if limit <= _MOST else None,
-            **{} if config.use_fire_reset else {"fire": "never"},
-        )
-
     def _observation_space(self, spaces: Any) -> Any:
-        config = self.config
-        channels = config.stack_num * (1 if config.gray_scale else 3)
-        return spaces.Box(0, 255, (channels, config.img_height, config.img_width), np.uint8)
+        task = self.played
+        height, width = task.definition.screen.shape
+        shape = (task.img_height or height, task.img_width or width)
+        channels = (task.stack_num or 1) * (1 if task.obs_type == "dict" else 3)
+        return spaces.Box(0, 255, (channels, *shape), np.uint8)
 
     def _action_space(self, spaces: Any) -> Any:
-        game = games.find(self.config.task)
-        return spaces.Discrete(len(game.legal_actions if self.config.full_action_space else game.minimal_actions))
+        return spaces.Discrete(len(self.played.action_set))
 
 
 def task_ids() -> dict[str, str]:
@@ -160,8 +138,14 @@ def task_ids() -> dict[str, str]:
     return {f"{stem(game.id).replace('3D', '3d')}-v5": game.id for game in games.playable()}
 
 
-def make_spec(task_id: str, **options: Any) -> EnvPoolSpec:
+def make_spec(task_id: GameLike, **options: Any) -> EnvPoolSpec:
     """The spec of a task, such as "Breakout-v5", with EnvPool's options.
+
+    Args:
+        task_id: a name of EnvPool's, or a game's name, the path of a game file or a `Game`, which have EnvPool's
+            defaults; an environment ID ("ALE/Breakout-v5"), which has its own sticky actions and actions; or an
+            `atari.Task`, which has its own of all that EnvPool has an option for.
+        options: EnvPool's.
 
     Raises:
         TypeError: there is no such option; the nearest is suggested.
@@ -173,17 +157,13 @@ def make_spec(task_id: str, **options: Any) -> EnvPoolSpec:
         >>> spec.action_space, spec.observation_space.shape
         (Discrete(6), (4, 84, 84))
     """
-    tasks = task_ids()
-    if task_id not in tasks:
-        near = difflib.get_close_matches(str(task_id).split("/")[-1], tasks, n=1, cutoff=0.4)
-        hint = f"did you mean {near[0]!r}?" if near else "envpool.list_all_envs() lists them"
-        raise ValueError(f"there is no task {task_id!r}; {hint}")
     for name in options:
         if name not in _DEFAULTS or name == "task":
             near = difflib.get_close_matches(name, _DEFAULTS, n=1)
             hint = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(_DEFAULTS)}"
             raise TypeError(f"there is no option {name!r}; {hint}")
-    given = {**_DEFAULTS, **options, "task": tasks[task_id]}
+    base = _base(task_id)
+    given = {**_DEFAULTS, **_of_task(base, task_id), **options, "task": base.game}
     for name, because in _WITHOUT_EFFECT.items():
         if given[name] != _DEFAULTS[name]:
             raise ValueError(f"{because}; leave {name}={given[name]!r} out")
@@ -191,6 +171,72 @@ def make_spec(task_id: str, **options: Any) -> EnvPoolSpec:
     batch_size = check_integer("batch_size", given["batch_size"] or 0, 0, given["num_envs"])
     given["batch_size"] = batch_size or given["num_envs"]
     given["num_threads"] = check_integer("num_threads", given["num_threads"] or 0, 0, _MOST)
-    for name in ("stack_num", "img_height", "img_width"):
+    for name in {"stack_num", "img_height", "img_width"} & options.keys():
         given[name] = check_integer(name, given[name], 1, 10_000)
-    return EnvPoolSpec(Config(**given))
+    config = Config(**given)
+    return EnvPoolSpec(config, _resolve(task_id, _as_fields(config, options)))
+
+
+def _resolve(task_id: GameLike, fields: Mapping[str, Any]) -> Task:
+    """The task that a name has with EnvPool's defaults, or a task of one player, with these fields."""
+    if isinstance(task_id, Task):
+        if task_id.players > 1:
+            raise ValueError(f"a game has one player, and the task has players={task_id.players}; use AtariVectorEnv")
+        if task_id.obs_type == "ram":
+            raise ValueError("EnvPool's environments show images and RAM, and the task has obs_type='ram'; use 'dict'")
+        return task_id.replace(**{"stack_num": task_id.stack_num or 1, **fields})
+    return resolve_for_agent(task_ids().get(str(task_id), task_id), "envpool", fields, owner="make_spec")
+
+
+def _base(task_id: GameLike) -> Task:
+    """The task without options.
+
+    Raises:
+        ValueError: there is no such task; the nearest name of EnvPool's is suggested.
+    """
+    try:
+        return _resolve(task_id, {})
+    except (gymnasium.error.NameNotFound, ValueError):
+        if not isinstance(task_id, str) or task_id.endswith(".toml"):
+            raise
+        near = difflib.get_close_matches(task_id.split("/")[-1], task_ids(), n=1, cutoff=0.4)
+        hint = f"did you mean {near[0]!r}?" if near else "envpool.list_all_envs() lists them"
+        raise ValueError(f"there is no task {task_id!r}; {hint}") from None
+
+
+def _of_task(base: Task, task_id: GameLike) -> dict[str, Any]:
+    """EnvPool's options with the values of a task, or of an ID, where they are not EnvPool's defaults."""
+    own = {"repeat_action_probability": base.repeat_action_probability, "full_action_space": base.actions == "full"}
+    if not isinstance(task_id, Task):
+        return own
+    return {
+        **{name: getattr(base, field) for name, field in _FIELDS.items() if name not in own},
+        **own,
+        "noop_max": base.noops[1],
+        "use_fire_reset": base.fire != "never",
+        "gray_scale": base.obs_type in ("grayscale", "dict"),
+        "max_episode_steps": None if base.max_frames is None else base.max_frames // base.frames[0],
+    }
+
+
+def _as_fields(config: Any, options: Mapping[str, Any]) -> dict[str, Any]:
+    """The fields of a task that EnvPool's options say; those that were not given are the base's.
+
+    Raises:
+        TypeError, ValueError: an option is of the wrong kind or out of range.
+    """
+    fields = {
+        field: None if options[name] == -1 else options[name] for name, field in _FIELDS.items() if name in options
+    }
+    fields["obs_type"] = "dict" if check_bool("gray_scale", config.gray_scale) else "rgb_dict"
+    if "noop_max" in options:
+        fields["noops"] = (1, check_integer("noop_max", config.noop_max, 1, 1_000_000))
+    if {"frame_skip", "max_episode_steps"} & options.keys():
+        skip = check_integer("frame_skip", config.frame_skip, 1, 10_000)
+        if config.max_episode_steps is not None or "max_episode_steps" in options:
+            limit = skip * check_integer("max_episode_steps", config.max_episode_steps, 1, _MOST)
+            fields["max_frames"] = limit if limit <= _MOST else None
+    if "use_fire_reset" in options:
+        fires = check_bool("use_fire_reset", config.use_fire_reset)
+        fields |= {"fire": "after_noops", "fire_counts": True} if fires else {"fire": "never"}
+    return fields

@@ -50,8 +50,8 @@ def env_creator(env_config: Mapping[str, Any]) -> "EpisodeVectorEnv":
     Args:
         env_config: `game`, as `AtariVectorEnv` takes it ("pong", "ALE/Pong-v5", an `atari.Task`), or a list of them;
             RLlib's `num_envs`; all others are options of `AtariVectorEnv`. Of several games, environment i plays the
-            i-th, and then again from the first one. `num_threads` is the number of CPUs of the env runner, unless
-            given.
+            i-th, and then again from the first one. Workers do not have IDs that your program registered itself: give
+            `Task.of(ID)`, as `config` does. `num_threads` is the number of CPUs of the env runner, unless given.
 
     Returns:
         A wrapper around an `AtariVectorEnv`.

@@ -7,7 +7,7 @@ again, and then plays the batches that were in flight.
 
 import logging
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -19,6 +19,8 @@ from atari.integrations.ray.rollout import Rollout
 from atari.integrations.ray.rollout_worker import Played, Position, RolloutWorker, WorkerSettings
 from atari.learning.policies import load_policy
 from atari.learning.policy import makes_policy
+from atari.task import Task
+from atari.task.resolution import is_id
 from atari.validation import check_integer
 
 _LOST = (RayActorError, ObjectLostError, OutOfMemoryError, RaySystemError)
@@ -58,7 +60,7 @@ class RolloutActors:
     and lost actors, provided that `set_weights` is called after the same batches.
 
     Args:
-        game: of the environments, or a sequence of `num_envs`.
+        game: of the environments, as `AtariVectorEnv` takes it, or a sequence of `num_envs`.
         num_actors: how many actors.
         num_envs: environments of each.
         policy: as of `atari.learning.load_policy`, such as a class or a function without parameters, which each actor
@@ -118,7 +120,7 @@ class RolloutActors:
         steps = check_integer("steps", steps, 1, 1_000_000)
         if not makes_policy(policy):
             load_policy(policy)  # so that errors are raised here
-        self._settings = WorkerSettings(game, num_envs, steps, seed, unstacked, options)
+        self._settings = WorkerSettings(_resolved(game), num_envs, steps, seed, unstacked, options)
         self._settings.make().close()  # so that errors are raised here
         self._policy = policy
         self._worker = ray.remote(RolloutWorker).options(
@@ -249,3 +251,10 @@ class RolloutActors:
         seat.sent_version = -1
         for order in seat.orders:
             self._send(seat, order)
+
+
+def _resolved(game: Any) -> Any:
+    """A game for actors, where no ID is registered that a program has registered here."""
+    if isinstance(game, str):
+        return Task.of(game) if is_id(game) else game
+    return [_resolved(one) for one in game] if isinstance(game, Sequence) else game

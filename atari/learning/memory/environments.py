@@ -7,14 +7,21 @@ from gymnasium import spaces
 
 from atari._gymnasium import AutoresetMode
 from atari.vector import AtariVectorEnv
+from atari.vector.env import vector_of
 
 
-def options_for(envs: Any) -> dict[str, Any]:
+def options_for(envs: Any, num_envs: int | None = None) -> dict[str, Any]:
     """Number of environments, shapes, autoreset mode, and of an `AtariVectorEnv` the padding.
 
     Raises:
         TypeError, ValueError: see `ReplayMemory.for_env`.
     """
+    made = vector_of(envs, num_envs, {})
+    stack_num = 4
+    if made is not envs and made.task.obs_type != "ram":
+        stack_num = made.task.stack_num or 1
+        made = made.task.replace(stack_num=1).make_vec(made.num_envs)
+    envs = made
     observation, action = envs.single_observation_space, envs.single_action_space
     parts = observation.spaces if isinstance(observation, spaces.Dict) else {"": observation}
     for name, part in parts.items():
@@ -24,7 +31,7 @@ def options_for(envs: Any) -> dict[str, Any]:
         raise TypeError(f"a ReplayMemory stores actions that are arrays, and these are {action}")
     shapes = {name: tuple(part.shape or ()) for name, part in parts.items()}
     images = {name: len(shape) >= 2 for name, shape in shapes.items()}
-    stacks = {name: 4 if image else 1 for name, image in images.items()}
+    stacks = {name: stack_num if image else 1 for name, image in images.items()}
     options = {
         "num_envs": envs.num_envs,
         "observation_shape": shapes if isinstance(observation, spaces.Dict) else shapes[""],

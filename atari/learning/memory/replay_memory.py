@@ -159,18 +159,21 @@ class ReplayMemory:
             self._rings[part.name] = np.ndarray((places, *shape), np.uint8, block, offset)
 
     @classmethod
-    def for_env(cls, envs: Any, capacity: int, **options: Any) -> "ReplayMemory":
+    def for_env(cls, envs: Any, capacity: int, num_envs: int | None = None, **options: Any) -> "ReplayMemory":
         """A memory for a vector environment, whose spaces and autoreset mode it takes.
 
         Of an `AtariVectorEnv`, which must be made with `stack_num=1`, also the padding. Images get stacks of 4, RAM
         stacks of 1; `stack_num` chooses others. The other options are those of `ReplayMemory`.
+
+        Instead of `envs`, a game as `AtariVectorEnv` takes it, with `num_envs`: the memory makes the stacks of its
+        task, for environments of the task with `stack_num=1`.
 
         Raises:
             TypeError, ValueError: the environment's observations are no uint8 arrays, or its options do not fit.
         """
         from atari.learning.memory.environments import options_for
 
-        return cls(capacity, **{**options_for(envs), **options})
+        return cls(capacity, **{**options_for(envs, num_envs), **options})
 
     @classmethod
     def open(cls, path: str | PathLike[str], *, num_threads: int = 1, verify: bool = True) -> "ReplayMemory":

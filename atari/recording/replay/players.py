@@ -24,7 +24,7 @@ class RecordMatch(RecordedCore):
     contains a snapshot, which only releases with the same version of the emulator's state restore.
 
     Args:
-        core: the core, with frame_skip=1.
+        core: the core, with frameskip=1.
         path: the file, with the suffix ".a26". Its folder is created, and a file of this name replaced.
 
     Raises:
@@ -45,7 +45,7 @@ class RecordMatch(RecordedCore):
 
     def __init__(self, core: MultiplayerCore, path: str | PathLike[str]) -> None:
         if core.frame_skip != 1:
-            raise ValueError(f"a replay needs each frame: make the core with frame_skip=1, got {core.frame_skip}")
+            raise ValueError(f"a replay needs each frame: make the core with frameskip=1, got {core.frame_skip}")
         header = {
             "format": FORMAT_OF_PLAYERS,
             "game": core.game.id,

@@ -29,7 +29,7 @@ class ShadowCore:
         self._options = vector._options
         self.core = NativeCore(
             self._member.game,
-            repeat_action_probability=self._options.task.repeat_action_probability,
+            repeat_action_probability=self._options.task.repeat_action_probability,  # type: ignore[arg-type]
             max_num_frames_per_episode=self._options.task.max_num_frames_per_episode or 0,
             sound=True,
             rom=self._options.rom,

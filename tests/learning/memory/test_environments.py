@@ -9,6 +9,7 @@ from env_tools import needs_autoreset_modes
 from memory_streams import row_of
 
 import atari
+from atari import Task
 from atari._gymnasium import AutoresetMode
 from atari.learning import ReplayMemory
 
@@ -110,6 +111,27 @@ def test_a_dict_of_image_and_ram() -> None:
     for i, index in enumerate(batch.indices):
         assert np.array_equal(batch.observations["ram"][i], rams[index // 2][index % 2])
         assert np.array_equal(batch.next_observations["ram"][i], rams[index // 2 + 1][index % 2])
+
+
+@pytest.mark.parametrize("game", ["pong", "ALE/Pong-v5", Task.of("pong", preset="dqn2015", stack_num=3)])
+def test_a_game_instead_of_environments(game: Any) -> None:
+    memory = ReplayMemory.for_env(game, 200, num_envs=2, seed=0)
+    task = atari.AtariVectorEnv(game, 2).task
+    envs = task.replace(stack_num=1).make_vec(2)
+    memory.reset(envs.reset(seed=0)[0])
+    for _ in range(30):
+        actions = np.zeros(2, np.int64)
+        _, rewards, terminations, truncations, info = envs.step(actions, out=memory.frames())
+        memory.add(actions, rewards, terminations, truncations, info)
+    stacks = task.make_vec(2)
+    stacks.reset(seed=0)
+    for _ in range(30):
+        expected = stacks.step(np.zeros(2, np.int64))[0]
+    assert np.array_equal(memory.observations().reshape(expected.shape), expected)
+    with pytest.raises(TypeError, match="num_envs is needed"):
+        ReplayMemory.for_env(game, 200)
+    with pytest.raises(TypeError, match="num_envs is an option of new environments, and these exist"):
+        ReplayMemory.for_env(envs, 200, num_envs=2)
 
 
 def test_environments_that_do_not_fit() -> None:

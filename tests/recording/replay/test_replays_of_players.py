@@ -147,8 +147,8 @@ def test_record_game_writes_a_replay_and_it_becomes_a_video(tmp_path: Path) -> N
 
 
 def test_wrong_uses(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="frame_skip=1, got 4"):
-        RecordMatch(MultiplayerCore("pong", frame_skip=4), tmp_path / "a.a26")
+    with pytest.raises(ValueError, match="frameskip=1, got 4"):
+        RecordMatch(MultiplayerCore("pong", frameskip=4), tmp_path / "a.a26")
     with RecordMatch(MultiplayerCore("pong"), tmp_path / "a.a26") as match:
         match.reset()
         for call in (lambda: match.act(0), lambda: match.set_mode(3), lambda: match.set_difficulty(1)):

@@ -7,7 +7,6 @@ from difflib import get_close_matches
 from typing import Any
 
 from atari.games.catalog import games
-from atari.games.players import rules_of
 
 _PONG = {
     2: {"classic": 4, "two_paddles": 10, "soccer": 14, "foozpong": 19, "hockey": 27, "handball": 35, "volleyball": 39,
@@ -50,7 +49,8 @@ class Environment:
     @property
     def players(self) -> tuple[int, ...]:
         """The numbers of players that it can have."""
-        rules = rules_of(games[self.game])
+        rules = games[self.game].multiplayer
+        assert rules is not None
         if "num_players" in self.defaults:
             return tuple(rules.modes)
         return (rules.players(self.choose({})),)
@@ -169,13 +169,9 @@ def find_environment(name: str) -> Environment | None:
         None if the name is the id of another game with rules for several players.
 
     Raises:
-        TypeError: not a text.
         ValueError: no such name, or an older version; the message suggests the nearest.
     """
-    if not isinstance(name, str):
-        raise TypeError(f"a game is named by text, for example 'pong_v3', got {name!r}")
-    match = re.fullmatch(r"(?:atari/)?(.+?)(?:[_-]v(\d+))?", name)
-    plain, version = (match[1], match[2]) if match else (name, None)
+    plain, version = split_name(name)
     known = ENVIRONMENTS.get(plain)
     if known is not None:
         if version is not None and int(version) != known.version:
@@ -190,3 +186,9 @@ def find_environment(name: str) -> Environment | None:
     raise ValueError(
         f"there is no game of several players named {name!r}{hint} (all: {', '.join([*sorted(ENVIRONMENTS), *others])})"
     )
+
+
+def split_name(name: str) -> tuple[str, str | None]:
+    """A name of PettingZoo's without its version, and the version."""
+    match = re.fullmatch(r"(?:atari/)?(.+?)(?:[_-]v(\d+))?", name)
+    return (match[1], match[2]) if match else (name, None)

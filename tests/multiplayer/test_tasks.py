@@ -1,0 +1,209 @@
+"""A task of several players is `MultiplayerEnv`, and the lane of a vector: the same bytes for every field."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("pettingzoo")
+from hypothesis import HealthCheck, given, reject, settings
+from hypothesis import strategies as st
+from task_strategies import VALUES
+
+import atari
+from atari import Task
+from atari.multiplayer.parallel import MultiplayerEnv
+from atari.task.rules import settle
+from atari.task.task import DEFAULTS, FIELDS
+
+OF_ONE_PLAYER = (
+    *("continuous", "continuous_action_threshold", "fire", "fire_counts", "third_action", "fire_unit", "fire_again"),
+    *("episodic_life", "lives_unit", "on_reset", "last_life", "seamless_lives", "life_loss_info"),
+)
+GAMES = (("pong", 2), ("pong", 4), ("warlords", 4), ("joust", 2), ("boxing", 2), ("wizard_of_wor", 2), ("combat", 2))
+
+
+@st.composite
+def tasks(draw: st.DrawFn) -> Task:
+    """A random task of several players."""
+    drawn = {name: draw(st.sampled_from(values)) for name, values in VALUES.items() if name not in OF_ONE_PLAYER}
+    fields: dict[str, Any] = {**DEFAULTS, **drawn}
+    fields["game"], fields["players"] = draw(st.sampled_from(GAMES))
+    fields["agent_indicator"], fields["zero_sum"] = draw(st.booleans()), draw(st.booleans())
+    if fields["img_height"] is None or fields["img_width"] is None:
+        fields["img_height"] = fields["img_width"] = None
+    settle(fields, DEFAULTS, given=())
+    try:
+        return Task(**fields)
+    except ValueError:
+        reject()
+
+
+def vector(task: Task) -> atari.AtariVectorEnv:
+    """A vector of one lane, with the layout of `MultiplayerEnv`."""
+    last = task.stack_num is not None and task.obs_type != "ram"
+    return task.make_vec(1, num_threads=1, autoreset_mode="Disabled", channels_last=last)
+
+
+def same(observation: Any, expected: Any) -> None:
+    """Whether observations are equal to the byte."""
+    if isinstance(expected, dict):
+        assert observation.keys() == expected.keys()
+        for name in expected:
+            same(observation[name], expected[name])
+        return
+    assert observation.dtype == expected.dtype
+    assert np.array_equal(observation, expected)
+
+
+def of_player(batch: Any, player: int | None) -> Any:
+    """The observation of a player, or that of all."""
+    if isinstance(batch, dict):
+        return {name: of_player(part, player) for name, part in batch.items()}
+    return batch[0] if player is None else batch[0, player]
+
+
+class Pair:
+    """A `MultiplayerEnv` beside the lane of a vector."""
+
+    def __init__(self, task: Task) -> None:
+        self.envs, self.game = vector(task), MultiplayerEnv(task)
+        assert self.game.task == task == self.envs.task
+        for agent in self.game.possible_agents:
+            space = self.envs.single_observation_space
+            assert self.game.observation_space(agent) == space or task.agent_indicator
+
+    def reset(self, seed: int | None) -> None:
+        """Reset both, and compare."""
+        batch, _ = self.envs.reset(seed=seed)
+        observations, infos = self.game.reset(seed=seed)
+        assert infos == {agent: {} for agent in self.game.possible_agents}
+        self.same(observations, batch)
+
+    def step(self, source: np.random.Generator) -> bool:
+        """A step of both; whether the episode has ended."""
+        agents = list(self.game.agents)
+        indices = source.integers(self.envs.single_action_space.nvec)
+        batch, rewards, terminated, truncated, info = self.envs.step(indices[None])
+        actions = dict(zip(self.game.possible_agents, map(int, indices), strict=True))
+        seen, paid, over, cut, _ = self.game.step({agent: actions[agent] for agent in agents})
+        assert list(seen) == list(paid) == list(over) == list(cut) == agents
+        self.same(seen, batch)
+        for player, agent in enumerate(self.game.possible_agents):
+            if agent not in agents:
+                assert rewards[0, player] == 0 or self.game.task.zero_sum
+                continue
+            assert (paid[agent], over[agent], cut[agent]) == (
+                rewards[0, player],
+                terminated[0, player],
+                truncated[0, player],
+            )
+        assert self.game.core.frame_number == info["frame_number"][0]
+        return bool((terminated | truncated).all())
+
+    def same(self, observations: dict[str, Any], batch: Any) -> None:
+        """Whether what each agent sees is in the batch, and the RAM is equal."""
+        for player, agent in enumerate(self.game.possible_agents):
+            if agent in observations:
+                same(observations[agent], of_player(batch, player if self.game.task.agent_indicator else None))
+                space = self.game.observation_space(agent)
+                assert space.contains(observations[agent])
+        assert self.game.core.ram().tolist() == self.envs.ram()[0].tolist()
+
+
+@given(tasks(), st.integers(0, 2**32 - 1))
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
+def test_a_parallel_environment_is_the_lane_of_a_vector(task: Task, seed: int) -> None:
+    pair, source = Pair(task), np.random.default_rng(seed)
+    pair.reset(seed)
+    taken: Any = None
+    for step in range(60):
+        if pair.step(source):
+            pair.reset(None)
+        if step == 20:
+            taken = pair.envs.snapshot(), pair.game.snapshot()
+        if step == 30:
+            pair.envs.restore(None, taken[0])
+            pair.game.restore(taken[1])
+    pair.envs.close()
+
+
+def test_players_who_are_out_are_those_of_the_lane() -> None:
+    pair = Pair(Task.of("warlords", players=4, obs_type="ram", frameskip=4))
+    pair.reset(3)
+    source, left = np.random.default_rng(0), set()
+    for _ in range(3000):
+        if pair.step(source):
+            pair.reset(None)
+        left.add(len(pair.game.agents))
+    assert left >= {2, 3, 4}
+
+
+ACTING: dict[str, tuple[dict[str, Any], Any]] = {
+    "game": ({}, "boxing"),
+    "mode": ({}, 10),
+    "difficulty": ({}, 3),
+    "players": ({}, 4),
+    "actions": ({}, "full"),
+    "repeat_action_probability": ({}, 0.0),
+    "frameskip": ({}, (2, 5)),
+    "interventions": (
+        {},
+        [{"name": "frozen_ball", "description": "-", "source": "-", "writes": [{"to": "ball_x", "value": 80}]}],
+    ),
+    "noops": ({}, (5, 9)),
+    "seeding": ({"noops": (0, 30)}, "ale"),
+    "max_num_frames_per_episode": ({}, 90),
+    "max_frames": ({}, 90),
+    "max_episode_steps": ({}, 20),
+    "obs_type": ({}, "ram"),
+    "img_height": ({"img_height": 84, "img_width": 84}, 60),
+    "img_width": ({"img_height": 84, "img_width": 84}, 60),
+    "stack_num": ({}, 2),
+    "maxpool": ({"game": "joust"}, True),
+    "pool_rgb": ({"obs_type": "grayscale", "maxpool": True}, True),
+    "padding": ({"stack_num": 4}, "reset"),
+    "end_frames": ({"max_num_frames_per_episode": 130, "frameskip": 4}, "gymnasium"),
+    "agent_indicator": ({}, True),
+    "reward_clipping": ({"game": "joust"}, True),
+    "zero_sum": ({}, True),
+}
+"""By field, the others with which it acts, and a value other than the default."""
+
+
+def trace(task: Task) -> list[Any]:
+    """All that agents get in some steps of random actions."""
+    game, source = MultiplayerEnv(task), np.random.default_rng(3)
+    observations, _ = game.reset(seed=5)
+    seen: list[Any] = [str(game.action_spaces), [_bytes(one) for one in observations.values()]]
+    for _ in range(220):
+        actions = {agent: int(source.integers(game.action_space(agent).n)) for agent in game.agents}
+        observations, *ends, _ = game.step(actions)
+        numbers = [{agent: float(value) for agent, value in part.items()} for part in ends]
+        seen.append(([_bytes(one) for one in observations.values()], numbers))
+        if any(ends[2].values()) or not game.agents:
+            game.reset()
+    return seen
+
+
+def _bytes(observation: Any) -> bytes:
+    parts = observation.values() if isinstance(observation, dict) else [observation]
+    return b"".join(np.ascontiguousarray(part).tobytes() for part in parts)
+
+
+@pytest.mark.parametrize("field", ACTING)
+def test_every_field_acts(field: str) -> None:
+    others, value = ACTING[field]
+    base = Task(**{"game": "pong", "players": 2, **others})
+    changed = Task(**{"game": "pong", "players": 2, **others, field: value})
+    assert field in base.differences(changed)
+    assert trace(base) != trace(changed)
+
+
+def test_every_field_is_tested_or_refused() -> None:
+    assert {*ACTING, *OF_ONE_PLAYER, "sound_obs", "rules", "rom_md5"} == set(FIELDS)
+    for field in ("continuous", "episodic_life", "life_loss_info", "sound_obs"):
+        with pytest.raises(ValueError, match=f"{field}.*for one player"):
+            MultiplayerEnv("pong", **{field: True})
+    with pytest.raises(ValueError, match=r"fire='after_noops' is for one player"):
+        MultiplayerEnv("pong", fire="after_noops")
