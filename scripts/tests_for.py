@@ -46,6 +46,8 @@ PLACES: dict[str, tuple[str, ...]] = {
     "atari/games": ("tests/games", "tests/conformance/test_ale_goldens.py"),
     "atari/observations.py": ("tests/learning/test_frame_agent.py", "tests/cli/test_trained_player.py"),
     "atari/restorable.py": ("tests/wrappers/test_snapshots.py",),
+    "atari/_renamed.py": ("tests/test_import.py",),
+    "atari/protocols.py": ("tests/test_import.py",),
     "atari/env_ids.py": ("tests/conformance/test_ids.py", "tests/test_registration.py"),
     "atari/making.py": ("tests/test_registration.py", "tests/vector/test_registration.py", "tests/task"),
     "atari/task": ("tests/task", "tests/vector/test_tasks.py", "tests/wrappers/test_presets.py"),

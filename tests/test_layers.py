@@ -37,7 +37,7 @@ ALLOWED = {
     "task": "actions cores env_ids games validation",
     "env": "actions cores games notebook rendering task validation",
     "restorable": "cores env",
-    "wrappers": "_emulator _renamed cores env restorable task validation vector",
+    "wrappers": "_emulator _renamed cores env games restorable task validation vector",
     # Its views for JAX and PyTorch are of `integrations`, in modules that do not import `vector`.
     "vector": "_emulator _gymnasium actions cores games integrations multiplayer notebook rendering roms task validation",
     "observations": "_emulator cores task vector",

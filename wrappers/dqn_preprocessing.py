@@ -22,6 +22,7 @@ from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker
 from atari import _emulator
 from atari.cores import ByteArray
 from atari.env import AtariEnv
+from atari.games.game import Screen
 from atari.restorable import Restorable, State, layers, warn_of_restore
 from atari.validation import check_integer, check_name
 from atari.vector.settings import filled
@@ -134,7 +135,7 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         self._frame_number = 0
         self._info: dict[str, Any] = {}
         self._stacked = stack_size is not None
-        self._size: tuple[int, int] | None = None
+        self._resized: tuple[int, int] | None = None
         self._images: _emulator.ObservationStack | None = None
         shown: tuple[int, ...] = (128,)
         if obs_type == "image":
@@ -145,19 +146,15 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
                 "end_frames": _emulator.EndFrames[end_frames.upper()],
                 "padding": _emulator.Padding[padding_type.upper()],
             }
-            width, height = size = _check_size(screen_size, self._atari.game.screen.shape)
+            screen = self._atari.game.screen
+            width, height = _check_size(screen_size, screen.shape)
             try:
-                self._images = self._make_images(size, settings)
-            except ValueError:  # images that only OpenCV makes, of the screen
-                self._size = size
-                self._images = self._make_images((160, self._atari.game.screen.height), settings)
-            shown = (stack_size, height, width, 3)[not self._stacked : 3 if grayscale else 4]
+                self._images = _make_images(screen, height, width, settings)
+            except ValueError:  # a size that only OpenCV makes, of images of the screen
+                self._resized = width, height
+                self._images = _make_images(screen, *screen.shape, settings)
+            shown = (stack_size or 1, height, width, 3)[not self._stacked : 3 if grayscale else 4]
         self.observation_space = spaces.Box(0, 255, shown, np.uint8)
-
-    def _make_images(self, size: tuple[int, int], settings: dict[str, Any]) -> _emulator.ObservationStack:
-        screen = self._atari.game.screen
-        made = filled(_emulator.ObservationSettings(), img_width=size[0], img_height=size[1], **settings)
-        return _emulator.ObservationStack(made, screen.shape[0], screen.format)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset; the observation is the screen after the resets of the inner wrappers.
@@ -240,8 +237,8 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         if self._images is None:
             return self._atari.core.ram()
         stack = self._images.observation()
-        if self._size is not None:
-            stack = np.stack([cv2.resize(image, self._size, interpolation=cv2.INTER_AREA) for image in stack])
+        if self._resized is not None:
+            stack = np.stack([cv2.resize(image, self._resized, interpolation=cv2.INTER_AREA) for image in stack])
         return stack if self._stacked else stack[0]
 
     def _save_state(self) -> State:
@@ -295,6 +292,11 @@ def _check_size(screen_size: Any, screen: tuple[int, int]) -> tuple[int, int]:
     given = (own if length is None else length for length, own in zip(pair, reversed(screen), strict=True))
     width, height = (check_integer("screen_size", length, 1, 10_000) for length in given)
     return width, height
+
+
+def _make_images(screen: Screen, height: int, width: int, settings: dict[str, Any]) -> _emulator.ObservationStack:
+    made = filled(_emulator.ObservationSettings(), img_height=height, img_width=width, **settings)
+    return _emulator.ObservationStack(made, screen.shape[0], screen.format)
 
 
 def _pixels(grayscale: bool, pool_rgb: bool) -> _emulator.PixelFormat:

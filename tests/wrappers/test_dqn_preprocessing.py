@@ -52,6 +52,15 @@ PREPROCESSED = {
     "full size": ({"screen_size": (160, 210)}, lambda gray, rgb: np.maximum(*gray[-2:])),
     "the screen's size": ({"screen_size": None}, lambda gray, rgb: np.maximum(*gray[-2:])),
     "the screen's rows": ({"screen_size": (84, None)}, lambda gray, rgb: small(np.maximum(*gray[-2:]), (84, 210))),
+    "enlarged": ({"screen_size": (200, 300)}, lambda gray, rgb: small(np.maximum(*gray[-2:]), (200, 300))),
+    "narrow, in colour": (
+        {"screen_size": (7, 84), "grayscale": False},
+        lambda gray, rgb: small(np.maximum(*rgb[-2:]), (7, 84)),
+    ),
+    "enlarged, pooled as RGB": (
+        {"screen_size": 170, "pool_rgb": True},
+        lambda gray, rgb: small(gray_of_rgb(np.maximum(*rgb[-2:])), (170, 170)),
+    ),
     "the screen in colour": ({"screen_size": None, "grayscale": False}, lambda gray, rgb: np.maximum(*rgb[-2:])),
     "Gymnasium": ({"end_frames": "gymnasium"}, lambda gray, rgb: small(np.maximum(*gray[-2:]))),
     "Baselines": ({"end_frames": "baselines"}, lambda gray, rgb: small(np.maximum(*gray[-2:]))),

@@ -1,0 +1,147 @@
+"""The doors of this package: each function, class and command that plays a game, as a function that returns its task.
+
+A door is called with GAME and options of a task by their names, and returns the `Task` that it would play or plays.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import gymnasium
+
+import atari
+from atari.integrations import envpool
+from atari.multiplayer import MultiplayerCore, parallel_env
+from atari.task import Task
+from atari.task.fields import GROUPS
+
+
+@dataclass(frozen=True)
+class Door:
+    """A door.
+
+    Attributes:
+        name: as a user writes it.
+        task: the task that it plays of GAME and options; it closes what it makes.
+        refuses: fields that it cannot honour, each with the reason.
+        translates: options that become another field, as ale-py names them.
+        outside: fields that something around this package does, each with the reason.
+        games: what GAME may be: "any", "ids" alone, or "several", games of two players.
+        takes_options: whether it takes options of a task; else a `Task` has them.
+    """
+
+    name: str
+    task: Callable[..., Task]
+    refuses: Mapping[str, str] = field(default_factory=dict)
+    translates: Mapping[str, str] = field(default_factory=dict)
+    outside: Mapping[str, str] = field(default_factory=dict)
+    games: Literal["any", "ids", "several"] = "any"
+    takes_options: bool = True
+
+
+def _closed(env: Any) -> Task:
+    """The task of an environment, which is closed."""
+    found = env.task if hasattr(env, "task") else env.unwrapped.whole_task
+    env.close()
+    assert isinstance(found, Task)
+    return found
+
+
+def _make(game: Any, **options: Any) -> Task:
+    return _closed(atari.make(game, **options))
+
+
+def _single(game: Any, **options: Any) -> Task:
+    return _closed(atari.AtariEnv(game, **options))
+
+
+def _gymnasium(game: Any, **options: Any) -> Task:
+    return _closed(gymnasium.make(game, **options))
+
+
+def _gymnasium_vector(game: Any, **options: Any) -> Task:
+    return _closed(gymnasium.make_vec(game, num_envs=1, **options).unwrapped)
+
+
+def _vector(game: Any, **options: Any) -> Task:
+    return _closed(atari.AtariVectorEnv(game, 1, **options))
+
+
+def _task_make(game: Any, **options: Any) -> Task:
+    return _closed(Task.of(game, **options).make())
+
+
+def _task_make_vec(game: Any, **options: Any) -> Task:
+    return _closed(Task.of(game, **options).make_vec(1))
+
+
+def _envpool(game: Any, **options: Any) -> Task:
+    return _closed(envpool.make(game, "gymnasium", num_envs=1, **options))
+
+
+def _core_of_several(game: Any, **options: Any) -> Task:
+    return _closed(MultiplayerCore(game, **options))
+
+
+def _parallel(game: Any, **options: Any) -> Task:
+    return _closed(parallel_env(game, **options).unwrapped)
+
+
+def of_fields(names: str | tuple[str, ...], reason: str) -> dict[str, str]:
+    """Fields, or those of a group, that a door refuses for one reason."""
+    chosen = GROUPS[names] if isinstance(names, str) else names
+    return dict.fromkeys(chosen, reason)
+
+
+_NO_WRAPPERS = "an AtariEnv has no wrappers; atari.make and Task.make put them around"
+_ONE_PLAYER = "Gymnasium's environments have one player; atari.multiplayer and vectors have several"
+_NO_SOUND = of_fields(("sound_obs",), "a vector's engine has no sound")
+_TOGETHER = "a rule of tasks: it is for one player"
+_SINGLE = of_fields(("players", "agent_indicator", "zero_sum"), _ONE_PLAYER)
+_OF_WRAPPERS = tuple(
+    name
+    for name in (
+        "max_frames",
+        "max_episode_steps",
+        *GROUPS["begin"],
+        *GROUPS["lives"],
+        *GROUPS["observation"],
+        "reward_clipping",
+    )
+    if name not in ("obs_type", "sound_obs", "agent_indicator")
+)
+_OF_LIMITS = {"max_num_frames_per_episode": "max_frames"}
+_OF_SEVERAL = {
+    **of_fields((*GROUPS["lives"], "continuous", "continuous_action_threshold"), _TOGETHER),
+    **of_fields(tuple(name for name in GROUPS["begin"] if name not in ("noops", "seeding")), _TOGETHER),
+    **_NO_SOUND,
+}
+_OF_STEPS = of_fields(
+    (
+        *("frameskip", "actions", "noops", "seeding", "max_frames", "max_episode_steps"),
+        *(name for name in GROUPS["observation"] if name != "sound_obs"),
+        *GROUPS["reward"],
+    ),
+    "a core plays frames, and an environment around it makes steps of them",
+)
+_OF_ENVPOOL = of_fields(("obs_type",), "EnvPool's info has the RAM, and its observations are images")
+
+DOORS: tuple[Door, ...] = (
+    Door("Task.of", Task.of),
+    Door("Task.make", _task_make, _SINGLE),
+    Door("Task.make_vec", _task_make_vec, _NO_SOUND),
+    Door("atari.make", _make, _SINGLE),
+    Door(
+        "gymnasium.make",
+        _gymnasium,
+        _SINGLE,
+        outside={"max_episode_steps": "Gymnasium puts its TimeLimit around"},
+        games="ids",
+    ),
+    Door("gymnasium.make_vec", _gymnasium_vector, _NO_SOUND, _OF_LIMITS, games="ids"),
+    Door("atari.AtariEnv", _single, {**_SINGLE, **of_fields(_OF_WRAPPERS, _NO_WRAPPERS)}),
+    Door("atari.AtariVectorEnv", _vector, _NO_SOUND, _OF_LIMITS),
+    Door("envpool.make", _envpool, {**_SINGLE, **_NO_SOUND, **_OF_ENVPOOL}, takes_options=False),
+    Door("MultiplayerCore", _core_of_several, {**_OF_SEVERAL, **_OF_STEPS}, games="several"),
+    Door("parallel_env", _parallel, _OF_SEVERAL, games="several"),
+)
