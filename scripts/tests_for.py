@@ -40,6 +40,7 @@ PLACES: dict[str, tuple[str, ...]] = {
     "atari/emulator/python": ("tests/cores", "tests/vector"),
     "atari/_emulator.pyi": ("tests/test_emulator_stub.py",),
     "atari/env.py": ("tests/conformance/test_ale_goldens.py", "tests/conformance/test_env_equals_ale_py.py"),
+    "atari/env_state.py": ("tests/test_env_snapshots.py", "tests/test_env.py"),
     "atari/registration.py": ("tests/conformance/test_ids.py", "tests/games/test_own_games.py", "tests/vector"),
     "atari/validation.py": ("tests/test_env.py", "tests/wrappers", "tests/vector"),
     "atari/games/interventions": ("tests/lab",),

@@ -12,7 +12,7 @@ from atari.games.catalog import games
 from atari.games.game import Game
 from atari.games.pettingzoo import find_environment
 from atari.games.players import options_of
-from atari.task.fields import check_bool, check_field
+from atari.task.fields import GROUPS, check_bool, check_field
 from atari.task.presets import Preset, find_preset
 from atari.task.rules import settle
 from atari.task.task import DEFAULTS, FIELDS, Task
@@ -100,6 +100,37 @@ def resolve_for_agent(
                 f"use the game's name, {of_id.game!r}, or another preset"
             )
     return resolve_task(game, name, {**kept, **options}, owner=owner)
+
+
+def resolve_frames(game: GameLike, mode: int | None, difficulty: int | None, *, owner: str) -> Task:
+    """The task of a function that plays single frames with actions of its own, without sticky actions and limits.
+
+    What an agent sees and may do, and how it is paid, is left aside where `game` has it.
+
+    Args:
+        game, owner: as of `resolve_task`.
+        mode, difficulty: None is what `game` says.
+
+    Raises:
+        gymnasium.error.NameNotFound, TypeError, ValueError, FileNotFoundError: as `Task.of`; ValueError also if `game`
+            has another field that such a function cannot honour.
+    """
+    given = {name: value for name, value in (("mode", mode), ("difficulty", difficulty)) if value is not None}
+    whole = resolve_task(game, None, given, owner=owner)
+    kept = {name: getattr(whole, name) for name in ("rules", "mode", "difficulty")}
+    task = Task(whole.definition, **{**kept, **_SINGLE_FRAMES})  # type: ignore[arg-type]  # a game is found
+    for name, (_, value) in task.differences(whole).items():
+        if name not in (*_SINGLE_FRAMES, *GROUPS["observation"], *GROUPS["reward"]):
+            raise ValueError(f"{owner} has no place for {name}={value!r}; give the game alone, {task.game!r}")
+    return task
+
+
+_SINGLE_FRAMES: Mapping[str, Any] = {
+    "frameskip": 1,
+    "actions": "full",
+    "repeat_action_probability": 0.0,
+    "max_num_frames_per_episode": None,
+}
 
 
 def translate(

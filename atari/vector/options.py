@@ -25,6 +25,7 @@ from atari.roms.image import read_image
 from atari.task import Task
 from atari.task.fields import NO_LIMIT, check_bool
 from atari.task.resolution import ALIASES, OPTIONS, is_id, is_versioned, resolve_task
+from atari.task.storage import identity
 from atari.validation import check_integer, check_known
 from atari.vector import ale_names
 from atari.vector.layout import Layout
@@ -72,7 +73,7 @@ class VectorOptions:
         if given["render_mode"] not in (None, "rgb_array"):
             raise ValueError(f"render_mode must be 'rgb_array' or None, got {given['render_mode']!r}")
         check_known(
-            "AtariVectorEnv", [name for name in task_options if name not in _OF_TASKS], (*_OF_TASKS, *_RUN, *given)
+            "AtariVectorEnv", [name for name in task_options if name not in OF_TASKS], (*OF_TASKS, *_RUN, *given)
         )
         tasks = _resolve(listed, preset, dict(task_options))
         _check_alike(tasks)
@@ -94,6 +95,11 @@ class VectorOptions:
     def task(self) -> Task:
         """The task of the first environment. All have it, but for the game, its mode and interventions."""
         return self.tasks[0]
+
+    @cached_property
+    def identities(self) -> tuple[str, ...]:
+        """The task of each environment as its snapshots have it."""
+        return tuple(map(identity, self.tasks))
 
     @cached_property
     def games(self) -> tuple[Game, ...]:
@@ -325,7 +331,7 @@ def resolve_one(game: Any, preset: Any, options: dict[str, Any]) -> Task:
     return task
 
 
-_OF_TASKS = (*OPTIONS, *ALIASES, *ale_names.NAMES)
+OF_TASKS = (*OPTIONS, *ALIASES, *ale_names.NAMES)
 """The options that decide what is played."""
 
 _RUN = ("num_envs", "preset")
