@@ -10,6 +10,7 @@ from atari.learning.needs import Needs
 from atari.multiplayer import MultiplayerCore
 from atari.observations import Frame
 from atari.task import Task
+from atari.task.fields import ObsType
 
 
 class PlayerAgent(FrameAgent):
@@ -29,7 +30,7 @@ class PlayerAgent(FrameAgent):
         TypeError, ValueError, FileNotFoundError, gymnasium.error.DependencyNotInstalled: as `FrameAgent` and `task_in`.
     """
 
-    def __init__(self, policy: Any, player: int, core: MultiplayerCore, obs_type: str) -> None:
+    def __init__(self, policy: Any, player: int, core: MultiplayerCore, obs_type: ObsType) -> None:
         super().__init__(policy)
         self._lanes = np.array([player], np.int64)
         self._players, self._obs_type = core.players, obs_type
