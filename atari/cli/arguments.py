@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.recording.video.overlay import OVERLAYS
-from atari.registration import resolve
+from atari.task import Task
+from atari.task.arguments import game_of
+from atari.task.resolution import is_id, spelled
 
 if TYPE_CHECKING:
     Commands = argparse._SubParsersAction[argparse.ArgumentParser]
@@ -32,7 +34,10 @@ class Parser(argparse.ArgumentParser):
         super().error(f"{message}; did you mean {near[0]!r}?" if near else message)
 
 
-GAME_HELP = "a game, such as breakout, an ID, such as PongNoFrameskip-v4, or a game definition, such as own.toml"
+GAME_HELP = (
+    "a game, such as breakout, an ID, such as PongNoFrameskip-v4, a game definition, such as own.toml, or a task, such "
+    "as task.json, which `atari explain GAME --print-task --json` prints"
+)
 
 
 def add_command(
@@ -73,16 +78,17 @@ def _overlay(text: str) -> tuple[str, ...]:
 
 
 def find_game(name: str, playable: bool = True) -> Game:
-    """The game of an argument: a game's id, an environment ID, or the file of a game definition (.toml).
+    """The game of an argument: a game's name, an ID, the file of a game definition (.toml), or a task (.json).
 
     If it must be `playable`, two-player cartridges are refused.
 
     Raises:
         ValueError, FileNotFoundError, gymnasium.error.NameNotFound: there is no such game; the nearest is suggested.
     """
-    if not name.endswith(".toml") and ("-v" in name or "/" in name):
-        name = resolve(name)[1]
-    return games.find(name) if playable else games.resolve(name)
+    game = game_of(name)
+    if isinstance(game, Task) or (isinstance(game, str) and is_id(game)):
+        game = Task.of(game).definition
+    return games.find(spelled(game)) if playable else games.resolve(spelled(game))
 
 
 def find_function(option: str, name: str) -> Callable[..., Any]:

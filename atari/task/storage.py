@@ -10,6 +10,7 @@ from atari.cores.writes import fact
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.task.task import DEFAULTS, FIELDS, Task
+from atari.validation import check_file
 
 FORMAT = 1
 """The version of the format. A newer one is refused; a reader of an older one fills in its defaults."""
@@ -119,6 +120,21 @@ def from_json(text: str, game: Game | None = None) -> Task:
         raise TypeError(f"'interventions' must be a list of definitions, got {changes!r:.80}")
     fields["game"] = _game(fields["game"], fields.pop("file"), game)
     return Task(**fields)
+
+
+def read_task(path: Path) -> Task:
+    """The task of a file.
+
+    Raises:
+        FileNotFoundError, ValueError: there is no such file, or it has no task.
+    """
+    check_file(path)
+    with path.open("rb") as file:
+        data = file.read(4 * _MOST_CHARACTERS + 1)  # of UTF-8
+    try:
+        return from_json(data.decode(errors="replace"))
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{path} has no task: {error}") from None
 
 
 def _game(name: Any, file: Any, game: Game | None) -> Any:

@@ -284,8 +284,18 @@ def test_the_command_plays_and_prints_both_scores(
 ) -> None:
     monkeypatch.setattr(Loop, "run", run_loop(30))
     assert main(["play", "combat", "--players", "2", "--scale", "1", "--no-sound"]) == 0
-    assert capsys.readouterr().out == "Combat   player 1: 0   player 2: 0   (30 frames)\n"
-    words = ["pong_v3", "--players", "4", "--opponent", "random", "--opponent", "policies_of_two:up", "--obs", "ram"]
+    assert capsys.readouterr().out == "combat: Combat, 2 players\nCombat   player 1: 0   player 2: 0   (30 frames)\n"
+    words = [
+        "pong_v3",
+        "--players",
+        "4",
+        "--opponent",
+        "random",
+        "--opponent",
+        "policies_of_two:up",
+        "--obs-type",
+        "ram",
+    ]
     assert main(["play", *words, "--json", "--scale", "1", "--no-sound", "--seed", "3"]) == 0
     result = json.loads(capsys.readouterr().out)
     assert (result["players"], result["mode"], len(result["scores"])) == (4, 6, 4)
@@ -308,9 +318,9 @@ def test_the_mode_says_how_many_players_there_are(
     ("words", "text"),
     [
         (["breakout", "--players", "2"], "there is no game of several players named 'breakout'"),
-        (["combat", "--players", "3"], "combat is for 2 players, got --players 3"),
-        (["pong_v3", "--players", "3"], "pong_v3 is for 2 or 4 players, got --players 3"),
-        (["boxing_v2", "--players", "4"], "boxing_v2 is for 2 players, got --players 4"),
+        (["combat", "--players", "3"], "combat is for 2 players, got players=3"),
+        (["pong_v3", "--players", "3"], "pong_v3 is for 2 or 4 players, got 3"),
+        (["boxing_v2", "--players", "4"], "boxing_v2 is for 2 players, got 4"),
         (["combat"], "combat has no game of one player; give --players 2"),
         (["combat", "--players", "2", "--mode", "99"], "mode of combat for 2 players must be one of 1, 2, "),
         (["combat", "--players", "2", "--difficulty", "9"], "difficulty must be within 0..3, got 9"),
@@ -397,17 +407,14 @@ def test_a_game_played_by_hand_is_recorded_with_its_rewinds(tmp_path: Path) -> N
 @pytest.mark.parametrize(
     ("words", "text"),
     [
-        (
-            ["pong", "--players", "2", "-o", "a.a26", "-o", "b.a26"],
-            "one replay of several players is written at a time",
-        ),
-        (["pong", "--players", "2", "--preset", "dqn2015"], "--preset is for one player"),
+        (["pong", "--players", "2", "--preset", "dqn2015"], "preset 'dqn2015' is for one player"),
+        (["pong", "--players", "2", "--sticky", "0.25"], "repeat_action_probability=0.25 is for one player; leave it"),
+        (["pong", "--players", "2", "--noops", "1,30"], "noops=(1, 30) is for one player; leave it or players=2 out"),
         (
             ["pong_v3", "--players", "4", "--policy", "noop", "--policy", "noop"],
             "give --policy once, or 4 times, got 2",
         ),
         (["pong", "--policy", "noop", "--policy", "noop"], "a second --policy needs --players"),
-        (["pong", "--mode", "0"], "--mode needs --players"),
     ],
 )
 def test_matches_that_cannot_be_recorded(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
