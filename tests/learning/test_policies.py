@@ -28,6 +28,7 @@ def sb3(file, **facts):
 
 def test_functions_of_modules(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.delitem(sys.modules, "mine", raising=False)  # another test's
     (tmp_path / "mine.py").write_text(
         "def one(o): return [1] * len(o)\n"
         "def two(o, lanes): return lanes\n"
