@@ -155,7 +155,7 @@ class AtariEnv(EnvState):
         self._game = Played()
         self._ended_game = None
         self._restored = False
-        self._only_noop = False  # whether NOOP is played whatever the action is, see `step_noop` of the wrappers
+        self._instead: str | None = None  # an action that replaces any, see `step_named` of the wrappers
 
     def ale_options(self) -> dict[str, Any]:
         """What this plays without wrappers, as options by ale-py's names."""
@@ -433,8 +433,8 @@ class AtariEnv(EnvState):
 
     def _ale_action(self, action: Any) -> tuple[int, float]:
         """The ALE action number and the strength of an action of the action space."""
-        if self._only_noop:
-            return Action.NOOP, 1.0
+        if self._instead is not None:
+            return int(Action[self._instead]), 1.0
         if self.continuous:
             return self._continuous_action(action)
         index = check_action_index(action, len(self._action_set), self.game.id)

@@ -57,7 +57,7 @@ ALLOWED = {
     # The package itself exports the parts above, and `atari.__version__` to the parts below and to recordings.
     "atari": "_renamed actions algorithmic cores env games integrations making registration roms task vector wrappers",
     # Programs and old interfaces, which no part above imports; they may import `recording`.
-    "play": "actions cores env games multiplayer recording registration rendering task validation",
+    "play": "actions cores env games learning multiplayer observations recording registration rendering task validation",
     "classic": "_script atari cores env env_ids games recording registration rendering validation wrappers",
     "cli": "_interrupt atari actions cores env env_ids games integrations lab learning making multiplayer observations play "
     "recording registration rendering roms task validation vector wrappers",

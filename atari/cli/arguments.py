@@ -4,9 +4,7 @@ import argparse
 import difflib
 import math
 import re
-import sys
 from collections.abc import Callable
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -108,14 +106,9 @@ def find_function(option: str, name: str) -> Callable[..., Any]:
     Raises:
         ValueError: there is no such module or function, or it is no function.
     """
-    module, _, function = name.partition(":")
-    sys.path.insert(0, "")  # modules of this folder, as with `python -m`
-    try:
-        found = getattr(import_module(module), function)
-    except (ImportError, AttributeError) as error:
-        raise ValueError(f"{option} {name} cannot be imported: {error}") from error
-    finally:
-        sys.path.remove("")
+    from atari.learning.policies import import_named
+
+    found = import_named(name, f"{option} {name}")
     if not callable(found):
         raise ValueError(f"{option} {name} must be a function of an observation, got {found!r}")
     return found  # type: ignore[no-any-return]

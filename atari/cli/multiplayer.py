@@ -3,14 +3,12 @@
 import argparse
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 
-from atari.cli.arguments import find_function, find_game
-from atari.games.game import Game
+from atari.cli.arguments import find_game
 from atari.games.pettingzoo import find_environment
 from atari.games.players import rules_of
 from atari.play.base import BY_FRAME
-from atari.play.multiplayer_session import MultiplayerSession, Policy, no_op_policy, random_policy
+from atari.play.multiplayer_session import MultiplayerSession
 from atari.task import Task
 from atari.task.arguments import game_of, given_options, task_of
 
@@ -64,19 +62,14 @@ def make_match(
     Raises:
         ValueError: there is no such policy, or their number is wrong.
     """
-    count, rules = task.players, rules_of(task.definition)
+    count = task.players
     first = 0 if option == "--policy" else 1
     if len(names) == 1 and option == "--policy":
         names = names * count
     if len(names) > count - first or (option == "--policy" and len(names) != count):
         often = f"once, or {count} times" if option == "--policy" else f"at most {count - first} times"
         raise ValueError(f"{args.game} has {count} players; give {option} {often}, got {len(names)}")
-    policies = {
-        player: _policy(
-            option, name, task.definition, (args.seed or 0) + index, player == 1 and task.mode in rules.mirrored_modes
-        )
-        for index, (player, name) in enumerate(zip(range(first, count), names, strict=False))
-    }
+    policies = dict(zip(range(first, count), names, strict=False))
     return partial(
         MultiplayerSession,
         task.definition,
@@ -88,34 +81,3 @@ def make_match(
         policies=policies,
         obs_type=task.obs_type,  # type: ignore[arg-type]  # which it checks
     )
-
-
-def _policy(option: str, name: str, game: Game, seed: int, mirrored: bool) -> Policy:
-    if name == "random":
-        return random_policy(rules_of(game).minimal_actions, seed)
-    if name == "noop":
-        return no_op_policy
-    if ":" in name and not Path(name).exists():
-        return find_function(option, name)
-    if Path(name).is_dir():
-        return _trained(option, name, game, seed, mirrored)
-    if Path(name).exists():
-        raise ValueError(
-            f"{option} {name}: policies and replays in files are of the one-player game; give a run folder of "
-            "`atari train`, or write a MODULE:FUNCTION"
-        )
-    raise ValueError(
-        f"{option} with several players must be random, noop, MODULE:FUNCTION or a run folder, got {name!r}"
-    )
-
-
-def _trained(option: str, name: str, game: Game, seed: int, mirrored: bool) -> Policy:
-    """The policy of a run folder as a player."""
-    from atari.cli.trained_player import TrainedPlayer
-    from atari.learning import ScoresPolicy, load_policy
-
-    policy = load_policy(Path(name))
-    assert isinstance(policy, ScoresPolicy)
-    if policy.game != game.id:
-        raise ValueError(f"{option} {name} is a training in {policy.game}, not in {game.id}")
-    return TrainedPlayer(policy, game.id, seed, mirrored)

@@ -31,9 +31,8 @@ def register(commands: "Commands") -> None:
         action="append",
         default=[],
         metavar="POLICY",
-        help="player 2 is random, noop, a run folder of `atari train`, or MODULE:FUNCTION, called in each frame with "
-        "the observation of --obs-type and an info (a dict with player, players, mode, frame, scores, rewards, lives); "
-        "it returns an action's number, 0 .. 17, or name, such as UPFIRE; may be repeated, for player 3 and so on",
+        help="player 2 is random, noop, a run folder, an SB3 zip, a TorchScript or ONNX file, or MODULE:NAME; may be "
+        "repeated, for player 3 and so on",
     )
     parser.add_argument("--seed", type=seed, metavar="N", help="seed of the game (default: random)")
     parser.add_argument(

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias, get_args
 
 import cv2
-import gymnasium
 import numpy as np
 import numpy.typing as npt
 
@@ -22,7 +21,7 @@ from atari.lab.labels import Labels
 from atari.recording.datasets import NO_STEPS, check_new_dataset, import_minari, write_minari
 from atari.recording.episodes import EpisodeArrays, Source, facts_of_replays, load_replays, replayed_episodes
 from atari.recording.replay.replay import Replay
-from atari.validation import check_name
+from atari.validation import check_name, import_extra
 
 Format = Literal["minari", "parquet", "hdf5"]
 
@@ -166,13 +165,8 @@ def import_format(format: Format) -> Any:
     if format == "minari":
         return import_minari()
     name = {"parquet": "pyarrow.parquet", "hdf5": "h5py"}[format]
-    try:
-        return import_module(name)
-    except ImportError:
-        package = name.partition(".")[0]
-        raise gymnasium.error.DependencyNotInstalled(
-            f"a data set in the format {format} needs {package}: pip install {package}"
-        ) from None
+    package = name.partition(".")[0]
+    return import_extra(name, f"a data set in the format {format} needs {package}: pip install {package}")
 
 
 Values: TypeAlias = dict[str, dict[str, npt.NDArray[Any]]]

@@ -14,7 +14,7 @@ from tqdm import tqdm
 
 from atari._interrupt import ctrl_c_as_event
 from atari.learning.agents import find_agent
-from atari.learning.options import TrainingOptions, parse
+from atari.learning.options import FAST_RAM, TrainingOptions, parse
 from atari.learning.run import RunFolder
 from atari.learning.training import Training
 from atari.task import Task
@@ -71,7 +71,7 @@ def _options(agent: Any, args: argparse.Namespace) -> Any:
         if isinstance(game, Task):
             raise ValueError(f"--fast changes what is played, and {args.game} says it; leave one of them out")
         ram = task_of(args, agent=True, default=agent.fast["preset"]).obs_type == "ram"
-        measured = {**agent.fast, **(agent.fast_ram if ram else {})}
+        measured = {**agent.fast, **(FAST_RAM if ram else {})}
     named = {} if args.preset is None else {"preset": args.preset}
     return kind.of(game, **{**measured, **named, **of_task, **own})
 

@@ -5,19 +5,41 @@ import types
 import typing
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
 from typing import Any, ClassVar, Literal, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
-from atari.learning.named_actions import resolve_with_names
 from atari.task import Task
 from atari.task.resolution import ALIASES, OPTIONS, GameLike, resolve_for_agent
 from atari.validation import check_integer, check_known
 
 SEEDS = 2**32
 """Seeds are below it."""
+
+FAST_PIXELS: Mapping[str, Any] = {
+    "total_steps": 2_000_000,
+    "num_envs": 64,
+    "preset": "envpool",
+    "episodic_life": True,
+    "img_height": 42,
+    "img_width": 42,
+    "network": "small",
+    "normalize": True,
+    "bfloat16": True,
+    "workers": 2,
+}
+"""Options for pixels that all agents have in common, found by measurement on two cores; see docs/learning.md."""
+
+FAST_RAM: Mapping[str, Any] = {
+    "obs_type": "ram",
+    "img_height": None,
+    "img_width": None,
+    "network": "bits",
+    "ram_stack": 2,
+    "ram_padding": "reset",
+}
+"""Options for RAM, which replace those of the same name."""
 
 _Options = TypeVar("_Options", bound="TrainingOptions")
 
@@ -112,8 +134,7 @@ class TrainingOptions:
             given.setdefault("seamless_lives", False)  # the stack begins anew where the learner's episode does
             if "clip_reward" not in given:
                 given.setdefault("reward_clipping", True)
-        resolve = partial(resolve_for_agent, game, preset, default=cls.default_preset, owner=cls.__name__)
-        task = resolve_with_names(resolve, given)
+        task = resolve_for_agent(game, preset, given, default=cls.default_preset, owner=cls.__name__)
         rest = {name: value for name, value in options.items() if name in own}
         if task.obs_type == "ram":
             rest.setdefault("network", "mlp")

@@ -105,3 +105,12 @@ class RamPolicy(ScoresPolicy):
         stacks = self._stacks.push(observations, self._started[lanes], lanes)
         self._started[lanes] = False
         return super().__call__(stacks, lanes)
+
+    def state(self) -> Any:
+        """The generators and the stacks."""
+        return super().state(), self._stacks.rows, self._started
+
+    def restore(self, state: Any) -> None:
+        """Continue with the generators and the stacks of `state`."""
+        generators, self._stacks.rows, self._started = state
+        super().restore(generators)

@@ -232,15 +232,19 @@ def _require(name: str, preset: Preset, given: Mapping[str, Any], names: Mapping
         wanted = preset.fields[field]
         if field not in given or given[field] == wanted:
             continue
-        if field == "actions":
-            values = (given[field], wanted)
-            one, other = (resolve_task(game, None, {"players": players, "actions": value}) for value in values)
-            if one == other:
-                continue  # both sets are the same in this game
+        if field == "actions" and _within(game, players, given[field], wanted):
+            continue
         shown, value = wanted, given[field]
         if names[field] == "full_action_space":
             shown, value = wanted == "full", given[field] == "full"
         raise ValueError(f"preset {name!r} needs {names[field]}={shown!r}, got {value!r}; leave it out")
+
+
+def _within(game: Game, players: int, actions: Any, wanted: str) -> bool:
+    """Whether an agent that has these actions plays the game of a preset that requires a set of them."""
+    tasks = (resolve_task(game, None, {"players": players, "actions": chosen}) for chosen in (actions, wanted))
+    own, allowed = (task.action_set for task in tasks)
+    return own == allowed or (not isinstance(actions, str) and {*own} <= {*allowed})
 
 
 def _fitting(preset: Preset, fields: Mapping[str, Any]) -> dict[str, Any]:

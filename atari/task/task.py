@@ -157,9 +157,9 @@ class Task:
                 f"sound_obs=True is for an AtariEnv without wrappers, and {others[0]}={getattr(self, others[0])!r} "
                 "needs them; leave one of them out"
             )
-        if self.third_action and Action.FIRE in self.action_set and len(self.action_set) < 3:
+        if self.third_action and Action.FIRE in self.begin_actions and len(self.begin_actions) < 3:
             raise ValueError(
-                f"third_action=True plays the third action, and {self.game} has only {len(self.action_set)}; "
+                f"third_action=True plays the third action, and {self.game} has only {len(self.begin_actions)}; "
                 "use actions='full'"
             )
 
@@ -289,6 +289,15 @@ class Task:
         if isinstance(self.actions, str):
             return full if self.actions == "full" else minimal
         return tuple(Action[name] for name in self.actions)
+
+    @property
+    def begin_actions(self) -> tuple[Action, ...]:
+        """The actions of which episodes begin, whether the agent has them or not: all that the game uses.
+
+        They are all legal ones if the agent has one that the game does not use.
+        """
+        minimal, full = _action_sets(self.definition, self.players)
+        return minimal if {*self.action_set} <= {*minimal} else full
 
     @property
     def preprocessed(self) -> bool:

@@ -86,6 +86,8 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         dtype: "uint8", or "float32" with the same values 0..255, which is a copy of four times the size (added).
         render_mode: "rgb_array" for `render` (added).
         rom: path of the ROM file; None searches (see `atari.roms`) (added).
+        game_info: `info` has what was played of whole games; None is with a preset, or a task with preprocessing
+            (added).
         **options: fields of `atari.Task`, which describes them, and ale-py's other names of some: `full_action_space`,
             `noop_max` (0 to noop_max-1 frames of NOOP), `use_fire_reset`, `grayscale`, `clip_reward`. Beside a name
             alone, `max_num_frames_per_episode` does not count the frames of the beginning, as in ale-py; it is
@@ -118,6 +120,7 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         dtype: npt.DTypeLike = "uint8",
         render_mode: Literal["rgb_array"] | None = None,
         rom: str | PathLike[str] | None = None,
+        game_info: bool | None = None,
         **options: Unpack[VectorTaskOptions],
     ) -> None:
         self._given = {
@@ -129,6 +132,7 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
             "dtype": dtype,
             "render_mode": render_mode,
             "rom": rom,
+            "game_info": game_info,
         }
         self._begin(VectorOptions.check(game, num_envs, preset, options, **self._given))
 

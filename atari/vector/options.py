@@ -23,7 +23,7 @@ from atari.multiplayer.core import compiled_for_players
 from atari.roms import find
 from atari.roms.image import read_image
 from atari.task import Task
-from atari.task.fields import NO_LIMIT
+from atari.task.fields import NO_LIMIT, check_bool
 from atari.task.resolution import ALIASES, OPTIONS, is_id, is_versioned, resolve_task
 from atari.task.storage import identity
 from atari.validation import check_integer, check_known
@@ -77,10 +77,12 @@ class VectorOptions:
         )
         tasks = _resolve(listed, preset, dict(task_options))
         _check_alike(tasks)
-        first = tasks[0]
+        first, game_info = tasks[0], given["game_info"]
+        if game_info is None:
+            game_info = first.preprocessed and not (preset is None and any(map(_is_bare, listed)))
         return cls(
             tasks=tasks,
-            game_info=first.preprocessed and not (preset is None and any(map(_is_bare, listed))),
+            game_info=check_bool("game_info", game_info),
             rom=given["rom"],
             batch_size=batch_size,
             num_threads=min(threads if threads > 0 else _cores(), len(tasks)),
@@ -142,7 +144,7 @@ class VectorOptions:
                 _emulator.MemberSpec(),
                 game=native[game],
                 actions=list(map(int, self.actions[index])),
-                action_set=list(map(int, self.action_sets[index])),
+                action_set=list(map(int, self.tasks[index].begin_actions)),
                 mode=self.tasks[index].set_mode,
                 difficulty=self.tasks[index].set_difficulty,
                 seed=seeds[index],
@@ -301,11 +303,16 @@ def _resolve(listed: list[Any], preset: Any, options: dict[str, Any]) -> tuple[T
             own = {
                 name: value for name, value in zip(("mode", "difficulty"), key[1:], strict=True) if value is not None
             }
-            made[key] = _resolve_one(game, preset, {**options, **own})
+            made[key] = resolve_one(game, preset, {**options, **own})
     return tuple(made[key] for key in keys)
 
 
-def _resolve_one(game: Any, preset: Any, options: dict[str, Any]) -> Task:
+def resolve_one(game: Any, preset: Any, options: dict[str, Any]) -> Task:
+    """The task of an environment of a vector.
+
+    Raises:
+        TypeError, ValueError: an option is wrong.
+    """
     several = is_versioned(game) or options.get("players") not in (None, 1)
     bare = _is_bare(game) and preset is None
     base = (ale_names.SEVERAL_PLAYERS if several else ale_names.ONE_PLAYER) if bare else {}

@@ -18,18 +18,21 @@ from atari.play.controls import HELP, HELP_SEVERAL, LEFT_KEYS, RIGHT_KEYS, Comma
 from atari.play.loop import Loop
 from atari.play.window import GameWindow
 from atari.recording import Replay
+from atari.task import Task
 
 POLICY = """
+import numpy as np
+
 seen = []
 
-def up(observation, info):
-    seen.append((observation.shape, info))
-    return "UP"
+def up(observations, lanes):
+    seen.append((observations.shape, int(lanes[0])))
+    return np.array([1])
 
-def wrong(observation, info):
-    return 18
+def wrong(observations):
+    return [18]
 
-def fails(observation, info):
+def fails(observations):
     raise ValueError("no idea")
 """
 
@@ -65,14 +68,21 @@ def test_a_session_is_the_core_with_each_players_actions() -> None:
     assert session.samples.shape == (512,)
 
 
-def test_a_policy_plays_player_2_and_gets_observation_and_info() -> None:
-    calls: list[tuple[Any, dict[str, Any]]] = []
+def test_a_policy_plays_player_2() -> None:
+    calls: list[Any] = []
+    begun: list[Any] = []
 
-    def policy(observation: Any, info: dict[str, Any]) -> str:
-        calls.append((observation, info))
-        return "RIGHTFIRE"
+    class Policy:
+        task = Task.of("pong", players=2, actions="full", frameskip=1, obs_type="ram")
 
-    session = MultiplayerSession("pong", seed=1, policies={1: policy}, obs_type="ram")
+        def begin(self, *facts: Any) -> None:
+            begun.append(facts)
+
+        def __call__(self, observations: Any, lanes: Any) -> Any:
+            calls.append((observations, lanes))
+            return [int(Action.RIGHTFIRE)]
+
+    session = MultiplayerSession("pong", seed=1, policies={1: Policy})
     core = MultiplayerCore("pong", seed=1)
     core.reset()
     assert session.humans == (0,)
@@ -81,38 +91,78 @@ def test_a_policy_plays_player_2_and_gets_observation_and_info() -> None:
         core.act_players([int(Action.LEFT), int(Action.RIGHTFIRE)])
     assert np.array_equal(session.core.ram(), core.ram())
     assert session.scores != [0, 0]
-    observation, info = calls[-1]
-    assert (observation.shape, observation.dtype) == ((128,), np.uint8)
-    assert info == {
-        "player": 1, "players": 2, "mode": 4, "frame": 699, "scores": info["scores"], "rewards": [0, 0], "lives": [0, 0],
-    }  # fmt: skip
-    assert [info["frame"] for _, info in calls] == list(range(700))
+    assert len(calls) == 700
+    observations, lanes = calls[-1]
+    assert (observations.shape, observations.dtype, lanes.tolist()) == ((1, 128), np.uint8, [1])
+    session.new_game()
+    session.play(Action.LEFT)
+    ((game, actions, lanes, first), (_, _, _, second)) = begun
+    assert (game, actions, lanes.tolist()) == ("pong", tuple(action.name for action in PLAYER_ACTIONS), [1])
+    assert first != second
 
 
-def test_a_policy_can_say_what_it_observes() -> None:
+def test_a_policy_says_what_it_observes() -> None:
     shapes: dict[int, Any] = {}
 
     class Sees:
-        def __init__(self, obs_type: str) -> None:
-            self.obs_type = obs_type
+        def __init__(self, **attributes: Any) -> None:
+            vars(self).update(attributes)
 
-        def __call__(self, observation: Any, info: dict[str, Any]) -> int:
-            shapes[info["player"]] = observation.shape
-            return 0
+        def __call__(self, observations: Any, lanes: Any) -> Any:
+            shapes[int(lanes[0])] = observations.shape
+            return [0]
 
-    policies = {0: Sees("rgb"), 1: Sees("grayscale"), 2: Sees("ram"), 3: Sees("screen")}
-    MultiplayerSession("pong", players=4, policies=policies, obs_type="ram").play()
-    assert shapes == {0: (210, 160, 3), 1: (210, 160), 2: (128,), 3: (210, 160)}
-    with pytest.raises(ValueError, match="obs_type must be one of"):
-        MultiplayerSession("pong", policies={1: Sees("colours")})
+    policies = {
+        0: Sees(task=Task.of("pong", players=4, obs_type="grayscale")),
+        1: Sees(environment={"preset": "baselines"}),
+        2: Sees(task=Task.of("Pong-ram-v4")),
+        3: Sees(),
+    }
+    MultiplayerSession("pong", players=4, policies=policies, obs_type="rgb").play()
+    assert shapes == {0: (1, 210, 160), 1: (1, 4, 84, 84), 2: (1, 128), 3: (1, 210, 160, 3)}
+    combat = Sees(environment={"obs_type": "ram"})
+    MultiplayerSession("combat", policies={0: combat, 1: combat}).play()
+    assert (shapes[0], shapes[1]) == ((1, 128), (1, 128))
 
 
-@pytest.mark.parametrize("answer", [18, -1, "JUMP", None, True, 1.5, []])
+@pytest.mark.parametrize(
+    ("attributes", "text"),
+    [
+        ({"environment": {"obs_type": "colours"}}, "obs_type must be one of"),
+        ({"task": Task.of("pong", players=4)}, "has players=4, and the game is played by 2"),
+        ({"task": Task.of("breakout")}, "mine is a policy of breakout, not of pong"),
+        ({"task": Task.of("pong", continuous=True)}, "mine has continuous=True"),
+    ],
+)
+def test_a_policy_that_is_no_player(attributes: dict[str, Any], text: str) -> None:
+    policy = type("Mine", (), {"__call__": lambda self, observations: [0], "name": "mine", **attributes})
+    with pytest.raises(ValueError, match=text):
+        MultiplayerSession("pong", policies={1: policy})
+
+
+@pytest.mark.parametrize("answer", [[18], [-1], ["JUMP"], None, [True], [1.5], [], 1])
 def test_an_answer_that_is_no_action_is_named(answer: Any) -> None:
-    session = MultiplayerSession("pong", policies={1: lambda observation, info: answer})
-    with pytest.raises(RuntimeError, match="the policy of player 2 returned"):
+    session = MultiplayerSession("pong", policies={1: lambda observations: answer})
+    with pytest.raises(
+        RuntimeError, match=r"the policy of player 2 failed: ValueError: policy .* (must return|returned)"
+    ):
         session.play(Action.NOOP)
     assert session.frames == 0
+
+
+def test_games_of_random_policies_differ() -> None:
+    def game(session: MultiplayerSession) -> list[bytes]:
+        frames = []
+        for _ in range(120):
+            session.play()
+            frames.append(session.core.ram().tobytes())
+        return frames
+
+    one, other = (MultiplayerSession("pong", seed=1, policies={0: "random", 1: "random"}) for _ in range(2))
+    first = game(one)
+    assert first == game(other)
+    one.new_game()
+    assert first != game(one)
 
 
 def test_rewind_save_load_new_game_and_video() -> None:
@@ -251,7 +301,7 @@ def test_the_command_plays_and_prints_both_scores(
     assert (result["players"], result["mode"], len(result["scores"])) == (4, 6, 4)
     from policies_of_two import seen  # type: ignore[import-not-found]
 
-    assert {(shape, info["player"]) for shape, info in seen} == {((128,), 2)}
+    assert {*seen} == {((1, 128), 2)}
     assert sorted(path.name for path in Path().iterdir() if path.suffix) == ["policies_of_two.py"]
 
 
@@ -275,11 +325,14 @@ def test_the_mode_says_how_many_players_there_are(
         (["combat", "--players", "2", "--mode", "99"], "mode of combat for 2 players must be one of 1, 2, "),
         (["combat", "--players", "2", "--difficulty", "9"], "difficulty must be within 0..3, got 9"),
         (["pong", "--players", "2", "--replay", "a.mp4"], "the name of a replay must end in"),
-        (["pong", "--opponent", "policies_of_two.py"], "policies and replays in files are of the one-player game"),
-        (["pong", "--opponent", "best"], "must be random, noop, MODULE:FUNCTION or a run folder, got 'best'"),
+        (
+            ["pong", "--opponent", "policies_of_two.py"],
+            "policies_of_two.py is no policy: give a run folder, an SB3 zip",
+        ),
+        (["pong", "--opponent", "best"], "there is no file best"),
         (["pong", "--opponent", "policies_of_two:none"], "cannot be imported"),
         (["pong", "--opponent", "noop", "--opponent", "noop"], "give --opponent at most 1 times, got 2"),
-        (["pong", "--opponent", "policies_of_two:wrong"], "the policy of player 2 returned 18"),
+        (["pong", "--opponent", "policies_of_two:wrong"], "policy wrong returned action 18; in pong it has"),
         (["pong", "--opponent", "policies_of_two:fails"], "the policy of player 2 failed: ValueError: no idea"),
     ],
 )

@@ -14,6 +14,8 @@ from hypothesis import HealthCheck, given, settings
 from task_strategies import tasks
 
 import atari
+from atari.actions import Action
+from atari.games.catalog import games
 from atari.task import PRESETS, Task
 from atari.task.fields import GROUPS
 from atari.task.options import AddedOptions, MakeOptions, TaskOptions, VectorTaskOptions
@@ -138,13 +140,20 @@ class TestPresets:
         [
             ({"repeat_action_probability": 0.25}, "needs repeat_action_probability=0.0, got 0.25"),
             ({"full_action_space": True}, "needs full_action_space=False, got True"),
-            ({"actions": ["NOOP", "FIRE"]}, "needs actions='minimal', got"),
+            ({"actions": ["NOOP", "UP"]}, "needs actions='minimal', got"),
             ({"players": 2}, "is for one player"),
         ],
     )
     def test_refuse_what_they_require(self, options: dict[str, Any], text: str) -> None:
         with pytest.raises(ValueError, match=text):
             Task.of("pong", preset="dqn2015", **options)
+
+    def test_accept_agents_that_have_some_of_the_actions(self) -> None:
+        whole = Task.of("pong", preset="dqn2015")
+        some = Task.of("pong", preset="dqn2015", actions=["LEFT", "NOOP"])
+        assert whole.differences(some) == {"actions": ("minimal", ("LEFT", "NOOP"))}
+        assert some.begin_actions == whole.begin_actions == whole.action_set
+        assert len(Task.of("pong", preset="envpool", actions=["UP"]).begin_actions) == 18
 
     def test_accept_the_same_actions_by_another_name(self) -> None:
         assert Task.of("boxing", preset="dqn2015", full_action_space=True) == Task.of("boxing", preset="dqn2015")
@@ -229,8 +238,10 @@ def test_fields_without_effect_of_another_task_are_left_out() -> None:
 
 
 def test_the_third_action_needs_three() -> None:
-    with pytest.raises(ValueError, match="freeway"):
-        Task("freeway", actions=("NOOP", "FIRE"), fire="after_noops", third_action=True)
+    game = dataclasses.replace(games.find("freeway"), minimal_actions=(Action.NOOP, Action.FIRE))
+    with pytest.raises(ValueError, match="freeway has only 2; use actions='full'"):
+        Task(game, fire="after_noops", third_action=True)  # type: ignore[arg-type]
+    assert Task("breakout", actions=("NOOP",), fire="after_noops", third_action=True).third_action
 
 
 @pytest.mark.parametrize("name", [name for name in DEFAULTS if isinstance(DEFAULTS[name], bool)])

@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import Any
 
 from atari.games.game import Game
-from atari.learning.evaluation.protocols import GAME_SETS, PROTOCOLS, EvaluationProtocol, find_protocol
+from atari.learning.evaluation.protocols import GAME_SETS, PROTOCOLS, EvaluationProtocol, find_protocol, in_words
 from atari.learning.needs import Needs, composed
 from atari.task import PRESETS, Task
 from atari.task.fields import GROUPS
@@ -100,7 +100,7 @@ def played_task(entry: Entry, protocol: EvaluationProtocol, needs: Needs) -> Tas
     Raises:
         ValueError: game, protocol and policy contradict each other; the message says what to pass.
     """
-    _check_game(entry)
+    _check_alone(entry.task, entry.id)
     if needs.task is not None:
         _check_policy(entry, protocol, needs.task)
     _check_id(entry, protocol, needs.task)
@@ -154,30 +154,23 @@ def _whole_games(protocol: EvaluationProtocol, task: Task, seen: Task | None) ->
     return composed(task, **own, **_observation(seen or task, ""))
 
 
-def _check_game(entry: Entry) -> None:
-    """Refuse games that an evaluation cannot play."""
+def _check_alone(task: Task, owner: str) -> None:
+    """Refuse what an evaluation cannot play."""
     for name, value in (("players", 1), ("continuous", False)):
-        if getattr(entry.task, name) != value:
+        if getattr(task, name) != value:
             raise ValueError(
-                f"an evaluation plays games with {name}={value}, and {entry.id} is given with "
-                f"{name}={getattr(entry.task, name)}; leave it out"
+                f"an evaluation plays games with {name}={value}, and {owner} has {name}={getattr(task, name)}; "
+                "leave it out"
             )
 
 
 def _check_policy(entry: Entry, protocol: EvaluationProtocol, policy: Task) -> None:
     """Refuse a policy of another game than the one that is played."""
-    for name, value in (("players", 1), ("continuous", False)):
-        if getattr(policy, name) != value:
-            raise ValueError(
-                f"games are evaluated with {name}={value}, and the policy has {getattr(policy, name)}; evaluate a "
-                "policy of one player with a choice of actions"
-            )
+    _check_alone(policy, "the policy")
     _check_alike(entry.task, policy, "policy")
-    if policy.frames != _frames(protocol):
-        raise ValueError(
-            f"protocol {protocol.name!r} plays {_skip(protocol.frame_skip)} frames an action, the policy "
-            f"{_skip(policy.frameskip)}"
-        )
+    if policy.frames != protocol.frames:
+        ours, theirs = in_words(protocol.frames), in_words(policy.frames)
+        raise ValueError(f"protocol {protocol.name!r} plays {ours} frames an action, the policy {theirs}")
 
 
 def _check_id(entry: Entry, protocol: EvaluationProtocol, policy: Task | None) -> None:
@@ -216,12 +209,3 @@ def _shown(task: Task, name: str) -> str:
     """A field as a user gives it, in an error: None is the default mode or difficulty."""
     value = [one.name for one in task.interventions] if name == "interventions" else task.plain()[name]
     return repr(value)
-
-
-def _frames(protocol: EvaluationProtocol) -> tuple[int, int]:
-    skip = protocol.frame_skip
-    return skip if isinstance(skip, tuple) else (skip, skip + 1)
-
-
-def _skip(skip: int | tuple[int, int]) -> str:
-    return f"{skip[0]} to {skip[1] - 1}" if isinstance(skip, tuple) else str(skip)
