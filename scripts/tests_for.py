@@ -45,7 +45,7 @@ PLACES: dict[str, tuple[str, ...]] = {
     "atari/validation.py": ("tests/test_env.py", "tests/wrappers", "tests/vector"),
     "atari/games/interventions": ("tests/lab",),
     "atari/games": ("tests/games", "tests/conformance/test_ale_goldens.py"),
-    "atari/observations.py": ("tests/learning/test_frame_agent.py", "tests/cli/test_trained_player.py"),
+    "atari/observations.py": ("tests/learning/test_frame_agent.py", "tests/play/test_player_agent.py"),
     "atari/restorable.py": ("tests/wrappers/test_snapshots.py",),
     "atari/_renamed.py": ("tests/test_import.py",),
     "atari/protocols.py": ("tests/test_import.py",),
