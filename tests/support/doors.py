@@ -14,6 +14,10 @@ import gymnasium
 import atari
 from atari.cli import main
 from atari.integrations import envpool
+from atari.learning import load_policy
+from atari.learning.evaluation.played import find_entries
+from atari.learning.evaluation.player import Player
+from atari.learning.evaluation.protocols import find_protocol
 from atari.multiplayer import MultiplayerCore, parallel_env
 from atari.task import Task
 from atari.task.fields import GROUPS
@@ -89,6 +93,12 @@ def _core_of_several(game: Any, **options: Any) -> Task:
 
 def _parallel(game: Any, **options: Any) -> Task:
     return _closed(parallel_env(game, **options).unwrapped)
+
+
+def _evaluation(game: Any) -> Task:
+    """What `evaluate` plays by protocol machado2018; it makes a `Player` of each game."""
+    (entry,) = find_entries(game)
+    return Player(load_policy("noop"), find_protocol("machado2018"), entry).task
 
 
 def _command(*words: str) -> Callable[..., Task]:
@@ -203,6 +213,13 @@ DOORS: tuple[Door, ...] = (
     Door("envpool.make", _envpool, {**_SINGLE, **_NO_SOUND, **_OF_ENVPOOL}, takes_options=False),
     Door("MultiplayerCore", _core_of_several, {**_OF_SEVERAL, **_OF_STEPS}, games="several"),
     Door("parallel_env", _parallel, _OF_SEVERAL, games="several"),
+    Door(
+        "evaluate",
+        _evaluation,
+        all_but((*_OF_GAMES, "reward_clipping", "actions", "obs_type", "maxpool"), "the protocol says it"),
+        outside={"reward_clipping": "scores are the game's own"},
+        takes_options=False,
+    ),
     Door("atari explain", _command("explain")),
     Door("atari play", _command("play"), _OF_PLAY),
     Door("atari record", _command("record"), of_fields(("agent_indicator", "zero_sum"), _SEEN_BY_A_PERSON)),
