@@ -20,6 +20,7 @@ from atari.learning.evaluation.player import Player
 from atari.learning.evaluation.protocols import find_protocol
 from atari.multiplayer import MultiplayerCore, parallel_env
 from atari.task import Task
+from atari.task.description import summary
 from atari.task.fields import GROUPS
 from atari.task.resolution import OPTIONS
 
@@ -83,6 +84,12 @@ def _task_make_vec(game: Any, **options: Any) -> Task:
     return _closed(Task.of(game, **options).make_vec(1))
 
 
+def _stable_baselines(game: Any, **options: Any) -> Task:
+    from atari.integrations.sb3 import AtariVecEnv
+
+    return _closed(AtariVecEnv(game, 1, **options))
+
+
 def _envpool(game: Any, **options: Any) -> Task:
     return _closed(envpool.make(game, "gymnasium", num_envs=1, **options))
 
@@ -105,11 +112,15 @@ def _command(*words: str) -> Callable[..., Task]:
     """A command, whose task it prints; an exit code other than 0 is a ValueError with the error's text."""
 
     def task(game: str, **options: Any) -> Task:
-        line = [*words, game, *(flag for name, value in options.items() for flag in _flags(name, value))]
+        line = [
+            *words,
+            game,
+            *(flag for name, value in options.items() for flag in _flags(name, value)),
+        ]
         printed, errors = io.StringIO(), io.StringIO()
         with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(errors):
             try:
-                code = main([*line, "--print-task", "--json"])
+                code = main([*line, "--print-task", *([] if "--json" in words else ["--json"])])
             except SystemExit as exit_:
                 code = exit_.code
         if code:
@@ -231,3 +242,37 @@ DOORS: tuple[Door, ...] = (
     Door("atari evaluate", _command("evaluate", "random"), all_but(_OF_GAMES, "the protocol says it")),
     Door("atari watch", _command("watch", "random"), _OF_POLICIES),
 )
+
+TRAIN = Door(
+    "atari train",
+    _command("train", "--json", "ppo"),
+    {
+        **of_fields(
+            ("players", "continuous", "continuous_action_threshold", "sound_obs", "agent_indicator", "zero_sum"),
+            "agents see images or RAM of one player, and choose one of the actions",
+        ),
+        **of_fields(("fire_again", "seamless_lives", "life_loss_info"), "it contradicts preset baselines"),
+    },
+)
+"""It needs PyTorch."""
+
+STABLE_BASELINES = Door("atari.sb3.AtariVecEnv", _stable_baselines, _NO_SOUND, _OF_LIMITS)
+"""It needs Stable-Baselines3."""
+
+GAMES = ("pong", "ALE/Pong-v5", "PongNoFrameskip-v4", "Pong-ram-v4")
+
+
+def row(door: Door) -> str:
+    """The row of a door in the table of docs/tasks.md: what it plays of each of `GAMES`."""
+    return f"| {door.name} | {' | '.join(_words(door, game) for game in GAMES)} |"
+
+
+def _words(door: Door, game: str) -> str:
+    if door.games == "ids" and game == "pong":
+        return "-"
+    try:
+        played = door.task(game)
+    except ValueError:
+        return "refused"
+    words = summary(played).removeprefix("pong: Pong, ").removeprefix("as ")
+    return "as it says" if words == game else f"`{words}`"
