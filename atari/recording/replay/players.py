@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from os import PathLike
-from types import TracebackType
 from typing import Any
 
 import atari
@@ -111,9 +110,7 @@ class RecordMatch(RecordedCore):
     def __enter__(self) -> "RecordMatch":
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self.close()
 
 

@@ -71,7 +71,4 @@ def to_16_bit(samples: ByteArray) -> npt.NDArray[np.int16]:
 
     The conversion is lossless and uses half of full scale, because lossy encoders overshoot.
     """
-    signed = samples.astype(np.int16)
-    signed -= 128
-    signed *= 128
-    return signed
+    return (samples.astype(np.int16) - 128) * 128
