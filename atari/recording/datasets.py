@@ -143,11 +143,7 @@ def check_new_dataset(minari: Any, dataset_id: str) -> None:
 
 
 def import_minari() -> Any:
-    """The module.
-
-    Raises:
-        gymnasium.error.DependencyNotInstalled: it, or what it needs for its files, is not installed.
-    """
+    """Return the module, or raise as `import_extra`, also without the packages that it needs for its files."""
     need = "a Minari dataset needs Minari: pip install 'atari-envs[minari]'"
     import_extra("h5py", need)  # Minari keeps its data with it
     import_extra("PIL", need)  # Minari needs it but does not depend on it

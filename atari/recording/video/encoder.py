@@ -108,9 +108,5 @@ class PngEncoder:
 
 
 def import_av() -> Any:
-    """Import and return the module `av`.
-
-    Raises:
-        gymnasium.error.DependencyNotInstalled: PyAV is not installed.
-    """
+    """Return the module PyAV, or raise as `import_extra`."""
     return import_extra("av", "writing a video needs PyAV: pip install 'atari-envs[video]'")

@@ -22,11 +22,7 @@ def capped_cubic_video_schedule(episode_id: int) -> bool:
 class Schedule:
     """The counters of episodes and steps, and the names of the videos that begin with the next one.
 
-    Args:
-        episode_trigger: returns whether to record an episode, by its number; without any trigger, Gymnasium's default.
-        step_trigger: returns whether to begin a video at a step, by its number over all episodes.
-        video_length: steps after which a video ends, counting resets; 0 ends it with the episode.
-        name_prefix: the start of the file names.
+    See `RecordVideo` for the arguments. A reset counts as a step of `video_length`.
 
     Raises:
         TypeError, ValueError: a trigger is not a function, or the length is not an integer of 0 or more.
