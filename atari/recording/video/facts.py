@@ -36,8 +36,9 @@ def video_facts(path: str | PathLike[str]) -> dict[str, Any]:
         >>> with RecordVideo(atari.make("pong", frameskip=3), "videos") as env:
         ...     observation, info = env.reset(seed=0)
         ...     observation = env.step(0)[0]
-        >>> video_facts("videos/rl-video-episode-0.mp4")["task"]
-        {'format': 1, 'frameskip': 3, 'game': 'pong', 'rules': '...'}
+        >>> task = video_facts("videos/rl-video-episode-0.mp4")["task"]
+        >>> task["game"], task["frameskip"]
+        ('pong', 3)
     """
     av = import_av()
     try:
