@@ -82,7 +82,7 @@ FAST_RAM: dict[str, Any] = {
     "img_height": None,
     "img_width": None,
     "network": "bits",
-    "ram_stack": 2,
+    "stack_num": 2,
 }
 """Options for RAM, which replace those of the same name."""
 
