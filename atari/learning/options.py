@@ -194,7 +194,9 @@ def check_task(task: Task) -> None:
             "add obs_type='grayscale', or a preset such as preset='baselines'"
         )
     if task.stack_num is None:
-        raise ValueError("an agent sees stacks of images or RAM, and the task has stack_num=None; add stack_num=4, or 1")
+        raise ValueError(
+            "an agent sees stacks of images or RAM, and the task has stack_num=None; add stack_num=4, or 1"
+        )
     if task.continuous:
         raise ValueError("an agent chooses one of the actions, and the task has continuous=True; leave it out")
     if task.players > 1:

@@ -73,7 +73,11 @@ def _observation(task: Task) -> str:
     rows, columns = task.definition.screen.shape
     shape: tuple[int, ...] = (task.img_height or rows, task.img_width or columns)
     if task.obs_type == "ram":
-        stack = "" if task.stack_num is None else f"; a stack of {task.stack_num}, which begins with {_PADDING_OF_RAM[task.padding]}"
+        stack = (
+            ""
+            if task.stack_num is None
+            else f"; a stack of {task.stack_num}, which begins with {_PADDING_OF_RAM[task.padding]}"
+        )
         return f"the 128 bytes of RAM, uint8{stack}"
     if task.obs_type in ("rgb", "rgb_dict"):
         shape = (*shape, 3)

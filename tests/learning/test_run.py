@@ -91,7 +91,7 @@ PLAYED: dict[str, dict[str, Any]] = {
     "other frames": {"preset": "envpool", "frameskip": (2, 5), "noops": (7, 40), "maxpool": False},
     "mode": {"preset": "envpool", "mode": 8, "difficulty": 1},
     "ram": {"preset": "envpool", "obs_type": "ram"},
-    "zeros of ram": {"preset": "baselines", "obs_type": "ram", "ram_padding": "zero", "ram_stack": 3},
+    "zeros of ram": {"preset": "baselines", "obs_type": "ram", "padding": "zero", "stack_num": 3},
     "names": {"preset": "envpool", "actions": ("LEFT", "NOOP", "RIGHT")},
 }
 
