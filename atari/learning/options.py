@@ -115,7 +115,9 @@ class TrainingOptions:
         if resolve_with_names(resolve, unstacked).obs_type == "ram":
             rest.setdefault("network", "mlp")
             if not (isinstance(game, Task) and preset is None):
-                given = {"stack_num": 4, "padding": cls.ram_padding, **given}
+                given.setdefault("stack_num", 4)
+                if given["stack_num"] is not None:
+                    given.setdefault("padding", cls.ram_padding)
         return cls(task=resolve_with_names(resolve, given), **rest)
 
     def __post_init__(self) -> None:

@@ -68,8 +68,8 @@ class Task:
         obs_type: rgb, grayscale, ram (128 bytes), dict (gray image and RAM) or rgb_dict.
         img_height: rows of the image, None for those of the screen.
         img_width: columns of the image, None for those of the screen.
-        stack_num: images, or RAM vectors, in an observation, the oldest first; None is one, without an axis for it. With
-            obs_type "dict" and "rgb_dict" images are stacked, and RAM is not. The stacks of presets are of images.
+        stack_num: images or RAM vectors in an observation, the oldest first; None is one, without an axis for it. In
+            dicts of both, images are stacked, RAM is not. The stacks of presets are of images.
         maxpool: the image is the maximum of the last two frames of a skip.
         pool_rgb: colours are pooled and then made gray, as in OpenAI's Baselines, instead of ALE's gray values.
         padding: what fills the stack at the start of an episode: zero, or reset, the first image or RAM.

@@ -33,6 +33,7 @@ def player(scores: Any, mirrored: bool = False, **options: Any) -> TrainedPlayer
         {"preset": "machado2018"},
         {"preset": "dqn2015", "frameskip": 3, "img_height": 42, "img_width": 40, "stack_num": 2},
         {"preset": "gymnasium", "maxpool": False, "padding": "zero"},
+        {"preset": "dqn2015", "obs_type": "ram", "stack_num": 3, "padding": "reset"},
     ],
 )
 def test_a_player_observes_what_its_training_did(options: dict[str, Any]) -> None:
@@ -60,10 +61,11 @@ def test_a_player_observes_what_its_training_did(options: dict[str, Any]) -> Non
         return plan[len(seen) - 1 :][:1]
 
     played = player(scores, **options)
-    assert played.obs_type == "screen"
+    ram = task.obs_type == "ram"
+    assert played.obs_type == ("ram" if ram else "screen")
     skip: Any = task.frameskip
     for frame in range(skip * len(plan)):
-        action = Action[played(core.screen(), {"frame": frame})]
+        action = Action[played(core.ram() if ram else core.screen(), {"frame": frame})]
         if frame % skip == 0:
             assert np.array_equal(seen[-1], expected)
             expected = envs.step([int(action)])[0]
@@ -91,8 +93,14 @@ def test_a_player_of_ram_acts_every_fourth_frame_and_after_rewinds() -> None:
     played = player(lambda rams: seen.append(rams) or np.array([2]), obs_type="ram")
     for frame in [0, 1, 2, 3, 4, 5, 2, 3, 4, 5, 6, 0]:
         assert played(np.full(128, frame, np.uint8), {"frame": frame}) == "RIGHT"
-    assert [rams[0, 0] for rams in seen] == [0, 4, 2, 6, 0]
-    assert {rams.shape for rams in seen} == {(1, 128)}
+    assert [rams[0, :, 0].tolist() for rams in seen] == [
+        [0, 0, 0, 0],
+        [0, 0, 0, 4],
+        [2, 2, 2, 2],
+        [2, 2, 2, 6],
+        [0, 0, 0, 0],
+    ]
+    assert {rams.shape for rams in seen} == {(1, 4, 128)}
 
 
 def court(core: MultiplayerCore) -> Any:

@@ -74,14 +74,20 @@ def digest(options: TrainingOptions, stacked: bool, steps: int = 400) -> str:
     """A check sum of all that a learner gets in some steps."""
     envs = TrainingEnvironments(options, 3, stacked=stacked)
     total, random = hashlib.sha256(), np.random.default_rng(7)
-    total.update(np.ascontiguousarray(envs.reset(seed=3)).tobytes())
+    observations = envs.reset(seed=3)
+    total.update(np.ascontiguousarray(observations).tobytes())
     for _ in range(steps):
+        before = observations
         chosen = random.integers(len(envs.actions), size=3)
         observations, rewards, terminations, truncations, info = envs.step(chosen)
         for array in (observations, rewards.astype(np.int64), terminations, truncations):
             total.update(np.ascontiguousarray(array).tobytes())
         if (terminations | truncations).any():
-            total.update(np.ascontiguousarray(envs.final_observations(info)).tobytes())
+            final = info["final_obs"].copy()
+            if options.from_ram:  # 0.2 had these in the rows of environments that go on
+                others = ~(terminations | truncations)
+                final[others, :-1] = before[others, 1:]
+            total.update(np.ascontiguousarray(final).tobytes())
     total.update(json.dumps([[score, length] for score, length in envs.take_games()]).encode())
     envs.close()
     return total.hexdigest()[:16]

@@ -17,10 +17,10 @@ def options_for(envs: Any, num_envs: int | None = None) -> dict[str, Any]:
         TypeError, ValueError: see `ReplayMemory.for_env`.
     """
     made = vector_of(envs, num_envs, {})
-    stack_num = 4
-    of_ram = False
+    stack_num, of_ram, padding = 4, False, {}
     if made is not envs:
         stack_num, of_ram = made.task.stack_num or 1, made.task.obs_type == "ram"
+        padding = {"padding": made.task.padding}
         made = made.task.replace(stack_num=None if of_ram else 1).make_vec(made.num_envs)
     envs = made
     observation, action = envs.single_observation_space, envs.single_action_space
@@ -41,7 +41,7 @@ def options_for(envs: Any, num_envs: int | None = None) -> dict[str, Any]:
         "action_dtype": action.dtype,
     }
     unwrapped = getattr(envs, "unwrapped", envs)
-    return {**options, **_atari_options(unwrapped)} if isinstance(unwrapped, AtariVectorEnv) else options
+    return {**options, **_atari_options(unwrapped), **padding} if isinstance(unwrapped, AtariVectorEnv) else options
 
 
 def _atari_options(envs: AtariVectorEnv) -> dict[str, Any]:
