@@ -52,7 +52,8 @@ class ObservationStack {
     const ObservationSettings& settings() const { return settings_; }
     size_t planes() const { return static_cast<size_t>(planes_); }  // 0 for kNone and kRam
     size_t size() const { return ring_.size(); }
-    void write(uint8_t* out) const;  // (stack, height, width), for kRgb (stack, height, width, 3), for kRam (stack, 128); the oldest first
+    void write(uint8_t* out)
+        const;  // (stack, height, width), for kRgb (stack, height, width, 3), for kRam (stack, 128); the oldest first
 
     size_t state_size() const;
     // Returns the end of the written bytes; `load` returns the end of the bytes read.

@@ -34,8 +34,7 @@ class BoundStack : Exclusive {
         if (settings.pixels == PixelFormat::kNone)
             throw std::invalid_argument("a stack is of images or of RAM; pixels must not be NONE");
         std::shared_ptr<const Resizer> resizer;
-        if (!of_ram(settings))
-            resizer = std::make_shared<const Resizer>(rows, settings.img_height, settings.img_width);
+        if (!of_ram(settings)) resizer = std::make_shared<const Resizer>(rows, settings.img_height, settings.img_width);
         stack_ = std::make_unique<ObservationStack>(FrameSource(rows, palette_of(format)), settings, resizer);
     }
 
@@ -46,7 +45,8 @@ class BoundStack : Exclusive {
         briefly([&] { stack_->repeat(new_stack); });
     }
     void frame_played(nb::handle frame, int left, bool ended) {
-        if (left == 1 && stack_->planes() && stack_->settings().maxpool) with(frame, [&] { stack_->frame_played(left, ended); });
+        if (left == 1 && stack_->planes() && stack_->settings().maxpool)
+            with(frame, [&] { stack_->frame_played(left, ended); });
     }
     void skip_ended(nb::handle frame, int left, bool ended) {
         with(frame, [&] { stack_->skip_ended(left, ended); });
@@ -196,9 +196,10 @@ void register_observations(nb::module_& m) {
         .def("skip_ended", &BoundStack::skip_ended, "frame"_a, "left"_a, "ended"_a,
              nb::sig("def skip_ended(self, frame: object, left: int, ended: bool) -> None"),
              "Add the image of a skip, `left` frames before its end.")
-        .def("observation", &BoundStack::observation, nb::sig("def observation(self) -> " ARRAY),
-             "A new array, (stack_num, img_height, img_width), of colours with a last axis of 3, of RAM (stack_num, 128);\n"
-             "the oldest first.")
+        .def(
+            "observation", &BoundStack::observation, nb::sig("def observation(self) -> " ARRAY),
+            "A new array, (stack_num, img_height, img_width), of colours with a last axis of 3, of RAM (stack_num, 128);\n"
+            "the oldest first.")
         .def("save", &BoundStack::save, "The images, and what the next may need of the last ones, as bytes.")
         .def("load", &BoundStack::load, "state"_a,
              "Continue from `save` of a stack with the same settings; ValueError if the bytes have another length.")
