@@ -150,7 +150,7 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         shown: tuple[int, ...] = (128,)
         if obs_type == "ram" and self._stacked:
             self._images = _make_images(screen, *screen.shape, settings)
-            shown = (settings["stack_num"], 128)
+            shown = (stack_size or 1, 128)
         elif obs_type == "image":
             width, height = _check_size(screen_size, screen.shape)
             try:

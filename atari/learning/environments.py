@@ -41,6 +41,7 @@ class TrainingEnvironments:
 
     def reset(self, seed: int | npt.NDArray[np.int64]) -> ByteArray:
         """Begin new games; environment i is seeded with seed + i, or with its own of several."""
+        observations: ByteArray
         observations, info = self._envs.reset(seed=seed)
         self._count_games(info)
         return observations
