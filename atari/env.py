@@ -4,35 +4,31 @@ Options, defaults, observations, rewards and random streams are those of ale-py'
 (Machado et al. 2018, "Revisiting the Arcade Learning Environment"); equality to the byte is a test.
 """
 
-import copy
 import inspect
-import time
-from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
 from os import PathLike
 from typing import Any, Literal, Protocol, get_args
 
 import gymnasium
 import numpy as np
 from gymnasium import logger, spaces
+from typing_extensions import Unpack
 
 from atari.actions import PLAYER_ACTIONS, Action, in_continuous_space, joystick_action, make_action_space
-from atari.cores import CORES, ByteArray, Core, NativeCore, snapshot, writes
+from atari.cores import CORES, Core, NativeCore
 from atari.cores.ale_interface import AleInterface, AleSettings
-from atari.cores.ale_random import AleRandom
-from atari.games.game import Game
+from atari.env_state import EnvState, Played, slots
 from atari.games.interventions import Intervention
 from atari.notebook import picture, png
 from atari.rendering import Window
 from atari.task import Task
 from atari.task.fields import UNSET
+from atari.task.options import AddedOptions, Interventions
 from atari.task.resolution import GameLike, resolve_task
 from atari.validation import check_action_index, check_name
 
 ObsType = Literal["rgb", "grayscale", "ram"]
 RenderMode = Literal["human", "rgb_array", "rgb_array_list"]
-Phase = Literal["new", "playing", "over", "warned"]
 
 
 class FrameObserver(Protocol):
@@ -45,18 +41,7 @@ class FrameObserver(Protocol):
         """The core has played a frame with this ALE action. Must not raise."""
 
 
-@dataclass(slots=True)
-class _Game:
-    """What was played of a game since the emulator's reset."""
-
-    score: float = 0.0
-    steps: int = 0  # counted by wrappers, for which a step is several frames
-    first_frame: int = 0  # the episode frame number after the reset
-    began: float = field(default_factory=time.perf_counter)
-    rewards: int = 0  # other than zero; counted again from a restored snapshot
-
-
-class AtariEnv(gymnasium.Env[Any, Any]):
+class AtariEnv(EnvState):
     """A game of the Atari 2600.
 
     `game` says what is played: an environment ID or an `atari.Task` all of it; a name alone has ale-py's defaults,
@@ -65,24 +50,14 @@ class AtariEnv(gymnasium.Env[Any, Any]):
 
     Args:
         game: an ID, a game's name, the path of a game file of your own, a `Game`, or a `Task`.
-        mode: game mode, one of `atari.games[game].modes`; None is the default mode.
-        difficulty: one of `atari.games[game].difficulties`; None is ALE's default, 0.
-        obs_type: "rgb" is (height, 160, 3), "grayscale" (height, 160), "ram" (128,); all uint8.
-        frameskip: emulated frames a step, or (low, high) for a random number within low..high-1 each step.
-        repeat_action_probability: of repeating the previous action, drawn each frame ("sticky actions").
-        full_action_space: all legal actions (18 in nearly all games) instead of those the game uses.
-        continuous: actions are (radius, angle, fire), three float32 (Farebrother and Castro 2024, "CALE").
-        continuous_action_threshold: how far the stick must be moved, or fire pressed, to count.
-        max_num_frames_per_episode: emulated frames after which an episode is truncated; None is never.
         render_mode: "human" shows a window (extra `play`), "rgb_array" returns the screen from `render`,
             "rgb_array_list" the screens since the last `render`, one a step.
-        sound_obs: observations become {"image": ..., "sound": (512,) uint8 samples of the step's last frame}.
         core: the emulator: "native" (ours), "plain" (our reference core, slower) or "ale" (ale-py); all give the same
             bytes.
         rom: path of the ROM file; None searches (see `atari.roms`).
-        interventions: changes of the game through its RAM: names such as "lazy_enemy" (`atari.lab.interventions` has
-            them all), or paths of your own as "file.toml#name". Not with core="ale".
-        **options: other fields of `atari.Task`, such as `actions`.
+        **options: the other options, also by position in ale-py's order, are fields of `atari.Task`, which describes
+            them. Observations are uint8: "rgb" (height, 160, 3), "grayscale" (height, 160), "ram" (128,); with
+            `sound_obs`, {"image": ..., "sound": (512,)}. `full_action_space` is another name of `actions`.
 
     Raises:
         TypeError: there is no such option; the message suggests the nearest.
@@ -109,22 +84,12 @@ class AtariEnv(gymnasium.Env[Any, Any]):
     metadata: dict[str, Any] = {"render_modes": list(get_args(RenderMode)), "render_fps": 15}  # noqa: RUF012
     """Gymnasium's facts about the class. Each environment has its own copy, with the rate of its steps, rounded."""
 
-    core: Core
-    """The emulator core."""
-
     observers: list[FrameObserver]
     """The receivers of every frame, such as recorders. An observer may read the core, but not change it. Copies of the
     environment have no observers."""
 
     interventions: tuple[Intervention, ...]
     """The interventions of the game, of the option of this name."""
-
-    whole_task: Task
-    """What is played together with the wrappers that `atari.make` has put around this; `task` also has what was set
-    since."""
-
-    ale_settings: AleSettings
-    """The settings of `ale`, as `ale.setFloat` and the other setters change them."""
 
     _closed_state: Any = None
     """The state at `close`, from which `reset` continues."""
@@ -146,8 +111,8 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         *,
         core: str = "native",
         rom: str | PathLike[str] | None = None,
-        interventions: "Sequence[str | Mapping[str, Any] | Intervention] | None" = UNSET,
-        **options: Any,
+        interventions: Interventions = UNSET,
+        **options: Unpack[AddedOptions],
     ) -> None:
         named = {name: value for name, value in locals().items() if name in ALE_OPTIONS and value is not UNSET}
         others = ("render_mode", "core", "rom")
@@ -156,10 +121,13 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         check_name("core", core, CORES)
         if render_mode is not None:
             check_name("render_mode", render_mode, get_args(RenderMode))
+        self._begin(task, render_mode, core, rom)
+
+    def _begin(self, task: Task, render_mode: RenderMode | None, core: str, rom: str | PathLike[str] | None) -> None:
+        """Make the core and the spaces."""
+        self._made_with = {"task": task, "render_mode": render_mode, "core": core, "rom": rom}
         self._task = self.whole_task = task
-        self._core_name, self._rom = core, rom
-        self._obs_type, self._frameskip = task.obs_type, task.frameskip
-        self.game: Game = task.definition
+        self.game = task.definition
         self.interventions = task.interventions
         self.render_mode = render_mode
         self._threshold = np.float32(task.continuous_action_threshold)
@@ -171,38 +139,23 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             sound_obs=task.sound_obs,
         )
         self._core_options = self.ale_settings.core_options()
-        self._ale_random: AleRandom | None = None  # of episodes that are seeded as by ale-py's vector environment
+        self._ale_random = None
         self.seed_game()
         self._np_random_seed = -1
         self.core = self._make_core()
         self.observers = []
         self._action_set: tuple[Action, ...] = task.action_set
+        self._obs_type, self._frameskip = task.obs_type, task.frameskip  # read at every step
         self.action_space = make_action_space(self._action_set, self.continuous)
         self.observation_space = self._make_observation_space()
         self.metadata = {**self.metadata, "render_fps": max(1, round(self._steps_per_second()))}
         self._window = self._make_window()
-        self._frames: list[ByteArray] = []
-        self._phase: Phase = "new"
-        self._game = _Game()
-        self._ended_game: dict[str, Any] | None = None  # until `GameStatistics` takes it
-        self._restored = False  # since the last reset, without the wrappers
-        self._only_noop = False  # whether NOOP is played whatever the action is, see `step_noop` of the wrappers
-
-    @property
-    def task(self) -> Task:
-        """What is played, with the wrappers that `atari.make` has put around this, and with what `ale` has set."""
-        return self._as_set(self.whole_task)
-
-    def _as_set(self, task: Task) -> Task:
-        """A task with what `ale` has set since."""
-        own, settings = self._task, self._core_options
-        fields = {
-            "repeat_action_probability": settings["repeat_action_probability"],
-            "max_num_frames_per_episode": settings["max_num_frames_per_episode"] or None,
-            "mode": self.core.mode,
-            "difficulty": self.core.difficulty,
-        }
-        return task.with_set(**{name: value for name, value in fields.items() if value != getattr(own, name)})
+        self._frames = []
+        self._phase = "new"
+        self._game = Played()
+        self._ended_game = None
+        self._restored = False
+        self._instead: str | None = None  # an action that replaces any, see `step_named` of the wrappers
 
     def ale_options(self) -> dict[str, Any]:
         """What this plays without wrappers, as options by ale-py's names."""
@@ -236,7 +189,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             self.load_game()
         self.core.reset()
         self._phase = "playing"
-        self._game = _Game(first_frame=self.core.episode_frame_number)
+        self._game = Played(first_frame=self.core.episode_frame_number)
         self._restored = False
         self._frames.clear()
         for observer in self.observers:
@@ -301,7 +254,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             self._game.rewards += 1
         if (self.core.game_over or self.core.truncated) and self._phase == "playing":
             self._phase = "over"
-            self._ended_game = self._game_statistics()
+            self._ended_game = self._game.statistics(self.core)
 
     def make_sound(self) -> None:
         """Switch the emulator's sound on; observations stay what they are.
@@ -410,126 +363,19 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             raise AttributeError("keys stand for discrete actions; this environment was made with continuous=True")
         return {_keys(action): index for index, action in enumerate(self._action_set)}
 
-    def clone_state(self, include_rng: bool = False) -> Any:
-        """The emulator's state, in memory; like ale-py's, it leaves out the framebuffer. `snapshot` is complete."""
-        return self.core.clone_state(include_rng=include_rng)
-
-    def restore_state(self, state: Any) -> None:
-        """Continue from a state that `clone_state` returned.
-
-        Raises:
-            TypeError, ValueError: not such a state, or of another game or kind of core.
-        """
-        self.core.restore_state(state)
-        self._phase = "playing"
-        self._restored = True
-
-    def snapshot(self) -> bytes:
-        """The whole environment as portable bytes: game, framebuffer, sound, held action, all generators.
-
-        An environment made with the same options, also in another process, continues from it exactly. What wrappers
-        remember, such as stacked frames, is in the `snapshot` of the wrappers of `atari.wrappers`.
-        """
-        facts = {
-            "of": "AtariEnv",
-            "phase": self._phase,
-            "np_random": self.np_random.bit_generator.state,
-            "game": [self._game.score, self._game.steps, self._game.first_frame],
-        }
-        more_facts, more_blobs = self._ale_seeding()
-        return snapshot.pack(facts | more_facts, {"core": self.core.snapshot(), **more_blobs})
-
-    def restore(self, data: bytes) -> None:
-        """Continue from a snapshot.
-
-        `data` may also be the content of a file that F5 in `atari play` has saved. Its game, mode and difficulty must
-        be those of this environment, which keeps its own sticky actions, sound and limit of frames.
-
-        Wrappers are not restored; a wrapper of `atari.wrappers` that has a state warns at its next step. Call `restore`
-        of the outermost wrapper instead, with what its `snapshot` returned.
-
-        Raises:
-            TypeError, ValueError: not a snapshot, damaged, or of another game, core or other options. The environment
-                is as it was.
-        """
-        facts, blobs = snapshot.unpack(data)
-        if facts.get("of") == "play":
-            facts, blobs = self._of_play(blobs)
-        facts.setdefault("seeding", "gymnasium")
-        own, own_blobs = self._ale_seeding()
-        snapshot.require(facts, {"of": "AtariEnv", "seeding": own.get("seeding", "gymnasium")})
-        snapshot.require_blobs(blobs, "core", *own_blobs)
-        phase: Any = facts.get("phase")
-        if phase not in get_args(Phase):
-            raise ValueError(f"the snapshot is damaged: its phase is none of {', '.join(get_args(Phase))}")
-        generator = self.np_random.bit_generator
-        state = snapshot.check_generator(facts.get("np_random"), type(generator))
-        game = _read_game(facts.get("game", [0.0, 0, 0]))
-        ale_random = AleRandom.of_state(blobs["ale_random"]) if own_blobs else None
-        self.core.restore(blobs["core"])
-        generator.state = state
-        self._ale_random = ale_random
-        self._phase = phase
-        self._game, self._ended_game = game, None
-        self._restored = True
-        self._frames.clear()
-
-    def _of_play(self, blobs: Mapping[str, bytes]) -> tuple[dict[str, Any], dict[str, bytes]]:
-        """The facts and blobs of the snapshot in a state of `atari play`, with the options of this environment."""
-        facts, blobs = snapshot.unpack(blobs.get("env", b""))
-        own, _ = snapshot.unpack(self.core.snapshot())
-        options = {name: own[name] for name in ("sound", "repeat_action_probability", "max_num_frames_per_episode")}
-        more_facts, more_blobs = self._ale_seeding()
-        core = snapshot.with_options(blobs.get("core", b""), **options)
-        return facts | more_facts, {**blobs, "core": core, **more_blobs}
-
-    def _ale_seeding(self) -> tuple[dict[str, Any], dict[str, bytes]]:
-        """The fact and the blob of a snapshot that say how episodes are seeded; none where they are as Gymnasium's."""
-        if self._ale_random is None:
-            return {}, {}
-        return {"seeding": "ale"}, {"ale_random": self._ale_random.state()}
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Pickling and copying keep the position in the game, and the writes of `Freeze` and `Poke`."""
-        ale = {"ale_settings": copy.deepcopy(self.ale_settings), "core_options": self._core_options}
-        options = {"game": self._task, "render_mode": self.render_mode, "core": self._core_name, "rom": self._rom}
-        facts = {"options": options, "sound": self.core.sound, "spec": copy.deepcopy(self.spec)}
-        facts["whole_task"] = self.whole_task
-        facts["restored"] = self._restored
-        facts["ale_random"] = self._ale_random
-        facts["writes"] = writes.definitions(_slots(self.core))
-        return {**ale, **facts, "np_random_seed": self._np_random_seed, "snapshot": self.snapshot()}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        AtariEnv.__init__(self, **state["options"])
-        self.whole_task = state["whole_task"]
-        self.ale_settings = state["ale_settings"]
-        if self._core_options != state["core_options"]:
-            self._core_options = state["core_options"]
-            self.core = self._make_core()
-        if state["sound"]:
-            self.make_sound()
-        if writes.definitions(_slots(self.core)) != state["writes"]:
-            self.core.writes = writes.writes_of(self.game, state["writes"])  # type: ignore[attr-defined]
-        self._ale_random = state["ale_random"]
-        self.restore(state["snapshot"])
-        self._np_random_seed = state["np_random_seed"]
-        self._restored = state["restored"]
-        self.spec = state["spec"]
-
     def _make_core(self) -> Core:
-        return CORES[self._core_name](
+        return CORES[self._made_with["core"]](
             self.game,
             seed=self.ale_settings.seed(),
             mode=self._task.set_mode,
             difficulty=self._task.set_difficulty,
-            rom=self._rom,
+            rom=self._made_with["rom"],
             interventions=self.interventions,
             **self._core_options,
         )
 
     def _replace_core(self) -> None:
-        if type(self.core) is not CORES[self._core_name]:
+        if type(self.core) is not CORES[self._made_with["core"]]:
             raise RuntimeError("a replay of this environment is being recorded; close the recorder first")
         self.core.close()
         self.core = self._make_core()
@@ -540,18 +386,18 @@ class AtariEnv(gymnasium.Env[Any, Any]):
         difficulty = self._task.difficulty
         if options != before or difficulty not in self.game.difficulties:  # backgammon's default is none of its own
             self._core_options = options
-            slots = _slots(self.core)
-            state = self.core.save() if slots else None  # type: ignore[attr-defined]  # with which writes are done
+            added = slots(self.core)
+            state = self.core.save() if added else None  # type: ignore[attr-defined]  # with which writes are done
             try:
                 self._replace_core()
             except RuntimeError:
                 self._core_options = before
                 raise
-            if slots:
-                self.core.writes = slots  # type: ignore[attr-defined]
+            if added:
+                self.core.writes = added  # type: ignore[attr-defined]
                 self.core.load(state)  # type: ignore[attr-defined]
         else:
-            self.core.set_mode(self.game.default_mode if self._task.mode is None else self._task.mode)
+            self.core.set_mode(self._task.mode)  # type: ignore[arg-type]  # a task has found it
             self.core.set_difficulty(difficulty)
         self.ale_settings.stale = False
 
@@ -578,8 +424,7 @@ class AtariEnv(gymnasium.Env[Any, Any]):
 
     def _steps_per_second(self) -> float:
         """Steps in a second of play, so that a video of one frame a step has the right speed."""
-        skip = self._frameskip if isinstance(self._frameskip, int) else (sum(self._frameskip) - 1) / 2
-        return self.game.screen.frame_rate / skip
+        return 2 * self.game.screen.frame_rate / (sum(self._task.frames) - 1)
 
     def _draw_frameskip(self) -> int:
         if isinstance(self._frameskip, int):
@@ -588,8 +433,8 @@ class AtariEnv(gymnasium.Env[Any, Any]):
 
     def _ale_action(self, action: Any) -> tuple[int, float]:
         """The ALE action number and the strength of an action of the action space."""
-        if self._only_noop:
-            return Action.NOOP, 1.0
+        if self._instead is not None:
+            return int(Action[self._instead]), 1.0
         if self.continuous:
             return self._continuous_action(action)
         index = check_action_index(action, len(self._action_set), self.game.id)
@@ -627,12 +472,6 @@ class AtariEnv(gymnasium.Env[Any, Any]):
             "episode_frame_number": core.episode_frame_number,
             "frame_number": core.frame_number,
         }
-
-    def _game_statistics(self) -> dict[str, Any]:
-        """The sum of the rewards, the frames and the seconds of the game, as `RecordEpisodeStatistics` names them."""
-        game = self._game
-        frames = self.core.episode_frame_number - game.first_frame
-        return {"r": game.score, "l": frames, "t": round(time.perf_counter() - game.began, 6)}
 
     def _act_observed(self, action: int, strength: float) -> int:
         before = self.core.frame_number
@@ -681,7 +520,8 @@ def _require_plain(task: Task) -> None:
     """
     if task.players > 1:
         raise ValueError(
-            f"AtariEnv is for one player; atari.multiplayer.parallel_env({task.game!r}) plays with {task.players}"
+            f"AtariEnv is for one player, got players={task.players}; "
+            f"atari.multiplayer.parallel_env({task.game!r}) and AtariVectorEnv are for more"
         )
     needed = task.fields_of_wrappers() + ["max_episode_steps"] * (task.max_episode_steps is not None)
     if needed:
@@ -690,22 +530,6 @@ def _require_plain(task: Task) -> None:
             f"AtariEnv plays without wrappers, and {field}={getattr(task, field)!r} needs them; use atari.make, which "
             "adds them"
         )
-
-
-def _read_game(values: Any) -> _Game:
-    """The counts of a game in a snapshot.
-
-    Raises:
-        ValueError: they are none.
-    """
-    if not (isinstance(values, list) and [type(value) for value in values] == [float, int, int]):
-        raise ValueError(f"the snapshot is damaged: a game's score, steps and first frame cannot be {values!r}")
-    return _Game(*values)
-
-
-def _slots(core: Core) -> list[Any]:
-    """The writes of a core by slot; ale-py's has none."""
-    return getattr(core, "writes", [])
 
 
 def _keys(action: Action) -> tuple[str, ...]:

@@ -8,13 +8,16 @@ from typing import Any
 
 import gymnasium
 from gymnasium.envs.registration import EnvSpec
+from typing_extensions import Unpack
 
 from atari import env_ids
 from atari.env import AtariEnv
 from atari.task import Task
+from atari.task.options import MakeOptions
 from atari.task.resolution import ALIASES, ENTRY_POINT, OPTIONS, GameLike, is_id, is_ours, known_ids, resolve_task
 from atari.validation import check_known
 from atari.vector import AtariVectorEnv
+from atari.vector.options import OF_TASKS
 
 _RUN_OPTIONS = ("render_mode", "core", "rom")
 """Options of an environment that do not change what is played."""
@@ -22,7 +25,7 @@ _RUN_OPTIONS = ("render_mode", "core", "rom")
 Env = gymnasium.Env[Any, Any]
 
 
-def make(game_or_id: GameLike, *, preset: str | None = None, **options: Any) -> Env:
+def make(game_or_id: GameLike, *, preset: str | None = None, **options: Unpack[MakeOptions]) -> Env:
     """Make an environment of a game, an ID or a task, as `gymnasium.make` would.
 
     Args:
@@ -54,14 +57,15 @@ def make(game_or_id: GameLike, *, preset: str | None = None, **options: Any) -> 
             return _make_other(env_id, preset, options)
     known = ("preset", *OPTIONS, *ALIASES, *_RUN_OPTIONS, *_options_of_gymnasium())
     check_known("atari.make", [name for name in options if name not in known], known)
-    own = {name: options.pop(name) for name in list(options) if name in OPTIONS or name in ALIASES}
-    task = resolve_task(game_or_id, preset, own, owner="atari.make")
+    fields = {name: value for name, value in options.items() if name in OPTIONS or name in ALIASES}
+    others = {name: value for name, value in options.items() if name not in fields}
+    task = resolve_task(game_or_id, preset, fields, owner="atari.make")
     if task.preprocessed:
         from atari.wrappers.layers import wrap  # it imports OpenCV
 
-        env = wrap(_make_plain(game_or_id, task.of_emulator(), options), task)
+        env = wrap(_make_plain(game_or_id, task.of_emulator(), others), task)
     else:
-        env = _make_plain(game_or_id, task, options)
+        env = _make_plain(game_or_id, task, others)
     env.unwrapped.whole_task = task  # type: ignore[attr-defined]
     return env
 
@@ -115,19 +119,16 @@ def make_env(task: Task, render_mode: Any = None, core: str = "native", rom: str
     if not task.preprocessed:
         limit = task.max_episode_steps
         env: Env = AtariEnv(task.replace(max_episode_steps=None), render_mode=render_mode, core=core, rom=rom)
-        env = env if limit is None else _limited(env, limit)
+        if limit is not None:
+            from atari.wrappers._step_limit import StepLimit  # it imports OpenCV
+
+            env = StepLimit(env, limit)
     else:
         from atari.wrappers.layers import wrap  # it imports OpenCV
 
         env = wrap(AtariEnv(task.of_emulator(), render_mode=render_mode, core=core, rom=rom), task)
     env.unwrapped.whole_task = task  # type: ignore[attr-defined]
     return env
-
-
-def _limited(env: Env, limit: int) -> Env:
-    from atari.wrappers._step_limit import StepLimit  # it imports OpenCV
-
-    return StepLimit(env, limit)
 
 
 def make_AtariEnv(  # other programs find Atari games by this word in the entry point
@@ -171,24 +172,20 @@ def make_AtariVectorEnv(base: str, num_envs: int, *, preset: str | None = None, 
     Raises:
         TypeError, ValueError, FileNotFoundError: as `AtariVectorEnv`.
     """
-    running = {name: options.pop(name) for name in _VECTOR_OPTIONS if name in options}
+    running = {name: options.pop(name) for name in list(options) if name not in OF_TASKS and name != "game"}
     given = given_beside(base, options)
     if preset is None and env_ids.is_ale_py_vector(base):
         family, game = env_ids.ids()[base]
         of_id = family.options(game)
-        return AtariVectorEnv(of_id.pop("game"), num_envs, **running, **{**of_id, **given})
+        kept = {name: value for name, value in of_id.items() if _OTHER_NAMES.get(name) not in given}
+        return AtariVectorEnv(kept.pop("game"), num_envs, **running, **{**kept, **given})
     return AtariVectorEnv(base, num_envs, preset=preset, **running, **given)
 
 
-VECTOR_ENTRY_POINT = "atari.making:make_AtariVectorEnv"
+_OTHER_NAMES = {"full_action_space": "actions", "max_num_frames_per_episode": "max_frames"}
+"""The name that a user may give for an option of an ID, as ale-py's vector has it."""
 
-_VECTOR_OPTIONS = frozenset(inspect.signature(AtariVectorEnv.__init__).parameters) - {
-    "self",
-    "game",
-    "num_envs",
-    "preset",
-    "options",
-}
+VECTOR_ENTRY_POINT = "atari.making:make_AtariVectorEnv"
 
 
 def given_beside(env_id: str | None, options: Mapping[str, Any]) -> dict[str, Any]:

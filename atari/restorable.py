@@ -2,7 +2,8 @@
 
 A snapshot of a stack of wrappers has the format of `atari.cores.snapshot`. The fact "layers" lists the wrappers that
 have a state, from the outside in, with their arguments and the scalars of their state. Each array of a state is a blob,
-compressed with zlib. The blob "env" is the snapshot of the `AtariEnv`. Wrappers without a state may differ.
+compressed with zlib. The fact "task" is what is played. The blob "env" is the snapshot of the `AtariEnv`. Wrappers
+without a state may differ.
 """
 
 import inspect
@@ -18,6 +19,8 @@ from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker, TimeLimit
 
 from atari.cores import snapshot
 from atari.env import AtariEnv
+from atari.task.fields import GROUPS
+from atari.task.storage import identity, require_same
 
 Environment = gymnasium.Env[Any, Any]
 
@@ -32,6 +35,9 @@ _STATELESS = (
     getattr(wrappers, "TransformAction", wrappers.RescaleAction),  # Gymnasium 1.0 added the former
 )
 
+_STATELESS_FIELDS = ("obs_type", *GROUPS["reward"])
+"""Fields of a task that wrappers without a state play; the arguments of the others say whether images are gray."""
+
 
 class Restorable:
     """The first base class of a wrapper: adds `snapshot` and `restore`."""
@@ -42,7 +48,7 @@ class Restorable:
     def snapshot(self) -> bytes:
         """This wrapper and everything in it as portable bytes: stacked frames, counters, generators, the game.
 
-        A stack of the same wrappers and options, also in another process, continues from it exactly. Wrappers around
+        A stack of the same wrappers and task, also in another process, continues from it exactly. Wrappers around
         this one are not included: call the method of the outermost.
 
         Raises:
@@ -50,26 +56,28 @@ class Restorable:
                 saved (of Gymnasium's, that of `TimeLimit` can); the text names it.
         """
         env = _env(self)
-        facts, blobs = [], {"env": _unwrapped(env).snapshot()}
+        atari = _unwrapped(env)
+        facts, blobs = [], {"env": atari.snapshot()}
         for number, layer in enumerate(_stateful(env)):
             state = _save_state(layer)
             arrays = {name: part for name, part in state.items() if isinstance(part, np.ndarray)}
             blobs |= {f"{number}.{name}": zlib.compress(part.tobytes(), 1) for name, part in arrays.items()}
             facts.append(_identity(layer) | {"state": {name: state[name] for name in state if name not in arrays}})
-        return snapshot.pack({"of": "wrappers", "layers": facts}, blobs)
+        return snapshot.pack({"of": "wrappers", "layers": facts, "task": identity(atari.task)}, blobs)
 
     def restore(self, data: bytes) -> None:
         """Continue from a snapshot of such a stack.
 
         Raises:
             TypeError: `data` is not bytes, or as `snapshot`.
-            ValueError: not a snapshot, damaged, of other wrappers, or of another game, core or other options. The
-                environment is as it was.
+            ValueError: not a snapshot, damaged, or of other wrappers, another task or core; the message says each
+                field that differs. The environment is as it was.
         """
         env = _env(self)
         atari, stateful = _unwrapped(env), list(_stateful(env))
         facts, blobs = snapshot.unpack(data)
         snapshot.require(facts, {"of": "wrappers"})
+        require_same(facts.get("task"), atari.task, leave_out=_STATELESS_FIELDS)
         saved = _checked_layers(facts.get("layers"), stateful)
         attributes = [
             _load_state(layer, _state(layer, number, scalars, blobs))

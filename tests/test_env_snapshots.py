@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from env_tools import over, play, started, unchanged
 
+import atari
 from atari import AtariEnv
 from atari.cores import snapshot
 
@@ -176,3 +177,73 @@ def test_what_is_no_state_is_refused() -> None:
     env = started()
     with unchanged(env), pytest.raises(TypeError, match="restore_state takes what clone_state returned, got bytes"):
         env.restore_state(env.snapshot())
+
+
+class TestTask:
+    """A snapshot has the task that is played, also what `ale` has set."""
+
+    @pytest.mark.parametrize(
+        ("options", "text"),
+        [
+            ({"frameskip": 3}, "with frameskip = 3, but this environment has 4; restore"),
+            ({"full_action_space": True}, "with actions = 'full', but this environment has 'minimal'; restore"),
+            ({"interventions": ["guided_paddle"]}, r"with interventions = 'guided_paddle \(.*\)', but .* has None"),
+            (
+                {"mode": 4, "frameskip": (2, 5)},
+                r"with mode = 4, but this .* has 0; frameskip = \(2, 5\), not 4; restore",
+            ),
+        ],
+    )
+    def test_each_field_that_differs_is_named(self, options: dict[str, Any], text: str) -> None:
+        env, other = started(), started(**options)
+        with unchanged(env), pytest.raises(ValueError, match=text):
+            env.restore(other.snapshot())
+
+    def test_a_snapshot_of_an_older_release_has_none(self) -> None:
+        env, other = started(), AtariEnv("breakout", frameskip=3)
+        facts, blobs = snapshot.unpack(env.snapshot())
+        del facts["task"]
+        other.restore(snapshot.pack(facts, blobs))
+        assert np.array_equal(other.core.screen(), env.core.screen())
+
+    def test_what_ale_has_set_is_in_the_task(self) -> None:
+        env, plain = started(), started()
+        before = env.snapshot()
+        env.ale.setMode(8)
+        env.ale.setDifficulty(1)
+        saved = env.snapshot()
+        for one, data in ((env, before), (plain, saved)):
+            with unchanged(one), pytest.raises(ValueError, match=r"with mode = .*; difficulty = ., not"):
+                one.restore(data)
+        plain.ale.setMode(8)
+        plain.ale.setDifficulty(1)
+        plain.restore(saved)
+        assert plain.task == env.task == AtariEnv("breakout", mode=8, difficulty=1).task
+        copied = copy.deepcopy(env)
+        assert copied.task == env.task
+        assert play(copied, 20) == play(env, 20)
+
+    def test_a_probability_that_ale_has_set_is_in_the_task(self) -> None:
+        env, plain, twin = started(), started(), started()
+        for one in (env, twin):
+            one.ale.setFloat("repeat_action_probability", 0.5)
+            one.ale.setInt("max_num_frames_per_episode", 900)
+            one.reset(seed=3)
+        with (
+            unchanged(plain),
+            pytest.raises(ValueError, match=r"probability = 0\.5, .* 0\.25; max_num.* 900, not None"),
+        ):
+            plain.restore(env.snapshot())
+        twin.restore(env.snapshot())
+        assert play(twin, 20) == play(env, 20)
+
+    def test_another_path_of_the_same_game_file_is_no_difference(self, tmp_path: Path) -> None:
+        text = (Path(atari.games.__file__).parent / "data" / "breakout.toml").read_text(encoding="utf-8")
+        envs = []
+        for folder in ("a", "b"):
+            (tmp_path / folder).mkdir()
+            (tmp_path / folder / "own.toml").write_text(text, encoding="utf-8")
+            envs.append(AtariEnv(tmp_path / folder / "own.toml", rom=atari.roms.find("breakout")))
+            envs[-1].reset(seed=len(envs))
+        envs[1].restore(envs[0].snapshot())
+        assert play(envs[1], 20) == play(envs[0], 20)

@@ -17,6 +17,7 @@ from env_tools import started
 
 from atari import AtariVectorEnv
 from atari.cores import AleCore, Core, NativeCore, snapshot
+from atari.vector.state import LaneSnapshot
 
 VALUES: list[Any] = [
     None, True, -1, 1, 2**31, 2**64, 10**300, 0.5, 1e300, float("nan"), "", "x", [], [[]], {}, {"state": {}},
@@ -147,11 +148,11 @@ def test_snapshots_of_a_vector() -> None:
     envs = AtariVectorEnv("breakout", 2, num_threads=1)
     envs.reset(seed=0)
     good = envs.snapshot()
-    state, image = good[0].__getstate__()
+    state, image = good[0].state.__getstate__()
     rng = random.Random(0)
 
     def forged(state: bytes, image: int) -> Any:
-        snapshot = type(good[0]).__new__(type(good[0]))
+        snapshot = type(good[0].state).__new__(type(good[0].state))
         snapshot.__setstate__((state, image))
         return snapshot
 
@@ -160,6 +161,7 @@ def test_snapshots_of_a_vector() -> None:
         yield forged(state[:-1], image)
         yield forged(state + b"?", image)
         yield forged(state, image ^ 1)
+        yield from (LaneSnapshot(good[0].state, text) for text in ("", "{}", "[" * 99, good[0].task[:-9]))
         yield None
         yield b"?"
         for _ in range(200):
@@ -168,14 +170,14 @@ def test_snapshots_of_a_vector() -> None:
                 changed[rng.randrange(len(state))] = rng.choice([0, 0x7F, 0x80, 0xFF, rng.randrange(256)])
             yield forged(bytes(changed), image)
 
-    before = [each.__getstate__() for each in good]
+    before = [each.state.__getstate__() for each in good]
     refused = 0
     for each in states():
         try:
             envs.restore(None, [good[0], each])
         except (TypeError, ValueError):
             refused += 1
-            assert [each.__getstate__() for each in envs.snapshot()] == before
+            assert [each.state.__getstate__() for each in envs.snapshot()] == before
         else:
             with suppress(ValueError):
                 envs.step([1, 1])  # type: ignore[arg-type]

@@ -35,8 +35,9 @@ ALLOWED = {
     # What is played, and the environments that play it.
     "env_ids": "games",
     "task": "actions cores env_ids games validation",
-    "env": "actions cores games notebook rendering task validation",
-    "restorable": "cores env",
+    "env_state": "cores games task",
+    "env": "actions cores env_state games notebook rendering task validation",
+    "restorable": "cores env task",
     "wrappers": "_emulator _renamed cores env games restorable task validation vector",
     # Its views for JAX and PyTorch are of `integrations`, in modules that do not import `vector`.
     "vector": "_emulator _gymnasium actions cores games integrations multiplayer notebook rendering roms task validation",
@@ -51,12 +52,12 @@ ALLOWED = {
     "sb3": "integrations",
     "learning": "_emulator _gymnasium _interrupt actions cores env env_ids games making observations recording registration rendering "
     "restorable task validation vector wrappers",
-    "lab": "_emulator _gymnasium actions cores env games recording registration rendering restorable roms validation vector "
+    "lab": "_emulator _gymnasium actions cores env games recording registration rendering restorable roms task validation vector "
     "wrappers",
     # The package itself exports the parts above, and `atari.__version__` to the parts below and to recordings.
     "atari": "_renamed actions algorithmic cores env games integrations making registration roms task vector wrappers",
     # Programs and old interfaces, which no part above imports; they may import `recording`.
-    "play": "actions cores env games multiplayer recording registration rendering task validation",
+    "play": "actions cores env games learning multiplayer observations recording registration rendering task validation",
     "classic": "_script atari cores env env_ids games recording registration rendering validation wrappers",
     "cli": "_interrupt atari actions cores env env_ids games integrations lab learning making multiplayer observations play "
     "recording registration rendering roms task validation vector wrappers",

@@ -63,8 +63,8 @@ def require_single_frames(env: Environment, wrapper: str) -> None:
 
 
 def has_noop(env: Environment) -> bool:
-    """Whether NOOP is one of the actions; the minimal sets of Backgammon and Video Checkers do not have it."""
-    return not isinstance(env.action_space, spaces.Discrete) or "NOOP" in action_meanings(env)
+    """Whether episodes can begin with NOOP; the minimal sets of Backgammon and Video Checkers do not have it."""
+    return not isinstance(env.action_space, spaces.Discrete) or "NOOP" in begin_meanings(env)
 
 
 def action_meanings(env: Environment) -> list[str]:
@@ -75,21 +75,39 @@ def action_meanings(env: Environment) -> list[str]:
     return meanings
 
 
+def begin_meanings(env: Environment) -> list[str]:
+    """The names of the actions of which episodes begin: the game's if an agent of an `AtariEnv` has only some."""
+    meanings, inner = action_meanings(env), env.unwrapped
+    if isinstance(inner, AtariEnv) and meanings == inner.get_action_meanings():
+        return [action.name for action in inner.task.begin_actions]
+    return meanings
+
+
 def noop_action(env: Environment) -> Any:
-    """The NOOP action: index 0, or in a continuous action space the stick at rest."""
-    return 0 if isinstance(env.action_space, spaces.Discrete) else np.zeros(3, np.float32)
+    """The NOOP action; in a continuous action space the stick at rest."""
+    return action_meanings(env).index("NOOP") if isinstance(env.action_space, spaces.Discrete) else _AT_REST.copy()
 
 
-def step_noop(env: Environment) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
-    """A step of NOOP. If NOOP is not in the action space, the `AtariEnv` plays it in place of the step's action."""
-    if has_noop(env):
-        return env.step(noop_action(env))
-    atari = require_atari(env, "a NOOP")
-    atari._only_noop = True
+_AT_REST = np.zeros(3, np.float32)
+_FIRE = np.array([0, 0, 1], np.float32)
+
+
+def step_named(env: Environment, name: str) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+    """A step of an action, NOOP or FIRE if the action space is continuous.
+
+    If it is not in the action space, the `AtariEnv` plays it in place of the step's action.
+    """
+    if not isinstance(env.action_space, spaces.Discrete):
+        return env.step(_FIRE.copy() if name == "FIRE" else _AT_REST.copy())
+    meanings = action_meanings(env)
+    if name in meanings:
+        return env.step(meanings.index(name))
+    atari = require_atari(env, f"a {name}")
+    atari._instead = name
     try:
         return env.step(0)
     finally:
-        atari._only_noop = False
+        atari._instead = None
 
 
 def draw(env: Environment, low: int, high: int) -> int:

@@ -67,6 +67,6 @@ class GameStatistics(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCo
         over, ended = atari.core.game_over, atari._ended_game
         info = {**info, "reward": reward, "elapsed_step": atari._game.steps, "terminated": over}
         if ended is not None or truncated:  # truncated by a wrapper, which the environment does not see
-            info["episode"] = ended or atari._game_statistics()
+            info["episode"] = ended or atari._game.statistics(atari.core)
             atari._ended_game = None
         return info

@@ -15,7 +15,7 @@ from gymnasium.utils import RecordConstructorArgs
 from atari.env import AtariEnv
 from atari.restorable import Restorable, State, warn_of_restore
 from atari.validation import check_name
-from atari.wrappers._checks import Environment, step_noop
+from atari.wrappers._checks import Environment, has_noop, step_named
 
 OnReset = Literal["noop", "continue", "new_game"]
 
@@ -71,8 +71,8 @@ class EpisodicLife(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
         if self._atari is not None and self._atari._restored:
             warn_of_restore(self.env, "EpisodicLife")
         observation, reward, terminated, truncated, info = self.env.step(action)
-        if self._atari is not None and self._atari._only_noop:  # a NOOP that is no action does not count as a step
-            return observation, reward, terminated, truncated, info
+        if self._atari is not None and self._atari._instead is not None and not has_noop(self.env):
+            return observation, reward, terminated, truncated, info  # a NOOP that the game does not have is no step
         self._last = observation, info
         return observation, reward, self.observe(info["lives"], terminated, truncated), truncated, info
 
@@ -97,7 +97,7 @@ class EpisodicLife(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
             observation, info = self._last
             return observation, dict(info)
         if self.same_game:
-            observation, _, terminated, truncated, info = step_noop(self.env)
+            observation, _, terminated, truncated, info = step_named(self.env, "NOOP")
             self.same_game = not (terminated or truncated)
         if not self.same_game:
             observation, info = self.env.reset(seed=seed, options=options)

@@ -6,16 +6,18 @@ Some games, such as Breakout, wait until FIRE is pressed; an agent that never pr
 from typing import Any
 
 import gymnasium
-import numpy as np
 from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
 
 from atari.restorable import Restorable
-from atari.wrappers._checks import Environment, action_meanings
+from atari.wrappers._checks import Environment, begin_meanings, step_named
 
 
 class FireReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """After a reset, play one step of FIRE. Games without a FIRE action are left as they are.
+
+    The game decides, not the agent: with an `AtariEnv` whose `actions` are some of the game's, FIRE and action 2 are
+    those of the game.
 
     If the episode ends meanwhile, the environment is reset once more.
 
@@ -38,18 +40,15 @@ class FireReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
     def __init__(self, env: Environment, *, then_action_2: bool = False) -> None:
         RecordConstructorArgs.__init__(self, then_action_2=then_action_2)
         super().__init__(env)
-        self._actions: list[Any] = []
-        meanings = action_meanings(env)
-        if "FIRE" in meanings:
-            discrete = isinstance(env.action_space, spaces.Discrete)
-            self._actions.append(meanings.index("FIRE") if discrete else np.array([0, 0, 1], np.float32))
-            if then_action_2:
-                if not discrete or len(meanings) < 3:
-                    raise ValueError(
-                        f"then_action_2 needs at least three discrete actions, got {env.action_space}; "
-                        "use full_action_space=True or then_action_2=False"
-                    )
-                self._actions.append(2)
+        names = begin_meanings(env)
+        self._actions = ["FIRE"] if "FIRE" in names else []
+        if self._actions and then_action_2:
+            if not isinstance(env.action_space, spaces.Discrete) or len(names) < 3:
+                raise ValueError(
+                    f"then_action_2 needs at least three discrete actions, got {env.action_space}; "
+                    "use full_action_space=True or then_action_2=False"
+                )
+            self._actions.append(names[2])
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset, then press FIRE.
@@ -60,7 +59,7 @@ class FireReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
         """
         observation, info = self.env.reset(seed=seed, options=options)
         for action in self._actions if (options or {}).get("fire", True) else ():
-            observation, _, terminated, truncated, step_info = self.env.step(action)
+            observation, _, terminated, truncated, step_info = step_named(self.env, action)
             info.update(step_info)
             if terminated or truncated:
                 observation, info = self.env.reset(seed=seed, options=options)

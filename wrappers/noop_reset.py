@@ -11,7 +11,7 @@ from gymnasium.utils import RecordConstructorArgs
 
 from atari.restorable import Restorable, layers
 from atari.validation import check_integer
-from atari.wrappers._checks import Environment, action_meanings, draw, step_noop
+from atari.wrappers._checks import Environment, begin_meanings, draw, step_named
 from atari.wrappers.fire_reset import FireReset
 
 
@@ -62,7 +62,7 @@ class NoopReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
         super().__init__(env)
         self.noop_max, self.noop_min = noop_max, noop_min
         self._fire_again = fire_again
-        self._fires = int(fire_counts and "FIRE" in action_meanings(env))
+        self._fires = int(fire_counts and "FIRE" in begin_meanings(env))
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset, then play no-ops.
@@ -80,7 +80,7 @@ class NoopReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
         observation, info = self.env.reset(seed=seed, options=options)
         again = options if self._fire_again else {**(options or {}), "fire": False}
         for _ in range(self._draw() if forced is None else forced):
-            observation, _, terminated, truncated, step_info = step_noop(self.env)
+            observation, _, terminated, truncated, step_info = step_named(self.env, "NOOP")
             info.update(step_info)
             if terminated or truncated:
                 observation, info = self.env.reset(seed=seed, options=again)

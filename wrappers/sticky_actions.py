@@ -15,7 +15,7 @@ from gymnasium.utils import RecordConstructorArgs
 from atari.env import AtariEnv
 from atari.restorable import Restorable, State, warn_of_restore
 from atari.validation import check_probability
-from atari.wrappers._checks import Environment, has_noop, noop_action
+from atari.wrappers._checks import Environment, action_meanings, noop_action
 
 
 class StickyActions(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
@@ -48,7 +48,7 @@ class StickyActions(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCon
                 f"the actions of {inner.game.id} are sticky already (probability "
                 f"{inner.task.repeat_action_probability}); make it with repeat_action_probability=0.0"
             )
-        if not has_noop(env):
+        if isinstance(env.action_space, spaces.Discrete) and "NOOP" not in action_meanings(env):
             raise ValueError(
                 "StickyActions starts an episode with NOOP, which is no action of this game; make the environment with "
                 "full_action_space=True, or with repeat_action_probability instead of this wrapper"

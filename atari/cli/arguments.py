@@ -4,16 +4,16 @@ import argparse
 import difflib
 import math
 import re
-import sys
 from collections.abc import Callable
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.recording.video.overlay import OVERLAYS
-from atari.registration import resolve
+from atari.task import Task
+from atari.task.arguments import field_of_flag, game_of
+from atari.task.resolution import is_id, spelled
 
 if TYPE_CHECKING:
     Commands = argparse._SubParsersAction[argparse.ArgumentParser]
@@ -27,14 +27,22 @@ class Parser(argparse.ArgumentParser):
         chosen = re.search(r"invalid choice: '([^']*)' \(choose from (.*)\)", message)
         unknown = re.match(r"unrecognized arguments: (--[\w-]+)", message)
         near: list[str] = []
-        if chosen:
+        field = field_of_flag(unknown[1]) if unknown else None
+        if unknown and field is not None:
+            message = f"{self.prog} has no place for {unknown[1]}, the field {field!r} of a task; leave it out"
+        elif unknown and unknown[1] == "--json":
+            message = "--json stands after the command's name"
+        elif chosen:
             near = difflib.get_close_matches(chosen[1], re.findall(r"[\w.-]+", chosen[2]), n=1)
         elif unknown:
             near = difflib.get_close_matches(unknown[1], self._option_string_actions, n=1)
         super().error(f"{message}; did you mean {near[0]!r}?" if near else message)
 
 
-GAME_HELP = "a game, such as breakout, an ID, such as PongNoFrameskip-v4, or a game definition, such as own.toml"
+GAME_HELP = (
+    "a game, such as breakout, an ID, such as PongNoFrameskip-v4, a game definition, such as own.toml, or a task, such "
+    "as task.json, which `atari explain GAME --print-task --json` prints"
+)
 
 
 def add_command(
@@ -75,16 +83,17 @@ def _overlay(text: str) -> tuple[str, ...]:
 
 
 def find_game(name: str, playable: bool = True) -> Game:
-    """The game of an argument: a game's id, an environment ID, or the file of a game definition (.toml).
+    """The game of an argument: a game's name, an ID, the file of a game definition (.toml), or a task (.json).
 
     If it must be `playable`, two-player cartridges are refused.
 
     Raises:
         ValueError, FileNotFoundError, gymnasium.error.NameNotFound: there is no such game; the nearest is suggested.
     """
-    if not name.endswith(".toml") and ("-v" in name or "/" in name):
-        name = resolve(name)[1]
-    return games.find(name) if playable else games.resolve(name)
+    game = game_of(name)
+    if isinstance(game, Task) or (isinstance(game, str) and is_id(game)):
+        game = Task.of(game).definition
+    return games.find(spelled(game)) if playable else games.resolve(spelled(game))
 
 
 def find_function(option: str, name: str) -> Callable[..., Any]:
@@ -97,14 +106,9 @@ def find_function(option: str, name: str) -> Callable[..., Any]:
     Raises:
         ValueError: there is no such module or function, or it is no function.
     """
-    module, _, function = name.partition(":")
-    sys.path.insert(0, "")  # modules of this folder, as with `python -m`
-    try:
-        found = getattr(import_module(module), function)
-    except (ImportError, AttributeError) as error:
-        raise ValueError(f"{option} {name} cannot be imported: {error}") from error
-    finally:
-        sys.path.remove("")
+    from atari.learning.policies import import_named
+
+    found = import_named(name, f"{option} {name}")
     if not callable(found):
         raise ValueError(f"{option} {name} must be a function of an observation, got {found!r}")
     return found  # type: ignore[no-any-return]

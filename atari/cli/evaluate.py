@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 from tqdm import tqdm
 
 from atari.cli.arguments import add_command, number
-from atari.cli.games_of_policies import add_game_options, find_played
 from atari.cli.output import print_json, print_table
-from atari.cli.task_arguments import seed
+from atari.cli.policies import OF_GAME, find_played, games_of
 from atari.learning import (
     GAME_SETS,
     PROTOCOLS,
@@ -27,6 +26,7 @@ from atari.learning import (
 from atari.learning.evaluation.compare import budget_faults, protocol_faults
 from atari.learning.evaluation.played import Entry
 from atari.learning.evaluation.protocols import find_protocol
+from atari.task.arguments import add_task, seed, show_task
 
 if TYPE_CHECKING:
     from atari.cli.arguments import Commands
@@ -66,7 +66,7 @@ def register(commands: "Commands") -> None:
     parser.add_argument("--human", default="noop57", metavar="TABLE", help="human scores (default: noop57)")
     parser.add_argument("--mixed", action="store_true", help="compare although protocols or budgets differ")
     parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the comparison: .svg, .png, .pdf")
-    add_game_options(parser)
+    add_task(parser, OF_GAME, preset=False)
     parser.add_argument("--list", action="store_true", help="show protocols, sets of games and published agents")
 
 
@@ -81,6 +81,9 @@ def _evaluate(args: argparse.Namespace) -> int:
     games = _games(args)
     policies = _policies(args, games)
     _check_budgets(args, policies)
+    for game in games:
+        if show_task(args, games_of(policies[game.id], game, args.protocol)[0]):
+            return 0
     result = _play(args, games, policies)
     comparison = None
     if args.output:

@@ -1,13 +1,14 @@
-"""`atari explain`: the meaning of an environment ID."""
+"""`atari explain`: what is played by an environment ID, a game or a task, with options."""
 
 import argparse
+import json
 from typing import TYPE_CHECKING, Any
 
 from atari import env_ids, registration
-from atari.cli.arguments import GAME_HELP, add_command, find_game
+from atari.cli.arguments import GAME_HELP, add_command
 from atari.cli.output import print_json
-from atari.games.catalog import games
-from atari.games.game import Game
+from atari.task import Task
+from atari.task.arguments import add_task, given_options, task_of
 
 if TYPE_CHECKING:
     from atari.cli.arguments import Commands
@@ -15,53 +16,55 @@ if TYPE_CHECKING:
 
 def register(commands: "Commands") -> None:
     """Add `atari explain`."""
-    parser = add_command(commands, "explain", _explain, "explain what an environment ID means")
-    parser.add_argument("id", metavar="ID", help=f"an ID, such as PongDeterministic-v4, or {GAME_HELP}")
+    parser = add_command(commands, "explain", _explain, "explain what an ID, a game or a task plays, with options")
+    parser.add_argument("game", metavar="GAME", help=GAME_HELP)
+    add_task(parser)
 
 
 def _explain(args: argparse.Namespace) -> int:
-    if args.id.endswith(".toml"):
-        return _explain_own(find_game(args.id), args)
-    env_id = args.id if "-v" in args.id or "/" in args.id else f"ALE/{env_ids.stem(find_game(args.id).id)}-v5"
-    print_json(_facts(env_id)) if args.json else print(registration.explain(env_id))
-    return 0
-
-
-def _explain_own(game: Game, args: argparse.Namespace) -> int:
-    """Explain what `atari.register_game` registers for a game of one's own."""
-    ids = {f"{env_ids.stem(game.id)}{suffix}-v5": suffix for suffix in ("", "-ram")}
-    if args.json:
-        print_json({"id": None, "file": args.id, "title": game.title, "ids": list(ids), **_settings(game)})
+    task = task_of(args)
+    env_id = args.game.removeprefix(env_ids.MODULE_PREFIX)
+    if not (given_options(args) or args.preset or args.print_task) and env_id in env_ids.ids():
+        print_json(_facts(env_id, task)) if args.json else print(registration.explain(args.game))
         return 0
-    actions = " ".join(action.name for action in game.minimal_actions)
-    print(f"{args.id}: {game.title}, a game of your own")
-    print(f"  IDs           {' and '.join(ids)}, after atari.register_game({args.id!r})")
-    print(f"  observation   RGB screen ({game.screen.height}, 160, 3), uint8; with -ram the 128 bytes of RAM")
-    print(f"  actions       {len(game.minimal_actions)}: {actions}")
-    print(f"  mode          {game.default_mode} of {', '.join(map(str, game.modes))}")
+    if args.json:
+        print_json(json.loads(task.to_json()) if args.print_task else {"id": None, **_described(task)})
+        return 0
+    print(task)
+    if task.definition.file is not None and not args.print_task:
+        stem = env_ids.stem(task.game)
+        print(f"  IDs           {stem}-v5 and {stem}-ram-v5, after atari.register_game({args.game!r})")
     return 0
 
 
-def _facts(env_id: str) -> dict[str, Any]:
-    """Return what `registration.explain` prints, as data."""
-    family, game_id = registration.resolve(env_id)
-    game = games[game_id]
-    shape = [128] if family.obs_type == "ram" else [*game.screen.shape, 3]
-    siblings = {other.id(game_id): other.options(game_id) for other in env_ids.FAMILIES if game_id in other.games()}
+def _facts(env_id: str, task: Task) -> dict[str, Any]:
+    """What `registration.explain` prints, as data."""
+    known = {other.id(task.game): other.options(task.game) for other in env_ids.FAMILIES if task.game in other.games()}
+    return {"id": env_id, "options": known.pop(env_id), **_described(task), "siblings": known}
+
+
+def _described(task: Task) -> dict[str, Any]:
+    game = task.definition
+    own = {} if game.file is None else {"ids": [f"{env_ids.stem(game.id)}{suffix}-v5" for suffix in ("", "-ram")]}
     return {
-        "id": env_id,
         "title": game.title,
-        "options": siblings.pop(env_id),
-        "observation": {"shape": shape, "dtype": "uint8"},
-        **_settings(game),
-        "siblings": siblings,
-    }
-
-
-def _settings(game: Game) -> dict[str, Any]:
-    return {
-        "actions": game.minimal_actions,
+        **own,
+        "task": json.loads(task.to_json()),
+        "observation": {"shape": _shape(task), "dtype": "uint8"},
+        "actions": task.action_set,
         "modes": game.modes,
         "default_mode": game.default_mode,
         "difficulties": game.difficulties,
     }
+
+
+def _shape(task: Task) -> tuple[int, ...] | None:
+    """The shape of observations; None for several arrays."""
+    if task.obs_type == "ram":
+        return (128,)
+    if task.obs_type in ("dict", "rgb_dict") or task.sound_obs:
+        return None
+    rows, columns = task.definition.screen.shape
+    stack = () if task.stack_num is None else (task.stack_num,)
+    colours = (3,) if task.obs_type == "rgb" else ()
+    return (*stack, task.img_height or rows, task.img_width or columns, *colours)

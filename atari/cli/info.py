@@ -1,8 +1,10 @@
 """`atari info`: the facts of a game."""
 
 import argparse
+import json
 import textwrap
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from atari import env_ids
@@ -12,6 +14,8 @@ from atari.games.game import Controllers, Game
 from atari.games.manual import Manual
 from atari.games.multiplayer import Multiplayer
 from atari.games.rules import Rules
+from atari.recording import FORMATS, video_facts
+from atari.task import Task
 
 if TYPE_CHECKING:
     from atari.cli.arguments import Commands
@@ -22,16 +26,33 @@ def register(commands: "Commands") -> None:
     parser = add_command(
         commands, "info", _info, "show the facts of a game: what it is, actions, modes, rules, ROM, IDs"
     )
-    parser.add_argument("game", metavar="GAME", help=GAME_HELP)
+    parser.add_argument("game", metavar="GAME", help=f"{GAME_HELP}; or a video, which says what was played")
 
 
 def _info(args: argparse.Namespace) -> int:
+    if Path(args.game).suffix.lower() in FORMATS:
+        return _of_video(args)
     game = find_game(args.game, playable=False)
     ids = [family.id(game.id) for family in env_ids.FAMILIES if game.id in family.games()]
     if args.json:
         print_json({**to_json_types(game), "manual": game.manual, "ids": ids})
     else:
         print(_description(game, ids))
+    return 0
+
+
+def _of_video(args: argparse.Namespace) -> int:
+    facts = video_facts(args.game)
+    if args.json:
+        print_json(facts)
+        return 0
+    try:
+        played = str(Task.from_json(json.dumps(facts["task"])))
+    except (KeyError, TypeError, ValueError):  # a game of your own, or of several players
+        played = json.dumps(facts.get("task", facts))
+    print(f"{args.game}: written by {facts['package']}\n{played}")
+    if "core_seeds" in facts:
+        print(f"  {'core seeds':13} {', '.join(map(str, facts['core_seeds']))}")
     return 0
 
 

@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import gymnasium
 
-from atari.cli.arguments import add_command, add_rom, find_game, number
+from atari.cli.arguments import GAME_HELP, add_command, add_rom, find_game, number
+from atari.play.base import BY_FRAME
 from atari.task import Task
+from atari.task.arguments import SCREEN, add_task, given_options, seed, show_task, task_of
 
 if TYPE_CHECKING:
     from atari.cli.arguments import Commands
@@ -27,7 +29,7 @@ def register(commands: "Commands") -> None:
     parser.add_argument(
         "source",
         metavar="SOURCE",
-        help="a game, a game definition (.toml), a replay (.a26), a run folder of `atari train`, or a saved state",
+        help=f"{GAME_HELP}, a replay (.a26), a run folder of `atari train`, or a saved state",
     )
     add_rom(parser)
     parser.add_argument(
@@ -35,11 +37,17 @@ def register(commands: "Commands") -> None:
         metavar="AGENT",
         help="who plays: a run folder, an SB3 zip, a TorchScript or ONNX file, MODULE:NAME, random (default: you)",
     )
-    parser.add_argument("--seed", type=number(int, 0), default=0, metavar="N", help="seed of the game (default: 0)")
+    parser.add_argument("--seed", type=seed, metavar="N", help="seed of the game (default: 0)")
     parser.add_argument(
         "--port", type=number(int, 0), default=0, metavar="N", help="port of the page (default: a free one)"
     )
     parser.add_argument("--no-browser", action="store_true", help="open no browser; print the address")
+    add_task(
+        parser,
+        ("mode", "difficulty", "repeat_action_probability", "max_num_frames_per_episode", "interventions"),
+        aside={**SCREEN, "frameskip": 1, "actions": "full"},
+        preset=False,
+    )
 
 
 def _lab(args: argparse.Namespace) -> int:
@@ -49,7 +57,9 @@ def _lab(args: argparse.Namespace) -> int:
         raise ValueError(f"a port is within 0..{_HIGHEST_PORT}, got {args.port}")
     from atari.lab.inspector.server import serve
 
-    session = _session(args.source, args.rom, args.agent, int(args.seed))
+    session = _session(args)
+    if show_task(args, session.env.task):
+        return 0
     browser = None if args.no_browser else _open_browser
     if args.json:
         from atari.cli.output import print_json
@@ -73,36 +83,40 @@ def _open_browser(url: str) -> None:
         print("no browser could be opened; open the address above in one", file=sys.stderr, flush=True)
 
 
-def _session(source: str, rom: Path | None, agent: str | None, seed: int) -> "Session":
-    """The session of an argument: a game, a replay, a run folder or a saved state."""
+def _session(args: argparse.Namespace) -> "Session":
+    """The session of a command line: of a game, a replay, a run folder or a saved state."""
     from atari.env import AtariEnv
     from atari.lab.inspector.session import Session
     from atari.lab.inspector.sources import session_of_replay, session_of_snapshot
 
-    path = Path(source)
-    if path.suffix == ".a26":
-        return session_of_replay(path, rom=rom, agent=_agent(agent))
-    if path.is_file() and path.suffix != ".toml":
-        return session_of_snapshot(path, rom=rom, agent=_agent(agent))
+    path, source = Path(args.source), args.source
+    of_game = not path.is_dir() and (path.suffix in (".toml", ".json") or not path.is_file()) and path.suffix != ".a26"
+    if not of_game:
+        given = [*given_options(args), *(["seed"] if args.seed is not None and not path.is_dir() else [])]
+        if given:
+            raise ValueError(f"{source} says what is played; leave --{given[0].replace('_', '-')} out")
+    seed_ = args.seed or 0
     if path.is_dir():
-        if agent is not None:
-            raise ValueError(f"{source} is a run folder, whose agent plays; leave out --agent")
+        if args.agent is not None or args.rom is not None:
+            raise ValueError(
+                f"{source} is a run folder, whose agent plays, with the ROM that is found; leave --agent and --rom out"
+            )
         player = _agent(source)
         game: Any = getattr(player, "game", None)
         if game is None:
             raise ValueError(f"{source} does not say which game it plays")
-        return Session(AtariEnv(_frames_of(player.task_in(find_game(game)))), agent=player, seed=seed)
-    player = _agent(agent)
-    env = AtariEnv(find_game(source), rom=rom, **_OPTIONS)
-    return Session(env, agent=player, seed=seed)
+        return Session(AtariEnv(_frames_of(player.task_in(find_game(game)))), agent=player, seed=seed_)
+    player = _agent(args.agent)
+    if of_game:
+        sticky = 0.0 if player is None else player.task_in(find_game(source)).repeat_action_probability
+        task = task_of(args, game=source, base={**BY_FRAME, "repeat_action_probability": sticky})
+        return Session(AtariEnv(task, rom=args.rom), agent=player, seed=seed_)
+    return (session_of_replay if path.suffix == ".a26" else session_of_snapshot)(path, rom=args.rom, agent=player)
 
 
 def _frames_of(task: Task) -> Task:
     """The frames of a task, one by one, with all actions."""
     return task.of_emulator().replace(actions="full", obs_type="rgb")
-
-
-_OPTIONS: dict[str, Any] = {"frameskip": 1, "repeat_action_probability": 0.0, "full_action_space": True}
 
 
 def _agent(source: str | None) -> Any:

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
-from atari.cli.arguments import GAME_HELP, add_command, add_rom, find_game, number
+from atari.cli.arguments import GAME_HELP, add_command, add_rom, number
 from atari.cli.output import print_json
+from atari.play.base import BY_FRAME
+from atari.task.arguments import SCREEN, add_task, seed, show_task, task_of
 
 if TYPE_CHECKING:
     from atari.cli.arguments import Commands
@@ -28,13 +30,15 @@ def register(commands: "Commands") -> None:
     parser.add_argument("--states", type=count, default=200, metavar="N", help="states of the game (default: 200)")
     parser.add_argument("--values", type=count, default=4, metavar="N", help="changes of a byte (default: 4)")
     parser.add_argument("--frames", type=count, default=4, metavar="N", help="frames after each (default: 4)")
-    parser.add_argument("--seed", type=number(int, 0), default=0, metavar="N", help="seed of play and values")
+    parser.add_argument("--seed", type=seed, default=0, metavar="N", help="seed of play and values")
     parser.add_argument(
         "--threads", type=count, default=cpu_count(), metavar="N", help="threads (default: all processors)"
     )
     parser.add_argument(
         "-o", "--output", type=Path, default=Path("maps"), metavar="FOLDER", help="for GAME.npz and GAME.png"
     )
+    aside = {**SCREEN, **BY_FRAME}  # forks are played frame by frame beside a twin with the same random words
+    add_task(parser, ("mode", "difficulty"), aside=aside, preset=False)
 
 
 def _map(args: argparse.Namespace) -> int:
@@ -42,12 +46,15 @@ def _map(args: argparse.Namespace) -> int:
     from atari.lab.causal.files import save
     from atari.lab.causal.picture import write_png
 
-    game = find_game(args.game)
+    task = task_of(args, base=BY_FRAME)
+    if show_task(args, task):
+        return 0
+    game = task.definition
     args.output.mkdir(parents=True, exist_ok=True)
     start = time.perf_counter()
     with tqdm(total=args.states, unit=" states", disable=None, leave=False) as bar:
         found = causes(
-            game,
+            task,
             args.states,
             args.values,
             args.frames,

@@ -1,123 +1,83 @@
 """Games of two to four players on the command line: `atari play --players` and `atari record --players`."""
 
 import argparse
-from pathlib import Path
-from typing import Any
+from collections.abc import Callable
+from functools import partial
 
-from atari.cli.arguments import find_function, find_game, number
-from atari.games.game import Game
+from atari.cli.arguments import find_game
 from atari.games.pettingzoo import find_environment
 from atari.games.players import rules_of
-from atari.play.multiplayer_session import OBSERVATIONS, MultiplayerSession, Policy, no_op_policy, random_policy
+from atari.play.base import BY_FRAME
+from atari.play.multiplayer_session import MultiplayerSession
+from atari.task import Task
+from atari.task.arguments import game_of, given_options, task_of
+
+FORMER_FLAGS = {"--obs": "it is --obs-type, as in `{prog} GAME --players 2 --obs-type ram`"}
+"""Flags of earlier releases, and the new calls."""
+
+_OBEYED = ("players", "mode", "difficulty", "obs_type")
 
 
-def multiplayer(parser: argparse.ArgumentParser) -> None:
-    """Add the options of games of several players."""
-    parser.add_argument(
-        "--players",
-        type=number(int, 1),
-        metavar="N",
-        help="2, 3 or 4 players; GAME may then be a name of PettingZoo's, too, such as pong_v3",
-    )
-    parser.add_argument("--mode", type=number(int, 0), metavar="N", help="mode of the game; see `atari info GAME`")
-    parser.add_argument("--difficulty", type=number(int, 0), metavar="N", help="difficulty of the game")
-    parser.add_argument(
-        "--obs",
-        choices=OBSERVATIONS,
-        help="what the functions of several players see: uint8, rgb (rows, 160, 3), grayscale and screen (palette "
-        "indices) (rows, 160), ram (128,) (default: rgb); run folders see what they were trained on",
-    )
+def is_match(args: argparse.Namespace) -> bool:
+    """Whether several players play, as the flags or a task say."""
+    game = game_of(args.game)
+    players: int = getattr(args, "players", game.players if isinstance(game, Task) else 1)
+    return players > 1
+
+
+def match_task(args: argparse.Namespace) -> Task:
+    """What several players play. A name of PettingZoo's chooses the mode, unless there is a flag.
+
+    Raises:
+        ValueError: there is no such game or mode, the number of players is wrong, or there is a field that sessions of
+            several players do not play.
+    """
+    given, name = given_options(args), args.game
+    environment = None if name.endswith((".toml", ".json")) else find_environment(name)
+    if environment is not None:
+        name, players = environment.game, given.get("players")
+        if "mode" not in given:
+            if players is not None and players not in environment.players:
+                raise ValueError(
+                    f"{environment.id} is for {' or '.join(map(str, environment.players))} players, got {players}"
+                )
+            own = {"num_players": players} if players and "num_players" in environment.defaults else {}
+            args.mode = environment.choose(own)
+    if "players" not in given and not name.endswith(".json"):
+        modes = rules_of(find_game(name, playable=False)).modes
+        args.players = next((count for count in modes if getattr(args, "mode", None) in modes[count]), min(modes))
+    args.aside = {}
+    task = task_of(args, game=name, base=BY_FRAME)
+    fields = {field: getattr(task, field) for field in _OBEYED}
+    for field, (value, _) in task.differences(Task.of(task.definition, **{**BY_FRAME, **fields})).items():
+        raise ValueError(f"{field}={value!r} is for one player; leave it or players={task.players} out")
+    return task
 
 
 def make_match(
-    args: argparse.Namespace, option: str, names: list[str], state: Path | None = None, replay: Path | None = None
-) -> MultiplayerSession:
-    """The game of the arguments; its policies are `names`, from player 1 on with --policy, else from player 2 on.
-
-    It is recorded in `replay`.
+    args: argparse.Namespace, task: Task, option: str, names: list[str]
+) -> Callable[..., MultiplayerSession]:
+    """What makes the session of a task with its files; `names` are the policies, with --policy from player 1 on.
 
     Raises:
-        ValueError: there is no such game, mode or policy, or the number of players is wrong.
+        ValueError: there is no such policy, or their number is wrong.
     """
-    game, mode = _game_and_mode(args)
-    rules = rules_of(game)
-    players = args.players or next((players for players, modes in rules.modes.items() if mode in modes), None)
-    if args.players is not None and args.players not in rules.modes:
-        raise ValueError(f"{args.game} is for {_either(rules.modes)} players, got --players {args.players}")
-    count = players or min(rules.modes)
+    count = task.players
     first = 0 if option == "--policy" else 1
     if len(names) == 1 and option == "--policy":
         names = names * count
     if len(names) > count - first or (option == "--policy" and len(names) != count):
         often = f"once, or {count} times" if option == "--policy" else f"at most {count - first} times"
         raise ValueError(f"{args.game} has {count} players; give {option} {often}, got {len(names)}")
-    seed = args.seed or 0
-    mirrors = rules.modes[count][0] if mode is None else mode
-    policies = {
-        player: _policy(option, name, game, seed + index, player == 1 and mirrors in rules.mirrored_modes)
-        for index, (player, name) in enumerate(zip(range(first, count), names, strict=False))
-    }
-    return MultiplayerSession(
-        game,
+    policies = dict(zip(range(first, count), names, strict=False))
+    return partial(
+        MultiplayerSession,
+        task.definition,
         rom=args.rom,
-        players=players,
-        mode=mode,
-        difficulty=args.difficulty,
+        players=count,
+        mode=task.mode,
+        difficulty=task.difficulty,
         seed=args.seed,
         policies=policies,
-        obs_type=args.obs or "rgb",
-        state=state or Path("states", f"{game.id}-{count}-players.state"),
-        replay=replay,
+        obs_type=task.obs_type,  # type: ignore[arg-type]  # which it checks
     )
-
-
-def _game_and_mode(args: argparse.Namespace) -> tuple[Any, int | None]:
-    """The game, and its mode: that of --mode, or the one that an environment of PettingZoo has."""
-    if args.game.endswith(".toml"):
-        return find_game(args.game, playable=False), args.mode
-    environment = find_environment(args.game)
-    if environment is None:
-        return find_game(args.game, playable=False), args.mode
-    game = find_game(environment.game, playable=False)
-    if args.mode is not None:
-        return game, args.mode
-    if args.players is not None and args.players not in environment.players:
-        allowed = _either(environment.players)
-        raise ValueError(f"{environment.id} is for {allowed} players, got --players {args.players}")
-    own = {"num_players": args.players} if args.players and "num_players" in environment.defaults else {}
-    return game, environment.choose(own)
-
-
-def _policy(option: str, name: str, game: Game, seed: int, mirrored: bool) -> Policy:
-    if name == "random":
-        return random_policy(rules_of(game).minimal_actions, seed)
-    if name == "noop":
-        return no_op_policy
-    if ":" in name and not Path(name).exists():
-        return find_function(option, name)
-    if Path(name).is_dir():
-        return _trained(option, name, game, seed, mirrored)
-    if Path(name).exists():
-        raise ValueError(
-            f"{option} {name}: policies and replays in files are of the one-player game; give a run folder of "
-            "`atari train`, or write a MODULE:FUNCTION"
-        )
-    raise ValueError(
-        f"{option} with several players must be random, noop, MODULE:FUNCTION or a run folder, got {name!r}"
-    )
-
-
-def _trained(option: str, name: str, game: Game, seed: int, mirrored: bool) -> Policy:
-    """The policy of a run folder as a player."""
-    from atari.cli.trained_player import TrainedPlayer
-    from atari.learning import ScoresPolicy, load_policy
-
-    policy = load_policy(Path(name))
-    assert isinstance(policy, ScoresPolicy)
-    if policy.game != game.id:
-        raise ValueError(f"{option} {name} is a training in {policy.game}, not in {game.id}")
-    return TrainedPlayer(policy, game.id, seed, mirrored)
-
-
-def _either(numbers: Any) -> str:
-    return " or ".join(map(str, numbers))

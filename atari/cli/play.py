@@ -4,14 +4,16 @@ import argparse
 import time
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from atari.cli.arguments import GAME_HELP, add_command, add_rom, find_game, number
-from atari.cli.multiplayer import make_match, multiplayer
+from atari.cli.multiplayer import FORMER_FLAGS, is_match, make_match, match_task
 from atari.cli.output import print_json
 from atari.play import Session, play
+from atari.play.base import BY_FRAME
 from atari.play.controls import HELP, HELP_SEVERAL
 from atari.play.window import start_pygame
+from atari.task.arguments import SCREEN, add_former, add_task, given_options, seed, show_task, task_of
 
 if TYPE_CHECKING:
     from atari.cli.arguments import Commands
@@ -22,19 +24,17 @@ def register(commands: "Commands") -> None:
     parser = add_command(commands, "play", _play, "play a game in a window, and write a replay of it")
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.epilog = f"keys:\n{HELP}\n\nkeys of several players:\n{HELP_SEVERAL}"
-    parser.add_argument("game", metavar="GAME", help=GAME_HELP)
+    parser.add_argument("game", metavar="GAME", help=f"{GAME_HELP}; with --players also a name of PettingZoo's")
     add_rom(parser)
-    multiplayer(parser)
     parser.add_argument(
         "--opponent",
         action="append",
         default=[],
         metavar="POLICY",
-        help="player 2 is random, noop, a run folder of `atari train`, or MODULE:FUNCTION, called in each frame with "
-        "the observation of --obs and an info (a dict with player, players, mode, frame, scores, rewards, lives); it "
-        "returns an action's number, 0 .. 17, or name, such as UPFIRE; may be repeated, for player 3 and so on",
+        help="player 2 is random, noop, a run folder, an SB3 zip, a TorchScript or ONNX file, or MODULE:NAME; may be "
+        "repeated, for player 3 and so on",
     )
-    parser.add_argument("--seed", type=number(int, 0), metavar="N", help="seed of the game (default: random)")
+    parser.add_argument("--seed", type=seed, metavar="N", help="seed of the game (default: random)")
     parser.add_argument(
         "--scale", type=number(int, 1), default=3, metavar="N", help="rows of the display a pixel (default: 3)"
     )
@@ -48,31 +48,40 @@ def register(commands: "Commands") -> None:
     parser.add_argument(
         "--state", type=Path, metavar="FILE", help="the saved state of F5 and F9 (default: states/GAME.state)"
     )
+    add_task(
+        parser,
+        ("game", "play", "begin", "lives", "limits", "obs_type"),
+        leave_out=("continuous", "continuous_action_threshold"),
+        aside=SCREEN,
+    )
+    add_former(parser, FORMER_FLAGS)
 
 
 def _play(args: argparse.Namespace) -> int:
-    if args.opponent or (args.players is not None and args.players > 1):
-        return _play_together(args)
-    if args.obs is not None:
-        raise ValueError("--obs needs --players; see `atari play --help`")
-    game = find_game(args.game, playable=False)
-    if not game.single_player and game.multiplayer is not None and args.players is None:
-        raise ValueError(f"{game.id} has no game of one player; give --players {min(game.multiplayer.modes)}")
-    game = find_game(args.game)
+    match = bool(args.opponent) or is_match(args)
+    if match:
+        task = match_task(args)
+    else:
+        game = find_game(args.game, playable=False)
+        if not game.single_player and game.multiplayer is not None:
+            raise ValueError(f"{game.id} has no game of one player; give --players {min(game.multiplayer.modes)}")
+        if "obs_type" in given_options(args):
+            raise ValueError("--obs-type needs --players; see `atari play --help`")
+        task = task_of(args, base=BY_FRAME)
+    if show_task(args, task):
+        return 0
     start_pygame()  # raises without pygame or a display, before any file is created or replaced
-    replay, new_folders = None, []
-    if not args.no_replay:
-        replay = args.replay or Path("replays", f"{game.id}-{time.strftime('%Y%m%d-%H%M%S')}.a26")
-        new_folders = [folder for folder in replay.parents if not folder.exists()]
-    session = Session(
-        game,
-        rom=args.rom,
-        replay=replay,
-        state=args.state or Path("states", f"{game.id}.state"),
-        mode=args.mode,
-        difficulty=args.difficulty,
-        seed=args.seed,
-    )
+    name = f"{task.game}-{task.players}-players" if match else task.game
+    replay = args.replay
+    if replay is None and not (match or args.no_replay):
+        replay = Path("replays", f"{task.game}-{time.strftime('%Y%m%d-%H%M%S')}.a26")
+    new_folders = [] if replay is None else [folder for folder in replay.parents if not folder.exists()]
+    files = {"replay": replay, "state": args.state or Path("states", f"{name}.state")}
+    session: Any
+    if match:
+        session = make_match(args, task, "--opponent", args.opponent)(**files)
+    else:
+        session = Session(task, rom=args.rom, seed=args.seed, **files)
     try:
         play(session, scale=args.scale, sound=not args.no_sound, full_screen=args.full_screen)
     finally:
@@ -82,36 +91,18 @@ def _play(args: argparse.Namespace) -> int:
             with suppress(OSError):  # a folder that is not empty stays
                 for folder in new_folders:
                     folder.rmdir()
-    files = [path.resolve() for path in (replay, *session.video_files) if path is not None and path.exists()]
-    result = {"game": game.id, "frames": session.frames, "best_score": session.best, "files": files}
-    if args.json:
-        print_json(result)
-    else:
-        print(f"{game.title}: {session.frames:,} frames, best score {session.best:,}")
-        print("".join(f"  {path}\n" for path in files), end="")
-    return 0
-
-
-def _play_together(args: argparse.Namespace) -> int:
-    """Play a game of several players."""
-    start_pygame()
-    session = make_match(args, "--opponent", args.opponent, args.state, args.replay)
-    try:
-        play(session, scale=args.scale, sound=not args.no_sound, full_screen=args.full_screen)
-    finally:
-        session.close()
-    files = [path.resolve() for path in (args.replay, *session.video_files) if path is not None and path.exists()]
+    written = [path.resolve() for path in (replay, *session.video_files) if path is not None and path.exists()]
+    own = {"players": task.players, "mode": task.mode, "scores": session.scores}
     result = {
-        "game": session.game.id,
-        "players": session.core.players,
-        "mode": session.core.mode,
+        "game": task.game,
         "frames": session.frames,
-        "scores": session.scores,
-        "files": files,
+        **(own if match else {"best_score": session.best}),
+        "files": written,
     }
     if args.json:
         print_json(result)
     else:
-        print(f"{session.title}   ({session.frames:,} frames)")
-        print("".join(f"  {path}\n" for path in files), end="")
+        best = f"{task.definition.title}: {session.frames:,} frames, best score {session.best:,}" if not match else ""
+        print(best or f"{session.title}   ({session.frames:,} frames)")
+        print("".join(f"  {path}\n" for path in written), end="")
     return 0

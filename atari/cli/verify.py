@@ -12,14 +12,19 @@ from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
-from atari.cli.arguments import GAME_HELP, add_command, find_game
+from atari.cli.arguments import GAME_HELP, add_command
 from atari.cli.output import print_json
 from atari.cores import CORES
 from atari.cores.verify import Difference, Run, read, verify
 from atari.games.catalog import games
+from atari.task import Task
+from atari.task.arguments import SCREEN, add_task, given_options, seed, show_task, task_of
 
 if TYPE_CHECKING:
     from atari.cli.arguments import Commands
+
+_BASE = {"max_num_frames_per_episode": None, "frameskip": 1, "actions": "full"}
+"""Each frame is compared, with actions of the test. A name alone has no limit of frames."""
 
 
 def register(commands: "Commands") -> None:
@@ -33,10 +38,7 @@ def register(commands: "Commands") -> None:
     parser.add_argument("games", nargs="*", metavar="GAME", help=f"{GAME_HELP} (default: all games)")
     parser.add_argument("--frames", type=int, default=600, help="frames of a run (default 600)")
     parser.add_argument(
-        "--seeds", type=int, nargs="+", default=[0], metavar="SEED", help="one run for each (default 0)"
-    )
-    parser.add_argument(
-        "--sticky", type=float, default=0.25, metavar="P", help="repeat_action_probability (default 0.25)"
+        "--seeds", type=seed, nargs="+", default=[0], metavar="SEED", help="one run for each (default 0)"
     )
     parser.add_argument("--modes", action="store_true", help="one run for each mode and difficulty of a game")
     parser.add_argument("--pokes", action="store_true", help="overwrite bytes of RAM at random")
@@ -54,12 +56,32 @@ def register(commands: "Commands") -> None:
     parser.add_argument(
         "--replay", type=Path, metavar="FILE", help="play a difference again from the file written for it"
     )
+    add_task(
+        parser,
+        ("mode", "difficulty", "repeat_action_probability", "max_num_frames_per_episode"),
+        aside={**SCREEN, "frameskip": 1, "actions": "full"},
+        preset=False,
+    )
 
 
 def _verify(args: argparse.Namespace) -> int:
     if min(args.frames, args.jobs) < 1:
         raise ValueError("--frames and --jobs must be at least 1")
-    runs = [read(args.replay)] if args.replay else list(_runs(args))
+    if args.replay:
+        runs = [read(args.replay)]
+    else:
+        given = given_options(args)
+        if args.modes and (wrong := [name for name in ("mode", "difficulty") if name in given]):
+            raise ValueError(f"--modes plays all of them; leave it or --{wrong[0]} out")
+        names = args.games or [game.id for game in games.playable()]
+        tasks = []
+        for name in names:
+            tasks.append(task_of(args, game=name, base=_BASE))
+            if args.games or args.print_task:
+                show_task(args, tasks[-1])
+        if args.print_task:
+            return 0
+        runs = list(_runs(args, tasks))
     differences = []
     for difference in tqdm(_results(runs, args.jobs), total=len(runs), unit="run", disable=None):
         if difference:
@@ -74,18 +96,20 @@ def _verify(args: argparse.Namespace) -> int:
     return 1 if differences else 0
 
 
-def _runs(args: argparse.Namespace) -> Iterator[Run]:
-    chosen = [find_game(game) for game in args.games] or list(games.playable())
-    for game, seed in itertools.product(chosen, args.seeds):
-        settings: Any = itertools.product(game.modes, game.difficulties) if args.modes else [(None, None)]
+def _runs(args: argparse.Namespace, tasks: list[Task]) -> Iterator[Run]:
+    for task, seed_ in itertools.product(tasks, args.seeds):
+        game = task.definition
+        every = itertools.product(game.modes, game.difficulties)
+        settings: Any = every if args.modes else [(task.set_mode, task.set_difficulty)]
         for mode, difficulty in settings:
             yield Run(
                 game.id if game.file is None else str(game.file),
                 frames=args.frames,
-                seed=seed,
-                repeat_action_probability=args.sticky,
+                seed=seed_,
+                repeat_action_probability=task.repeat_action_probability,  # type: ignore[arg-type]  # of one player
                 mode=mode,
                 difficulty=difficulty,
+                max_num_frames_per_episode=task.max_num_frames_per_episode or 0,
                 pokes=args.pokes,
                 strengths=args.strengths,
                 cores=("native", args.core),

@@ -6,16 +6,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from atari.cli.arguments import GAME_HELP, add_command, number
-from atari.cli.games_of_policies import add_game_options, find_played
-from atari.cli.task_arguments import SEEDS, seed
-from atari.learning import load_policy, record_games
-from atari.learning.evaluation.played import usual_protocol
-from atari.learning.evaluation.player import Player
-from atari.learning.evaluation.protocols import PROTOCOLS, find_protocol
+from atari.cli.policies import ALONE, find_played, games_of, replay_of
+from atari.learning import load_policy
+from atari.learning.evaluation.protocols import PROTOCOLS
 from atari.play.viewer import show_replay
 from atari.play.window import start_pygame
 from atari.recording import Replay
-from atari.task.description import summary
+from atari.task.arguments import SEEDS, add_task, seed, show_task
 
 if TYPE_CHECKING:
     from atari.cli.arguments import Commands
@@ -40,25 +37,30 @@ def register(commands: "Commands") -> None:
     parser.add_argument(
         "--scale", type=number(int, 1), default=3, metavar="N", help="rows of the display a pixel (default: 3)"
     )
-    add_game_options(parser)
     parser.add_argument("--no-sound", action="store_true", help="play no sound")
+    add_task(parser, leave_out=ALONE)
 
 
 def _watch(args: argparse.Namespace) -> int:
-    start_pygame()  # raises without pygame or a display, before a game is played
     if args.source.endswith(".a26"):
-        show_replay(Replay.load(args.source), scale=args.scale, sound=not args.no_sound)
+        replay = Replay.load(args.source) if args.game is None else replay_of(args, args.source)
+        if replay.players == 1 and show_task(args, replay.task):
+            return 0
+        show_replay(replay, scale=args.scale, sound=not args.no_sound)
         return 0
     policy = load_policy(args.source)
     (entry,) = find_played(args, [] if args.game is None else [args.game], policy)
-    protocol = find_protocol(args.protocol) if args.protocol else usual_protocol(policy, entry)
-    print(summary(Player(policy, protocol, entry).task), flush=True)
+    task, record = games_of(policy, entry, args.protocol)
+    if show_task(args, task):
+        return 0
+    start_pygame()  # raises without pygame or a display, before a game is played
     game_seed, shown = args.seed, True
     with tempfile.TemporaryDirectory() as folder:
         while shown:
             path = Path(folder, f"{game_seed}.a26")
-            ((score, _),) = record_games(policy, entry, protocol, [game_seed], path)
+            ((score, _),) = record([game_seed], path)
             print(f"seed {game_seed}: score {score:,.0f}", flush=True)
-            shown = show_replay(Replay.load(path), scale=args.scale, sound=not args.no_sound)
+            replay = Replay.load(path, game=task.definition)
+            shown = show_replay(replay, scale=args.scale, sound=not args.no_sound)
             game_seed = (game_seed + 1) % SEEDS
     return 0

@@ -2,8 +2,8 @@
 
     snapshot of     facts                                            blobs
     AtariEnv        phase of the episode, the generator np_random,   the core's snapshot
-                    score, steps and first frame of the game
-    wrappers        the wrappers that have a state, with             the snapshot of the AtariEnv, the wrappers' arrays
+                    score, steps and first frame of the game, task
+    wrappers        the task, the wrappers that have a state, with   the snapshot of the AtariEnv, the wrappers' arrays
                     their arguments (`atari.restorable`)
     NativeCore      core, game, ROM, options, version of the state   the state: machine, RAM of the cartridge, episode,
                                                                      framebuffer, sound, held action, generators

@@ -35,15 +35,14 @@ def access(target: Any, index: int | None = None) -> Access:
     """
     inner: Any = target.unwrapped if isinstance(target, (gymnasium.Env, gymnasium.vector.VectorEnv)) else target
     if isinstance(inner, AtariVectorEnv):
-        return _Vector(inner) if index is None else _Member(inner, _check_index(inner, index))
+        numbers = list(range(inner.num_envs)) if index is None else [_check_index(inner, index)]
+        return _Vector(inner, numbers, single=index is not None)
     if index is not None:
         raise TypeError(
             f"index is the number of an environment of an AtariVectorEnv, but this is {target!r}; leave it out"
         )
-    if isinstance(inner, AtariEnv):
-        return _Environment(inner)
-    if isinstance(getattr(inner, "game", None), Game) and hasattr(inner, "set_ram"):
-        return _Core(inner)
+    if isinstance(inner, AtariEnv) or (isinstance(getattr(inner, "game", None), Game) and hasattr(inner, "set_ram")):
+        return _Single(inner)
     raise TypeError(
         f"RAM is read from an AtariEnv (or a wrapper around one), a core, or an AtariVectorEnv, got {target!r}; "
         "of the environments of another vector, take one"
@@ -57,64 +56,39 @@ def _check_index(envs: AtariVectorEnv, index: Any) -> int:
         raise IndexError(f"{error}; there are {envs.num_envs} environments") from None
 
 
-class _Core:
-    single = True
-
-    def __init__(self, core: Core) -> None:
-        self._core = core
-        self.games: tuple[Game, ...] = (core.game,)
-
-    def read(self) -> ByteArray:
-        return self._core.ram()[None]
-
-    def write(self, machine: int, index: int, byte: int) -> None:
-        self._core.set_ram(index, byte)
-
-
-class _Environment:
-    """The core of an environment may be replaced by another one, so it is read at each use."""
+class _Single:
+    """An environment or a core. An environment may replace its core by another one, so the core is read at each use."""
 
     single = True
 
-    def __init__(self, env: AtariEnv) -> None:
-        self._env = env
-        self.games: tuple[Game, ...] = (env.game,)
+    def __init__(self, player: Any) -> None:
+        self._player = player
+        self.games: tuple[Game, ...] = (player.game,)
 
-    def _open(self) -> Core:
-        if self._env._closed_state is not None:
+    def _core(self) -> Core:
+        if not isinstance(self._player, AtariEnv):
+            core: Core = self._player
+            return core
+        if self._player._closed_state is not None:
             raise gymnasium.error.ClosedEnvironmentError("this environment is closed; call reset() to go on")
-        return self._env.core
+        return self._player.core
 
     def read(self) -> ByteArray:
-        return self._open().ram()[None]
+        return self._core().ram()[None]
 
     def write(self, machine: int, index: int, byte: int) -> None:
-        self._open().set_ram(index, byte)
+        self._core().set_ram(index, byte)
 
 
 class _Vector:
-    single = False
+    """The environments of a vector with these numbers."""
 
-    def __init__(self, envs: AtariVectorEnv) -> None:
-        self._envs = envs
-        self.games: tuple[Game, ...] = envs.games
-
-    def read(self) -> ByteArray:
-        return self._envs.ram()
-
-    def write(self, machine: int, index: int, byte: int) -> None:
-        self._envs.members[machine].set_ram(index, byte)
-
-
-class _Member:
-    single = True
-
-    def __init__(self, envs: AtariVectorEnv, index: int) -> None:
-        self._envs, self._index = envs, index
-        self.games: tuple[Game, ...] = (envs.games[index],)
+    def __init__(self, envs: AtariVectorEnv, numbers: list[int], single: bool) -> None:
+        self._envs, self._numbers, self.single = envs, np.array(numbers), single
+        self.games = tuple(envs.games[number] for number in numbers)
 
     def read(self) -> ByteArray:
-        return self._envs.ram(np.array([self._index]))
+        return self._envs.ram(self._numbers)
 
     def write(self, machine: int, index: int, byte: int) -> None:
-        self._envs.members[self._index].set_ram(index, byte)
+        self._envs.members[self._numbers[machine]].set_ram(index, byte)

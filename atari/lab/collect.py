@@ -14,15 +14,14 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias, get_args
 
 import cv2
-import gymnasium
 import numpy as np
 import numpy.typing as npt
 
 from atari.lab.labels import Labels
 from atari.recording.datasets import NO_STEPS, check_new_dataset, import_minari, write_minari
-from atari.recording.episodes import EpisodeArrays, Source, load_replays, replayed_episodes
+from atari.recording.episodes import EpisodeArrays, Source, facts_of_replays, load_replays, replayed_episodes
 from atari.recording.replay.replay import Replay
-from atari.validation import check_name
+from atari.validation import check_name, import_extra
 
 Format = Literal["minari", "parquet", "hdf5"]
 
@@ -67,7 +66,8 @@ def write_dataset(
         core: the core to play the replays on.
         first_episode: the number of the first episode, in Parquet and HDF5.
         facts: of JSON's types. The attributes of an HDF5 file, and the metadata of a Parquet file and of a Minari
-            dataset, have them as JSON. `atari collect` writes the `task` that was played, as the object of
+            dataset, have them as JSON, beside the replays' own: `task`, `core_seeds` and `package`, see
+            `atari.recording.Replay.facts`. `atari collect` writes the task with all fields, as the object of
             `Task.to_json`, the `policy`, and the `seeds` of the episodes.
         progress: called with the number of steps of each episode that was written.
 
@@ -99,15 +99,16 @@ def write_dataset(
     module = import_format(format)
     loaded = load_replays(replays)
     named = Labels(loaded[0].game, labels)
+    said = {**facts_of_replays(loaded), **(facts or {})}
     tally = _Tally(replayed_episodes(loaded, "dict", core, frames), named, progress)
     if format == "minari":
         infos = (replace(episode, infos={**episode.infos, **values}) for episode, values in tally)
         written = write_minari(infos, os.fspath(output), loaded[0], "dict", core=core, image=frames, metadata={})
-        written.storage.update_metadata(_as_json(facts or {}))
+        written.storage.update_metadata(_as_json(said))
     else:
         write = _write_parquet if format == "parquet" else _write_hdf5
         with _new_file(Path(output)) as file:
-            write(module, file, _facts(loaded[0], named.names, facts or {}), tally, first_episode)
+            write(module, file, _facts(loaded[0], named.names, said), tally, first_episode)
             if not tally.scores:
                 raise ValueError(NO_STEPS)
     return {
@@ -164,13 +165,8 @@ def import_format(format: Format) -> Any:
     if format == "minari":
         return import_minari()
     name = {"parquet": "pyarrow.parquet", "hdf5": "h5py"}[format]
-    try:
-        return import_module(name)
-    except ImportError:
-        package = name.partition(".")[0]
-        raise gymnasium.error.DependencyNotInstalled(
-            f"a data set in the format {format} needs {package}: pip install {package}"
-        ) from None
+    package = name.partition(".")[0]
+    return import_extra(name, f"a data set in the format {format} needs {package}: pip install {package}")
 
 
 Values: TypeAlias = dict[str, dict[str, npt.NDArray[Any]]]

@@ -17,7 +17,6 @@ class Agent(ABC):
     Attributes:
         options_class: class of the options.
         fast: options found by measurement, for pixels, as `options_class.of` takes them.
-        fast_ram: the same for RAM, which replace those of the same name.
         sample: whether the policy draws its actions; otherwise it takes the one with the highest score.
         steps: agent steps so far, of all environments together.
         network: the weights; its method `scores` rates the actions.
@@ -30,7 +29,6 @@ class Agent(ABC):
 
     options_class: ClassVar[type[TrainingOptions]]
     fast: ClassVar[Mapping[str, Any]]
-    fast_ram: ClassVar[Mapping[str, Any]]
     sample: ClassVar[bool] = False
 
     steps: int

@@ -1,7 +1,6 @@
 """The command line of trainings: `atari train`, and each agent's script."""
 
 import argparse
-import json
 import math
 import sys
 from collections.abc import Sequence
@@ -15,12 +14,12 @@ from tqdm import tqdm
 
 from atari._interrupt import ctrl_c_as_event
 from atari.learning.agents import find_agent
-from atari.learning.options import TrainingOptions, parse
+from atari.learning.options import FAST_RAM, TrainingOptions, parse
 from atari.learning.run import RunFolder
 from atari.learning.training import Training
-from atari.task.arguments import add_flags, descriptions, given_options
+from atari.task import Task
+from atari.task.arguments import add_former, add_task, descriptions, game_of, given_options, show_task, task_of
 from atari.task.description import summary
-from atari.task.resolution import resolve_for_agent
 
 _ALONE = (
     "players",
@@ -41,19 +40,19 @@ def train(agent: str, argv: Sequence[str], prog: str, as_json: bool = False) -> 
     """
     found = find_agent(agent)
     parser = _parser(found, prog)
+    parser.set_defaults(json=as_json)
     args = parser.parse_args(argv)
     try:
         options = _options(found, args)
         if args.print_task:
-            print(json.dumps(json.loads(options.task.to_json()), indent=2) if as_json else options.task)
+            show_task(args, options.task)
             return None
         kind = "ram" if options.from_ram else "pixels"
         folder = args.run or _new_folder(f"{options.task.game}-{agent}-{kind}-seed{options.seed}")
         training = Training.begin(agent, options, folder)
     except (TypeError, ValueError, FileNotFoundError, FileExistsError, gymnasium.error.NameNotFound) as error:
         parser.error(str(error))
-    if not as_json:
-        print(summary(options.task), flush=True)
+    show_task(args, options.task)
     _run(training)
     return folder
 
@@ -64,15 +63,15 @@ def _options(agent: Any, args: argparse.Namespace) -> Any:
     Raises:
         TypeError, ValueError, gymnasium.error.NameNotFound: as `TrainingOptions.of`.
     """
-    game = Path(args.game).absolute() if args.game.endswith(".toml") else args.game
-    kind, of_task = agent.options_class, given_options(args)
+    game, kind, of_task = game_of(args.game), agent.options_class, given_options(args)
     names = {field.name for field in fields(kind)}
     own = {name: value for name, value in vars(args).items() if name in names}
     measured: dict[str, Any] = {}
     if args.fast:
-        preset = args.preset or agent.fast["preset"]
-        ram = resolve_for_agent(game, preset, of_task, owner=kind.__name__).obs_type == "ram"
-        measured = {**agent.fast, **(agent.fast_ram if ram else {})}
+        if isinstance(game, Task):
+            raise ValueError(f"--fast changes what is played, and {args.game} says it; leave one of them out")
+        ram = task_of(args, agent=True, default=agent.fast["preset"]).obs_type == "ram"
+        measured = {**agent.fast, **(FAST_RAM if ram else {})}
     named = {} if args.preset is None else {"preset": args.preset}
     return kind.of(game, **{**measured, **named, **of_task, **own})
 
@@ -127,13 +126,13 @@ def _parser(agent: Any, prog: str) -> argparse.ArgumentParser:
     parser.add_argument(
         "game",
         metavar="GAME",
-        help="a game, such as pong; an ID, which decides sticky actions, actions, and RAM or images; or a game file. "
+        help="a game, such as pong; an ID, which decides sticky actions, actions, and RAM or images; a game file; or a "
+        "task (.json), which is played as it is. "
         f"All else is as preset {kind.default_preset} has it, with clipped rewards, unless --preset or --fast name "
         "another one",
     )
     parser.add_argument("-o", "--run", type=Path, metavar="RUN", help="the new run folder (default: in runs/)")
     parser.add_argument("--fast", action="store_true", help="use the options of the list below, found by measurement")
-    parser.add_argument("--print-task", action="store_true", help="print what would be played, and end")
     texts = descriptions(kind)
     for field in fields(kind):
         if field.name != "task":
@@ -142,9 +141,8 @@ def _parser(agent: Any, prog: str) -> argparse.ArgumentParser:
             text = f"{texts[field.name]}{default}".replace("%", "%%")
             type_ = _option_type(kind, field.name)
             parser.add_argument(flag, type=type_, default=argparse.SUPPRESS, metavar="X", help=text)
-    add_flags(parser, leave_out=_ALONE)
-    for flag, new in _OLD_FLAGS.items():
-        parser.add_argument(flag, nargs="?", action=_Gone, const=new, default=argparse.SUPPRESS, help=argparse.SUPPRESS)
+    add_task(parser, leave_out=_ALONE)
+    add_former(parser, _OLD_FLAGS)
     parser.epilog = "--fast: " + ", ".join(f"{name} {_shown(value)}" for name, value in agent.fast.items())
     return parser
 
@@ -158,14 +156,6 @@ _OLD_FLAGS = {
     "--ram-padding": "it is --padding, as in `{prog} GAME --padding reset`",
 }
 """Flags of earlier releases, and the new calls."""
-
-
-class _Gone(argparse.Action):
-    """A flag of earlier releases, which is an error that shows the new call."""
-
-    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
-        text = str(self.const).replace("{prog}", parser.prog)
-        parser.error(f"there is no option {self.option_strings[0]} any more: {text}")
 
 
 def _option_type(options: type[TrainingOptions], name: str) -> Any:

@@ -8,7 +8,6 @@ import numpy as np
 import numpy.typing as npt
 
 from atari.learning.options import TrainingOptions
-from atari.task import Task
 from atari.vector import AtariVectorEnv
 
 ByteArray = npt.NDArray[np.uint8]
@@ -29,7 +28,7 @@ class TrainingEnvironments:
     """
 
     def __init__(self, options: TrainingOptions, num_envs: int, num_threads: int = 1, stacked: bool = True) -> None:
-        played, self._indices = whole_actions(options.task)
+        played = options.task
         if not stacked:
             played = played.replace(stack_num=None if options.from_ram else 1)
         self._envs = AtariVectorEnv(played, num_envs, autoreset_mode="SameStep", num_threads=num_threads)
@@ -50,7 +49,7 @@ class TrainingEnvironments:
         self, actions: npt.NDArray[np.int64], out: Any = None
     ) -> tuple[ByteArray, Any, Any, Any, Mapping[str, Any]]:
         """Play one step; rewards are clipped. See `AtariVectorEnv.step`."""
-        results = self._envs.step(self._indices[actions], out=out)
+        results = self._envs.step(actions, out=out)
         self._count_games(results[4].get("final_info", {}))
         return results
 
@@ -77,16 +76,3 @@ class TrainingEnvironments:
     def close(self) -> None:
         """Close the environments."""
         self._envs.close()
-
-
-def whole_actions(task: Task) -> tuple[Task, npt.NDArray[np.int64]]:
-    """A task with all actions that its game uses, or all legal ones, and the index of each of its own among them.
-
-    An episode may begin with FIRE and the action after it, which are the game's, whether the agent has them or not.
-    """
-    own = task.action_set
-    if isinstance(task.actions, str):
-        return task, np.arange(len(own))
-    minimal = set(own) <= set(task.definition.minimal_actions)
-    whole = task.replace(actions="minimal" if minimal else "full")
-    return whole, np.array([whole.action_set.index(action) for action in own])

@@ -1,7 +1,7 @@
 """`FrameAgent`: a policy that plays a core frame by frame, as programs that show every frame need it."""
 
 from collections.abc import Generator, Iterator
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from gymnasium.utils import seeding
@@ -9,15 +9,11 @@ from gymnasium.utils import seeding
 from atari.actions import Action
 from atari.cores import Core
 from atari.games.game import Game
-from atari.learning.environments import whole_actions
 from atari.learning.needs import Needs, composed, needs_of
 from atari.learning.policies import load_policy
-from atari.learning.policy import Policy
-from atari.observations import FrameObservations
+from atari.observations import Frame, FrameObservations
 from atari.task import Task
 from atari.task.fields import GROUPS
-
-_LANE = np.zeros(1, np.int64)
 
 Start = Literal["game", "life", "middle"]
 """How an episode begins: at the start of a game, after a lost life, or anywhere in a game."""
@@ -34,18 +30,21 @@ class FrameAgent:
     "baselines".
 
     Args:
-        policy: as of `load_policy`, or a policy.
+        policy: as of `load_policy`.
         seed: of no-ops, random frame skips, and policies that draw numbers, 0..2**32-1.
 
     Raises:
         TypeError, ValueError, FileNotFoundError, gymnasium.error.DependencyNotInstalled: see `load_policy`.
     """
 
-    def __init__(self, policy: "str | Policy", seed: int = 0) -> None:
-        self._policy = load_policy(policy) if isinstance(policy, str) else policy
+    _players = 1
+
+    def __init__(self, policy: Any, seed: int = 0) -> None:
+        self._policy = load_policy(policy)
         self._seed = seed
-        self.name: str = getattr(self._policy, "name", "") or str(policy)
+        self.name = self._policy.name
         self.game: str | None = getattr(self._policy, "game", None)
+        self._lanes = np.zeros(1, np.int64)
         self._frames: Iterator[int] = iter(())
 
     def task_in(self, game: Game) -> Task:
@@ -57,37 +56,47 @@ class FrameAgent:
         return self._task_of(needs_of(self._policy, game), game)
 
     def _task_of(self, needs: Needs, game: Game) -> Task:
-        task = needs.task or Task.of(game, preset="baselines")
-        if task.players > 1:
-            raise ValueError(f"{self.name} is for players={task.players}, and an agent plays alone; leave players out")
+        task = needs.task or self._unsaid(game)
         if task.continuous:
             raise ValueError(f"{self.name} has continuous=True, and an agent chooses one of the actions; leave it out")
+        if task.players not in (1, self._players):
+            raise ValueError(
+                f"{self.name} has players={task.players}, and the game is played by {self._players}; give a policy "
+                f"whose task has players={self._players}"
+            )
         if task.definition == game:
             return task
         groups = ("play", "begin", "lives", "limits", "observation")  # of a policy of another game
         fields = {name: getattr(task, name) for group in groups for name in GROUPS[group] if name != "interventions"}
-        return composed(Task.of(game), **fields)
+        return composed(self._unsaid(game), **fields)
 
-    def begin(self, core: Core) -> None:
+    def _unsaid(self, game: Game) -> Task:
+        """The task of a policy that does not say what it needs."""
+        return Task.of(game, preset="baselines")
+
+    def begin(self, core: Core, seed: int | None = None) -> None:
         """Begin a game, or go on from another state of it: the first observation fills the stack.
+
+        Args:
+            core: that is played.
+            seed: instead of the agent's.
 
         Raises:
             ValueError: as `task_in`.
         """
+        seed = self._seed if seed is None else seed
         needs = needs_of(self._policy, core.game)
         self._task = self._task_of(needs, core.game)
         self._seen = FrameObservations(self._task, needs.layout(self._task))
         names = tuple(action.name for action in self._task.action_set)
         self._actions = [int(Action[name]) for name in names]
-        every = whole_actions(self._task)[0].action_set
+        every = self._task.begin_actions
         fires = self._task.fire != "never" and Action.FIRE in every
         self._fire = [int(Action.FIRE), *([int(every[2])] if self._task.third_action else [])] if fires else []
         self._fire_counts = self._task.fire_counts and Action.FIRE in every
-        first = int(np.random.SeedSequence(self._seed).generate_state(2)[0])  # as `AtariEnv.reset` makes it of a seed
+        first = int(np.random.SeedSequence(seed).generate_state(2)[0])  # as `AtariEnv.reset` makes it of a seed
         self._random, _ = seeding.np_random(first)
-        begin = getattr(self._policy, "begin", None)
-        if begin is not None:
-            begin(core.game.id, names, _LANE, np.array([self._seed], np.int64))
+        self._policy.begin(core.game.id, names, self._lanes, np.array([seed], np.int64))
         self._core, self._lives = core, core.lives
         self._frames = self._play("game" if core.episode_frame_number == 0 else "middle")
 
@@ -103,9 +112,8 @@ class FrameAgent:
             lost = False
             while not lost:
                 lost = yield from self._skip(self._choose())
-            begin = getattr(self._policy, "begin_episodes", None)
-            if begin is not None and not self._task.seamless_lives:
-                begin(_LANE)
+            if not self._task.seamless_lives:
+                self._policy.begin_episodes(self._lanes)
             start = "middle" if self._task.on_reset == "new_game" else "life"
 
     def _begin_episode(self, start: Start) -> Iterator[int]:
@@ -122,7 +130,7 @@ class FrameAgent:
         if start == "life" and (not lives_in_skip or self._core.frame_number == before):
             self._seen.repeat(fill)
         else:
-            self._seen.begin(self._core, fill)
+            self._seen.begin(self._frame(), fill)
         if task.fire_unit == "skip" and self._fire:
             for action in self._fire:
                 yield from self._skip(action)
@@ -145,11 +153,15 @@ class FrameAgent:
             over = self._core.game_over or self._core.truncated
             lost = (task.lives_unit == "frame" and self._life_lost()) or lost
             ended = over or (lost and not task.seamless_lives)
-            self._seen.frame_played(self._core, left, ended)
-        self._seen.skip_ended(self._core, left, ended)
+            self._seen.frame_played(self._frame(), left, ended)
+        self._seen.skip_ended(self._frame(), left, ended)
         if task.lives_unit == "skip":
             lost = self._life_lost()
         return lost and not over
+
+    def _frame(self) -> Frame:
+        """The present frame."""
+        return self._core
 
     def _life_lost(self) -> bool:
         """Whether a life that counts was lost since the last call."""
@@ -159,9 +171,5 @@ class FrameAgent:
     def _choose(self) -> int:
         """The policy's action."""
         self._seen.see_ram(self._core.ram())
-        chosen = np.asarray(self._policy(self._seen.observation(), _LANE))
-        if chosen.shape != (1,) or chosen.dtype.kind not in "iu" or not 0 <= chosen[0] < len(self._actions):
-            raise ValueError(
-                f"{self.name} must return one of {len(self._actions)} actions, (1,) integers, got {chosen!r}"
-            )
-        return self._actions[int(chosen[0])]
+        (chosen,) = self._policy(self._seen.observation(), self._lanes)
+        return self._actions[int(chosen)]

@@ -7,7 +7,7 @@ from inspect import signature
 from typing import Any
 
 from atari.games.game import Game
-from atari.learning.named_actions import resolve_with_names
+from atari.games.players import rules_of
 from atari.task import Task
 from atari.task.resolution import ALIASES, OPTIONS
 from atari.task.rules import settle
@@ -16,7 +16,7 @@ from atari.validation import check_known
 from atari.vector import AtariVectorEnv
 from atari.vector.ale_names import NAMES
 from atari.vector.layout import Layout
-from atari.vector.options import VectorOptions
+from atari.vector.options import resolve_one
 
 _LAYOUT = ("channels_last", "dtype", "rom")
 """Options of a policy that are not of a task."""
@@ -54,22 +54,24 @@ def needs_of(policy: Any, game: Game) -> Needs:
     Raises:
         ValueError: an option is wrong, or is not a policy's.
     """
-    task = getattr(policy, "task", None)
     environment = getattr(policy, "environment", None)
     try:
         options = _checked({} if environment is None else environment)
         layout = {name: options.pop(name) for name in _LAYOUT if name in options}
         stored = options.pop("task", None)
-        task = _task(stored) if task is None else _task(task)
+        task = _task(getattr(policy, "task", None) or stored)
         if task is not None and options:
             raise ValueError(f"it has a task, which decides {', '.join(options)}, too; leave them out")
         if task is None and environment:
-            task = _resolved(game, options)
+            if not game.single_player:
+                options.setdefault("players", min(rules_of(game).modes))
+            task = resolve_one(game, options.pop("preset", None), options)  # as `AtariVectorEnv` does
+        needs = Needs(task, layout)
         if task is not None:
-            Layout.check(task, layout.get("channels_last", False), layout.get("dtype", "uint8"))
+            needs.layout(task)
     except (TypeError, ValueError) as error:
         raise ValueError(f"the environment of the policy: {error}") from error
-    return Needs(task, layout)
+    return needs
 
 
 def _checked(environment: Any) -> dict[str, Any]:
@@ -98,20 +100,12 @@ def _task(task: Any) -> Task | None:
     raise TypeError(f"task must be an atari.Task, got {task!r}")
 
 
-def _resolved(game: Game, options: dict[str, Any]) -> Task:
-    """The task of options by the names of `AtariVectorEnv`."""
-    preset = options.pop("preset", None)
-    given = {"rom": None, "channels_last": False, "dtype": "uint8", "render_mode": None, "autoreset_mode": "Disabled"}
-    threads = {"batch_size": 0, "num_threads": 1, "thread_affinity_offset": -1}
-    return resolve_with_names(lambda own: VectorOptions.check(game, 1, preset, own, **given, **threads).task, options)
-
-
 def composed(game: Task, **fields: Any) -> Task:
-    """A task of another task's game, mode, difficulty and interventions, with these fields.
+    """A task of another task's game, mode, difficulty, players and interventions, with these fields.
 
     Fields that have no effect beside the others take their defaults.
     """
-    kept = ("rules", "rom_md5", "mode", "difficulty", "interventions")
+    kept = ("rules", "rom_md5", "mode", "difficulty", "players", "interventions")
     every = {**DEFAULTS, **{name: getattr(game, name) for name in kept}, **fields, "game": game.definition}
     settle(every, DEFAULTS, given=())
     return Task(**every)

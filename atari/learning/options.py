@@ -11,13 +11,36 @@ from typing import Any, ClassVar, Literal, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from atari.learning.named_actions import resolve_with_names
 from atari.task import Task
 from atari.task.resolution import ALIASES, OPTIONS, GameLike, resolve_for_agent
 from atari.validation import check_integer, check_known
 
 SEEDS = 2**32
 """Seeds are below it."""
+
+FAST_PIXELS: Mapping[str, Any] = {
+    "total_steps": 2_000_000,
+    "num_envs": 64,
+    "preset": "envpool",
+    "episodic_life": True,
+    "img_height": 42,
+    "img_width": 42,
+    "network": "small",
+    "normalize": True,
+    "bfloat16": True,
+    "workers": 2,
+}
+"""Options for pixels that all agents have in common, found by measurement on two cores; see docs/learning.md."""
+
+FAST_RAM: Mapping[str, Any] = {
+    "obs_type": "ram",
+    "img_height": None,
+    "img_width": None,
+    "network": "bits",
+    "stack_num": 2,
+    "padding": "reset",
+}
+"""Options for RAM, which replace those of the same name."""
 
 _Options = TypeVar("_Options", bound="TrainingOptions")
 
@@ -112,13 +135,13 @@ class TrainingOptions:
         resolve = partial(resolve_for_agent, game, preset, default=cls.default_preset, owner=cls.__name__)
         rest = {name: value for name, value in options.items() if name in own}
         unstacked = {name: value for name, value in given.items() if name not in ("stack_num", "padding")}
-        if resolve_with_names(resolve, unstacked).obs_type == "ram":
+        if resolve(unstacked).obs_type == "ram":
             rest.setdefault("network", "mlp")
             if not (isinstance(game, Task) and preset is None):
                 given.setdefault("stack_num", 4)
                 if given["stack_num"] is not None:
                     given.setdefault("padding", cls.ram_padding)
-        return cls(task=resolve_with_names(resolve, given), **rest)
+        return cls(task=resolve(given), **rest)
 
     def __post_init__(self) -> None:
         if not isinstance(self.task, Task):

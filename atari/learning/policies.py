@@ -1,4 +1,4 @@
-"""`load_policy`: a policy of a run folder, a file or the name of a function.
+"""`load_policy`: a policy of a run folder, a file, the name of a function, or an object.
 
 Files are models of Stable-Baselines3, TorchScript and ONNX. Each format needs its package.
 """
@@ -11,20 +11,19 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-import gymnasium
 import numpy as np
 import numpy.typing as npt
 
-from atari.learning.policy import Array, Policy, ScoresPolicy, as_policy
-from atari.validation import check_file
+from atari.learning.policy import Array, LoadedPolicy, Policy, ScoresPolicy, is_network, makes_policy, show, takes_lanes
+from atari.validation import check_file, import_extra
 
-__all__ = ["Policy", "ScoresPolicy", "load_policy"]
+__all__ = ["LoadedPolicy", "Policy", "ScoresPolicy", "load_policy"]
 
 _SB3_VERSION = "_stable_baselines3_version"
 
 
-def load_policy(source: str | Path, *, sample: bool = False) -> Policy:
-    """Load a policy.
+def load_policy(source: Any, *, sample: bool = False) -> LoadedPolicy:
+    """Load a policy. All functions and commands that take a policy take what this function takes.
 
     SB3 zips, TorchScript files and functions are programs: load them only from authors whom you trust (see
     docs/trust.md).
@@ -36,17 +35,23 @@ def load_policy(source: str | Path, *, sample: bool = False) -> Policy:
             - a run folder of `atari train`;
             - a model that Stable-Baselines3 has saved (.zip): PPO, A2C, DQN, QR-DQN (with sb3-contrib). It gets the
               images of preset "baselines", or RAM, as its observation space says;
-            - a TorchScript file. It is called with uint8 observations, and returns scores (n, actions), floats, or
-              actions (n,), integers. An extra file "environment.json" in it, if there is one, is the policy's
+            - a TorchScript file. An extra file "environment.json" in it, if there is one, is the policy's
               `environment`;
-            - an ONNX file (.onnx), called likewise. The metadata "environment", JSON, is the policy's `environment`;
-              without it, the shape of its input says which images it needs;
-            - "module:name", a function, an object or a class that is a `Policy`; a module in this folder is found.
-        sample: draw actions with the probabilities that a stochastic policy gives, instead of the most probable one.
+            - an ONNX file (.onnx). The metadata "environment", JSON, is the policy's `environment`; without it, the
+              shape of its input says which images it needs;
+            - "module:name", which is one of the following; a module in this folder is found;
+            - a `torch.nn.Module`, which may have the attributes of a `Policy`;
+            - a `Policy`, or a function of observations alone;
+            - a class of these that is made without arguments, or a function without parameters that returns one.
+
+            Networks are called in their evaluation mode with uint8 observations (n, ...), and return scores
+            (n, actions), floats, or actions (n,), integers.
+        sample: draw actions with the probabilities softmax(scores) of a network, instead of the most probable one.
 
     Raises:
         FileNotFoundError: there is no such file or folder.
-        ValueError: it is none of these, or it is damaged.
+        TypeError: the object is no policy.
+        ValueError: it is none of these, or it is damaged; or `sample` is for a policy without probabilities.
         gymnasium.error.DependencyNotInstalled: a package is needed that is not installed; the text names it.
 
     Example:
@@ -55,15 +60,51 @@ def load_policy(source: str | Path, *, sample: bool = False) -> Policy:
         >>> evaluate(policy, "pong", "dopamine", episodes=1).policy
         'random'
     """
-    text = str(source)
+    if not isinstance(source, (str, Path)):
+        return source if isinstance(source, LoadedPolicy) and not sample else LoadedPolicy(_of_object(source, sample))
+    text, path = str(source), Path(source)
     if text in ("random", "noop"):
-        return _Random() if text == "random" else _Noop()
-    path = Path(source)
+        return LoadedPolicy(_of_object(_Random if text == "random" else _Noop, sample))
     if path.is_dir():
-        return _run_folder(path, sample)
+        return LoadedPolicy(_run_folder(path, sample))
     if isinstance(source, str) and ":" in text and not path.exists():
-        return _function(text)
-    return _file(path, sample)
+        try:
+            return LoadedPolicy(_of_object(import_named(text, f"policy {text}"), sample))
+        except TypeError as error:
+            raise ValueError(f"policy {text} cannot be used: {error}") from error
+    return LoadedPolicy(_file(path, sample))
+
+
+def import_named(name: str, owner: str) -> Any:
+    """The object of a name "module:name"; modules of the current folder are found, too.
+
+    Raises:
+        ValueError: there is none; `owner` is what the error is about.
+    """
+    module, _, attribute = name.partition(":")
+    sys.path.insert(0, "")  # modules of this folder, as with `python -m`
+    try:
+        return getattr(import_module(module), attribute)
+    except (ImportError, AttributeError, ValueError) as error:
+        raise ValueError(f"{owner} cannot be imported: {error}") from error
+    finally:
+        sys.path.remove("")
+
+
+def _of_object(source: Any, sample: bool) -> Policy:
+    """The policy of an object, or of what a class or a function without parameters makes."""
+    if makes_policy(source):
+        try:
+            source = source()
+        except TypeError as error:
+            raise TypeError(f"{source.__name__} cannot be made without arguments, give an instance: {error}") from error
+    if is_network(source) and not takes_lanes(source):
+        return _network(source, type(source).__name__, sample)
+    if sample:
+        name = getattr(source, "name", source)
+        raise ValueError(f"sample=True draws actions with the probabilities of a network, and {name} has none")
+    found: Policy = source
+    return found
 
 
 def _run_folder(folder: Path, sample: bool) -> Policy:
@@ -76,37 +117,15 @@ def _run_folder(folder: Path, sample: bool) -> Policy:
     return run_policy(folder, sample)
 
 
-def _function(name: str) -> Policy:
-    module, _, attribute = name.partition(":")
-    sys.path.insert(0, "")  # modules of this folder, as with `python -m`
-    try:
-        found = getattr(import_module(module), attribute)
-    except (ImportError, AttributeError, ValueError) as error:
-        raise ValueError(f"policy {name} cannot be imported: {error}") from error
-    finally:
-        sys.path.remove("")
-    try:
-        return as_policy(found() if isinstance(found, type) else found)
-    except TypeError as error:
-        raise ValueError(f"policy {name} cannot be used: {error}") from error
-
-
-class _Random:
+class _Random(ScoresPolicy):
     """Uniformly random actions."""
 
-    name = "random"
-
     def __init__(self) -> None:
-        self._count = 0
-        self._generators: dict[int, np.random.Generator] = {}
-
-    def begin(self, game: str, actions: Sequence[str], lanes: npt.NDArray[np.int64], seeds: Array) -> None:
-        self._count = len(actions)
-        for lane, seed in zip(lanes.tolist(), seeds.tolist(), strict=True):
-            self._generators[lane] = np.random.default_rng(seed)
+        super().__init__(np.asarray, name="random")
 
     def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Array:
-        return np.array([self._generators[lane].integers(self._count) for lane in lanes.tolist()], np.int64)
+        count = len(self._begun[1]) if self._begun else 0
+        return np.array([self._generators[lane].integers(count) for lane in lanes.tolist()], np.int64)
 
 
 class _Noop:
@@ -154,10 +173,7 @@ def _file(file: Path, sample: bool) -> Policy:
 
 
 def _need(module: str, what: str, install: str) -> Any:
-    try:
-        return import_module(module)
-    except ImportError as error:
-        raise gymnasium.error.DependencyNotInstalled(f"{what} needs {module}: pip install {install}") from error
+    return import_extra(module, f"{what} needs {module}: pip install {install}")
 
 
 def _sb3(file: Path, facts: Mapping[str, Any], sample: bool) -> Policy:
@@ -183,9 +199,11 @@ def _sb3(file: Path, facts: Mapping[str, Any], sample: bool) -> Policy:
     except Exception as error:  # of many kinds: they are pickles
         raise ValueError(f"{file} cannot be loaded as a model of {name}: {error}") from error
     steps = facts.get("num_timesteps")
+    if sample and name not in ("PPO", "A2C"):
+        raise ValueError(f"{file} is a model of {name}, which has no probabilities of actions; leave sample=True out")
     return ScoresPolicy(
         scores,
-        sample=sample and name in ("PPO", "A2C"),
+        sample=sample,
         name=f"{name} ({file.name})",
         environment=_of_space(file, model.observation_space, actions),
         training_frames=4 * int(steps) if isinstance(steps, int) and steps > 0 else None,
@@ -247,23 +265,62 @@ def _torch_script(file: Path, sample: bool) -> Policy:
     torch = _need("torch", f"{file}, a TorchScript file,", "'atari-envs[learn]'")
     extra = {"environment.json": ""}
     try:
-        module = torch.jit.load(str(file), map_location="cpu", _extra_files=extra).eval()
+        module = torch.jit.load(str(file), map_location="cpu", _extra_files=extra)
     except RuntimeError as error:
-        raise ValueError(f"{file} is no TorchScript file, or damaged: {str(error).splitlines()[0]}") from error
+        raise ValueError(f"{file} is no TorchScript file, or damaged: {_first_line(error)}") from error
+    return _network(module, file.name, sample, environment=_environment(file, extra["environment.json"]))
+
+
+_OF_NETWORKS = ("name", "task", "environment", "game", "training_frames")
+"""Attributes of a policy that a network may have; `protocol` is another one."""
+
+
+def _network(module: Any, name: str, sample: bool, **facts: Any) -> ScoresPolicy:
+    """The policy of a network of PyTorch, which stays in its mode between calls."""
+    torch = import_module("torch")
+    own = {key: getattr(module, key) for key in _OF_NETWORKS if getattr(module, key, None) is not None}
+    facts = {"name": name, **own, **facts}
+    parameter = next(module.parameters(), None)
+
+    def tensors(observations: Any) -> Any:
+        if isinstance(observations, dict):
+            return {key: tensors(value) for key, value in observations.items()}
+        tensor = torch.from_numpy(observations)
+        return tensor if parameter is None else tensor.to(parameter.device)
 
     def scores(observations: Any) -> Any:
-        if isinstance(observations, dict):
-            observations = {key: torch.from_numpy(value) for key, value in observations.items()}
-        else:
-            observations = torch.from_numpy(observations)
-        with torch.no_grad():
-            returned = module(observations)
+        training = [part for part in module.modules() if part.training]
+        module.eval()
+        try:
+            with torch.no_grad():
+                returned = module(tensors(observations))
+        except RuntimeError as error:
+            raise _failed(facts["name"], observations, error) from error
+        finally:
+            for part in training:
+                part.training = True
         if not torch.is_tensor(returned):
-            raise ValueError(f"{file} must return one tensor, of scores or of actions, got {type(returned).__name__}")
-        return returned.numpy()
+            got = type(returned).__name__
+            raise ValueError(f"{facts['name']} must return one tensor, of scores or of actions, got {got}")
+        returned = returned.cpu()
+        return returned.float().numpy() if returned.is_floating_point() else returned.numpy()
 
-    environment = _environment(file, extra["environment.json"])
-    return ScoresPolicy(scores, sample=sample, name=file.name, environment=environment)
+    policy = ScoresPolicy(scores, sample=sample, **facts)
+    if getattr(module, "protocol", None) is not None:
+        policy.protocol = module.protocol  # type: ignore[attr-defined]
+    return policy
+
+
+def _failed(name: str, observations: Any, error: Exception) -> ValueError:
+    """The error of a network that does not take the observations."""
+    return ValueError(
+        f"{name} cannot be computed on observations {show(observations)}: {_first_line(error)}; a network takes "
+        "observations as its task or environment says, and divides them by 255 itself"
+    )
+
+
+def _first_line(error: Exception) -> str:
+    return str(error).strip().partition("\n")[0]
 
 
 def _onnx(file: Path, sample: bool) -> Policy:
@@ -280,7 +337,10 @@ def _onnx(file: Path, sample: bool) -> Policy:
         raise ValueError(f"{file} must take uint8 or float, takes {entry.type}")
 
     def scores(observations: Any) -> Any:
-        return session.run(None, {entry.name: np.ascontiguousarray(observations, dtype)})[0]
+        try:
+            return session.run(None, {entry.name: np.ascontiguousarray(observations, dtype)})[0]
+        except Exception as error:  # of classes that are not public
+            raise _failed(file.name, observations, error) from error
 
     stored = session.get_modelmeta().custom_metadata_map.get("environment", "")
     environment = _environment(file, stored) or _of_shape(entry.shape)

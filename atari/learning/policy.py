@@ -1,6 +1,7 @@
-"""`Policy`: what chooses actions; and policies made of a function that gives scores of actions."""
+"""`Policy`: a function that chooses actions, and how this package calls it; and policies of scores of actions."""
 
 import inspect
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol, runtime_checkable
 
@@ -34,6 +35,8 @@ class Policy(Protocol):
       `game` is the game's id, `actions` the names of all its actions in the order of indices, `lanes` (n,) int64,
       `seeds` (n,) int64. A policy that draws numbers or has a memory sets them up here for these lanes; then results
       do not depend on the number of lanes.
+    - `state()` and `restore(state)`: what its next actions depend on besides their arguments and the weights, such as
+      its generators, which can be pickled; and `load(weights)`. `atari.integrations.ray.RolloutActors` calls them.
     - `begin_episodes(lanes)`: called where the environment begins an episode in the same game, after a lost life, and a
       new stack of images.
 
@@ -46,44 +49,133 @@ class Policy(Protocol):
     """
 
     def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Any:
-        """Actions (n,), integers, for the observations (n, ...) uint8 of the environments `lanes` (n,) int64."""
+        """Actions (n,), integers, for the observations (n, ...) uint8 of the environments `lanes` (n,) int64.
+
+        Or (actions, extras), with a mapping of arrays (n, ...) that a `Rollout` has beside the actions.
+        """
 
 
-def as_policy(policy: Any) -> Policy:
-    """`policy`, or a policy of a function of observations alone.
+def show(observations: Any) -> str:
+    """The dtype and shape of observations, for errors."""
+    if isinstance(observations, Mapping):
+        return ", ".join(f"{key} {show(value)}" for key, value in observations.items())
+    return f"{observations.dtype} {tuple(observations.shape)}"
+
+
+class LoadedPolicy:
+    """A policy as all programs of this package call it: with a name, all methods, and checked actions.
+
+    Its other attributes are those of what it was made of.
+
+    Args:
+        policy: a function of observations and lanes, or of observations alone, with attributes as of `Policy`.
 
     Raises:
-        TypeError: it cannot be called with observations, nor with observations and lanes.
+        TypeError: it is no such function.
     """
-    found: Policy = policy
+
+    def __init__(self, policy: Any) -> None:
+        self._policy = policy
+        self._takes_lanes = takes_lanes(policy)
+        self._names: tuple[str, ...] | None = None
+        self._game = ""
+        named = getattr(policy, "name", "") or getattr(policy, "__qualname__", "") or type(policy).__name__
+        self.name = str(named)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):  # a copy that has no attributes yet, or a protocol of Python
+            raise AttributeError(name)
+        return getattr(self._policy, name)
+
+    def begin(self, game: str, actions: Sequence[str], lanes: npt.NDArray[np.int64], seeds: Array) -> None:
+        """Begin games in some lanes, see `Policy`."""
+        self._game, self._names = game, tuple(actions)
+        begin = getattr(self._policy, "begin", None)
+        if begin is not None:
+            begin(game, self._names, lanes, seeds)
+
+    def begin_episodes(self, lanes: npt.NDArray[np.int64]) -> None:
+        """Begin episodes that go on with the games of some lanes, see `Policy`."""
+        begin = getattr(self._policy, "begin_episodes", None)
+        if begin is not None:
+            begin(lanes)
+
+    def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+        """The actions (n,) for observations (n, ...) of some lanes.
+
+        Raises:
+            ValueError: the policy returns anything else.
+        """
+        actions, _ = self.choose(observations, lanes)
+        if actions.dtype.kind not in "iu" or actions.shape != (len(lanes),):
+            got = f"{actions!r:.60}" if actions.dtype.kind == "O" else f"{actions.dtype} {actions.shape}"
+            raise ValueError(
+                f"policy {self.name} must return integers of shape ({len(lanes)},), one for each observation, got "
+                f"{got}; wrap a function that returns scores in atari.learning.ScoresPolicy"
+            )
+        if self._names is not None and ((actions < 0) | (actions >= len(self._names))).any():
+            wrong = actions[(actions < 0) | (actions >= len(self._names))][0]
+            raise ValueError(
+                f"policy {self.name} returned action {wrong}; in {self._game} it has {len(self._names)} actions, "
+                f"0..{len(self._names) - 1} ({', '.join(self._names)})"
+            )
+        return actions.astype(np.int64)
+
+    def choose(self, observations: Any, lanes: npt.NDArray[np.int64]) -> tuple[Array, Mapping[str, Any]]:
+        """What the policy returns, unchecked: actions, and extras by name.
+
+        Raises:
+            ValueError: it returns no array.
+        """
+        returned = self._policy(observations, lanes) if self._takes_lanes else self._policy(observations)
+        extras: Mapping[str, Any] = {}
+        if isinstance(returned, tuple) and len(returned) == 2 and isinstance(returned[1], Mapping):
+            returned, extras = returned
+        try:
+            return np.asarray(returned), extras
+        except ValueError as error:
+            raise ValueError(
+                f"policy {self.name} must return actions, or (actions, extras) with a mapping of arrays, got "
+                f"{returned!r:.80}"
+            ) from error
+
+
+def is_network(policy: Any) -> bool:
+    """Whether it is a network of PyTorch, of which there is none before PyTorch is imported."""
+    torch = sys.modules.get("torch")
+    return torch is not None and isinstance(policy, torch.nn.Module)
+
+
+def makes_policy(source: Any) -> bool:
+    """Whether it is a class, or a function without parameters, which returns a policy."""
+    if isinstance(source, type) or not callable(source) or is_network(source):
+        return isinstance(source, type)
+    try:
+        return not inspect.signature(source).parameters
+    except (TypeError, ValueError):  # a builtin
+        return False
+
+
+def takes_lanes(policy: Any) -> bool:
+    """Whether a function takes observations and lanes, not observations alone.
+
+    Raises:
+        TypeError: it takes neither.
+    """
     if not callable(policy):
         raise TypeError(f"a policy is a function of observations and lanes, got {policy!r}")
     try:
-        signature = inspect.signature(policy)
-    except (TypeError, ValueError):  # a builtin
-        return found
+        signature = inspect.signature(policy.forward if is_network(policy) else policy)
+    except (TypeError, ValueError):  # a builtin, or a traced network
+        return not is_network(policy)
     # A second argument with a default is something else, unless its name is `lanes`.
     for count in (2, 1, 2)["lanes" not in signature.parameters :]:
         try:
             signature.bind(*[None] * count)
         except TypeError:
             continue
-        return found if count == 2 else _OfObservations(policy)
+        return count == 2
     raise TypeError(f"a policy takes (observations, lanes) or (observations), got {policy!r} with {signature}")
-
-
-class _OfObservations:
-    """A policy of a function that takes no lanes. It has those of a policy's attributes that the function has."""
-
-    def __init__(self, function: Callable[[Any], Any]) -> None:
-        self._function = function
-        self.name = getattr(function, "__qualname__", type(function).__name__)
-        for name in ("name", "task", "environment", "game", "protocol", "training_frames", "begin", "begin_episodes"):
-            if hasattr(function, name):
-                setattr(self, name, getattr(function, name))
-
-    def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Any:
-        return self._function(observations)
 
 
 class ScoresPolicy:
@@ -117,6 +209,7 @@ class ScoresPolicy:
         self._scores = scores
         self._sample = sample
         self._generators: dict[int, np.random.Generator] = {}
+        self._begun: tuple[str, tuple[str, ...]] | None = None
         self.name = name
         self.task = task
         self.environment = dict(environment or {})
@@ -125,14 +218,23 @@ class ScoresPolicy:
 
     def begin(self, game: str, actions: Sequence[str], lanes: npt.NDArray[np.int64], seeds: Array) -> None:
         """Set up the generators of some lanes."""
+        self._begun = game, tuple(actions)
         for lane, seed in zip(lanes.tolist(), seeds.tolist(), strict=True):
             self._generators[lane] = np.random.default_rng(seed)
+
+    def state(self) -> Any:
+        """The generators."""
+        return self._generators
+
+    def restore(self, state: Any) -> None:
+        """Continue with the generators of `state`."""
+        self._generators = state
 
     def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Array:
         """The actions (n,) for observations (n, ...) of some lanes.
 
         Raises:
-            ValueError: the function returns neither scores nor actions.
+            ValueError: the function returns neither scores nor actions, or scores of another number of actions.
         """
         scores = np.asarray(self._scores(observations))
         if scores.ndim == 1 and scores.dtype.kind in "iu":
@@ -144,6 +246,13 @@ class ScoresPolicy:
             )
         if np.isnan(scores).any():
             raise ValueError(f"{self.name or 'the policy'} returned a score that is no number (NaN)")
+        if self._begun is not None and scores.shape[1] != len(self._begun[1]):
+            game, names = self._begun
+            raise ValueError(
+                f"{self.name or 'the policy'} gives scores of {scores.shape[1]} actions, and in {game} it has "
+                f"{len(names)} ({', '.join(names)}); if it was trained with others, name them by index: "
+                "environment={'actions': [...]}, or a task"
+            )
         if self._sample:  # the highest of scores with Gumbel noise is a draw of softmax
             scores = scores + np.stack([self._generators[lane].gumbel(size=scores.shape[1]) for lane in lanes.tolist()])
         best: Array = scores.argmax(1)

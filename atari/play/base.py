@@ -1,5 +1,6 @@
 """`BaseSession`: what the sessions of one and of several players share: saved states, rewind points and videos."""
 
+import json
 from abc import ABC, abstractmethod
 from collections import deque
 from pathlib import Path
@@ -9,7 +10,16 @@ from atari.actions import Action
 from atari.cores import ByteArray, snapshot
 from atari.games.game import Game
 from atari.recording import VideoWriter, frame_rate
+from atari.recording.video.facts import PACKAGE
 from atari.validation import check_file
+
+BY_FRAME = {
+    "frameskip": 1,
+    "repeat_action_probability": 0.0,
+    "actions": "full",
+    "max_num_frames_per_episode": None,
+}
+"""How a game is played of which only the name is given: frame by frame, with all legal actions, none of them sticky."""
 
 FRAMES_PER_REWIND_POINT = 20
 """Frames from one rewind point to the next."""
@@ -27,6 +37,8 @@ class BaseSession(ABC):
         scale: a pixel becomes `2 * scale` x `scale` pixels of a video.
     """
 
+    humans: tuple[int, ...] = (0,)
+    """The players that are no policies; 0 is the first."""
     _saved_as: ClassVar[str]
     _blob: ClassVar[str]
 
@@ -35,6 +47,7 @@ class BaseSession(ABC):
         self._state, self._videos, self._scale = state, videos, scale
         self._rewind_points: deque[tuple[bytes, list[int]]] = deque(maxlen=_MAX_REWIND_POINTS)
         self._video: VideoWriter | None = None
+        self._next_point = 0  # in frames
         self.frames = 0
         """Frames played, including rewound ones."""
         self.scores = [0] * players
@@ -67,6 +80,11 @@ class BaseSession(ABC):
     def title(self) -> str:
         """The game and the scores, for the window's title."""
 
+    @property
+    def _facts(self) -> dict[str, Any]:
+        """What a video says about itself, see `video_facts`."""
+        return {"game": self.game.id, "players": len(self.scores), "package": PACKAGE}
+
     @abstractmethod
     def _step(self, actions: tuple[Action, ...]) -> list[int]:
         """Play a frame with an action of each human player, and return the reward of each player."""
@@ -82,6 +100,11 @@ class BaseSession(ABC):
     def _reset(self) -> None: ...
 
     @property
+    def _between_steps(self) -> bool:
+        """Whether the next frame is the first of a step."""
+        return True
+
+    @property
     def recording(self) -> bool:
         """Whether a video is being written."""
         return self._video is not None
@@ -94,7 +117,8 @@ class BaseSession(ABC):
         """
         if self.over:
             return
-        if self.frames % FRAMES_PER_REWIND_POINT == 0:
+        if self.frames >= self._next_point and self._between_steps:
+            self._next_point = self.frames + FRAMES_PER_REWIND_POINT
             self._rewind_points.append((self._snapshot(), self.scores))
         rewards = self._step(actions)
         self.frames += 1
@@ -166,7 +190,9 @@ class BaseSession(ABC):
         while (path := self._videos / f"{self.game.id}-{number}.mp4").exists():
             number += 1
         rate = frame_rate(self.game)
-        self._video = VideoWriter(path, self.game.screen.shape, rate, scale=self._scale, sound=True)
+        comment = json.dumps(self._facts)
+        size = self.game.screen.shape
+        self._video = VideoWriter(path, size, rate, scale=self._scale, sound=True, comment=comment)
         self.video_files.append(path)
         return path
 

@@ -80,8 +80,6 @@ class Controls:
         keys: the player's keys.
     """
 
-    help = HELP
-
     def __init__(self, pygame: Any, keys: Keys = ALL_KEYS) -> None:
         self._pygame = pygame
         directions = ("up", "down", "left", "right", "fire")
@@ -112,15 +110,6 @@ class Controls:
             self._held.clear()  # no event comes for keys released in another window
         return None
 
-    def add_gamepad(self, gamepad: int) -> str:
-        """Do nothing: every gamepad is the player's; a message for the player."""
-        return ""
-
-    @property
-    def note(self) -> str:
-        """A message about players without controls: none."""
-        return ""
-
     @property
     def rewinding(self) -> bool:
         """Whether the rewind key is held."""
@@ -137,10 +126,6 @@ class Controls:
         allowed = tuple(legal)
         return next((_ACTIONS[motion] for motion in wanted if _ACTIONS[motion] in allowed), allowed[0])
 
-    def actions(self, legal: Iterable[Action]) -> list[Action]:
-        """The action of the one player, as `action`."""
-        return [self.action(legal)]
-
     def release(self) -> None:
         """Hold nothing any more."""
         self._held.clear()
@@ -152,7 +137,7 @@ class Controls:
 
 
 class SharedControls(Controls):
-    """The controls of several players: two at the keyboard, and a gamepad for each.
+    """The controls of one or several players: two at the keyboard, and a gamepad for each.
 
     Gamepads go to the players in the order in which they are found, first to players without keys. If a gamepad is
     removed, its player gets the next one. Without a free player, a gamepad does nothing.
@@ -162,15 +147,12 @@ class SharedControls(Controls):
         players: the numbers of the players that are no policies, from 1; a single one has all keys and all gamepads.
     """
 
-    help = HELP_SEVERAL
-
     def __init__(self, pygame: Any, players: Sequence[int]) -> None:
         super().__init__(pygame, NO_KEYS)
         layouts = [ALL_KEYS] if len(players) == 1 else [LEFT_KEYS, RIGHT_KEYS, NO_KEYS, NO_KEYS]
         self._seats = {player: Controls(pygame, keys) for player, keys in zip(players, layouts, strict=False)}
         self._gamepads: dict[int, int] = {}  # the player of each gamepad
-        if len(players) == 1:
-            self.help = HELP
+        self.help = HELP if len(players) == 1 else HELP_SEVERAL
 
     def handle(self, event: Any) -> Command | None:
         """Pass an event to the player whose gamepad it is of, or to all players, and return the event's command."""

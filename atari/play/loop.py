@@ -7,8 +7,7 @@ from typing import Any
 import gymnasium
 
 from atari.play.base import BaseSession
-from atari.play.controls import Command, Controls, SharedControls
-from atari.play.multiplayer_session import MultiplayerSession
+from atari.play.controls import Command, SharedControls
 from atari.play.speaker import Speaker
 from atari.play.window import GameWindow, start_pygame
 from atari.recording import frame_rate
@@ -66,7 +65,7 @@ class Loop:
 
     def __init__(self, pygame: Any, session: BaseSession, window: GameWindow, speaker: Speaker | None) -> None:
         self._pygame, self._session, self._window, self._speaker = pygame, session, window, speaker
-        self._controls = _controls(pygame, session)
+        self._controls = SharedControls(pygame, [player + 1 for player in session.humans])
         self._gamepads: dict[int, Any] = {}
         self._paused = self._single = self._helping = False
         self._ticks = 0
@@ -158,9 +157,3 @@ class Loop:
         message = self._message if self._ticks < self._message_until else ""
         line = "   ".join(part for part in ("REC" if session.recording else "", state, message) if part)
         return "\n".join(filter(None, (self._controls.help if self._helping else "", line)))
-
-
-def _controls(pygame: Any, session: BaseSession) -> Controls:
-    if isinstance(session, MultiplayerSession):
-        return SharedControls(pygame, [player + 1 for player in session.humans])
-    return Controls(pygame)

@@ -1,6 +1,6 @@
 """`MultiplayerSession`: a game of two to four players, by hand or by policies, without its window."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, ClassVar, Literal, get_args
 
@@ -11,16 +11,13 @@ from atari.cores import ByteArray
 from atari.cores.options import SEED_LIMIT
 from atari.multiplayer import MultiplayerCore
 from atari.play.base import BaseSession
+from atari.play.player_agent import PlayerAgent
 from atari.recording import RecordMatch
 from atari.task.resolution import GameLike
 from atari.validation import check_name
 
-Policy = Callable[[ByteArray, dict[str, Any]], Any]
-"""A player that is a function: of the observation and the info of a frame, to an action's number (0 .. 17) or name."""
-
-Observation = Literal["rgb", "grayscale", "ram", "screen"]
+Observation = Literal["rgb", "grayscale", "ram"]
 OBSERVATIONS: tuple[Observation, ...] = get_args(Observation)
-_FRAMES_PER_RANDOM_ACTION = 4
 
 
 class MultiplayerSession(BaseSession):
@@ -32,13 +29,11 @@ class MultiplayerSession(BaseSession):
         mode: in Multi-Agent-ALE's numbering; None is PettingZoo's for `players`, else the first.
         difficulty: None is 0.
         seed: of the game; None is a random one.
-        policies: by player (0 is the first), the players that are policies; human players are the others. In each frame
-            a policy is called with the observation and an info, and returns an action's number (0 .. 17) or name
-            ("UPFIRE"). The info has `player` (0 is the first), `players`, `mode`, `frame` (since the game began),
-            `scores`, `rewards` (of the last frame) and `lives`; the last three are lists, a number of each player.
-        obs_type: of the policies' observations, all uint8: "rgb" (height, 160, 3), "grayscale" (height, 160), "screen"
-            (height, 160) palette indices, or "ram" (128,). A policy with an attribute `obs_type` gets these instead.
-            All players see the same game.
+        policies: by player (0 is the first), the players that are policies, as of `atari.learning.load_policy`; human
+            players are the others. The policy's lane is the player, and its task or environment says what it sees and
+            how often it acts; see `PlayerAgent`.
+        obs_type: what a policy sees that does not say it, uint8: "rgb" (height, 160, 3), "grayscale" (height, 160) or
+            "ram" (128,).
         state: the file of the saved state.
         replay: the replay file, with the suffix ".a26"; None writes no replay.
         videos: the folder of the videos.
@@ -66,7 +61,7 @@ class MultiplayerSession(BaseSession):
         mode: int | None = None,
         difficulty: int | None = None,
         seed: int | None = None,
-        policies: Mapping[int, Policy] | None = None,
+        policies: Mapping[int, Any] | None = None,
         obs_type: Observation = "rgb",
         state: Path = Path("game.state"),
         replay: Path | None = None,
@@ -79,17 +74,15 @@ class MultiplayerSession(BaseSession):
         self.core = MultiplayerCore(
             game, rom=rom, players=players, mode=mode, difficulty=difficulty, seed=seed, sound=True, frameskip=1
         )
-        self.policies = dict(policies or {})
-        self._obs_types: dict[int, Observation] = {}
-        for player, policy in self.policies.items():
-            kind: Observation = getattr(policy, "obs_type", obs_type)
-            check_name("obs_type", kind, OBSERVATIONS)
-            self._obs_types[player] = kind
+        self._agents: dict[int, PlayerAgent] = {}
+        for player, policy in (policies or {}).items():
             if player not in range(self.core.players):
                 raise ValueError(f"there is no player {player + 1} in a game of {self.core.players} players")
+            self._agents[player] = PlayerAgent(policy, player, self.core, obs_type)
+        self._seed, self._games = seed, -1
         self._recorded: Any = self.core if replay is None else RecordMatch(self.core, replay)
         super().__init__(self.core.game, self.core.players, state, videos, scale)
-        self.humans = tuple(player for player in range(self.core.players) if player not in self.policies)
+        self.humans = tuple(player for player in range(self.core.players) if player not in self._agents)
         """The players that are no policies; 0 is the first."""
         self._reset()
 
@@ -133,43 +126,24 @@ class MultiplayerSession(BaseSession):
 
     def _step(self, actions: tuple[Action, ...]) -> list[int]:
         chosen = dict(zip(self.humans, map(int, actions), strict=True))
-        seen = {kind: self._observe(kind) for kind in set(self._obs_types.values())}
-        chosen |= {player: self._decide(player, seen[kind]) for player, kind in self._obs_types.items()}
+        chosen |= {player: self._decide(player, agent) for player, agent in self._agents.items()}
+        self._agents_are_new = False
         rewards: list[int] = self._recorded.act_players([chosen[player] for player in range(self.core.players)])
-        self._rewards = rewards
         return rewards
 
-    def _observe(self, kind: Observation) -> ByteArray:
-        core = self.core
-        read = {"rgb": core.screen_rgb, "grayscale": core.screen_grayscale, "ram": core.ram, "screen": core.screen}
-        return read[kind]()
-
-    def _decide(self, player: int, observation: ByteArray) -> int:
+    def _decide(self, player: int, agent: PlayerAgent) -> int:
         """The action of a policy.
 
         Raises:
             RuntimeError: the policy fails, or returns no action. Not ValueError, after which a window plays on.
         """
-        info = {
-            "player": player,
-            "players": self.core.players,
-            "mode": self.core.mode,
-            "frame": self.core.episode_frame_number - self._first_frame,
-            "scores": list(self.scores),
-            "rewards": list(self._rewards),
-            "lives": self.core.player_lives,
-        }
+        core: Any = self.core
         try:
-            action = self.policies[player](observation.copy(), info)
+            if self._agents_are_new:
+                agent.begin(core, (self._seed + player + self._games * core.players) % SEED_LIMIT)
+            return agent.act(core)
         except Exception as error:
             raise RuntimeError(f"the policy of player {player + 1} failed: {type(error).__name__}: {error}") from error
-        number = _NUMBERS.get(action) if isinstance(action, (str, int, np.integer)) else None
-        if number is None or isinstance(action, bool):
-            raise RuntimeError(
-                f"the policy of player {player + 1} returned {action!r}; an action is a number 0 .. 17, or a name "
-                "such as 'UPFIRE'"
-            )
-        return number
 
     def _snapshot(self) -> bytes:
         data: bytes = self._recorded.snapshot()
@@ -177,31 +151,9 @@ class MultiplayerSession(BaseSession):
 
     def _restore(self, data: bytes) -> None:
         self._recorded.restore(data)
-        self._rewards = [0] * self.core.players
+        self._agents_are_new = True
 
     def _reset(self) -> None:
         self._recorded.reset()
-        self._first_frame = self.core.episode_frame_number  # after the starting actions
-        self._rewards = [0] * self.core.players
-
-
-_NUMBERS: Mapping[Any, int] = {key: int(action) for action in PLAYER_ACTIONS for key in (int(action), action.name)}
-
-
-def random_policy(actions: tuple[Action, ...], seed: int) -> Policy:
-    """A policy that draws one of `actions` every four frames."""
-    random = np.random.default_rng(seed)
-    action = Action.NOOP
-
-    def policy(observation: ByteArray, info: dict[str, Any]) -> int:
-        nonlocal action
-        if info["frame"] % _FRAMES_PER_RANDOM_ACTION == 0:
-            action = actions[random.integers(len(actions))]
-        return int(action)
-
-    return policy
-
-
-def no_op_policy(observation: ByteArray, info: dict[str, Any]) -> int:
-    """A policy that never acts."""
-    return int(Action.NOOP)
+        self._agents_are_new = True
+        self._games += 1

@@ -1,31 +1,40 @@
-"""`Session`: a game of one player, played by hand, without its window: the emulator and the replay."""
+"""`Session`: a game of one player, played by hand, without its window: the environment and the replay."""
 
+from collections import deque
 from os import PathLike
 from pathlib import Path
 from typing import Any, ClassVar
 
 from atari.actions import Action
 from atari.cores import ByteArray
-from atari.env import AtariEnv
 from atari.games.game import Game
-from atari.play.base import BaseSession
+from atari.play.base import BY_FRAME, BaseSession
 from atari.recording import RecordReplay
+from atari.recording.video.facts import facts_of
+from atari.task import Task
+from atari.task.arguments import SCREEN
+from atari.task.resolution import resolve_task
+from atari.task.task import DEFAULTS
 
 
 class Session(BaseSession):
-    """A game played frame by frame, with all legal actions and without sticky actions.
+    """A game played by a person as a task says, and shown frame by frame.
+
+    The action of the first frame of a step is held for the whole step. Frames that an episode begins with, such as
+    no-ops, are shown, too. After a lost life that ends an episode, the game goes on if the task says so.
 
     Args:
-        game: see `AtariEnv`.
+        game: an ID, a game or a task, see `atari.Task.of`; a name or a file is played frame by frame, with all legal
+            actions, without sticky actions and without a limit.
         replay: the replay file, with the suffix ".a26"; None writes no replay.
         state: the file of the saved state.
         videos: the folder of the videos.
-        mode, difficulty: the game's mode and difficulty; None is the default.
         seed: the game's seed; None is a random one.
         scale: a pixel becomes `2 * scale` x `scale` pixels of a video.
+        **options: `preset`, and fields of `atari.Task` but those of what an agent sees.
 
     Raises:
-        TypeError, ValueError, OSError: see `AtariEnv` and `RecordReplay`.
+        TypeError, ValueError, OSError: see `atari.Task.of`, `AtariEnv` and `RecordReplay`.
 
     Example:
         >>> import atari
@@ -41,29 +50,25 @@ class Session(BaseSession):
 
     def __init__(
         self,
-        game: str | PathLike[str] | Game,
+        game: str | PathLike[str] | Game | Task,
         *,
         rom: Path | None = None,
         replay: Path | None = None,
         state: Path = Path("game.state"),
         videos: Path = Path("videos"),
-        mode: int | None = None,
-        difficulty: int | None = None,
         seed: int | None = None,
         scale: int = 2,
+        **options: Any,
     ) -> None:
-        self._atari = AtariEnv(
-            game,
-            rom=rom,
-            frameskip=1,
-            repeat_action_probability=0.0,
-            full_action_space=True,
-            mode=mode,
-            difficulty=difficulty,
-            sound_obs=True,
-        )
+        self.task = _task(game, options)
+        inner: Any = self.task.make(rom=rom)
+        inner.unwrapped.make_sound()
+        self._inner, self._atari = inner, inner.unwrapped
         super().__init__(self._atari.game, 1, state, videos, scale)
-        self._env: Any = self._atari if replay is None else RecordReplay(self._atari, replay)
+        self._env: Any = self._inner if replay is None else RecordReplay(self._inner, replay)
+        self._played: deque[tuple[ByteArray, ByteArray, int]] = deque()  # frames that are not shown yet
+        self._ended = self._truncated = False  # the episode; the game may go on
+        self._atari.observers.append(self)
         self.best = 0
         self._env.reset(seed=seed)
 
@@ -74,23 +79,25 @@ class Session(BaseSession):
 
     @property
     def legal_actions(self) -> tuple[Action, ...]:
-        """The game's legal actions."""
-        return self._atari.game.legal_actions
+        """The actions of the task."""
+        return self.task.action_set
 
     @property
     def over(self) -> bool:
-        """Whether the game has ended."""
-        return self._atari.core.game_over or self._atari.core.truncated
+        """Whether the game has ended, and its last frame is shown."""
+        core = self._atari.core
+        goes_on = self.task.episodic_life and self.task.on_reset != "new_game" and not self._truncated
+        return not self._played and (core.game_over or core.truncated or (self._ended and not goes_on))
 
     @property
     def screen(self) -> ByteArray:
-        """The current screen, (height, 160, 3) uint8."""
-        return self._atari.core.screen_rgb()
+        """The screen that is shown, (height, 160, 3) uint8."""
+        return self._screen
 
     @property
     def samples(self) -> ByteArray:
-        """The sound of the last frame, (512,) uint8 around 128."""
-        return self._atari.core.audio()
+        """The sound of the frame that is shown, (512,) uint8 around 128."""
+        return self._samples
 
     @property
     def title(self) -> str:
@@ -108,17 +115,74 @@ class Session(BaseSession):
         finally:
             self._env.close()
 
+    def game_begun(self) -> None:
+        """Show the first screen of a game; the environment calls it."""
+        self._played.clear()
+        self._show()
+
+    def frame_played(self, action: int, reward: int) -> None:
+        """Keep a frame until it is shown; the environment calls it."""
+        core = self._atari.core
+        self._played.append((core.screen_rgb(), core.audio(), reward))
+
+    @property
+    def _facts(self) -> dict[str, Any]:
+        return facts_of(self.task)
+
+    @property
+    def _between_steps(self) -> bool:
+        return not self._played and not self._ended
+
     def _step(self, actions: tuple[Action, ...]) -> list[int]:
         (action,) = actions
-        _, reward, _, _, _ = self._env.step(self.legal_actions.index(action))
-        self.best = max(self.best, self.score + int(reward))
-        return [int(reward)]
+        if self._ended and not self._played:
+            self._go_on()
+        if not self._played:
+            _, _, terminated, self._truncated, _ = self._env.step(self.legal_actions.index(action))
+            self._ended = self._truncated or (terminated and not self.task.life_loss_info)
+        self._screen, self._samples, reward = self._played.popleft()
+        self.best = max(self.best, self.score + reward)
+        return [reward]
+
+    def _show(self) -> None:
+        self._screen, self._samples = self._atari.core.screen_rgb(), self._atari.core.audio()
 
     def _snapshot(self) -> bytes:
-        return self._atari.snapshot()
+        """The state after the step that is being shown, which is shown to its end at once."""
+        while self._played:
+            self._screen, self._samples, reward = self._played.popleft()
+            self.scores = [self.score + reward]
+        if self._ended and not self.over:
+            self._go_on()
+        data: bytes = self._inner.snapshot()
+        return data
 
     def _restore(self, data: bytes) -> None:
-        self._atari.restore(data)
+        self._inner.restore(data)
+        self._played.clear()
+        self._ended = self._truncated = False
+        self._show()
 
     def _reset(self) -> None:
-        self._env.reset()
+        self._go_on({"new_game": True})
+
+    def _go_on(self, options: dict[str, Any] | None = None) -> None:
+        """Begin an episode, after a lost life in the same game unless `options` say otherwise."""
+        self._ended = self._truncated = False
+        self._env.reset(options=options)
+
+
+def _task(game: Any, options: dict[str, Any]) -> Task:
+    """What is played, without what an agent would see.
+
+    Raises:
+        TypeError, ValueError: as `atari.Task.of`; or a field has no meaning for a person who plays.
+    """
+    preset = options.pop("preset", None)
+    if unseen := [name for name in SCREEN if name in options]:
+        raise TypeError(f"Session has no option {unseen[0]!r}: it shows the screen and the score of the game")
+    task = resolve_task(game, preset, options, base=BY_FRAME, owner="Session")
+    for name in ("continuous", "players"):
+        if (value := getattr(task, name)) != DEFAULTS[name]:
+            raise ValueError(f"one person plays with a stick, got {name}={value!r}; leave it out")
+    return task.replace(**SCREEN)

@@ -6,6 +6,7 @@ from atari.recording.replay.record_replay import RecordReplay
 from atari.recording.replay.record_vector_replay import RecordVectorReplay
 from atari.recording.replay.replay import Replay
 from atari.recording.replay.results import Divergence, Episode, Frame, Verification
+from atari.recording.video.facts import video_facts
 from atari.recording.video.formats import FORMATS, Format
 from atari.recording.video.record_vector_video import RecordVectorVideo
 from atari.recording.video.record_video import RecordVideo
@@ -27,4 +28,5 @@ __all__ = [
     "VideoWriter",
     "frame_rate",
     "to_minari",
+    "video_facts",
 ]

@@ -4,6 +4,7 @@ A replay has no observations; playing it again produces them. A dataset has the 
 because Minari's JPEG encoding is off.
 """
 
+import json
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
@@ -18,6 +19,7 @@ from atari.recording.episodes import (
     EpisodeArrays,
     Source,
     env_options,
+    facts_of_replays,
     load_replays,
     replay_env,
     replayed_episodes,
@@ -36,6 +38,8 @@ def to_minari(
     **metadata: Any,
 ) -> Any:
     """Write the episodes of replays as a Minari dataset, and return it (a `minari.MinariDataset`).
+
+    Its metadata have, as JSON, the `task` that was played, the `core_seeds` and the `package`, as `Replay.facts`.
 
     An episode has n actions, rewards (float), terminations, truncations, and n + 1 observations and infos (`lives`,
     `episode_frame_number`, `frame_number`), as `AtariEnv` returned them. The data does not include the effects of
@@ -72,7 +76,9 @@ def to_minari(
     import_minari()
     loaded = load_replays(replays)
     episodes = replayed_episodes(loaded, obs_type, core)
-    return write_minari(episodes, dataset_id, loaded[0], obs_type, core=core, metadata=metadata)
+    written = write_minari(episodes, dataset_id, loaded[0], obs_type, core=core, metadata=metadata)
+    written.storage.update_metadata({name: json.dumps(value) for name, value in facts_of_replays(loaded).items()})
+    return written
 
 
 def write_minari(
@@ -115,13 +121,20 @@ def _chain(first: Any, rest: Iterator[Any]) -> Iterator[Any]:
 
 
 def _spec(replay: Replay, obs_type: DatasetObsType | None, image: ObsType | None) -> EnvSpec:
-    """Return the specification of the environment, for `recover_environment` of the dataset."""
+    """Return the specification of the environment, for `recover_environment` of the dataset.
+
+    Its steps have the frames of those of the task, also where wrappers around an environment of single frames played.
+    """
     env_id = replay.header.get("id") or f"ALE/{stem(replay.game.id)}-v5"
     dict_wrapper = WrapperSpec("RamObservation", "atari.wrappers.ram_observation:RamObservation", {})
     return EnvSpec(
         id=env_id,
         entry_point="atari.env:AtariEnv",
-        kwargs={"game": replay.game.id, **env_options(replay, obs_type, image)},
+        kwargs={
+            "game": replay.game.id,
+            **env_options(replay, obs_type, image),
+            "frameskip": replay.task.frameskip,
+        },
         additional_wrappers=(dict_wrapper,) if obs_type == "dict" else (),
     )
 

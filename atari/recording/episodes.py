@@ -41,20 +41,35 @@ def load_replays(replays: Source | Iterable[Source]) -> list[Replay]:
     """The replays of a dataset.
 
     Raises:
-        ValueError: there are none, or they differ in game or options; or as `Replay.load`.
+        ValueError: there are none, or their tasks differ; or as `Replay.load`.
         FileNotFoundError: as `Replay.load`.
     """
     sources = [replays] if isinstance(replays, (Replay, str, PathLike)) else list(replays)
     loaded = [source if isinstance(source, Replay) else Replay.load(source) for source in sources]
     if not loaded:
         raise ValueError("a dataset needs at least one replay")
-    for replay in loaded:
-        if (replay.game, replay.options) != (loaded[0].game, loaded[0].options):
-            raise ValueError(
-                f"the replays of a dataset are of one game and the same options; {replay.path} and {loaded[0].path} "
-                "differ"
-            )
+    first = loaded[0]
+    for replay in loaded[1:]:
+        if what := _difference(first, replay):
+            raise ValueError(f"a data set is of one task; {first.path} and {replay.path} differ in {what}")
     return loaded
+
+
+def _difference(first: Replay, other: Replay) -> str:
+    """The fields in which the tasks of two replays differ; "" if none."""
+    if first.game != other.game:
+        return f"game: {first.game.id} and {other.game.id}"
+    if "task" in first.facts and "task" in other.facts:
+        pairs = first.task.differences(other.task)
+    else:  # older releases recorded the options of the AtariEnv alone
+        names = sorted({*first.options, *other.options})
+        pairs = {name: (first.options.get(name), other.options.get(name)) for name in names}
+    return "; ".join(f"{name}: {mine!r} and {theirs!r}" for name, (mine, theirs) in pairs.items() if mine != theirs)
+
+
+def facts_of_replays(replays: list[Replay]) -> dict[str, Any]:
+    """What a data set of replays says about them: as `Replay.facts`, with the seeds of all."""
+    return {**replays[0].facts, "core_seeds": [seed for replay in replays for seed in replay.seeds]}
 
 
 def replay_env(

@@ -1,16 +1,30 @@
-"""The options of a `Task` as flags of a command line, made from the fields of the class and from its docstring."""
+"""GAME and the options of a `Task` on a command line: flags made from the fields of the class and its docstring."""
 
 import argparse
+import json
 import re
 import typing
 from collections.abc import Collection, Mapping
 from contextlib import suppress
+from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
+from atari.task.description import summary
 from atari.task.fields import GROUPS, check_field
 from atari.task.presets import PRESETS, find_preset
-from atari.task.resolution import OPTIONS
+from atari.task.resolution import OPTIONS, GameLike, resolve_for_agent, resolve_task
+from atari.task.storage import read_task
 from atari.task.task import DEFAULTS, Task
+from atari.validation import check_integer
+
+SEEDS = 2**32
+"""Seeds of all commands are below it."""
+
+SCREEN: Mapping[str, Any] = MappingProxyType(
+    {name: DEFAULTS[name] for name in (*GROUPS["observation"], "reward_clipping")}
+)
+"""The fields of what an agent sees and is paid, with the values that they have where a person sees the screen."""
 
 _NAMES: Mapping[str, tuple[str, ...]] = {
     "repeat_action_probability": ("--repeat-action-probability", "--sticky"),
@@ -31,27 +45,30 @@ _MAY_BE_NONE = frozenset(name for name in OPTIONS if DEFAULTS[name] is None) | {
 """Options for which the text "none" is a value."""
 
 
-def add_flags(
+def add_task(
     parser: argparse.ArgumentParser,
     groups: Collection[str] = tuple(GROUPS),
     leave_out: Collection[str] = (),
+    *,
+    aside: Mapping[str, Any] = MappingProxyType({}),
     preset: bool = True,
 ) -> None:
-    """Add `--preset`, and a flag of each option of a task.
+    """Add `--preset`, a flag of each option of a task that a command obeys, and `--print-task`.
 
     Args:
-        parser: of a command. Flags that are not given leave no attribute in its namespace, but `preset`, which is None.
+        parser: of a command, which adds GAME itself. Flags that are not given leave no attribute in its namespace, but
+            `preset`, which is None.
         groups: the groups of fields that the command obeys, see `atari.task.fields.GROUPS`, and names of options.
         leave_out: options of these groups that the command does not obey.
+        aside: options that do not matter for the command, such as those of observations where a screen is shown, with
+            the values that it plays. They have no flags; where GAME has other values, the first line says so.
         preset: whether the command has `--preset`.
     """
     own = parser.add_argument_group("what is played", "Fields of atari.Task, which override GAME and the preset.")
     if preset:
         own.add_argument("--preset", type=_preset, metavar="NAME", help=f"a preprocessing: {', '.join(PRESETS)}")
-    texts = descriptions(Task)
-    for name in (name for group in groups for name in GROUPS.get(group, (group,))):
-        if name not in OPTIONS or name in leave_out:
-            continue
+    texts, obeyed = descriptions(Task), [name for name in _options_of(groups) if name not in leave_out]
+    for name in obeyed:
         _add_flag(own, name, texts[name].replace("%", "%%"))
         if name == "actions":
             own.add_argument(
@@ -60,10 +77,17 @@ def add_flags(
                 default=argparse.SUPPRESS,
                 help="another name of --actions full",
             )
+    own.add_argument("--print-task", action="store_true", help="print what would be played, and end")
+    parser.set_defaults(obeyed=tuple(obeyed), aside=aside, command=parser.prog)
+
+
+def _options_of(groups: Collection[str]) -> tuple[str, ...]:
+    names = (name for group in groups for name in GROUPS.get(group, (group,)))
+    return tuple(name for name in names if name in OPTIONS)
 
 
 def _add_flag(group: Any, name: str, text: str) -> None:
-    flags = _NAMES.get(name, (f"--{name.replace('_', '-')}",))
+    flags = _flags_of(name)
     common: dict[str, Any] = {"dest": name, "default": argparse.SUPPRESS, "help": text}
     if _kinds()[name] is bool:
         group.add_argument(*flags, action=argparse.BooleanOptionalAction, **common)
@@ -73,10 +97,112 @@ def _add_flag(group: Any, name: str, text: str) -> None:
         group.add_argument(*flags, type=_reader(name), metavar=_metavar(name), **common)
 
 
+def _flags_of(name: str) -> tuple[str, ...]:
+    return _NAMES.get(name, (f"--{name.replace('_', '-')}",))
+
+
+def field_of_flag(flag: str) -> str | None:
+    """The option of a task that a flag of some command sets, or None."""
+    positive = flag.replace("--no-", "--", 1)
+    return next((name for name in OPTIONS if {flag, positive} & {*_flags_of(name)}), None)
+
+
 def given_options(args: argparse.Namespace) -> dict[str, Any]:
     """The options of a task that a command line has, by name, as `Task.of` takes them."""
     given = {name: getattr(args, name) for name in (*OPTIONS, "full_action_space") if hasattr(args, name)}
     return {**given, "interventions": tuple(given["interventions"])} if "interventions" in given else given
+
+
+def game_of(text: str) -> GameLike:
+    """GAME as the resolvers take it: an ID, a game's name, the path of a game file, or the task of a file *.json.
+
+    The path is absolute, so that what is stored stays valid.
+
+    Raises:
+        FileNotFoundError, TypeError, ValueError: there is no such file, or it holds no task.
+    """
+    if text.endswith(".json"):
+        return read_task(Path(text))
+    return Path(text).absolute() if text.endswith(".toml") else text
+
+
+def task_of(args: argparse.Namespace, *, game: str | None = None, agent: bool = False, **others: Any) -> Task:
+    """The task of the arguments of a command.
+
+    Args:
+        args: parsed by a parser with `add_task`.
+        game: GAME; None is `args.game`.
+        agent: whether an agent plays, which needs the preprocessing of a preset; see `resolve_for_agent`.
+        **others: of `resolve_task` or `resolve_for_agent`, such as `base` or `default`.
+
+    Raises:
+        gymnasium.error.NameNotFound, ValueError, FileNotFoundError: as `Task.of`; ValueError also for its TypeErrors,
+            and for a field that the command does not obey.
+    """
+    resolve = resolve_for_agent if agent else resolve_task
+    text = args.game if game is None else game
+    try:
+        task = resolve(game_of(text), getattr(args, "preset", None), given_options(args), owner="Task", **others)
+        return _obeyed(args, task, text)
+    except TypeError as error:
+        raise ValueError(str(error)) from None
+
+
+def _obeyed(args: argparse.Namespace, task: Task, text: str) -> Task:
+    """The task without the fields that do not matter for the command.
+
+    Raises:
+        ValueError: it has a field that the command does not obey.
+    """
+    played = {
+        name: {**DEFAULTS, **args.aside}[name] for name in OPTIONS if name in args.aside or name not in args.obeyed
+    }
+    fields = task.plain()  # in which a mode that the game has anyway is None
+    changed = {name: fields[name] for name, value in played.items() if fields[name] != value}
+    for name, value in changed.items():
+        if name not in args.aside:
+            raise ValueError(
+                f"`{args.command}` has no place for {name}={value!r}, which {text} has; name the game alone, "
+                f"{task.game!r}, or a task without it"
+            )
+    args.without = changed
+    return Task.of(task, **{name: played[name] for name in changed}) if changed else task
+
+
+def show_task(args: argparse.Namespace, task: Task) -> bool:
+    """Print what is played: in a line, or with --print-task as a table, or with --json as a JSON document.
+
+    Returns:
+        Whether that is all that the command shall do.
+    """
+    as_json = getattr(args, "json", False)
+    if args.print_task:
+        print(json.dumps(json.loads(task.to_json()), indent=2) if as_json else task)
+    elif not as_json:
+        without = "".join(f", without {name}={value!r}" for name, value in getattr(args, "without", {}).items())
+        print(f"{summary(task)}{without}", flush=True)
+    return bool(args.print_task)
+
+
+def add_former(parser: argparse.ArgumentParser, flags: Mapping[str, str]) -> None:
+    """Add flags of earlier releases, which are errors that show the new call; `{prog}` in it is the command."""
+    for flag, new in flags.items():
+        parser.add_argument(flag, nargs="?", action=_Gone, const=new, default=argparse.SUPPRESS, help=argparse.SUPPRESS)
+
+
+class _Gone(argparse.Action):
+    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
+        text = str(self.const).replace("{prog}", parser.prog)
+        parser.error(f"there is no option {self.option_strings[0]} any more: {text}")
+
+
+def seed(text: str) -> int:
+    """An argparse type: a seed, 0..2**32 - 1."""
+    try:
+        return check_integer("a seed", int(text), 0, SEEDS - 1)
+    except ValueError as error:
+        word = str(error) if "within" in str(error) else f"a seed must be a whole number, got {text!r}"
+        raise argparse.ArgumentTypeError(word) from None
 
 
 def option_of(name: str, text: str) -> Any:

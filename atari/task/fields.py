@@ -127,6 +127,11 @@ def _check_noops(name: str, value: Any) -> tuple[int, int]:
     return low, high
 
 
+def _shortest(value: float) -> float:
+    """The shortest decimal number that is the same float32: 0.1, not 0.10000000149011612."""
+    return float(str(np.float32(value)))
+
+
 def _one_of(choices: Any) -> Callable[[str, Any], str]:
     return lambda name, value: check_name(name, value, get_args(choices))
 
@@ -152,7 +157,7 @@ _CHECKS: Mapping[str, Callable[[str, Any], Any]] = {
     "players": _number(1, 4),
     "actions": check_actions,
     "continuous": check_bool,
-    "continuous_action_threshold": lambda name, value: float(np.float32(check_probability(name, value))),
+    "continuous_action_threshold": lambda name, value: _shortest(check_probability(name, value)),
     "repeat_action_probability": _check_probabilities,
     "frameskip": lambda name, value: check_frameskip(value),
     "interventions": _as_is,

@@ -12,7 +12,7 @@ from atari.games.catalog import games
 from atari.games.game import Game
 from atari.games.pettingzoo import find_environment
 from atari.games.players import options_of
-from atari.task.fields import check_bool, check_field
+from atari.task.fields import GROUPS, check_bool, check_field
 from atari.task.presets import Preset, find_preset
 from atari.task.rules import settle
 from atari.task.task import DEFAULTS, FIELDS, Task
@@ -103,6 +103,37 @@ def resolve_for_agent(
                 f"use the game's name, {of_id.game!r}, or another preset"
             )
     return resolve_task(game, name, {**kept, **options}, owner=owner)
+
+
+def resolve_frames(game: GameLike, mode: int | None, difficulty: int | None, *, owner: str) -> Task:
+    """The task of a function that plays single frames with actions of its own, without sticky actions and limits.
+
+    What an agent sees and may do, and how it is paid, is left aside where `game` has it.
+
+    Args:
+        game, owner: as of `resolve_task`.
+        mode, difficulty: None is what `game` says.
+
+    Raises:
+        gymnasium.error.NameNotFound, TypeError, ValueError, FileNotFoundError: as `Task.of`; ValueError also if `game`
+            has another field that such a function cannot honour.
+    """
+    given = {name: value for name, value in (("mode", mode), ("difficulty", difficulty)) if value is not None}
+    whole = resolve_task(game, None, given, owner=owner)
+    kept = {name: getattr(whole, name) for name in ("rules", "mode", "difficulty")}
+    task = Task(whole.definition, **{**kept, **_SINGLE_FRAMES})  # type: ignore[arg-type]  # a game is found
+    for name, (_, value) in task.differences(whole).items():
+        if name not in (*_SINGLE_FRAMES, *GROUPS["observation"], *GROUPS["reward"]):
+            raise ValueError(f"{owner} has no place for {name}={value!r}; give the game alone, {task.game!r}")
+    return task
+
+
+_SINGLE_FRAMES: Mapping[str, Any] = {
+    "frameskip": 1,
+    "actions": "full",
+    "repeat_action_probability": 0.0,
+    "max_num_frames_per_episode": None,
+}
 
 
 def translate(
@@ -204,15 +235,19 @@ def _require(name: str, preset: Preset, given: Mapping[str, Any], names: Mapping
         wanted = preset.fields[field]
         if field not in given or given[field] == wanted:
             continue
-        if field == "actions":
-            values = (given[field], wanted)
-            one, other = (resolve_task(game, None, {"players": players, "actions": value}) for value in values)
-            if one == other:
-                continue  # both sets are the same in this game
+        if field == "actions" and _within(game, players, given[field], wanted):
+            continue
         shown, value = wanted, given[field]
         if names[field] == "full_action_space":
             shown, value = wanted == "full", given[field] == "full"
         raise ValueError(f"preset {name!r} needs {names[field]}={shown!r}, got {value!r}; leave it out")
+
+
+def _within(game: Game, players: int, actions: Any, wanted: str) -> bool:
+    """Whether an agent that has these actions plays the game of a preset that requires a set of them."""
+    tasks = (resolve_task(game, None, {"players": players, "actions": chosen}) for chosen in (actions, wanted))
+    own, allowed = (task.action_set for task in tasks)
+    return own == allowed or (not isinstance(actions, str) and {*own} <= {*allowed})
 
 
 def _fitting(preset: Preset, fields: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,13 +1,16 @@
 """A `Task` as JSON: strict, with a version, and bounded in size and depth."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from atari.cores.writes import fact
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.task.task import DEFAULTS, FIELDS, Task
+from atari.validation import check_file
 
 FORMAT = 1
 """The version of the format. A newer one is refused; a reader of an older one fills in its defaults."""
@@ -37,6 +40,42 @@ def to_short_json(task: Task) -> str:
     table, defaults = _table(task), _DEFAULTS[FORMAT]
     changed = {name: value for name, value in table.items() if name == "game" or value != _plain(defaults[name])}
     return json.dumps({"format": FORMAT, **changed}, sort_keys=True)
+
+
+@lru_cache(maxsize=256)
+def identity(task: Task) -> str:
+    """What a snapshot stores of a task: `to_short_json` without the ROM, which the snapshot of the core has."""
+    return to_short_json(task.with_set(rom_md5=None))
+
+
+def require_same(stored: Any, own: Task, leave_out: Collection[str] = ()) -> None:
+    """Check that a snapshot is of a task that plays as another one.
+
+    Args:
+        stored: what the snapshot has, by `identity`; None in snapshots of older releases, which are accepted.
+        own: the task into which the snapshot is to be restored.
+        leave_out: fields that may differ.
+
+    Raises:
+        ValueError: fields differ, all are named; or `stored` is no task.
+    """
+    if stored is None or stored == identity(own):
+        return
+    try:
+        game = _read(stored).get("game")
+        pairs = {"game": (game, own.game)} if game != own.game else from_json(stored, own.definition).differences(own)
+    except TypeError as error:
+        raise ValueError(f"the snapshot is damaged: {error}") from None
+    kept = {name: pair for name, pair in pairs.items() if name not in leave_out}
+    texts = [[f"{name} = {_shown(name, one)}", _shown(name, other)] for name, (one, other) in kept.items()]
+    if texts:
+        differing = "; ".join([", but this environment has ".join(texts[0]), *map(", not ".join, texts[1:])])
+        raise ValueError(f"the snapshot was taken with {differing}; restore it into one made with the same options")
+
+
+def _shown(name: str, value: Any) -> str:
+    """The value of a field, with interventions by name and digest."""
+    return repr(fact(value) if name == "interventions" else value)[:200]
 
 
 def _table(task: Task) -> dict[str, Any]:
@@ -81,6 +120,21 @@ def from_json(text: str, game: Game | None = None) -> Task:
         raise TypeError(f"'interventions' must be a list of definitions, got {changes!r:.80}")
     fields["game"] = _game(fields["game"], fields.pop("file"), game)
     return Task(**fields)
+
+
+def read_task(path: Path) -> Task:
+    """The task of a file.
+
+    Raises:
+        FileNotFoundError, ValueError: there is no such file, or it has no task.
+    """
+    check_file(path)
+    with path.open("rb") as file:
+        data = file.read(4 * _MOST_CHARACTERS + 1)  # of UTF-8
+    try:
+        return from_json(data.decode(errors="replace"))
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{path} has no task: {error}") from None
 
 
 def _game(name: Any, file: Any, game: Game | None) -> Any:

@@ -8,6 +8,8 @@ from dataclasses import KW_ONLY, dataclass, field
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
+from typing_extensions import Unpack
+
 from atari.actions import PLAYER_ACTIONS, Action
 from atari.cores.options import CoreOptions
 from atari.games.catalog import games
@@ -16,6 +18,7 @@ from atari.games.game import Game
 from atari.games.interventions import Intervention, resolve
 from atari.games.players import choose_mode, rules_of
 from atari.task.fields import GROUPS, EndFrames, Fire, ObsType, OnReset, Padding, Seeding, Unit, check_field
+from atari.task.options import TaskOptions
 from atari.task.rules import check_together, settle
 from atari.validation import check_integer
 
@@ -155,9 +158,9 @@ class Task:
                 f"sound_obs=True is for an AtariEnv without wrappers, and {others[0]}={getattr(self, others[0])!r} "
                 "needs them; leave one of them out"
             )
-        if self.third_action and Action.FIRE in self.action_set and len(self.action_set) < 3:
+        if self.third_action and Action.FIRE in self.begin_actions and len(self.begin_actions) < 3:
             raise ValueError(
-                f"third_action=True plays the third action, and {self.game} has only {len(self.action_set)}; "
+                f"third_action=True plays the third action, and {self.game} has only {len(self.begin_actions)}; "
                 "use actions='full'"
             )
 
@@ -207,7 +210,9 @@ class Task:
         fields["actions"] = "minimal" if chosen == "full" and minimal == full else chosen
 
     @classmethod
-    def of(cls, game: "str | PathLike[str] | Game | Task", *, preset: str | None = None, **options: Any) -> "Task":
+    def of(
+        cls, game: "str | PathLike[str] | Game | Task", *, preset: str | None = None, **options: Unpack[TaskOptions]
+    ) -> "Task":
         """The task of a game and options.
 
         Later ones of these decide: what `game` says, the preset, the options.
@@ -233,7 +238,7 @@ class Task:
 
         return resolve_task(game, preset, options)
 
-    def replace(self, **options: Any) -> "Task":
+    def replace(self, **options: Unpack[TaskOptions]) -> "Task":
         """This task with other options, as `Task.of` takes them.
 
         Raises:
@@ -287,6 +292,15 @@ class Task:
         return tuple(Action[name] for name in self.actions)
 
     @property
+    def begin_actions(self) -> tuple[Action, ...]:
+        """The actions of which episodes begin, whether the agent has them or not: all that the game uses.
+
+        They are all legal ones if the agent has one that the game does not use.
+        """
+        minimal, full = _action_sets(self.definition, self.players)
+        return minimal if {*self.action_set} <= {*minimal} else full
+
+    @property
     def preprocessed(self) -> bool:
         """Whether wrappers around an `AtariEnv` play the task; otherwise an `AtariEnv` does alone."""
         return bool(self.fields_of_wrappers())
@@ -298,7 +312,16 @@ class Task:
 
     def of_emulator(self) -> "Task":
         """The part of this task that an `AtariEnv` plays inside of the wrappers: single frames."""
-        kept = ("rules", "mode", "difficulty", "actions", "continuous", "repeat_action_probability", "interventions")
+        kept = (
+            "rules",
+            "mode",
+            "difficulty",
+            "players",
+            "actions",
+            "continuous",
+            "repeat_action_probability",
+            "interventions",
+        )
         fields = {name: getattr(self, name) for name in (*kept, "max_num_frames_per_episode", "sound_obs")}
         if self.continuous:
             fields["continuous_action_threshold"] = self.continuous_action_threshold

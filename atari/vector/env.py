@@ -5,13 +5,9 @@ arrays that the user gets. Options, their defaults and what they do are those of
 equality to the byte is a test. Options that ale-py does not have are marked "(added)".
 """
 
-import copy
-import operator
 import os
 import sys
-from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from os import PathLike
 from typing import Any, Literal
@@ -21,26 +17,27 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium import spaces
 from gymnasium.vector.utils import batch_space
+from typing_extensions import Unpack
 
 from atari import _emulator
 from atari._gymnasium import AutoresetMode, VectorEnv
-from atari.cores import ByteArray, writes
+from atari.cores import ByteArray
 from atari.games.game import Game
-from atari.games.players import choices
-from atari.task import Task
+from atari.task.options import VectorTaskOptions
 from atari.task.resolution import GameLike
 from atari.validation import FirstResetNeeded, check_name
 from atari.vector.members import AddedWrites, Member
 from atari.vector.options import VectorOptions
 from atari.vector.results import Results, pick_rows
 from atari.vector.seeds import seed_words
+from atari.vector.state import VectorState
 from atari.vector.views import Views
 
 IntArray = npt.NDArray[np.int64]
 _RAM_OF = {"now": _emulator.RamOf.NOW, "result": _emulator.RamOf.RESULT, "final": _emulator.RamOf.FINAL}
 
 
-class AtariVectorEnv(Views, VectorEnv):
+class AtariVectorEnv(Views, VectorState, VectorEnv):
     """Environments of one game, or of several, played together.
 
     Observations are uint8: (batch, stack_num, img_height, img_width), in RGB with a last axis of 3, the oldest frame
@@ -89,6 +86,8 @@ class AtariVectorEnv(Views, VectorEnv):
         dtype: "uint8", or "float32" with the same values 0..255, which is a copy of four times the size (added).
         render_mode: "rgb_array" for `render` (added).
         rom: path of the ROM file; None searches (see `atari.roms`) (added).
+        game_info: `info` has what was played of whole games; None is with a preset, or a task with preprocessing
+            (added).
         **options: fields of `atari.Task`, which describes them, and ale-py's other names of some: `full_action_space`,
             `noop_max` (0 to noop_max-1 frames of NOOP), `use_fire_reset`, `grayscale`, `clip_reward`. Beside a name
             alone, `max_num_frames_per_episode` does not count the frames of the beginning, as in ale-py; it is
@@ -121,7 +120,8 @@ class AtariVectorEnv(Views, VectorEnv):
         dtype: npt.DTypeLike = "uint8",
         render_mode: Literal["rgb_array"] | None = None,
         rom: str | PathLike[str] | None = None,
-        **options: Any,
+        game_info: bool | None = None,
+        **options: Unpack[VectorTaskOptions],
     ) -> None:
         self._given = {
             "batch_size": batch_size,
@@ -132,6 +132,7 @@ class AtariVectorEnv(Views, VectorEnv):
             "dtype": dtype,
             "render_mode": render_mode,
             "rom": rom,
+            "game_info": game_info,
         }
         self._begin(VectorOptions.check(game, num_envs, preset, options, **self._given))
 
@@ -314,43 +315,6 @@ class AtariVectorEnv(Views, VectorEnv):
         none = np.zeros(self.num_envs, np.bool_)
         return self.reset(options={"reset_mask": none})
 
-    def snapshot(self, indices: Iterable[int] | None = None) -> list[_emulator.MemberSnapshot]:
-        """The whole state of some environments, or of all, in memory: game, stack, generators, counters.
-
-        Each can be pickled, and restored in another process.
-
-        Raises:
-            RuntimeError: environments are being played (between `send` and `recv`).
-            IndexError: there is no such environment.
-        """
-        chosen = self._indices(indices)
-        with self._lock:
-            return self._started().snapshot(chosen)
-
-    def restore(self, indices: Iterable[int] | None, snapshots: Sequence[_emulator.MemberSnapshot]) -> None:
-        """Continue some environments, or all, from snapshots; each may be of any environment of the same game.
-
-        Observations already returned stay as they are; `observe` shows the new ones. The copying is done when an
-        environment is next played or read, by the threads.
-
-        Raises:
-            RuntimeError, IndexError: as `snapshot`.
-            TypeError, ValueError: these are no snapshots, not one for each environment, or of another game or options.
-        """
-        chosen = self._indices(indices)
-        with self._lock:
-            self._started().restore(chosen, snapshots)
-
-    def fork(self, source: int, targets: Iterable[int]) -> None:
-        """Continue some environments from where another one of the same game is, its generators included.
-
-        Raises:
-            RuntimeError, IndexError, ValueError: as `restore`.
-        """
-        chosen = self._indices(targets)
-        with self._lock:
-            self._started().fork(source, chosen)
-
     def ram(self, env_id: IntArray | None = None, *, of: Literal["now", "result", "final"] = "now") -> ByteArray:
         """The RAM of all environments, (num_envs, 128) uint8, or of those of `env_id`, (rows, 128); a copy (added).
 
@@ -371,16 +335,6 @@ class AtariVectorEnv(Views, VectorEnv):
     def options(self) -> VectorOptions:
         """The checked options (added)."""
         return self._options
-
-    @property
-    def task(self) -> Task:
-        """What the first environment plays; all play it, but for the game, its mode and interventions (added)."""
-        return self.tasks[0]
-
-    @property
-    def tasks(self) -> tuple[Task, ...]:
-        """What each environment plays, with modes and difficulties that were set since (added)."""
-        return self._options.tasks
 
     @property
     def autoreset_mode(self) -> AutoresetMode:
@@ -406,12 +360,7 @@ class AtariVectorEnv(Views, VectorEnv):
     def members(self) -> tuple[Member, ...]:
         """The environments one by one: their counters, RAM, mode and difficulty."""
         self._open()
-        return tuple(
-            Member(self._open, self._lock, index, game, actions, choices(game, self._options.players), added)
-            for index, (game, actions, added) in enumerate(
-                zip(self.games, self._options.action_sets, self._added, strict=True)
-            )
-        )
+        return tuple(Member(self, index) for index in range(self.num_envs))
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
         """Of each of `members`, the attribute of this name, or what it returns when called with these arguments."""
@@ -438,45 +387,6 @@ class AtariVectorEnv(Views, VectorEnv):
         checked = [member.checked(name, value) for member, value in zip(self.members, values, strict=True)]
         for member, value in zip(self.members, checked, strict=True):
             setattr(member, name, value)
-        self._note_choices(self._open())
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Pickling and copying keep the position in all games, and the writes of `Freeze` and `Poke`.
-
-        In batches of fewer than all, a reset must follow.
-        """
-        with self._lock:
-            engine = self._open()
-            if engine.sent:
-                raise RuntimeError("environments are being played; call recv() before pickling")
-            states = [engine.save(index) for index in range(self.num_envs)]
-            self._note_choices(engine)
-            phase = self._phase if self.batch_size == self.num_envs else "new"
-            added = [writes.definitions(added.slots) for added in self._added]
-            facts = {"phase": phase, "spec": copy.deepcopy(self.spec)}
-            return {"given": self._given, "options": self._options, "states": states, "writes": added, **facts}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self._given = state["given"]
-        self._begin(state["options"])
-        self._added = tuple(
-            AddedWrites(writes.writes_of(game, added)) for game, added in zip(self.games, state["writes"], strict=True)
-        )
-        engine = self._open()
-        for index, (member, added) in enumerate(zip(state["states"], self._added, strict=True)):
-            added.add_to(engine, index)
-            engine.load(index, member)
-        self._phase = state["phase"]
-        self.spec = state["spec"]
-
-    def _started(self) -> _emulator.VectorEngine:
-        engine = self._open()
-        if self._phase == "new":
-            raise gymnasium.error.ResetNeeded("call reset() first")
-        return engine
-
-    def _indices(self, indices: Iterable[int] | None) -> list[int]:
-        return list(range(self.num_envs)) if indices is None else [operator.index(index) for index in indices]
 
     def close_extras(self, **kwargs: Any) -> None:
         """Join the threads and release the environments, after the calls of other threads.
@@ -498,35 +408,6 @@ class AtariVectorEnv(Views, VectorEnv):
         self._phase = "new"
         self._flying = self._out_results = None
         self._buffers = []
-
-    def _note_choices(self, engine: _emulator.VectorEngine) -> None:
-        """Note the modes and difficulties that were set, in the tasks."""
-        self._options = replace(
-            self._options,
-            tasks=tuple(
-                task.with_set(mode=engine.mode(index), difficulty=engine.difficulty(index))
-                for index, task in enumerate(self.tasks)
-            ),
-        )
-
-    def _keep_states(self, engine: _emulator.VectorEngine) -> None:
-        """Keep the states for a reset after `close`, unless another thread uses the environments."""
-        with suppress(Exception):
-            if self._is_sent():
-                self._receive(engine)
-            self._closed_states = [engine.save(index) for index in range(self.num_envs)]
-            self._note_choices(engine)
-
-    def _reopen(self) -> None:
-        """Continue after `close`."""
-        self._engine = self._options.make_engine()
-        for index, added in enumerate(self._added):
-            added.add_to(self._engine, index)
-        for index, state in enumerate(self._closed_states or ()):
-            self._engine.load(index, state)
-        self._buffers = [Results(self._engine, self._options) for _ in range(2)]
-        self._closed_states = None
-        self.closed = False
 
     def _open(self) -> _emulator.VectorEngine:
         if self._engine is None:

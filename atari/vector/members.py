@@ -7,10 +7,10 @@ from typing import Any, cast
 import numpy as np
 
 from atari import _emulator
-from atari.actions import Action
 from atari.cores import ByteArray, NativeCore, writes
 from atari.cores.ale_interface import AleInterface, Player
 from atari.games.game import Game
+from atari.games.players import choices
 from atari.validation import check_poke
 
 
@@ -52,19 +52,12 @@ class Member:
     Not to be used between `send` and `recv` (RuntimeError), nor once the vector is closed (ClosedEnvironmentError).
     """
 
-    def __init__(
-        self,
-        engine: Callable[[], _emulator.VectorEngine],
-        lock: _emulator.VectorLock,
-        index: int,
-        game: Game,
-        actions: tuple[Action, ...],
-        choices: dict[str, tuple[int, ...]],
-        added: AddedWrites,
-    ) -> None:
-        self._engine, self._lock, self.index, self.game, self._actions = engine, lock, index, game, actions
-        self._choices = choices
-        self.added = added
+    def __init__(self, envs: Any, index: int) -> None:  # an AtariVectorEnv, whose module imports this one
+        self._envs, self.index = envs, index
+        self._engine: Callable[[], _emulator.VectorEngine] = envs._open
+        self._lock: _emulator.VectorLock = envs._lock
+        self.game: Game = envs.games[index]
+        self.added: AddedWrites = envs._added[index]
 
     def _numbers(self) -> list[int]:
         with self._lock:
@@ -101,6 +94,7 @@ class Member:
         checked = self.checked("mode", mode)
         with self._lock:
             self._engine().set_mode(self.index, checked)
+            self._envs.note_choices(self.index)
 
     @property
     def difficulty(self) -> int:
@@ -113,6 +107,7 @@ class Member:
         checked = self.checked("difficulty", difficulty)
         with self._lock:
             self._engine().set_difficulty(self.index, checked)
+            self._envs.note_choices(self.index)
 
     @property
     def ale(self) -> AleInterface:
@@ -195,7 +190,7 @@ class Member:
 
     def get_action_meanings(self) -> list[str]:
         """The names of the game's actions, in the order of the action space unless games differ."""
-        return [action.name for action in self._actions]
+        return [action.name for action in self._envs.options.action_sets[self.index]]
 
     def checked(self, name: str, value: Any) -> int:
         """A mode or difficulty that the game has.
@@ -203,11 +198,11 @@ class Member:
         Raises:
             TypeError, ValueError: it is none.
         """
-        choices = self._choices[name]
+        offered = choices(self.game, self._envs.options.players)[name]
         if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
             raise TypeError(f"{name} must be an integer, got {value!r}")
-        if value not in choices:
-            raise ValueError(f"{self.game.id} has no {name} {value}; it has {', '.join(map(str, choices))}")
+        if value not in offered:
+            raise ValueError(f"{self.game.id} has no {name} {value}; it has {', '.join(map(str, offered))}")
         return int(value)
 
 

@@ -23,8 +23,9 @@ from atari.multiplayer.core import compiled_for_players
 from atari.roms import find
 from atari.roms.image import read_image
 from atari.task import Task
-from atari.task.fields import NO_LIMIT
+from atari.task.fields import NO_LIMIT, check_bool
 from atari.task.resolution import ALIASES, OPTIONS, is_id, is_versioned, resolve_task
+from atari.task.storage import identity
 from atari.validation import check_integer, check_known
 from atari.vector import ale_names
 from atari.vector.layout import Layout
@@ -72,14 +73,16 @@ class VectorOptions:
         if given["render_mode"] not in (None, "rgb_array"):
             raise ValueError(f"render_mode must be 'rgb_array' or None, got {given['render_mode']!r}")
         check_known(
-            "AtariVectorEnv", [name for name in task_options if name not in _OF_TASKS], (*_OF_TASKS, *_RUN, *given)
+            "AtariVectorEnv", [name for name in task_options if name not in OF_TASKS], (*OF_TASKS, *_RUN, *given)
         )
         tasks = _resolve(listed, preset, dict(task_options))
         _check_alike(tasks)
-        first = tasks[0]
+        first, game_info = tasks[0], given["game_info"]
+        if game_info is None:
+            game_info = first.preprocessed and not (preset is None and any(map(_is_bare, listed)))
         return cls(
             tasks=tasks,
-            game_info=first.preprocessed and not (preset is None and any(map(_is_bare, listed))),
+            game_info=check_bool("game_info", game_info),
             rom=given["rom"],
             batch_size=batch_size,
             num_threads=min(threads if threads > 0 else _cores(), len(tasks)),
@@ -92,6 +95,11 @@ class VectorOptions:
     def task(self) -> Task:
         """The task of the first environment. All have it, but for the game, its mode and interventions."""
         return self.tasks[0]
+
+    @cached_property
+    def identities(self) -> tuple[str, ...]:
+        """The task of each environment as its snapshots have it."""
+        return tuple(map(identity, self.tasks))
 
     @cached_property
     def games(self) -> tuple[Game, ...]:
@@ -136,7 +144,7 @@ class VectorOptions:
                 _emulator.MemberSpec(),
                 game=native[game],
                 actions=list(map(int, self.actions[index])),
-                action_set=list(map(int, self.action_sets[index])),
+                action_set=list(map(int, self.tasks[index].begin_actions)),
                 mode=self.tasks[index].set_mode,
                 difficulty=self.tasks[index].set_difficulty,
                 seed=seeds[index],
@@ -297,11 +305,16 @@ def _resolve(listed: list[Any], preset: Any, options: dict[str, Any]) -> tuple[T
             own = {
                 name: value for name, value in zip(("mode", "difficulty"), key[1:], strict=True) if value is not None
             }
-            made[key] = _resolve_one(game, preset, {**options, **own})
+            made[key] = resolve_one(game, preset, {**options, **own})
     return tuple(made[key] for key in keys)
 
 
-def _resolve_one(game: Any, preset: Any, options: dict[str, Any]) -> Task:
+def resolve_one(game: Any, preset: Any, options: dict[str, Any]) -> Task:
+    """The task of an environment of a vector.
+
+    Raises:
+        TypeError, ValueError: an option is wrong.
+    """
     several = is_versioned(game) or options.get("players") not in (None, 1)
     bare = _is_bare(game) and preset is None
     base = (ale_names.SEVERAL_PLAYERS if several else ale_names.ONE_PLAYER) if bare else {}
@@ -320,7 +333,7 @@ def _resolve_one(game: Any, preset: Any, options: dict[str, Any]) -> Task:
     return task
 
 
-_OF_TASKS = (*OPTIONS, *ALIASES, *ale_names.NAMES)
+OF_TASKS = (*OPTIONS, *ALIASES, *ale_names.NAMES)
 """The options that decide what is played."""
 
 _RUN = ("num_envs", "preset")

@@ -1,7 +1,6 @@
 """The settings of the vector engine, filled by name from a task."""
 
 import enum
-from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
 from atari import _emulator
@@ -27,7 +26,11 @@ def filled_by_name(settings: _Settings, task: Task, **others: Any) -> _Settings:
         AttributeError: a task lacks a field.
     """
     fields = [name for name, member in vars(type(settings)).items() if isinstance(member, property)]
-    values = {name: _as_engine_reads(name, getattr(task, name)) for name in fields if name not in others}
+    values: dict[str, Any] = {name: getattr(task, name) for name in fields if name not in others}
+    if "frameskip" in values:
+        values["frameskip"] = task.frames
+    if "repeat_action_probability" in values:
+        values["repeat_action_probability"] = as_ale_reads(values["repeat_action_probability"])
     for name, value in values.items():
         kind = type(getattr(settings, name))
         if issubclass(kind, enum.Enum):
@@ -60,16 +63,3 @@ def _pixels(task: Task) -> _emulator.PixelFormat:
     if task.pool_rgb:
         return _emulator.PixelFormat.GRAY_OF_RGB
     return _emulator.PixelFormat.GRAY if task.obs_type in ("grayscale", "dict") else _emulator.PixelFormat.RGB
-
-
-def _frames(frameskip: Any) -> tuple[int, int]:
-    """From how many frames and below how many a skip is drawn."""
-    return frameskip if isinstance(frameskip, tuple) else (frameskip, frameskip + 1)
-
-
-_READS: Mapping[str, Callable[[Any], Any]] = {"frameskip": _frames, "repeat_action_probability": as_ale_reads}
-"""By field, what makes the engine's value of an option where they differ."""
-
-
-def _as_engine_reads(name: str, value: Any) -> Any:
-    return _READS[name](value) if name in _READS else value

@@ -20,6 +20,7 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 import atari
 from atari.learning import environments
 from atari.learning.agents import find_agent
+from atari.learning.options import FAST_RAM
 from atari.task import Task
 
 SAME_STEP = AutoresetMode.SAME_STEP
@@ -85,7 +86,7 @@ def train(side: str, obs: str, game: str, steps: int, workers: int) -> tuple[flo
 
     environments.AtariVectorEnv = vector  # type: ignore[assignment, misc]
     ppo = find_agent("ppo")
-    options = {**ppo.fast, **(ppo.fast_ram if obs == "ram" else {}), "workers": workers, "total_steps": steps}
+    options = {**ppo.fast, **(FAST_RAM if obs == "ram" else {}), "workers": workers, "total_steps": steps}
     agent = ppo(ppo.options_class.of(game, **options))
     scores: list[float] = []
     start = time.perf_counter()

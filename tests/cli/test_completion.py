@@ -20,7 +20,8 @@ CASES = {
     "explain PongNo": {"PongNoFrameskip-v0", "PongNoFrameskip-v4"},
     "info catc": {"catch.toml"},
     "record pong --preset dqn": {"dqn2015"},
-    "record pong --epis": {"--episodes"},
+    "record pong --episodes": {"--episodes"},
+    "record pong --no-maxp": {"--no-maxpool"},
     "lab ma": {"map", "mario_bros", "maze_craze"},
     "lab map break": {"breakout"},
     "lab map pong --stat": {"--states"},
@@ -37,7 +38,12 @@ CASES = {
     "roms import catc": {"catch.toml", "catch.asm", "catch.bin"},
     "completion tc": {"tcsh"},
 }
-BEGINNINGS = {"record pong --epis": "--episode", "lab map pong --stat": "--state", "info catc": "catch."}
+BEGINNINGS = {
+    "record pong --episodes": "--episodes",
+    "record pong --no-maxp": "--no-maxpool",
+    "lab map pong --stat": "--state",
+    "info catc": "catch.",
+}
 """What words of tcsh have in common, whose rules have the options of all commands, and files of every suffix."""
 
 

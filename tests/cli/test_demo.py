@@ -15,8 +15,7 @@ from video_reader import video_frames
 
 import atari
 from atari.cli import main
-from atari.cli.observers import ScoreCounter, VideoObserver
-from atari.recording import VideoWriter, frame_rate
+from atari.recording import RecordReplay, frame_rate
 
 
 @pytest.fixture(autouse=True)
@@ -35,11 +34,11 @@ def test_writes_a_video_of_breakout_and_says_where(folder: Path, capsys: pytest.
     assert main(["demo", "--steps", "30"]) == 0
     captured = capsys.readouterr()
     path = folder / "videos" / "breakout-0.mp4"
-    assert captured.out.startswith("Breakout: a random agent on the preset dqn2015, seed 0\n")
-    assert captured.out.endswith(f"  video   {path.resolve()}\n")
-    assert re.search(r"played  30 steps, \d+ frames", captured.out)
-    assert re.search(r"speed   [\d,]+ steps/s, [\d,]+ frames/s", captured.out)
-    assert "27 of 30 steps" in captured.err
+    title = "breakout: Breakout, as 'breakout' with preset='dqn2015'\n"
+    assert captured.out.startswith(f"{title}  policy  random, seed 0\n")
+    assert captured.out.endswith(f"  file    {path.resolve()}\n")
+    assert re.search(r"played  \d+ frames in [\d.]+ s, [\d,]+ frames/s, writing included", captured.out)
+    assert re.search(r"27 of 30 steps, [\d,]+ steps/s", captured.err)
     with av.open(str(path)) as container:
         stream, sound = container.streams
         assert (stream.codec_context.name, sound.codec_context.name) == ("h264", "aac")
@@ -49,8 +48,7 @@ def test_writes_a_video_of_breakout_and_says_where(folder: Path, capsys: pytest.
 
 def test_video_has_every_emulated_frame_in_colour(capsys: pytest.CaptureFixture[str]) -> None:
     result = demo_json(capsys, "breakout", "--steps", "20", "--seed", "3", "-o", "a/b.mp4")
-    assert result["video"] == str(Path("a/b.mp4").resolve())
-    assert result["steps"] == 20
+    assert result["files"] == [str(Path("a/b.mp4").resolve())]
     assert 20 * 4 < result["frames"] <= 20 * 4 + 30  # the no-ops at the start are played too
     shown = video_frames(Path("a/b.mp4"))
     assert len(shown) == result["frames"]
@@ -61,7 +59,7 @@ def test_video_has_every_emulated_frame_in_colour(capsys: pytest.CaptureFixture[
 
 def test_a_pal_game_has_its_own_size_and_rate(capsys: pytest.CaptureFixture[str]) -> None:
     result = demo_json(capsys, "air_raid", "--steps", "5")
-    with av.open(result["video"]) as container:
+    with av.open(result["files"][0]) as container:
         stream = container.streams.video[0]
         assert (stream.width, stream.height) == (640, 500)
         assert stream.average_rate == frame_rate(atari.games["air_raid"])
@@ -70,7 +68,7 @@ def test_a_pal_game_has_its_own_size_and_rate(capsys: pytest.CaptureFixture[str]
 
 def test_the_same_seed_plays_the_same(capsys: pytest.CaptureFixture[str]) -> None:
     facts = [demo_json(capsys, "pong", "--steps", "150", "--no-video", "--seed", seed) for seed in "114"]
-    assert facts[0]["video"] is None
+    assert facts[0]["files"] == []
     assert [facts[0][key] for key in ("frames", "scores")] == [facts[1][key] for key in ("frames", "scores")]
     assert facts[0]["frames"] != facts[2]["frames"]
 
@@ -87,26 +85,33 @@ def test_games_are_counted_and_not_lives(capsys: pytest.CaptureFixture[str]) -> 
 
 
 def test_seconds_are_those_of_the_console(capsys: pytest.CaptureFixture[str]) -> None:
-    assert demo_json(capsys, "pong", "--seconds", "2", "--no-video")["steps"] == 30
-    assert demo_json(capsys, "air_raid", "--seconds", "2", "--no-video")["steps"] == 25
+    assert 120 <= demo_json(capsys, "pong", "--seconds", "2", "--no-video")["frames"] < 124
+    assert 100 <= demo_json(capsys, "air_raid", "--seconds", "2", "--no-video")["frames"] < 104
 
 
 def test_no_video_makes_no_file(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["demo", "--steps", "3", "--no-video"]) == 0
-    assert capsys.readouterr().out.endswith("  video   none\n")
+    assert "file" not in capsys.readouterr().out
     assert not list(folder.iterdir())
 
 
 def test_observers_get_the_played_frames_and_none_after_the_end(folder: Path) -> None:
+    class Observer:
+        games = frames = 0
+
+        def game_begun(self) -> None:
+            self.games += 1
+
+        def frame_played(self, action: int, reward: int) -> None:
+            self.frames += 1
+
     env = atari.AtariEnv("breakout", core="ale", max_num_frames_per_episode=6)
-    env.make_sound()
-    with VideoWriter(folder / "a.mp4", env.game.screen.shape, 60, sound=True) as video:
-        score_counter = ScoreCounter()
-        env.observers += [score_counter, VideoObserver(env, video)]
-        env.reset(seed=0)
+    with RecordReplay(env, folder / "a.a26") as recorded:
+        env.observers.append(observer := Observer())
+        recorded.reset(seed=0)
         assert env.play_frames(1, 9) == 0
-    assert (score_counter.frames, video.frames, score_counter.scores) == (6, 6, [0])
-    assert env.core.truncated
+        assert env.core.truncated
+    assert (observer.games, observer.frames, recorded.recorder.frames) == (1, 6, 6)
 
 
 @pytest.mark.parametrize(
@@ -116,9 +121,8 @@ def test_observers_get_the_played_frames_and_none_after_the_end(folder: Path) ->
         (["--steps", "1.5"], "'1.5' is not a whole number of at least 1"),
         (["--seconds", "nan"], "'nan' is not a number of at least 0.1"),
         (["--seconds", "inf"], "'inf' is not a number of at least 0.1"),
-        (["--seed", "-1"], "'-1' is not a whole number of at least 0"),
+        (["--seed", "-1"], "a seed must be within 0..4294967295, got -1"),
         (["--steps", "5", "--seconds", "5"], "not allowed with argument"),
-        (["--no-video", "-o", "a.mp4"], "not allowed with argument"),
     ],
 )
 def test_wrong_usage(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -129,9 +133,10 @@ def test_wrong_usage(words: list[str], text: str, capsys: pytest.CaptureFixture[
 @pytest.mark.parametrize(
     ("words", "text"),
     [
+        (["--no-video", "-o", "a.mp4"], "--no-video writes nothing; leave it or --output out"),
         (["breakuot"], "there is no game 'breakuot'; did you mean 'breakout'?"),
         (["combat"], "'combat' is a two-player cartridge"),
-        (["-o", "a.avi"], "must end in one of .mp4, "),
+        (["-o", "a.avi"], "-o is a file that ends in one of .mp4, "),
         (["-o", "occupied/a.mp4"], "occupied"),
         (["-o", "folder.mp4"], "Is a directory: folder.mp4"),
     ],
@@ -141,7 +146,7 @@ def test_what_cannot_be_done_is_refused_before_playing(
 ) -> None:
     (folder / "occupied").touch()
     (folder / "folder.mp4").mkdir()
-    monkeypatch.setattr("atari.cli.demo._play", lambda *_: pytest.fail("it played"))
+    monkeypatch.setattr("atari.cli.record.play_alone", lambda *_: pytest.fail("it played"))
     assert main(["demo", *words]) == 1
     captured = capsys.readouterr()
     assert captured.err.startswith("atari: error: ")
@@ -170,11 +175,11 @@ def test_ctrl_c_ends_it_with_a_playable_video(folder: Path) -> None:
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=120)
     assert process.returncode == 130
-    assert out == ""
+    assert out == "breakout: Breakout, as 'breakout' with preset='dqn2015'\n"
     line = err.splitlines()[-1]
-    match = re.fullmatch(r"atari: interrupted after ([\d,]+) of 2,000 steps; the video up to there is (.+)", line)
+    match = re.fullmatch(r"atari: interrupted after ([\d,]+) frames; what was recorded is in (.+)", line)
     assert match is not None, err
     assert match[2] == str((folder / "a.mp4").resolve())
-    steps = int(match[1].replace(",", ""))
-    assert 200 <= steps < 2000
-    assert len(video_frames(folder / "a.mp4")) > 4 * 200
+    frames = int(match[1].replace(",", ""))
+    assert 4 * 200 <= frames < 4 * 2000
+    assert len(video_frames(folder / "a.mp4")) == frames

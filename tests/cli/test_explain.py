@@ -1,10 +1,14 @@
 """`atari explain`."""
 
+import json
+from pathlib import Path
+
 import pytest
 from cli_tools import read, read_json
 
 from atari import registration
 from atari.cli import main
+from atari.task import Task
 
 
 def test_explain_prints_the_explanation(capsys: pytest.CaptureFixture[str]) -> None:
@@ -32,6 +36,18 @@ def test_explain_json(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_explain_json_of_pixels(capsys: pytest.CaptureFixture[str]) -> None:
     assert read_json(capsys, "explain", "ALE/AirRaid-v5")["observation"]["shape"] == [250, 160, 3]
+
+
+def test_explain_takes_a_game_a_task_and_flags(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    task = Task.of("Pong-ram-v4", frameskip=3)
+    assert read(capsys, "explain", "Pong-ram-v4", "--frameskip", "3") == f"{task}\n"
+    assert read(capsys, "explain", "pong", "--preset", "dqn2015") == f"{Task.of('pong', preset='dqn2015')}\n"
+    printed = read(capsys, "explain", "Pong-ram-v4", "--frameskip", "3", "--print-task", "--json")
+    (tmp_path / "task.json").write_text(printed)
+    assert read(capsys, "explain", str(tmp_path / "task.json")) == f"{task}\n"
+    facts = read_json(capsys, "explain", str(tmp_path / "task.json"), "--obs-type", "grayscale", "--stack-num", "4")
+    assert facts["observation"] == {"shape": [4, 210, 160], "dtype": "uint8"}
+    assert Task.from_json(json.dumps(facts["task"])) == task.replace(obs_type="grayscale", stack_num=4)
 
 
 @pytest.mark.parametrize("option", [[], ["--json"]])

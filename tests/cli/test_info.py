@@ -59,8 +59,12 @@ def test_info_json_has_rules_and_labels(capsys: pytest.CaptureFixture[str]) -> N
 
 
 def test_info_of_an_unknown_game_suggests_the_nearest(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["info", "MsPacMan"]) == 1
-    assert capsys.readouterr().err == "atari: error: there is no game 'MsPacMan'; did you mean 'ms_pacman'?\n"
+    assert main(["info", "MsPacMen"]) == 1
+    assert capsys.readouterr().err == "atari: error: there is no game 'MsPacMen'; did you mean 'ms_pacman'?\n"
+
+
+def test_info_takes_the_name_of_an_id(capsys: pytest.CaptureFixture[str]) -> None:
+    assert read(capsys, "info", "MsPacman") == read(capsys, "info", "ms_pacman")
 
 
 def test_info_takes_an_id(capsys: pytest.CaptureFixture[str]) -> None:

@@ -11,7 +11,7 @@ import pytest
 
 import atari
 from atari import cli
-from atari.cli import demo, main
+from atari.cli import main, record
 
 COMMANDS = [
     ["list"], ["info"], ["explain"], ["demo"], ["record"], ["play"], ["roms"], ["replay"],
@@ -75,7 +75,7 @@ def test_each_command_has_help(command: list[str], capsys: pytest.CaptureFixture
         (["replay", "verify"], "arguments are required: FILE"),
         (["list", "breakout"], "unrecognized arguments: breakout"),
         (["info"], "arguments are required: GAME"),
-        (["explain"], "arguments are required: ID"),
+        (["explain"], "arguments are required: GAME"),
         (["list", "--i"], "unrecognized arguments: --i"),
         (["record", "pong", "--secnds", "2"], "usage: atari record [-h]"),
         (["replay", "show", "a.a26", "--core", "ale"], "usage: atari replay show [-h]"),
@@ -106,25 +106,25 @@ def test_errors_of_the_library_are_one_line_and_1(
     def fail(*_: object) -> None:
         raise error
 
-    monkeypatch.setattr(demo, "_play", fail)
-    assert main(["demo", "--no-video"]) == 1
+    monkeypatch.setattr(record, "play_alone", fail)
+    assert main(["demo", "--no-video", "--json"]) == 1
     captured = capsys.readouterr()
     assert captured.err == f"atari: error: {line}\n"
     assert captured.out == ""
 
 
 def test_a_bug_shows_its_traceback(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(demo, "_play", lambda *_: 1 // 0)
+    monkeypatch.setattr(record, "play_alone", lambda *_: 1 // 0)
     with pytest.raises(ZeroDivisionError):
-        main(["demo", "--no-video"])
+        main(["demo", "--no-video", "--json"])
 
 
 def test_ctrl_c_is_130(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(demo, "_play", interrupt)
-    assert main(["demo", "--no-video"]) == 130
+    monkeypatch.setattr(record, "play_alone", interrupt)
+    assert main(["demo", "--no-video", "--json"]) == 130
     assert capsys.readouterr().err == "atari: interrupted\n"
 
 

@@ -7,9 +7,9 @@ from cli_tools import read_json
 
 from atari.cli import main
 from atari.cli.arguments import find_game
-from atari.cli.task_arguments import game_or_file
 from atari.learning.evaluation.played import find_entries
 from atari.learning.options import TrainingOptions
+from atari.task.arguments import game_of
 
 CATCH = str(Path(__file__).parents[2] / "examples" / "catch" / "catch.toml")
 NAMES = {"pong": "pong", "ALE/Pong-v5": "pong", "PongNoFrameskip-v4": "pong", CATCH: "catch"}
@@ -45,12 +45,12 @@ def test_a_command_takes_every_kind_of_name(
 def test_the_other_commands_resolve_names_alike(name: str) -> None:
     """`play` and `lab` call `find_game`, and `watch` and `lab collect` `find_entries`."""
     assert find_game(name).id == NAMES[name]
-    assert find_entries(game_or_file(name))[0].id == NAMES[name]
+    assert find_entries(game_of(name))[0].id == NAMES[name]
 
 
 @pytest.mark.parametrize("name", NAMES, ids=["game", "v5", "v4", "file"])
 def test_a_training_resolves_names(name: str) -> None:
-    assert TrainingOptions.of(game_or_file(name)).task.game == NAMES[name]
+    assert TrainingOptions.of(game_of(name)).task.game == NAMES[name]
 
 
 def test_a_game_of_ones_own_is_explained(capsys: pytest.CaptureFixture[str]) -> None:

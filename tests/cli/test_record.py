@@ -68,7 +68,7 @@ def test_an_episode_is_a_game_and_the_default(capsys: pytest.CaptureFixture[str]
 def test_the_default_output_is_a_video(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["record", "pong", "--seconds", "0.2"]) == 0
     out = capsys.readouterr().out
-    assert out.startswith("pong: policy random, seed 0\n  played  12 frames in ")
+    assert out.startswith("pong: Pong, as ALE/Pong-v5\n  policy  random, seed 0\n  played  12 frames in ")
     assert out.endswith(f"  file    {folder / 'videos' / 'pong-0.mp4'}\n")
 
 
@@ -108,13 +108,16 @@ def test_a_replay_is_a_policy(folder: Path, capsys: pytest.CaptureFixture[str]) 
         (["pong", "--policy", "seaquest.a26"], "seaquest.a26 is a replay of seaquest, not of pong"),
         (["seaquest", "--policy", "seaquest.a26", "-o", "b.a26"], "a replay of a replay is its copy"),
         (["pong", "-o", "a.avi"], "-o is a file that ends in one of .mp4, .mkv, .webm, .gif, .png, .a26, got 'a.avi'"),
-        (["pong", "--preset", "dqn2016"], "'dqn2016'"),
+        (["backgammon", "--policy", "noop"], "backgammon has no NOOP among its actions; add --actions full"),
+        (["pong", "--policy", "a.a26", "--sticky", "0"], "what was played is in the replay a.a26; name the game alone"),
+        (["pong", "--policy", "noop", "--policy", "noop"], "a second --policy needs --players"),
     ],
 )
 def test_what_cannot_be_done_is_one_line(
     words: list[str], text: str, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     record(folder / "seaquest.a26", "seaquest", 2)
+    record(folder / "a.a26", "pong", 2)
     assert main(["record", *words]) == 1
     err = capsys.readouterr().err
     assert err.startswith("atari: error: ")
@@ -138,6 +141,7 @@ def test_ctrl_c_keeps_what_was_recorded(folder: Path, options: list[str]) -> Non
     )
     with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
+        assert process.stdout.readline() == "pong: Pong, as ALE/Pong-v5\n"
         assert process.stdout.readline() == "playing\n"
         process.send_signal(signal.SIGINT)
         _, err = process.communicate(timeout=120)

@@ -73,10 +73,30 @@ def test_actions_pokes_and_strengths_come_from_the_seed() -> None:
     assert steps != list(Run("breakout", frames=300, seed=6, pokes=True, strengths=True).steps())
 
 
+SHOWN = "pong: Pong, as PongNoFrameskip-v0, but actions='full', max_num_frames_per_episode=None\n"
+
+
+def test_the_command_plays_what_an_id_says(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    runs: list[Run] = []
+    monkeypatch.setattr("atari.cli.verify._results", lambda found, jobs: runs.extend(found) or [])
+    assert main(["verify", "PongNoFrameskip-v4", "ALE/Pong-v5", "pong", "--mode", "1"]) == 0
+    assert [(run.repeat_action_probability, run.max_num_frames_per_episode, run.mode) for run in runs] == [
+        (0.0, 108_000, 1),
+        (0.25, 108_000, 1),
+        (0.25, 0, 1),
+    ]
+    assert ", without actions='minimal', without frameskip=4\n" in capsys.readouterr().out
+
+
 @needs_new_ale_py
 def test_the_command_counts_runs_and_frames(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["verify", "pong", "breakout", "--frames", "20", "--seeds", "1", "2", "--jobs", "1"]) == 0
-    assert capsys.readouterr().out == "4 runs, 80 frames, 0 differences\n"
+    assert (
+        capsys.readouterr().out
+        == SHOWN
+        + SHOWN.replace("pong: Pong", "breakout: Breakout").replace("PongNo", "BreakoutNo")
+        + "4 runs, 80 frames, 0 differences\n"
+    )
 
 
 @needs_new_ale_py
@@ -104,7 +124,7 @@ def test_the_command_compares_with_the_plain_core(
 ) -> None:
     arguments = ["verify", "pong", "--core", "plain", "--frames", "30", "--jobs", "1", "-o", str(tmp_path)]
     assert main(arguments) == 0
-    assert capsys.readouterr().out == "1 runs, 30 frames, 0 differences\n"
+    assert capsys.readouterr().out == SHOWN + "1 runs, 30 frames, 0 differences\n"
     monkeypatch.setattr(PlainCore, "act", lambda self, action, strength=1.0: 7)
     assert main(arguments) == 1
     assert "pong: native differs from plain at frame 0" in capsys.readouterr().out
@@ -113,15 +133,18 @@ def test_the_command_compares_with_the_plain_core(
 @needs_new_ale_py
 def test_several_processes_give_the_same(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["verify", "pong", "enduro", "--frames", "20", "--jobs", "2"]) == 0
-    assert capsys.readouterr().out == "2 runs, 40 frames, 0 differences\n"
+    assert capsys.readouterr().out.endswith("2 runs, 40 frames, 0 differences\n")
 
 
 @pytest.mark.parametrize(
     ("arguments", "code", "text"),
     [
         (["verify", "brekout"], 1, "did you mean 'breakout'?"),
+        (["verify", "pong", "--modes", "--mode", "1"], 1, "--modes plays all of them; leave it or --mode out"),
+        (["verify", "pong", "--intervention", "lazy_enemy"], 2, "unrecognized arguments: --intervention lazy_enemy"),
+        (["verify", "pong", "--seeds", "4294967296"], 2, "a seed must be within 0..4294967295, got 4294967296"),
         (["verify", "pong", "--frames", "0"], 1, "--frames and --jobs must be at least 1"),
-        (["verify", "pong", "--sticky", "2"], 1, "repeat_action_probability must be within 0..1"),
+        (["verify", "pong", "--sticky", "2"], 2, "repeat_action_probability must be within 0..1"),
         (["verify", "--replay", "nowhere.json"], 1, "nowhere.json"),
         (["verify", "pong", "--core", "native"], 2, "invalid choice"),
     ],

@@ -27,20 +27,23 @@ def policy() -> Any:
             self.offset = 0
             self.calls = 0
 
-        def __call__(self, observations: Any, random: np.random.Generator) -> Any:
+        def __call__(self, observations: Any, lanes: Any) -> Any:
             self.calls += 1
-            actions = (random.integers(4, size=len(observations)) + self.offset) % 4
+            actions = (self.random.integers(4, size=len(observations)) + self.offset) % 4
             return actions, {"pid": np.full(len(actions), os.getpid()), "calls": np.full(len(actions), self.calls)}
 
         def load(self, weights: Any) -> None:
             assert not weights["offset"].flags.writeable
             self.offset = int(weights["offset"][0])
 
-        def state(self) -> int:
-            return self.calls
+        def begin(self, game: str, actions: Any, lanes: Any, seeds: Any) -> None:
+            self.random = np.random.default_rng(seeds)
 
-        def restore(self, state: int) -> None:
-            self.calls = state
+        def state(self) -> Any:
+            return self.calls, self.random
+
+        def restore(self, state: Any) -> None:
+            self.calls, self.random = state
 
     return Drawn
 
@@ -138,7 +141,7 @@ def test_no_more_batches_are_played_than_in_flight(cluster: Any, tmp_path: Any) 
         def __init__(self) -> None:
             self.file = open(tmp_path / str(os.getpid()), "ab", buffering=0)  # noqa: SIM115
 
-        def __call__(self, observations: Any, random: Any) -> Any:
+        def __call__(self, observations: Any, lanes: Any) -> Any:
             self.file.write(b".")
             return np.zeros(len(observations), int)
 
@@ -154,7 +157,7 @@ def test_no_more_batches_are_played_than_in_flight(cluster: Any, tmp_path: Any) 
 
 def test_an_error_of_the_policy_is_raised(cluster: Any) -> None:
     class Broken:
-        def __call__(self, observations: Any, random: Any) -> Any:
+        def __call__(self, observations: Any, lanes: Any) -> Any:
             raise ZeroDivisionError("of the policy")
 
     with RolloutActors("pong", 1, 1, Broken) as actors, pytest.raises(ZeroDivisionError, match="of the policy"):
@@ -163,7 +166,7 @@ def test_an_error_of_the_policy_is_raised(cluster: Any) -> None:
 
 def test_an_actor_that_always_dies_is_an_error(cluster: Any) -> None:
     class Deadly:
-        def __call__(self, observations: Any, random: Any) -> Any:
+        def __call__(self, observations: Any, lanes: Any) -> Any:
             os._exit(1)
 
     with RolloutActors("pong", 1, 1, Deadly) as actors, pytest.raises(RuntimeError, match="was lost 6 times"):

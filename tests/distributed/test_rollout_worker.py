@@ -12,6 +12,7 @@ pytestmark = pytest.mark.ray
 
 from atari.integrations.ray.rollout import Rollout  # noqa: E402
 from atari.integrations.ray.rollout_worker import Played, Position, RolloutWorker, WorkerSettings  # noqa: E402
+from atari.learning import ScoresPolicy  # noqa: E402
 
 
 class Drawn:
@@ -20,18 +21,21 @@ class Drawn:
     def __init__(self) -> None:
         self.count = 0
 
-    def __call__(self, observations: Any, random: np.random.Generator) -> Any:
+    def __call__(self, observations: Any, lanes: Any) -> Any:
         self.count += 1
-        return random.integers(3, size=len(observations)), {"count": np.full(len(observations), self.count)}
+        return self.random.integers(3, size=len(observations)), {"count": np.full(len(observations), self.count)}
+
+    def begin(self, game: str, actions: Any, lanes: Any, seeds: Any) -> None:
+        self.random = np.random.default_rng(seeds)
 
     def load(self, weights: int) -> None:
         self.count += weights
 
-    def state(self) -> int:
-        return self.count
+    def state(self) -> Any:
+        return self.count, self.random
 
-    def restore(self, state: int) -> None:
-        self.count = state
+    def restore(self, state: Any) -> None:
+        self.count, self.random = state
 
 
 def settings(**changes: Any) -> WorkerSettings:
@@ -130,6 +134,55 @@ def test_actions_alone_continue_from_the_reset() -> None:
     assert same(other.play(None, 0, False).rollout, second)
 
 
+@pytest.mark.parametrize("source", ["random", "noop", ScoresPolicy(lambda seen: np.zeros((len(seen), 4)), sample=True)])
+def test_a_worker_plays_what_load_policy_loads(source: Any) -> None:
+    worker = RolloutWorker(settings(), 0, source, Position())
+    first = worker.play(None, 0, True)
+    actions = first.rollout.actions.copy()
+    assert (len({*actions.ravel().tolist()}) == 1) == (source == "noop")
+    second = worker.play(None, 0, False).rollout.actions.copy()
+    other = RolloutWorker(settings(), 0, source, Position(1, first.environments, (), first.policy))
+    assert np.array_equal(other.play(None, 0, False).rollout.actions, second)
+    assert not np.array_equal(actions, second) or source == "noop"
+
+
+@pytest.mark.parametrize(
+    ("attributes", "weights", "text"),
+    [
+        ({"environment": {"preset": "dqn2015", "obs_type": "ram"}}, None, "needs obs_type='ram', and the environments"),
+        (
+            {"environment": {"preset": "dqn2015", "frameskip": 3}},
+            None,
+            "needs frameskip=3, and the environments have 4",
+        ),
+        ({"environment": {"preset": "dqn2015", "channels_last": True}}, None, "mine needs channels_last or dtype"),
+        ({}, 1, r"policy mine has no load\(weights\), which set_weights needs"),
+        ({"environment": {"preset": "dqn2015"}}, None, "mine gives scores of 3 actions, and in breakout it has 4"),
+    ],
+)
+def test_a_policy_of_other_environments_is_refused(attributes: Any, weights: Any, text: str) -> None:
+    policy = ScoresPolicy(lambda seen: np.zeros((len(seen), 3)), name="mine", **attributes)
+    with pytest.raises(ValueError, match=text):
+        RolloutWorker(settings(), 0, policy, Position()).play(weights, 0, False)
+
+
+def test_a_policy_hears_of_episodes() -> None:
+    class Listens(Drawn):
+        def __init__(self) -> None:
+            super().__init__()
+            self.begun: list[tuple[int, list[int]]] = []
+
+        def begin_episodes(self, lanes: Any) -> None:
+            self.begun.append((self.count, lanes.tolist()))
+
+    made: list[Listens] = []
+    worker = RolloutWorker(settings(steps=300), 0, lambda: made.append(Listens()) or made[0], Position())
+    valid = worker.play(None, 0, False).rollout.valid
+    began = [(row + 1, np.flatnonzero(~valid[row]).tolist()) for row in range(300) if not valid[row].all()]
+    assert made[0].begun == began
+    assert began
+
+
 class Ordered(Drawn):
     """Records the order of calls; its memory is made by `load` if `needs_weights`."""
 
@@ -140,14 +193,14 @@ class Ordered(Drawn):
         super().__init__()
         self.calls = []
 
-    def __call__(self, observations: Any, random: np.random.Generator) -> Any:
+    def __call__(self, observations: Any, lanes: Any) -> Any:
         self.calls.append("act")
-        return super().__call__(observations, random)
+        return super().__call__(observations, lanes)
 
     def load(self, weights: int) -> None:
         self.calls.append("load")
 
-    def restore(self, state: int) -> None:
+    def restore(self, state: Any) -> None:
         if self.needs_weights and "load" not in self.calls:
             raise AttributeError("no network")
         self.calls.append("restore")
@@ -189,7 +242,7 @@ def test_options_that_rollouts_do_not_have_are_refused(options: Any) -> None:
 
 def test_a_policy_that_returns_nonsense_is_refused() -> None:
     def make(answer: Any) -> Any:
-        return lambda: lambda observations, random: answer
+        return lambda: lambda observations, lanes: answer
 
     for answer in (np.zeros(2, int), (np.zeros(3, int), [1]), np.full(3, 99)):
         with pytest.raises(ValueError):  # noqa: PT011
@@ -202,7 +255,7 @@ def test_a_policy_that_returns_nonsense_is_refused() -> None:
 def test_extras_keep_their_shape_and_type(later: Any) -> None:
     answers = iter([np.zeros(3, int)])
 
-    def policy(observations: Any, random: Any) -> Any:
+    def policy(observations: Any, lanes: Any) -> Any:
         return np.zeros(3, int), {"value": next(answers, later)}
 
     with pytest.raises(ValueError, match="and before as int64"):

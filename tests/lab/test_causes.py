@@ -168,7 +168,7 @@ def test_bad_arguments() -> None:
         causes("pong", states=0)
     with pytest.raises(ValueError, match=r"frames must be within 1\.\.60"):
         causes("pong", frames=61)
-    with pytest.raises(ValueError, match="no single-player rules"):
+    with pytest.raises(ValueError, match="without single-player rules"):
         causes("combat")
     with pytest.raises(ValueError, match="no causal map of combat"):
         shipped_causes("combat")
@@ -214,3 +214,20 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     assert (tmp_path / "pong.png").read_bytes().startswith(b"\x89PNG")
     assert main([*arguments, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["game"] == "pong"
+
+
+def test_a_task_says_the_game_its_mode_and_its_difficulty() -> None:
+    plain = causes("breakout", states=2, values=1)
+    for found in (
+        causes(atari.Task.of("breakout", mode=8, difficulty=1), states=2, values=1),
+        causes("ALE/Breakout-v5", states=2, values=1, mode=8, difficulty=1),
+    ):
+        assert found.task is not None
+        assert (found.task.mode, found.task.difficulty, found.task.frameskip) == (8, 1, 1)
+        assert (found.settings["mode"], found.settings["difficulty"]) == (8, 1)
+        assert not np.array_equal(found.ram, plain.ram)
+    assert "mode" not in plain.settings
+    with pytest.raises(ValueError, match=r"causes has no place for interventions=.*; give the game alone, 'pong'"):
+        causes(atari.Task.of("pong", interventions=["lazy_enemy"]), states=2)
+    with pytest.raises(ValueError, match="causes has no place for noops="):
+        causes(atari.Task.of("breakout", preset="dqn2015"), states=2)

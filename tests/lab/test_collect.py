@@ -1,6 +1,7 @@
 """`write_dataset` and `atari lab collect`: the files hold what the environment returned, and the labels of it."""
 
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -139,10 +140,8 @@ def test_an_existing_file_stays(tmp_path: Path) -> None:
 
 
 def test_a_missing_package_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    def fail(name: str) -> Any:
-        raise ImportError(name)
-
-    monkeypatch.setattr(collect, "import_module", fail)
+    for name in ("pyarrow.parquet", "h5py"):
+        monkeypatch.setitem(sys.modules, name, None)
     with pytest.raises(gymnasium.error.DependencyNotInstalled, match="pip install pyarrow"):
         collect.check_output("a.parquet")
     with pytest.raises(gymnasium.error.DependencyNotInstalled, match="pip install h5py"):

@@ -118,6 +118,16 @@ def test_saved_states(kind: str, tmp_path: Path) -> None:
     assert session.game.id == "seaquest"
 
 
+def test_a_saved_state_has_its_interventions(tmp_path: Path) -> None:
+    env = AtariEnv("pong", interventions=["lazy_enemy"])
+    env.reset(seed=1)
+    path = tmp_path / "a.state"
+    path.write_bytes(env.snapshot())
+    session = session_of_snapshot(path)
+    assert session.env.task.interventions == env.task.interventions
+    assert_array_equal(session.ram(), env.core.ram())
+
+
 def test_interventions_are_toml() -> None:
     session = new_session()
     with pytest.raises(ValueError, match="nothing is frozen"):

@@ -4,24 +4,26 @@ import asyncio
 import json
 import socket
 from collections.abc import Awaitable, Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from inspector_tools import new_session
 
 aiohttp = pytest.importorskip("aiohttp")
 
 from atari.cli import main  # noqa: E402
-from atari.cli.lab import _session  # noqa: E402
 from atari.lab.inspector import protocol  # noqa: E402
 from atari.lab.inspector.server import Inspector  # noqa: E402
+from atari.task import Task  # noqa: E402
 
 Use = Callable[[Inspector, Any], Awaitable[None]]
 
 
 def serve(use: Use, game: str = "breakout") -> Inspector:
     """Run `use` with a served session and a client."""
-    inspector = Inspector(_session(game, None, None, 0))
+    inspector = Inspector(new_session(game))
 
     async def run() -> None:
         await inspector.start()
@@ -214,11 +216,26 @@ def test_a_taken_port_is_one_sentence(capsys: pytest.CaptureFixture[str]) -> Non
         (["pong", "--agent", "nothing:here"], "nothing:here cannot be imported"),
         (["nothing.a26"], "nothing.a26"),
         (["."], "no run folder"),
+        ([".", "--rom", "a.bin"], "leave --agent and --rom out"),
+        ([".", "--sticky", "0.25"], ". says what is played; leave --repeat-action-probability out"),
+        (["game.a26", "--seed", "1"], "game.a26 says what is played; leave --seed out"),
+        (["game.a26", "--mode", "1"], "game.a26 says what is played; leave --mode out"),
     ],
 )
 def test_mistakes_on_the_command_line(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["lab", *words, "--no-browser"]) == 1
     assert text in capsys.readouterr().err
+
+
+def test_it_plays_what_game_and_flags_say(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    words = ["--mode", "1", "--intervention", "lazy_enemy", "--print-task", "--json"]
+    assert main(["lab", "ALE/Pong-ram-v5", *words]) == 0
+    task = Task.from_json(capsys.readouterr().out)
+    played = {"mode": 1, "interventions": ["lazy_enemy"], "frameskip": 1, "actions": "full"}
+    assert task == Task.of("pong", **played)
+    (tmp_path / "task.json").write_text(task.replace(noops=(1, 30)).to_json())
+    assert main(["lab", str(tmp_path / "task.json")]) == 1
+    assert "`atari lab` has no place for noops=(1, 30), which " in capsys.readouterr().err
 
 
 def test_without_aiohttp(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
@@ -238,12 +255,14 @@ def test_without_a_browser_the_address_is_printed(
     monkeypatch.setattr("asyncio.Event.wait", lambda self: ended())
     assert main(["lab", "pong"]) == 130
     out, err = capsys.readouterr()
-    assert out.startswith("Pong: http://127.0.0.1:")
+    first, second, *_ = out.splitlines()
+    assert first == "pong: Pong, as PongNoFrameskip-v4, but actions='full', max_num_frames_per_episode=None"
+    assert second.startswith("Pong: http://127.0.0.1:")
     assert "no browser could be opened; open the address above in one" in err
 
 
 def test_a_frame_with_a_fork() -> None:
-    session = _session("breakout", None, None, 0)
+    session = new_session("breakout")
     session.open_fork()
     session.poke(57, 2)
     frame = protocol.frame(session)

@@ -384,3 +384,13 @@ def test_a_value_that_a_label_cannot_have() -> None:
         for step in range(20):
             one.step(step % 6)
     assert (env.core.ram() == twin.core.ram()).all()  # it is not written
+
+
+def test_a_check_takes_a_task_with_its_mode() -> None:
+    result = check(atari.Task.of("pong", mode=1), "lazy_enemy")
+    assert (result.game, result.task.mode, result.passed) == ("pong", 1, True)
+    assert check("ALE/Pong-v5", "lazy_enemy", mode=1) == result
+    with pytest.raises(ValueError, match="check has no place for interventions="):
+        check(atari.Task.of("pong", interventions=["lazy_enemy"]), "lazy_enemy")
+    with pytest.raises(ValueError, match="pong has no mode 9"):
+        check("pong", "lazy_enemy", mode=9)

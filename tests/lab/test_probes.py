@@ -8,6 +8,7 @@ import gymnasium
 import numpy as np
 import pytest
 
+import atari
 from atari.lab.probes import Episode, ProbeData, majority, play_episodes, probe, split_episodes
 from atari.lab.probes.probe import weighted_f1
 
@@ -124,6 +125,25 @@ def test_episodes_of_a_game() -> None:
     assert all(part[0] == 5 and (np.diff(part.astype(int)) <= 0).all() for part in lives)
     split = split_episodes(many, "breakout")
     assert {"ball_x", "player_x"} <= set(split.names)
+
+
+@pytest.mark.parametrize(
+    ("game", "shape"),
+    [
+        ("ALE/Pong-v5", (210, 160, 3)),
+        (atari.Task.of("pong", preset="dqn2015", img_height=42, img_width=42), (4, 42, 42)),
+    ],
+)
+def test_an_id_or_a_task_says_what_is_seen(game: Any, shape: tuple[int, ...]) -> None:
+    episode = play_episodes(game, 32, num_envs=2)[0]
+    task = atari.Task.of(game)
+    assert episode.task == task.replace(obs_type="rgb_dict" if task.obs_type == "rgb" else "dict")
+    assert episode.observations.shape[1:] == shape
+
+
+def test_states_without_images_are_refused() -> None:
+    with pytest.raises(ValueError, match="images and RAM, 'dict' or 'rgb_dict', not 'ram'"):
+        play_episodes("pong", 32, obs_type="ram")
 
 
 @pytest.mark.parametrize(

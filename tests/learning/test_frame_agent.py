@@ -162,7 +162,7 @@ def test_a_policy_of_another_game_keeps_what_it_sees() -> None:
 def test_wrong_actions() -> None:
     policy = Recorder(environment={"actions": ["NOOP"]})
     policy.random = type("Wrong", (), {"integers": lambda *_, **__: np.ones(1, np.int64)})()  # type: ignore[assignment]
-    with pytest.raises(ValueError, match="recorder must return one of 1 actions"):
+    with pytest.raises(ValueError, match="policy recorder returned action 1; in pong it has 1 actions"):
         follow(policy, "pong", 1)
 
 
@@ -171,7 +171,7 @@ def test_wrong_actions() -> None:
     [
         ({"sound_obs": True}, "the environment of the policy: sound_obs=True is for"),
         ({"continuous": True}, "recorder has continuous=True, and an agent chooses"),
-        ({"players": 2}, "is for players=2, and an agent plays alone; leave players out"),
+        ({"players": 2}, "recorder has players=2, and the game is played by 1; give a policy whose task has players=1"),
         ({"colour": 1}, "the environment of the policy: it has no option 'colour'"),
         ([], "the environment of the policy: it must be a mapping"),
     ],

@@ -1,14 +1,18 @@
 """`load_policy`: what it accepts, and what it says about everything else."""
 
 import json
+import pickle
 import sys
 import zipfile
+from dataclasses import replace
 
 import gymnasium
 import numpy as np
 import pytest
 
-from atari.learning import load_policy
+from atari.cores import NativeCore
+from atari.learning import PROTOCOLS, ScoresPolicy, evaluate, load_policy
+from atari.learning.frame_agent import FrameAgent
 
 
 def archive(file, **members):
@@ -24,6 +28,7 @@ def sb3(file, **facts):
 
 def test_functions_of_modules(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.delitem(sys.modules, "mine", raising=False)  # another test's
     (tmp_path / "mine.py").write_text(
         "def one(o): return [1] * len(o)\n"
         "def two(o, lanes): return lanes\n"
@@ -31,9 +36,11 @@ def test_functions_of_modules(tmp_path, monkeypatch):
         "    name = 'three'\n"
         "    def __call__(self, o, lanes): return lanes + 1\n"
         "four = 4\n"
+        "class Five:\n"
+        "    def __init__(self, size): pass\n"
     )
     observations, lanes = np.zeros((2, 128), np.uint8), np.array([3, 4])
-    assert load_policy("mine:one")(observations, lanes) == [1, 1]
+    assert load_policy("mine:one")(observations, lanes).tolist() == [1, 1]
     assert load_policy("mine:two")(observations, lanes).tolist() == [3, 4]
     assert load_policy("mine:Three")(observations, lanes).tolist() == [4, 5]
     assert load_policy("mine:Three").name == "three"
@@ -42,6 +49,7 @@ def test_functions_of_modules(tmp_path, monkeypatch):
         ("nosuch:one", "nosuch"),
         (":one", "imported"),
         ("mine:four", "is a function of observations"),
+        ("mine:Five", "Five cannot be made without arguments, give an instance"),
     ]:
         with pytest.raises(ValueError, match=text):
             load_policy(name)
@@ -97,3 +105,71 @@ def test_random_and_noop():
     noop = load_policy("noop")
     with pytest.raises(ValueError, match="has no NOOP"):
         noop.begin("mine", ("FIRE",), lanes, lanes)
+
+
+def test_objects_are_loaded_as_they_are():
+    class Mine:
+        game = "pong"
+
+        def __call__(self, observations, lanes):
+            return lanes + 1
+
+    for source in (Mine, Mine()):
+        policy = load_policy(source)
+        assert (policy.name, policy.game) == ("Mine", "pong")
+        assert not hasattr(policy, "task")
+        assert policy(np.zeros((2, 1)), np.arange(2)).tolist() == [1, 2]
+        assert load_policy(policy) is policy
+        policy.begin("pong", ("NOOP", "FIRE"), np.arange(2), np.arange(2))  # which it does without
+        policy.begin_episodes(np.arange(2))
+        with pytest.raises(ValueError, match=r"policy Mine returned action 2; in pong it has 2 actions, 0\.\.1 \(NOOP"):
+            policy(np.zeros((2, 1)), np.arange(2))
+    assert load_policy(lambda: Mine()).game == "pong"
+    assert pickle.loads(pickle.dumps(load_policy("noop"))).name == "noop"
+
+
+@pytest.mark.parametrize(
+    ("returned", "got"),
+    [
+        (np.zeros((2, 6), np.float32), r"float32 \(2, 6\)"),
+        (np.zeros(2), r"float64 \(2,\)"),
+        (np.zeros(3, int), r"int64 \(3,\)"),
+        (None, r"array\(None"),
+        (["UP", "DOWN"], "<U4"),
+    ],
+)
+def test_what_a_policy_must_return(returned, got):
+    policy = load_policy(lambda observations: returned)
+    with pytest.raises(ValueError, match=rf"must return integers of shape \(2,\), .*, got {got}"):
+        policy(np.zeros((2, 1)), np.arange(2))
+
+
+@pytest.mark.parametrize("source", [None, 3, [], ("random",), {}])
+def test_what_is_no_function(source):
+    with pytest.raises(TypeError, match="a policy is a function of observations and lanes, got"):
+        load_policy(source)
+
+
+@pytest.mark.parametrize("source", ["random", "noop", len, load_policy("random")])
+def test_sample_is_for_what_has_probabilities(source):
+    with pytest.raises(ValueError, match="sample=True draws actions with the probabilities of a network, and"):
+        load_policy(source, sample=True)
+
+
+def play(agent, core):
+    while True:
+        core.act(agent.act(core))
+
+
+def test_scores_of_another_number_of_actions_are_refused():
+    three = ScoresPolicy(lambda observations: np.zeros((len(observations), 3)), name="three")
+    text = r"three gives scores of 3 actions, and in pong it has 6 \(NOOP, FIRE, RIGHT, .*name them by index"
+    with pytest.raises(ValueError, match=text):
+        evaluate(three, "pong", "baselines", episodes=1)
+    agent, core = FrameAgent(three), NativeCore("pong")
+    agent.begin(core)
+    with pytest.raises(ValueError, match=text):
+        play(agent, core)
+    three.environment = {"actions": ["NOOP", "RIGHT", "LEFT"]}
+    protocol = replace(PROTOCOLS["baselines"], name="short", max_frames=60)
+    assert evaluate(three, "pong", protocol, episodes=1).games[0].frames == (60,)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from atari.learning.environments import TrainingEnvironments, whole_actions
+from atari.learning.environments import TrainingEnvironments
 from atari.learning.old_runs import migrated
 from atari.learning.options import TrainingOptions
 from atari.task import PRESETS, Task
@@ -126,10 +126,3 @@ def test_a_stack_of_ram_goes_on_where_that_of_images_does() -> None:
             ended = terminations | truncations
         assert (before[0] == before[0, -1]).all() == clears
         envs.close()
-
-
-def test_names_of_actions_leave_the_beginning_to_the_game() -> None:
-    task, indices = whole_actions(Task.of("pong", preset="baselines", actions=["LEFT", "NOOP"]))
-    assert (task.actions, indices.tolist()) == ("minimal", [3, 0])
-    task, indices = whole_actions(Task.of("pong", preset="envpool", actions=["UP", "NOOP"]))
-    assert (task.actions, indices.tolist()) == ("full", [2, 0])

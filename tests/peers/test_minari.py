@@ -113,6 +113,21 @@ def test_what_wrappers_play_is_the_environments(datasets: Path) -> None:
     assert np.array_equal(episode.observations[1:], last)
     assert episode.infos["frame_number"][0] < 31  # the no-ops come before the first observation
     assert episode.rewards.sum() == sum(frame.reward for frame in replay.frames())
+    dataset = to_minari(env.path, "breakout/dqn-v1", obs_type="ram")
+    metadata = dataset.storage.metadata
+    assert atari.Task.from_json(metadata["task"]) == atari.Task.of("breakout", preset="dqn2015")
+    assert metadata["core_seeds"] == str(list(replay.seeds))
+    assert dataset.recover_environment().unwrapped.task.frameskip == 4
+
+
+def test_replays_of_several_tasks_are_refused(datasets: Path) -> None:
+    for name, options in (("a.a26", {"frameskip": 3}), ("b.a26", {"frameskip": 4, "noops": (1, 30)})):
+        env = RecordReplay(atari.make("pong", **options), datasets / name)
+        env.reset(seed=0)
+        env.step(0)
+        env.close()
+    with pytest.raises(ValueError, match=r"differ in frameskip: 3 and 4; noops: \(0, 0\) and \(1, 30\)"):
+        to_minari([datasets / "a.a26", datasets / "b.a26"], "pong/a-v0")
 
 
 def test_going_back_begins_another_episode(datasets: Path) -> None:
@@ -137,7 +152,7 @@ def test_wrong_uses(datasets: Path) -> None:
         env.close()
     with pytest.raises(ValueError, match="at least one replay"):
         to_minari([], "pong/a-v0")
-    with pytest.raises(ValueError, match="one game and the same options"):
+    with pytest.raises(ValueError, match=r"a.a26 and .*b.a26 differ in game: pong and breakout"):
         to_minari([datasets / "a.a26", datasets / "b.a26"], "pong/a-v0")
     to_minari(datasets / "a.a26", "pong/a-v0")
     with pytest.raises(ValueError, match="there is a dataset 'pong/a-v0' already"):

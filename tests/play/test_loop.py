@@ -18,6 +18,8 @@ from atari.play.speaker import Speaker
 from atari.play.window import GameWindow
 from atari.recording import Replay
 
+BARE = "pong: Pong, as PongNoFrameskip-v4, but actions='full', max_num_frames_per_episode=None\n"
+
 
 @pytest.fixture(autouse=True)
 def display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
@@ -251,8 +253,33 @@ def test_the_command_writes_a_replay(monkeypatch: pytest.MonkeyPatch, capsys: py
     assert main(["play", "pong", "--scale", "1", "--no-sound"]) == 0
     (path,) = Path("replays").iterdir()
     assert path.name.startswith("pong-")
-    assert capsys.readouterr().out == f"Pong: 30 frames, best score 0\n  {path.resolve()}\n"
+    assert capsys.readouterr().out == f"{BARE}Pong: 30 frames, best score 0\n  {path.resolve()}\n"
     assert Replay.load(path).verify("ale")
+
+
+def test_the_command_plays_what_an_id_says(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(Loop, "run", lambda loop: [loop.tick() for _ in range(30)])
+    words = ["--scale", "1", "--no-sound", "--replay", "a.a26", "--mode", "1", "--seed", "4294967295"]
+    assert main(["play", "Pong-ram-v0", *words]) == 0
+    assert capsys.readouterr().out.startswith("pong: Pong, as Pong-v0, but mode=1, without obs_type='ram'\nPong: 30 f")
+    task = Replay.load("a.a26").task
+    assert (task.repeat_action_probability, task.frameskip, task.mode) == (0.25, (2, 5), 1)
+    assert (task.actions, task.max_num_frames_per_episode, task.obs_type) == ("minimal", 108_000, "rgb")
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["--continuous"], "unrecognized arguments: --continuous"),
+        (["--stack-num", "4"], "unrecognized arguments: --stack-num 4"),
+        (["--obs", "ram"], "there is no option --obs any more: it is --obs-type, as in `atari play GAME --players 2"),
+        (["--obs-type", "ram"], "--obs-type needs --players"),
+        (["--noops", "3"], "noops must be (low, high)"),
+    ],
+)
+def test_flags_without_a_meaning(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["play", "pong", *words]) in (1, 2)
+    assert text in " ".join(capsys.readouterr().err.split())
 
 
 def test_no_frame_no_file(monkeypatch: pytest.MonkeyPatch) -> None:

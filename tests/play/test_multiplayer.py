@@ -18,18 +18,21 @@ from atari.play.controls import HELP, HELP_SEVERAL, LEFT_KEYS, RIGHT_KEYS, Comma
 from atari.play.loop import Loop
 from atari.play.window import GameWindow
 from atari.recording import Replay
+from atari.task import Task
 
 POLICY = """
+import numpy as np
+
 seen = []
 
-def up(observation, info):
-    seen.append((observation.shape, info))
-    return "UP"
+def up(observations, lanes):
+    seen.append((observations.shape, int(lanes[0])))
+    return np.array([1])
 
-def wrong(observation, info):
-    return 18
+def wrong(observations):
+    return [18]
 
-def fails(observation, info):
+def fails(observations):
     raise ValueError("no idea")
 """
 
@@ -65,14 +68,21 @@ def test_a_session_is_the_core_with_each_players_actions() -> None:
     assert session.samples.shape == (512,)
 
 
-def test_a_policy_plays_player_2_and_gets_observation_and_info() -> None:
-    calls: list[tuple[Any, dict[str, Any]]] = []
+def test_a_policy_plays_player_2() -> None:
+    calls: list[Any] = []
+    begun: list[Any] = []
 
-    def policy(observation: Any, info: dict[str, Any]) -> str:
-        calls.append((observation, info))
-        return "RIGHTFIRE"
+    class Policy:
+        task = Task.of("pong", players=2, actions="full", frameskip=1, obs_type="ram")
 
-    session = MultiplayerSession("pong", seed=1, policies={1: policy}, obs_type="ram")
+        def begin(self, *facts: Any) -> None:
+            begun.append(facts)
+
+        def __call__(self, observations: Any, lanes: Any) -> Any:
+            calls.append((observations, lanes))
+            return [int(Action.RIGHTFIRE)]
+
+    session = MultiplayerSession("pong", seed=1, policies={1: Policy})
     core = MultiplayerCore("pong", seed=1)
     core.reset()
     assert session.humans == (0,)
@@ -81,38 +91,78 @@ def test_a_policy_plays_player_2_and_gets_observation_and_info() -> None:
         core.act_players([int(Action.LEFT), int(Action.RIGHTFIRE)])
     assert np.array_equal(session.core.ram(), core.ram())
     assert session.scores != [0, 0]
-    observation, info = calls[-1]
-    assert (observation.shape, observation.dtype) == ((128,), np.uint8)
-    assert info == {
-        "player": 1, "players": 2, "mode": 4, "frame": 699, "scores": info["scores"], "rewards": [0, 0], "lives": [0, 0],
-    }  # fmt: skip
-    assert [info["frame"] for _, info in calls] == list(range(700))
+    assert len(calls) == 700
+    observations, lanes = calls[-1]
+    assert (observations.shape, observations.dtype, lanes.tolist()) == ((1, 128), np.uint8, [1])
+    session.new_game()
+    session.play(Action.LEFT)
+    ((game, actions, lanes, first), (_, _, _, second)) = begun
+    assert (game, actions, lanes.tolist()) == ("pong", tuple(action.name for action in PLAYER_ACTIONS), [1])
+    assert first != second
 
 
-def test_a_policy_can_say_what_it_observes() -> None:
+def test_a_policy_says_what_it_observes() -> None:
     shapes: dict[int, Any] = {}
 
     class Sees:
-        def __init__(self, obs_type: str) -> None:
-            self.obs_type = obs_type
+        def __init__(self, **attributes: Any) -> None:
+            vars(self).update(attributes)
 
-        def __call__(self, observation: Any, info: dict[str, Any]) -> int:
-            shapes[info["player"]] = observation.shape
-            return 0
+        def __call__(self, observations: Any, lanes: Any) -> Any:
+            shapes[int(lanes[0])] = observations.shape
+            return [0]
 
-    policies = {0: Sees("rgb"), 1: Sees("grayscale"), 2: Sees("ram"), 3: Sees("screen")}
-    MultiplayerSession("pong", players=4, policies=policies, obs_type="ram").play()
-    assert shapes == {0: (210, 160, 3), 1: (210, 160), 2: (128,), 3: (210, 160)}
-    with pytest.raises(ValueError, match="obs_type must be one of"):
-        MultiplayerSession("pong", policies={1: Sees("colours")})
+    policies = {
+        0: Sees(task=Task.of("pong", players=4, obs_type="grayscale")),
+        1: Sees(environment={"preset": "baselines"}),
+        2: Sees(task=Task.of("Pong-ram-v4")),
+        3: Sees(),
+    }
+    MultiplayerSession("pong", players=4, policies=policies, obs_type="rgb").play()
+    assert shapes == {0: (1, 210, 160), 1: (1, 4, 84, 84), 2: (1, 128), 3: (1, 210, 160, 3)}
+    combat = Sees(environment={"obs_type": "ram"})
+    MultiplayerSession("combat", policies={0: combat, 1: combat}).play()
+    assert (shapes[0], shapes[1]) == ((1, 128), (1, 128))
 
 
-@pytest.mark.parametrize("answer", [18, -1, "JUMP", None, True, 1.5, []])
+@pytest.mark.parametrize(
+    ("attributes", "text"),
+    [
+        ({"environment": {"obs_type": "colours"}}, "obs_type must be one of"),
+        ({"task": Task.of("pong", players=4)}, "has players=4, and the game is played by 2"),
+        ({"task": Task.of("breakout")}, "mine is a policy of breakout, not of pong"),
+        ({"task": Task.of("pong", continuous=True)}, "mine has continuous=True"),
+    ],
+)
+def test_a_policy_that_is_no_player(attributes: dict[str, Any], text: str) -> None:
+    policy = type("Mine", (), {"__call__": lambda self, observations: [0], "name": "mine", **attributes})
+    with pytest.raises(ValueError, match=text):
+        MultiplayerSession("pong", policies={1: policy})
+
+
+@pytest.mark.parametrize("answer", [[18], [-1], ["JUMP"], None, [True], [1.5], [], 1])
 def test_an_answer_that_is_no_action_is_named(answer: Any) -> None:
-    session = MultiplayerSession("pong", policies={1: lambda observation, info: answer})
-    with pytest.raises(RuntimeError, match="the policy of player 2 returned"):
+    session = MultiplayerSession("pong", policies={1: lambda observations: answer})
+    with pytest.raises(
+        RuntimeError, match=r"the policy of player 2 failed: ValueError: policy .* (must return|returned)"
+    ):
         session.play(Action.NOOP)
     assert session.frames == 0
+
+
+def test_games_of_random_policies_differ() -> None:
+    def game(session: MultiplayerSession) -> list[bytes]:
+        frames = []
+        for _ in range(120):
+            session.play()
+            frames.append(session.core.ram().tobytes())
+        return frames
+
+    one, other = (MultiplayerSession("pong", seed=1, policies={0: "random", 1: "random"}) for _ in range(2))
+    first = game(one)
+    assert first == game(other)
+    one.new_game()
+    assert first != game(one)
 
 
 def test_rewind_save_load_new_game_and_video() -> None:
@@ -234,14 +284,24 @@ def test_the_command_plays_and_prints_both_scores(
 ) -> None:
     monkeypatch.setattr(Loop, "run", run_loop(30))
     assert main(["play", "combat", "--players", "2", "--scale", "1", "--no-sound"]) == 0
-    assert capsys.readouterr().out == "Combat   player 1: 0   player 2: 0   (30 frames)\n"
-    words = ["pong_v3", "--players", "4", "--opponent", "random", "--opponent", "policies_of_two:up", "--obs", "ram"]
+    assert capsys.readouterr().out == "combat: Combat, 2 players\nCombat   player 1: 0   player 2: 0   (30 frames)\n"
+    words = [
+        "pong_v3",
+        "--players",
+        "4",
+        "--opponent",
+        "random",
+        "--opponent",
+        "policies_of_two:up",
+        "--obs-type",
+        "ram",
+    ]
     assert main(["play", *words, "--json", "--scale", "1", "--no-sound", "--seed", "3"]) == 0
     result = json.loads(capsys.readouterr().out)
     assert (result["players"], result["mode"], len(result["scores"])) == (4, 6, 4)
     from policies_of_two import seen  # type: ignore[import-not-found]
 
-    assert {(shape, info["player"]) for shape, info in seen} == {((128,), 2)}
+    assert {*seen} == {((1, 128), 2)}
     assert sorted(path.name for path in Path().iterdir() if path.suffix) == ["policies_of_two.py"]
 
 
@@ -258,18 +318,21 @@ def test_the_mode_says_how_many_players_there_are(
     ("words", "text"),
     [
         (["breakout", "--players", "2"], "there is no game of several players named 'breakout'"),
-        (["combat", "--players", "3"], "combat is for 2 players, got --players 3"),
-        (["pong_v3", "--players", "3"], "pong_v3 is for 2 or 4 players, got --players 3"),
-        (["boxing_v2", "--players", "4"], "boxing_v2 is for 2 players, got --players 4"),
+        (["combat", "--players", "3"], "combat is for 2 players, got players=3"),
+        (["pong_v3", "--players", "3"], "pong_v3 is for 2 or 4 players, got 3"),
+        (["boxing_v2", "--players", "4"], "boxing_v2 is for 2 players, got 4"),
         (["combat"], "combat has no game of one player; give --players 2"),
         (["combat", "--players", "2", "--mode", "99"], "mode of combat for 2 players must be one of 1, 2, "),
         (["combat", "--players", "2", "--difficulty", "9"], "difficulty must be within 0..3, got 9"),
         (["pong", "--players", "2", "--replay", "a.mp4"], "the name of a replay must end in"),
-        (["pong", "--opponent", "policies_of_two.py"], "policies and replays in files are of the one-player game"),
-        (["pong", "--opponent", "best"], "must be random, noop, MODULE:FUNCTION or a run folder, got 'best'"),
+        (
+            ["pong", "--opponent", "policies_of_two.py"],
+            "policies_of_two.py is no policy: give a run folder, an SB3 zip",
+        ),
+        (["pong", "--opponent", "best"], "there is no file best"),
         (["pong", "--opponent", "policies_of_two:none"], "cannot be imported"),
         (["pong", "--opponent", "noop", "--opponent", "noop"], "give --opponent at most 1 times, got 2"),
-        (["pong", "--opponent", "policies_of_two:wrong"], "the policy of player 2 returned 18"),
+        (["pong", "--opponent", "policies_of_two:wrong"], "policy wrong returned action 18; in pong it has"),
         (["pong", "--opponent", "policies_of_two:fails"], "the policy of player 2 failed: ValueError: no idea"),
     ],
 )
@@ -344,17 +407,14 @@ def test_a_game_played_by_hand_is_recorded_with_its_rewinds(tmp_path: Path) -> N
 @pytest.mark.parametrize(
     ("words", "text"),
     [
-        (
-            ["pong", "--players", "2", "-o", "a.a26", "-o", "b.a26"],
-            "one replay of several players is written at a time",
-        ),
-        (["pong", "--players", "2", "--preset", "dqn2015"], "--preset is for one player"),
+        (["pong", "--players", "2", "--preset", "dqn2015"], "preset 'dqn2015' is for one player"),
+        (["pong", "--players", "2", "--sticky", "0.25"], "repeat_action_probability=0.25 is for one player; leave it"),
+        (["pong", "--players", "2", "--noops", "1,30"], "noops=(1, 30) is for one player; leave it or players=2 out"),
         (
             ["pong_v3", "--players", "4", "--policy", "noop", "--policy", "noop"],
             "give --policy once, or 4 times, got 2",
         ),
         (["pong", "--policy", "noop", "--policy", "noop"], "a second --policy needs --players"),
-        (["pong", "--mode", "0"], "--mode needs --players"),
     ],
 )
 def test_matches_that_cannot_be_recorded(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:

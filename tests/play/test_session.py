@@ -12,7 +12,8 @@ from atari.actions import Action
 from atari.cores import snapshot
 from atari.play.base import FRAMES_PER_REWIND_POINT
 from atari.play.session import Session
-from atari.recording import Replay, VideoWriter
+from atari.recording import Replay, VideoWriter, video_facts
+from atari.task import Task
 
 
 def make(folder: Path, name: str = "a.a26", game: str = "breakout", **options: Any) -> Session:
@@ -236,3 +237,77 @@ def test_a_saved_state_of_another_game_is_refused(tmp_path: Path, options: dict[
         with pytest.raises(ValueError, match="snapshot"):
             env.restore(snapshot.pack({"of": "play", "score": 0}, blobs))
     assert env.snapshot() == before
+
+
+def test_a_step_is_held_and_shown_frame_by_frame(tmp_path: Path) -> None:
+    session = make(tmp_path, game="breakout", seed=1, frameskip=4, noops=(5, 5))
+    screens = []
+    for frame in range(5 + 40):
+        session.play(Action.FIRE if frame % 4 == 1 else Action.LEFT)  # FIRE is pressed in the first frame of each step
+        screens.append(session.screen)
+    session.close()
+    replay = Replay.load(tmp_path / "a.a26")
+    frames = list(replay.frames())
+    assert (len(frames), session.frames) == (45, 45)
+    assert [frame.action for frame in frames] == [Action.NOOP] * 5 + [Action.FIRE] * 40
+    assert [frame.ends_step for frame in frames[5:]] == [False, False, False, True] * 10
+    for frame, screen in zip(frames, screens, strict=True):
+        assert np.array_equal(frame.screen, screen)
+    assert (replay.task.frameskip, replay.task.noops) == (4, (5, 5))
+    assert replay.verify("ale")
+
+
+@pytest.mark.parametrize("preset", ["baselines", "dqn2015", "envpool", "ale_vector"])
+def test_a_game_goes_on_after_a_lost_life(preset: str, tmp_path: Path) -> None:
+    session = make(tmp_path, seed=1, preset=preset, episodic_life=True)
+    lives = set()
+    while not session.over:
+        session.play(Action.FIRE)
+        lives.add(session._atari.core.lives)
+        assert session.frames < 6000
+    goes_on = preset != "ale_vector"  # whose resets begin a new game
+    assert (len(lives), session._atari.core.game_over) == ((6, True) if goes_on else (2, False))
+    session.new_game()
+    session.play(Action.NOOP)
+    assert not session.over
+    assert session._atari.core.lives == 5
+    session.close()
+    assert Replay.load(tmp_path / "a.a26").verify()
+
+
+def test_states_and_rewinding_within_a_skip(tmp_path: Path) -> None:
+    session = make(tmp_path, game="ms_pacman", seed=1, preset="dqn2015")
+    play(session, 302, Action.UP)
+    session.save()  # the step is shown to its end at once
+    score, ram = session.score, session._atari.core.ram()
+    play(session, 61, Action.LEFT)
+    session.load()
+    assert (session.score, session._atari.core.ram().tolist()) == (score, ram.tolist())
+    play(session, 61, Action.LEFT)
+    assert session.rewind()
+    play(session, 30, Action.LEFT)
+    session.close()
+    replay = Replay.load(tmp_path / "a.a26")
+    assert replay.verify()
+    assert replay.episodes[0].score >= score > 0
+
+
+def test_a_session_of_a_task_or_an_id() -> None:
+    assert Session("Pong-ram-v4").task == Task.of("Pong-v4")
+    assert Session(Task.of("pong", preset="dqn2015")).task.stack_num is None
+    for options, error, text in (
+        ({"stack_num": 4}, TypeError, "Session has no option 'stack_num': it shows the screen"),
+        ({"continuous": True}, ValueError, "one person plays with a stick, got continuous=True; leave it out"),
+        ({"frame_skip": 4}, TypeError, "frameskip"),
+    ):
+        with pytest.raises(error, match=text):
+            Session("pong", **options)
+
+
+def test_a_video_says_what_was_played(tmp_path: Path) -> None:
+    session = make(tmp_path, game="pong", seed=1, frameskip=2)
+    path = session.toggle_video()
+    assert path is not None
+    play(session, 4)
+    session.close()
+    assert video_facts(path)["task"]["frameskip"] == 2

@@ -3,6 +3,8 @@
 A door is called with GAME and options of a task by their names, and returns the `Task` that it would play or plays.
 """
 
+import contextlib
+import io
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -10,10 +12,17 @@ from typing import Any, Literal
 import gymnasium
 
 import atari
+from atari.cli import main
 from atari.integrations import envpool
+from atari.learning import load_policy
+from atari.learning.evaluation.played import find_entries
+from atari.learning.evaluation.player import Player
+from atari.learning.evaluation.protocols import find_protocol
 from atari.multiplayer import MultiplayerCore, parallel_env
 from atari.task import Task
+from atari.task.description import summary
 from atari.task.fields import GROUPS
+from atari.task.resolution import OPTIONS
 
 
 @dataclass(frozen=True)
@@ -75,6 +84,12 @@ def _task_make_vec(game: Any, **options: Any) -> Task:
     return _closed(Task.of(game, **options).make_vec(1))
 
 
+def _stable_baselines(game: Any, **options: Any) -> Task:
+    from atari.integrations.sb3 import AtariVecEnv
+
+    return _closed(AtariVecEnv(game, 1, **options))
+
+
 def _envpool(game: Any, **options: Any) -> Task:
     return _closed(envpool.make(game, "gymnasium", num_envs=1, **options))
 
@@ -87,10 +102,52 @@ def _parallel(game: Any, **options: Any) -> Task:
     return _closed(parallel_env(game, **options).unwrapped)
 
 
+def _evaluation(game: Any) -> Task:
+    """What `evaluate` plays by protocol machado2018; it makes a `Player` of each game."""
+    (entry,) = find_entries(game)
+    return Player(load_policy("noop"), find_protocol("machado2018"), entry).task
+
+
+def _command(*words: str) -> Callable[..., Task]:
+    """A command, whose task it prints; an exit code other than 0 is a ValueError with the error's text."""
+
+    def task(game: str, **options: Any) -> Task:
+        line = [
+            *words,
+            game,
+            *(flag for name, value in options.items() for flag in _flags(name, value)),
+        ]
+        printed, errors = io.StringIO(), io.StringIO()
+        with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(errors):
+            try:
+                code = main([*line, "--print-task", *([] if "--json" in words else ["--json"])])
+            except SystemExit as exit_:
+                code = exit_.code
+        if code:
+            raise ValueError(errors.getvalue())
+        return Task.from_json(printed.getvalue())
+
+    return task
+
+
+def _flags(name: str, value: Any) -> list[str]:
+    flag = f"--{name.replace('_', '-')}"
+    if isinstance(value, bool):
+        return [flag if value else f"--no-{flag[2:]}"]
+    if name == "interventions":
+        return [word for intervention in value for word in ("--intervention", intervention)]
+    return [flag, ",".join(map(str, value)) if isinstance(value, (tuple, list)) else str(value)]
+
+
 def of_fields(names: str | tuple[str, ...], reason: str) -> dict[str, str]:
     """Fields, or those of a group, that a door refuses for one reason."""
     chosen = GROUPS[names] if isinstance(names, str) else names
     return dict.fromkeys(chosen, reason)
+
+
+def all_but(names: tuple[str, ...], reason: str) -> dict[str, str]:
+    """The other fields, which a door refuses for one reason."""
+    return of_fields(tuple(name for name in OPTIONS if name not in names), reason)
 
 
 _NO_WRAPPERS = "an AtariEnv has no wrappers; atari.make and Task.make put them around"
@@ -126,6 +183,29 @@ _OF_STEPS = of_fields(
 )
 _OF_ENVPOOL = of_fields(("obs_type",), "EnvPool's info has the RAM, and its observations are images")
 
+_BY_FRAME = "it plays single frames with all actions"
+_SEEN_BY_A_PERSON = "a person sees the screen and the score"
+_COMPARED = ("mode", "difficulty", "repeat_action_probability", "max_num_frames_per_episode")
+_FRAMES = (*_COMPARED, "interventions")
+_OF_GAMES = ("mode", "difficulty", "interventions")
+_OF_PLAY = of_fields(
+    ("continuous", "continuous_action_threshold", *GROUPS["observation"], *GROUPS["reward"]), _SEEN_BY_A_PERSON
+)
+_OF_POLICIES = of_fields(
+    (
+        *("players", "continuous", "continuous_action_threshold", "sound_obs", "agent_indicator", "zero_sum"),
+        *("life_loss_info", "reward_clipping"),
+    ),
+    "policies play whole games of one player, with the game's own scores",
+)
+_OF_DEMO = of_fields(
+    (
+        *("players", "agent_indicator", "zero_sum", "sound_obs"),
+        *("actions", "repeat_action_probability", "life_loss_info"),  # dqn2015 prescribes or contradicts these
+    ),
+    "the demonstration plays preset dqn2015",
+)
+
 DOORS: tuple[Door, ...] = (
     Door("Task.of", Task.of),
     Door("Task.make", _task_make, _SINGLE),
@@ -144,4 +224,55 @@ DOORS: tuple[Door, ...] = (
     Door("envpool.make", _envpool, {**_SINGLE, **_NO_SOUND, **_OF_ENVPOOL}, takes_options=False),
     Door("MultiplayerCore", _core_of_several, {**_OF_SEVERAL, **_OF_STEPS}, games="several"),
     Door("parallel_env", _parallel, _OF_SEVERAL, games="several"),
+    Door(
+        "evaluate",
+        _evaluation,
+        all_but((*_OF_GAMES, "reward_clipping", "actions", "obs_type", "maxpool"), "the protocol says it"),
+        outside={"reward_clipping": "scores are the game's own"},
+        takes_options=False,
+    ),
+    Door("atari explain", _command("explain")),
+    Door("atari play", _command("play"), _OF_PLAY),
+    Door("atari record", _command("record"), of_fields(("agent_indicator", "zero_sum"), _SEEN_BY_A_PERSON)),
+    Door("atari demo", _command("demo"), _OF_DEMO),
+    Door("atari lab", _command("lab"), all_but(_FRAMES, _BY_FRAME)),
+    Door("atari lab map", _command("lab", "map"), all_but(("mode", "difficulty"), _BY_FRAME)),
+    Door("atari verify", _command("verify"), all_but(_COMPARED, _BY_FRAME)),
+    Door("atari collect", _command("collect", "-o", "games.h5"), _OF_POLICIES),
+    Door("atari evaluate", _command("evaluate", "random"), all_but(_OF_GAMES, "the protocol says it")),
+    Door("atari watch", _command("watch", "random"), _OF_POLICIES),
 )
+
+TRAIN = Door(
+    "atari train",
+    _command("train", "--json", "ppo"),
+    {
+        **of_fields(
+            ("players", "continuous", "continuous_action_threshold", "sound_obs", "agent_indicator", "zero_sum"),
+            "agents see images or RAM of one player, and choose one of the actions",
+        ),
+        **of_fields(("fire_again", "seamless_lives", "life_loss_info"), "it contradicts preset baselines"),
+    },
+)
+"""It needs PyTorch."""
+
+STABLE_BASELINES = Door("atari.sb3.AtariVecEnv", _stable_baselines, _NO_SOUND, _OF_LIMITS)
+"""It needs Stable-Baselines3."""
+
+GAMES = ("pong", "ALE/Pong-v5", "PongNoFrameskip-v4", "Pong-ram-v4")
+
+
+def row(door: Door) -> str:
+    """The row of a door in the table of docs/tasks.md: what it plays of each of `GAMES`."""
+    return f"| {door.name} | {' | '.join(_words(door, game) for game in GAMES)} |"
+
+
+def _words(door: Door, game: str) -> str:
+    if door.games == "ids" and game == "pong":
+        return "-"
+    try:
+        played = door.task(game)
+    except ValueError:
+        return "refused"
+    words = summary(played).removeprefix("pong: Pong, ").removeprefix("as ")
+    return "as it says" if words == game else f"`{words}`"

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from atari.learning.agents import find_agent
+from atari.learning.options import FAST_RAM
 
 SUPPORT = str(Path(__file__).parent)
 """The folder of this module, for programs that import it."""
@@ -19,5 +20,5 @@ SMALL: dict[str, dict[str, Any]] = {
 def make_options(agent: str, game: Any = "pong", **given: Any) -> Any:
     found = find_agent(agent)
     ram = given.get("obs_type") == "ram"
-    kind = found.fast_ram if ram else {"stack_num": 2}
+    kind = FAST_RAM if ram else {"stack_num": 2}
     return found.options_class.of(game, **{**found.fast, **kind, **SMALL[agent], **given})

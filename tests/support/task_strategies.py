@@ -13,7 +13,7 @@ VALUES: dict[str, tuple[Any, ...]] = {
     "mode": (None,),
     "difficulty": (None,),
     "players": (1,),
-    "actions": ("minimal", "full", ("NOOP", "FIRE", "UP", "LEFT")),
+    "actions": ("minimal", "full", ("NOOP", "FIRE", "UP", "LEFT"), ("UP", "NOOP"), ("DOWN",)),
     "continuous": (False, False, False, True),
     "continuous_action_threshold": (0.5, 0.2),
     "repeat_action_probability": (0.0, 0.25),

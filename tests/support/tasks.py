@@ -1,42 +1,27 @@
 """Tasks for the tests of wrappers."""
 
-from types import SimpleNamespace
 from typing import Any
 
-_DEFAULTS: dict[str, Any] = {
-    "frameskip": 4,
-    "noops": (0, 0),
-    "fire": "never",
-    "fire_counts": False,
-    "third_action": False,
-    "fire_unit": "frame",
-    "fire_again": True,
-    "seeding": "gymnasium",
-    "episodic_life": False,
-    "lives_unit": "frame",
-    "on_reset": "new_game",
-    "last_life": False,
-    "seamless_lives": False,
-    "life_loss_info": False,
-    "max_frames": None,
-    "max_episode_steps": None,
+from atari import Task
+from atari.task.resolution import resolve_task
+
+_IMAGES = {
+    "repeat_action_probability": 0.0,
+    "max_num_frames_per_episode": None,
     "obs_type": "grayscale",
     "img_height": 84,
     "img_width": 84,
     "stack_num": 4,
     "maxpool": True,
-    "pool_rgb": False,
-    "padding": "zero",
-    "end_frames": "last",
-    "reward_clipping": False,
 }
 
 
-def task(**fields: Any) -> SimpleNamespace:
-    """A task with these fields: frames of 4 pooled, resized and stacked, and nothing else unless `fields` have it."""
-    unknown = fields.keys() - _DEFAULTS.keys()
-    assert not unknown, f"a task has no {unknown}"
-    return SimpleNamespace(**{**_DEFAULTS, **fields})
+def task(game: str = "breakout", **fields: Any) -> Task:
+    """A task with these fields: frames of 4 pooled, resized and stacked, and nothing else unless `fields` have it.
+
+    Fields without effect take their defaults.
+    """
+    return resolve_task(game, None, {}, base={**_IMAGES, **fields})
 
 
 ALE: dict[str, Any] = {

@@ -1,20 +1,27 @@
 """`Task`: what it accepts, what it refuses, and that it is one value."""
 
 import dataclasses
+import inspect
 import pickle
 from pathlib import Path
-from typing import Any
+from types import UnionType
+from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 import gymnasium
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from task_strategies import tasks
 
 import atari
+from atari.actions import Action
+from atari.games.catalog import games
 from atari.task import PRESETS, Task
 from atari.task.fields import GROUPS
-from atari.task.resolution import OPTIONS
+from atari.task.options import AddedOptions, MakeOptions, TaskOptions, VectorTaskOptions
+from atari.task.resolution import ALIASES, OPTIONS
 from atari.task.task import DEFAULTS, FIELDS
+from atari.vector import ale_names
 
 GAMES = ("breakout", "pong", "ms_pacman", "seaquest", "backgammon", "video_checkers")
 
@@ -143,13 +150,20 @@ class TestPresets:
         [
             ({"repeat_action_probability": 0.25}, "needs repeat_action_probability=0.0, got 0.25"),
             ({"full_action_space": True}, "needs full_action_space=False, got True"),
-            ({"actions": ["NOOP", "FIRE"]}, "needs actions='minimal', got"),
+            ({"actions": ["NOOP", "UP"]}, "needs actions='minimal', got"),
             ({"players": 2}, "is for one player"),
         ],
     )
     def test_refuse_what_they_require(self, options: dict[str, Any], text: str) -> None:
         with pytest.raises(ValueError, match=text):
             Task.of("pong", preset="dqn2015", **options)
+
+    def test_accept_agents_that_have_some_of_the_actions(self) -> None:
+        whole = Task.of("pong", preset="dqn2015")
+        some = Task.of("pong", preset="dqn2015", actions=["LEFT", "NOOP"])
+        assert whole.differences(some) == {"actions": ("minimal", ("LEFT", "NOOP"))}
+        assert some.begin_actions == whole.begin_actions == whole.action_set
+        assert len(Task.of("pong", preset="envpool", actions=["UP"]).begin_actions) == 18
 
     def test_accept_the_same_actions_by_another_name(self) -> None:
         assert Task.of("boxing", preset="dqn2015", full_action_space=True) == Task.of("boxing", preset="dqn2015")
@@ -235,8 +249,10 @@ def test_fields_without_effect_of_another_task_are_left_out() -> None:
 
 
 def test_the_third_action_needs_three() -> None:
-    with pytest.raises(ValueError, match="freeway"):
-        Task("freeway", actions=("NOOP", "FIRE"), fire="after_noops", third_action=True)
+    game = dataclasses.replace(games.find("freeway"), minimal_actions=(Action.NOOP, Action.FIRE))
+    with pytest.raises(ValueError, match="freeway has only 2; use actions='full'"):
+        Task(game, fire="after_noops", third_action=True)  # type: ignore[arg-type]
+    assert Task("breakout", actions=("NOOP",), fire="after_noops", third_action=True).third_action
 
 
 @pytest.mark.parametrize("name", [name for name in DEFAULTS if isinstance(DEFAULTS[name], bool)])
@@ -244,3 +260,47 @@ def test_the_third_action_needs_three() -> None:
 def test_switches_are_true_or_false(name: str, value: Any) -> None:
     with pytest.raises(TypeError, match=name):
         Task("pong", **{name: value})
+
+
+def test_messages_have_the_number_that_was_given() -> None:
+    """A threshold is compared as float32, which has no 0.1."""
+    with pytest.raises(ValueError, match=r"continuous_action_threshold=0\.1 has no effect"):
+        Task.of("pong", continuous_action_threshold=0.1)
+    task = Task.of("pong", continuous=True, continuous_action_threshold=float(np.float32(0.1)))
+    assert task == Task.of("pong", continuous=True, continuous_action_threshold=0.1)
+    assert "threshold 0.1\n" in str(task)
+
+
+def _alternatives(hint: Any) -> set[Any]:
+    """The types and literal values of which a type is the union."""
+    if get_origin(hint) in (Union, UnionType, Literal):
+        return set().union(*map(_alternatives, get_args(hint)))
+    return {hint}
+
+
+class TestTypedOptions:
+    """Editors and type checkers know the options by `TaskOptions` and the classes made of it."""
+
+    def test_are_the_options_of_a_task(self) -> None:
+        assert set(get_type_hints(TaskOptions)) == {*OPTIONS, *ALIASES}
+        assert set(get_type_hints(VectorTaskOptions)) == {*OPTIONS, *ALIASES, *ale_names.NAMES}
+        assert set(get_type_hints(MakeOptions)) - set(get_type_hints(TaskOptions)) == {
+            "render_mode",
+            "core",
+            "rom",
+            "disable_env_checker",
+        }
+        named = set(inspect.signature(atari.AtariEnv.__init__).parameters)
+        assert set(get_type_hints(TaskOptions)) - named == set(get_type_hints(AddedOptions)) - named
+        assert not named & set(get_type_hints(AddedOptions))
+
+    def test_have_the_types_of_the_fields_or_wider(self) -> None:
+        fields, options = get_type_hints(Task), get_type_hints(TaskOptions)
+        for name in set(OPTIONS) - {"actions", "interventions"}:  # a user may give lists, and names of interventions
+            assert _alternatives(fields[name]) <= _alternatives(options[name]), name
+
+    @pytest.mark.parametrize(
+        "function", [Task.of, Task.replace, atari.make, atari.AtariEnv.__init__, atari.AtariVectorEnv.__init__]
+    )
+    def test_are_those_of_each_door(self, function: Any) -> None:
+        assert "Unpack" in str(inspect.signature(function).parameters["options"].annotation)

@@ -79,7 +79,10 @@ MISUSES = {
         " numbers=np.zeros((8, 4), np.int32), flags=np.zeros((3, 4), bool))",
         "TypeError",
     ),
-    "a snapshot that is unpickled into": ("(s := envs.snapshot()[0]).__setstate__(s.__getstate__())", "TypeError"),
+    "a snapshot that is unpickled into": (
+        "(s := envs.snapshot()[0].state).__setstate__(s.__getstate__())",
+        "TypeError",
+    ),
     "a member without a game": ("engine_of(_emulator.MemberSpec())", "ValueError"),
     "an action number that ALE does not have": ("engine_of(spec(actions=[99]))", "ValueError"),
     "a negative action number": ("engine_of(spec(actions=[-1]))", "ValueError"),

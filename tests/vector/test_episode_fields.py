@@ -1,6 +1,5 @@
 """Each field of the engine's episodes has its effect, however the layers of an episode are nested."""
 
-from types import SimpleNamespace
 from typing import Any
 from unittest import mock
 
@@ -10,38 +9,19 @@ import pytest
 import atari
 from atari import _emulator
 from atari.task import Task
-from atari.task.rules import settle
-from atari.task.task import DEFAULTS
+from atari.task.resolution import resolve_task
+from atari.task.task import FIELDS
 from atari.vector.settings import filled_by_name
 
-PLAIN: dict[str, Any] = {
-    "players": 1,
+BASE: dict[str, Any] = {
     "repeat_action_probability": 0.0,
-    "seeding": "gymnasium",
-    "frameskip": 4,
-    "noops": (0, 0),
-    "fire": "never",
-    "fire_counts": False,
-    "third_action": False,
-    "fire_unit": "frame",
-    "fire_again": True,
-    "episodic_life": False,
-    "lives_unit": "frame",
     "on_reset": "continue",
-    "last_life": False,
-    "seamless_lives": False,
-    "life_loss_info": False,
-    "max_frames": None,
-    "max_episode_steps": None,
     "max_num_frames_per_episode": None,
-    "reward_clipping": False,
-    "acts_after_end": False,
     "img_height": 84,
     "img_width": 84,
     "stack_num": 4,
     "maxpool": True,
     "padding": "reset",
-    "end_frames": "last",
 }
 """Episodes that begin without no-ops and FIRE, and end when the game is over."""
 
@@ -58,11 +38,8 @@ of_every_nesting = pytest.mark.parametrize("nesting", NESTINGS.values(), ids=NES
 
 
 def make(game: str = "breakout", **fields: Any) -> atari.AtariVectorEnv:
-    """One environment whose engine has these fields, and otherwise those of `PLAIN`."""
-    values: dict[str, Any] = {**DEFAULTS, **{name: PLAIN[name] for name in PLAIN if name in DEFAULTS}, **fields}
-    values["game"] = game
-    settle(values, DEFAULTS, given=())
-    return Task(**values).make_vec(1, num_threads=1)
+    """One environment whose engine has these fields, and otherwise those of `BASE`."""
+    return resolve_task(game, None, {}, base={**BASE, **fields}).make_vec(1, num_threads=1)
 
 
 class Player:
@@ -390,7 +367,7 @@ class TestStates:
         player = Player(episodic_life=True, seamless_lives=True)
         player.lose_life()
         other = Player(seamless_lives=True)
-        other.envs.restore(None, player.envs.snapshot())
+        other.envs.restore(None, [player.envs.snapshot()[0].state])  # of an older release, without its task
         other.step()
         for _ in range(3):
             other.step()
@@ -403,7 +380,7 @@ class TestStates:
         fields: dict[str, Any] = {"noops": (3, 11), "frameskip": (2, 7), "episodic_life": True, "fire": "before_noops"}
         player = Player(seeding=seeding, max_frames=100, max_episode_steps=9, **fields)
         (state,) = player.envs.snapshot()
-        data, image = state.__getstate__()
+        data, image = state.state.__getstate__()
         size = {"gymnasium": 40, "ale": 2500}[seeding] + 36
         damaged: Any = _emulator.MemberSnapshot.__new__(_emulator.MemberSnapshot)
         damaged.__setstate__((data[:-size] + fill * size, image))
@@ -428,31 +405,32 @@ class TestStates:
 
 def make_engine(fields: dict[str, Any]) -> _emulator.VectorEngine:
     """An engine with settings that `Task` may refuse."""
-    episode = filled_by_name(_emulator.EpisodeSettings(), SimpleNamespace(**{**PLAIN, **fields}))
+    episode = filled_by_name(_emulator.EpisodeSettings(), Task.of("pong").with_set(**fields), acts_after_end=False)
     with mock.patch("atari.vector.options.episode_settings", return_value=episode):
         return atari.AtariVectorEnv("pong", 1, players=fields.get("players"))._options.make_engine()
 
 
 class TestSettings:
     def test_are_filled_by_name(self) -> None:
-        task = SimpleNamespace(**{**PLAIN, "frameskip": 3, "fire": "after_noops", "fire_unit": "skip"})
-        episode = filled_by_name(_emulator.EpisodeSettings(), task)
+        task = resolve_task("pong", None, {"frameskip": 3, "fire": "after_noops", "fire_unit": "skip"}, base=BASE)
+        episode = filled_by_name(_emulator.EpisodeSettings(), task, acts_after_end=True)
         assert (episode.frameskip, episode.noops, episode.max_frames) == ((3, 4), (0, 0), None)
         assert (episode.fire, episode.fire_unit) == (_emulator.FirePress.AFTER_NOOPS, _emulator.Unit.SKIP)
-        task.frameskip = (2, 5)
-        assert filled_by_name(_emulator.EpisodeSettings(), task).frameskip == (2, 5)
+        drawn = filled_by_name(_emulator.EpisodeSettings(), task.replace(frameskip=(2, 5)), acts_after_end=True)
+        assert drawn.frameskip == (2, 5)
         pixels = _emulator.PixelFormat.RGB
         observation = filled_by_name(_emulator.ObservationSettings(), task, pixels=pixels)
         assert (observation.pixels, observation.padding) == (pixels, _emulator.Padding.RESET)
 
-    @pytest.mark.parametrize("missing", PLAIN)
-    def test_need_every_field(self, missing: str) -> None:
-        task = SimpleNamespace(**{name: value for name, value in PLAIN.items() if name != missing})
-        kind = (
-            _emulator.EpisodeSettings if hasattr(_emulator.EpisodeSettings, missing) else _emulator.ObservationSettings
-        )
+    @pytest.mark.parametrize(
+        ("kind", "missing"),
+        [(_emulator.EpisodeSettings, "acts_after_end"), (_emulator.ObservationSettings, "pixels")],
+    )
+    def test_are_fields_of_a_task_or_given(self, kind: Any, missing: str) -> None:
+        names = [name for name, member in vars(kind).items() if isinstance(member, property)]
+        assert set(names) - set(FIELDS) == {missing}
         with pytest.raises(AttributeError, match=missing):
-            filled_by_name(kind(), task, pixels=_emulator.PixelFormat.NONE)
+            filled_by_name(kind(), Task.of("pong"))
 
     @pytest.mark.parametrize(
         ("fields", "text"),

@@ -219,3 +219,12 @@ def test_gymnasiums_recorder_around_a_preset(make: Callable[[], Any], record: An
         *_, info = env.step(action if record is RecordEpisodeStatistics else np.array([action]))
     assert info["seen"]["r"] == info["episode"]["r"]
     assert info["seen"]["l"] == info["elapsed_step"] == step
+
+
+def test_whole_games_are_in_info_as_the_option_says() -> None:
+    for given, has in ((None, False), (True, True), (False, False)):
+        envs = atari.AtariVectorEnv("ALE/Pong-v5", 1, game_info=given)
+        assert ("elapsed_step" in envs.reset(seed=0)[1]) == has
+    assert "elapsed_step" not in atari.AtariVectorEnv("pong", 1, preset="dqn2015", game_info=False).reset(seed=0)[1]
+    with pytest.raises(TypeError, match="game_info must be True or False, got 'yes'"):
+        atari.AtariVectorEnv("pong", 1, game_info="yes")  # type: ignore[arg-type]

@@ -149,10 +149,12 @@ def test_a_pickled_snapshot_is_checked_too() -> None:
     envs = make(["pong", "breakout"], None)
     envs.reset(seed=0)
     pong, breakout = pickle.loads(pickle.dumps(envs.snapshot()))
-    state, image = pong.__getstate__()
+    state, image = pong.state.__getstate__()
     before, _ = envs.observe()
     before = before.copy()
-    for bad in (breakout, damaged(state[:-1], image), damaged(b"", image), damaged(b"\xff" * len(state), image)):
+    with pytest.raises(ValueError, match=r"environment 0 cannot continue from it: .* taken with game = 'breakout'"):
+        envs.restore([0, 1], [breakout, breakout])
+    for bad in (breakout.state, damaged(state[:-1], image), damaged(b"", image), damaged(b"\xff" * len(state), image)):
         with pytest.raises(ValueError, match="snapshot 0 is of another game than environment 0"):
             envs.restore([0, 1], [bad, breakout])
         assert np.array_equal(envs.observe()[0], before)
@@ -163,6 +165,50 @@ def damaged(state: bytes, image: int) -> Any:
     one: Any = atari._emulator.MemberSnapshot.__new__(atari._emulator.MemberSnapshot)
     one.__setstate__((state, image))
     return one
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"repeat_action_probability": 1.0}, r"repeat_action_probability = 0\.25, but this environment has 1\.0"),
+        ({"episodic_life": True}, "episodic_life = False, but this environment has True"),
+        (
+            {"interventions": ["guided_paddle"]},
+            r"interventions = None, but this environment has 'guided_paddle \(.*\)'",
+        ),
+        (
+            {"reward_clipping": False, "mode": 4},
+            "mode = 0, but this environment has 4; reward_clipping = True, not False",
+        ),
+    ],
+)
+def test_a_snapshot_of_another_task_is_refused(options: dict[str, Any], text: str) -> None:
+    envs, other = make(), make(**options)
+    envs.reset(seed=1)
+    other.reset(seed=1)
+    expected = play(copy.deepcopy(other), 10, seed=2)
+    with pytest.raises(ValueError, match=f"environment 2 cannot continue from it: the snapshot was taken with {text}"):
+        other.restore([2], envs.snapshot([0]))
+    assert play(other, 10, seed=2) == expected
+    other.restore([2], [envs.snapshot([0])[0].state])  # as releases that stored no task have it
+
+
+def test_environments_of_other_tasks_in_one_vector() -> None:
+    plain, changed = (atari.Task.of("breakout", interventions=names) for names in ((), ("guided_paddle",)))
+    envs = make([plain, plain, changed], None, repeat_action_probability=None)
+    envs.reset(seed=1)
+    envs.fork(0, [1])
+    with pytest.raises(
+        ValueError, match=r"environment 2 cannot .* with interventions = None, .* 'guided_paddle \(.*\)'"
+    ):
+        envs.fork(0, [1, 2])
+    first = envs.snapshot()
+    envs.members[1].mode = 8
+    assert [task.mode for task in envs.tasks] == [0, 8, 0]
+    with pytest.raises(ValueError, match=r"environment 1 cannot continue from it: .* mode = 0, but this .* 8"):
+        envs.restore(None, first)
+    envs.members[1].mode = 0
+    envs.restore(None, first)
 
 
 def test_observe_changes_nothing() -> None:
@@ -182,11 +228,11 @@ def test_what_does_not_fit_is_refused() -> None:
     envs.reset(seed=0)
     other.reset(seed=0)
     pong, breakout = envs.snapshot()
-    with pytest.raises(ValueError, match="snapshot 0 is of another game than environment 1"):
+    with pytest.raises(ValueError, match=r"environment 1 cannot continue .* game = 'pong', but this .* 'breakout'"):
         envs.restore([1], [pong])
-    with pytest.raises(ValueError, match="or was taken with other options"):
+    with pytest.raises(ValueError, match="with stack_num = 4, but this environment has 2"):
         other.restore([0], [pong])
-    with pytest.raises(ValueError, match="of another game than environment 1"):
+    with pytest.raises(ValueError, match=r"environment 1 cannot continue .* game = 'pong'"):
         envs.fork(0, [1])
     with pytest.raises(ValueError, match="a snapshot for each"):
         envs.restore([0, 1], [pong])

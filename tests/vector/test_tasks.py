@@ -127,6 +127,19 @@ def test_wrappers_are_the_lane_of_a_vector(task: Task, mode: str, seed: int) -> 
         lane.close()
 
 
+@pytest.mark.parametrize("actions", [("LEFT", "NOOP"), ("RIGHT",), ("UP", "LEFT")])
+def test_episodes_begin_alike_for_agents_with_some_of_the_actions(actions: tuple[str, ...]) -> None:
+    """FIRE, action 2 and NOOP are those of the game, also where they are none of the agent's."""
+    some, preset = Task.of("breakout", preset="baselines", actions=actions), {"UP": "full"}.get(actions[0], "minimal")
+    every = Task.of("breakout", preset="baselines", actions=preset)
+    shown = []
+    for task in (some, every):
+        for envs in (task.make_vec(1, num_threads=1), task.make()):
+            observation, info = envs.reset(seed=7)
+            shown.append((np.squeeze(observation).tobytes(), int(np.max(info["frame_number"]))))
+    assert len({*shown}) == 1
+
+
 def composed(task: Task) -> Any:
     """The task by wrappers that share no code with `ObservationStack`, in place of `DqnPreprocessing`.
 

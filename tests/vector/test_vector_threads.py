@@ -218,7 +218,7 @@ def test_snapshots_of_a_list_that_another_thread_empties_are_restored() -> None:
         import pickle, threading, numpy as np, atari
         envs = atari.AtariVectorEnv("pong", 32, obs_type="ram", frameskip=1)
         envs.reset(seed=0)
-        saved, states, done = pickle.dumps(envs.snapshot()), [], False
+        saved, states, done = pickle.dumps([one.state for one in envs.snapshot()]), [], False
         def empty():
             while not done:
                 states.clear()

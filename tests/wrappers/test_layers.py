@@ -111,7 +111,7 @@ def test_arguments() -> None:
         "padding": "reset",
         "end_frames": "envpool",
     }
-    played = {"frameskip": (2, 5), "seamless_lives": True, "max_frames": 99}
+    played = {"frameskip": (2, 5), "episodic_life": True, "seamless_lives": True, "max_frames": 99}
     skip = {"frame_skip": (2, 5), "seamless_lives": True, "max_frames": 99, "stack_size": 3, "padding_type": "reset"}
     image = {
         "screen_size": (80, 60),

@@ -1,7 +1,10 @@
+from dataclasses import replace
+
 import gymnasium
 import numpy as np
 import pytest
 
+from atari.games.catalog import games
 from atari.wrappers import (
     DqnPreprocessing,
     EpisodicLife,
@@ -11,7 +14,7 @@ from atari.wrappers import (
     Grayscale,
     NoopReset,
 )
-from atari.wrappers._checks import step_noop
+from atari.wrappers._checks import step_named
 
 
 def number_of_noops(env, seed):
@@ -125,19 +128,18 @@ def test_where_that_is_no_action_each_layer_plays_it(game_env, layer, arguments)
         np.testing.assert_array_equal(env.step(action)[0], expected)
 
 
-def without_noop(env):
-    """The environment without its first action, as of a game that lacks NOOP."""
-    env._action_set = env._action_set[1:]
-    env.action_space = gymnasium.spaces.Discrete(len(env._action_set))
-    return env
+def without_noop():
+    """Breakout as a game that lacks NOOP."""
+    game = games.find("breakout")
+    return replace(game, minimal_actions=game.minimal_actions[1:])
 
 
 def test_where_that_is_no_action_an_inner_episodic_life_does_not_see_it(game_env):
     """Lives lost in the no-ops are compared at the next step."""
-    env = NoopReset(EpisodicLife(without_noop(game_env("breakout"))))
+    env = NoopReset(EpisodicLife(game_env(without_noop())))
     env.reset(seed=0, options={"noops": 3})
     env.unwrapped.core.set_ram(0x39, 4)  # a life less
-    *_, terminated, truncated, info = step_noop(env.env)
+    *_, terminated, truncated, info = step_named(env.env, "NOOP")
     assert (terminated, truncated, info["lives"], info["episode_frame_number"]) == (False, False, 4, 4)
     *_, terminated, truncated, info = env.step(0)
     assert (terminated, truncated, info["lives"], info["episode_frame_number"]) == (True, False, 4, 5)
@@ -146,7 +148,7 @@ def test_where_that_is_no_action_an_inner_episodic_life_does_not_see_it(game_env
 def test_a_noop_that_fails_leaves_the_actions(game_env):
     env = NoopReset(game_env("backgammon"))
     with pytest.raises(gymnasium.error.ResetNeeded):
-        step_noop(env.env)
+        step_named(env.env, "NOOP")
     with pytest.raises(ValueError, match="action 99 is not within"):
         env.unwrapped.step(99)
 

@@ -224,7 +224,11 @@ def test_other_environments_have_none(scripted: Any) -> None:
 @pytest.mark.parametrize(
     ("other", "text"),
     [
-        (lambda: started("dopamine", repeat_action_probability=0.25), "taken with the wrappers"),
+        (
+            lambda: started("dopamine", repeat_action_probability=0.25),
+            r"0\.25, but this .* 0\.0; noops = \(0, 0\), not \(1, 30\); fire",
+        ),
+        (lambda: wrappers.StickyActions(started()), "taken with the wrappers StickyActions, "),
         (lambda: started(game="pong"), "taken with game = 'pong'"),
         (lambda: started(mode=4), "taken with mode = 4"),
         (lambda: started().unwrapped, "taken with of = 'AtariEnv', but this environment has 'wrappers'"),

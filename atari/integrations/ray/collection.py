@@ -30,7 +30,7 @@ class _Task:
 
     seed: int
     entry: Entry
-    policy: str
+    policy: Any
     played: dict[str, Any]
     format: Format
     frames: Literal["rgb", "grayscale"]
@@ -51,7 +51,7 @@ def collect(
     game: Any,
     output: str | os.PathLike[str],
     *,
-    policy: str = "random",
+    policy: Any = "random",
     seeds: Iterable[int] = range(1),
     format: Format | None = None,
     frames: Literal["rgb", "grayscale"] = "rgb",
@@ -81,7 +81,7 @@ def collect(
             manifest has what is played; the files have it and the policy.
         output: the folder (.parquet), the file (.h5, .hdf5) or the ID of the Minari dataset. The latter two must not
             exist.
-        policy: a source for `load_policy`, which the workers load.
+        policy: as of `load_policy`, which the workers load. The manifest and the files have its name.
         seeds: of the games, 0..2**32 - 1; one that comes twice counts once.
         format, frames, labels: as of `write_dataset`.
         progress: called with the number of games that are finished, once at the start and after each.
@@ -109,16 +109,17 @@ def collect(
         check_output(output, format)
     names = Labels(entry.task.definition, labels).names
     loaded = load_policy(policy)  # so that errors are raised before anything is written
+    name = str(policy) if isinstance(policy, (str, Path)) else loaded.name
     task = json.loads(Player(loaded, usual_protocol(loaded, entry), entry).task.to_json())
     facts = {
-        "game": entry.id, "task": task, "policy": policy, "format": format, "frames": frames, "labels": list(names)
+        "game": entry.id, "task": task, "policy": name, "format": format, "frames": frames, "labels": list(names)
     }  # fmt: skip
     folder = Path(output) if format == "parquet" else Path(os.fspath(output).replace("/", "-") + ".parts")
     manifest = _Manifest(folder, {**facts, "version": version("atari-envs")})
     missing = [seed for seed in wanted if seed not in manifest.finished]
     if progress is not None:
         progress(len(wanted) - len(missing))
-    played = {"task": task, "policy": policy}
+    played = {"task": task, "policy": name}
     own = version("atari-envs")
     tasks = [_Task(seed, entry, policy, played, format, frames, names, own) for seed in missing]
     for part in _played(tasks):

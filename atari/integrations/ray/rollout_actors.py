@@ -16,7 +16,9 @@ from ray.exceptions import ObjectLostError, OutOfMemoryError, RayActorError, Ray
 
 from atari.cores.options import SEED_LIMIT
 from atari.integrations.ray.rollout import Rollout
-from atari.integrations.ray.rollout_worker import Played, PolicyMaker, Position, RolloutWorker, WorkerSettings
+from atari.integrations.ray.rollout_worker import Played, Position, RolloutWorker, WorkerSettings
+from atari.learning.policies import load_policy
+from atari.learning.policy import makes_policy
 from atari.task import Task
 from atari.task.resolution import is_id
 from atari.validation import check_integer
@@ -61,14 +63,15 @@ class RolloutActors:
         game: of the environments, as `AtariVectorEnv` takes it, or a sequence of `num_envs`.
         num_actors: how many actors.
         num_envs: environments of each.
-        policy: a class, or a function without arguments, that is called in each actor and returns its policy:
-            `policy(observations, random)` returns actions (num_envs,), or (actions, extras) with a mapping of arrays
-            (num_envs, ...) that come with the batch, such as logits. `observations` are (num_envs, ...) uint8 as of
-            `AtariVectorEnv`, valid until the next call; `random` is a `numpy.random.Generator` of this actor. A policy
-            with weights has `load(weights)`; a policy with a memory has `state()`, which returns what can be pickled,
-            and `restore(state)`. In the successor of a lost actor the order is: a new policy is made; `restore(state)`;
-            `load(weights)` with the weights of the next batch; that batch. So `restore` must not need weights, and
-            `load` must not change what `state` saves: it may be called again with weights that the lost actor had.
+        policy: as of `atari.learning.load_policy`, such as a class or a function without parameters, which each actor
+            calls. `policy(observations, lanes)` returns actions (num_envs,), or (actions, extras) with a mapping of
+            arrays (num_envs, ...) that come with the batch, such as logits. `observations` are (num_envs, ...) uint8 as
+            of `AtariVectorEnv`, valid until the next call. A policy with weights has `load(weights)`; a policy that
+            draws numbers, or has a memory, has `begin`, `state()`, which returns what can be pickled, and
+            `restore(state)`. In the successor of a lost actor the order is: a new policy is made; `begin`;
+            `restore(state)`; `load(weights)` with the weights of the next batch; that batch. So `restore` must not need
+            weights, and `load` must not change what `state` saves: it may be called again with weights that the lost
+            actor had.
         steps: of each environment in a batch.
         seed: environment j of actor i has seed + i * num_envs + j.
         in_flight: batches of each actor that are being played or wait for delivery: no more are played until the
@@ -86,10 +89,7 @@ class RolloutActors:
             file; nothing has been started.
 
     Example:
-        >>> class Random:
-        ...     def __call__(self, observations, random):
-        ...         return random.integers(4, size=len(observations))
-        >>> with RolloutActors("breakout", 2, 8, Random, steps=32) as actors:  # doctest: +SKIP
+        >>> with RolloutActors("breakout", 2, 8, "random", steps=32) as actors:  # doctest: +SKIP
         ...     rollout = next(actors)
         ...     rollout.observations.shape
         (33, 8, 4, 84, 84)
@@ -100,7 +100,7 @@ class RolloutActors:
         game: Any,
         num_actors: int,
         num_envs: int,
-        policy: PolicyMaker,
+        policy: Any,
         *,
         steps: int = 64,
         seed: int = 0,
@@ -118,8 +118,8 @@ class RolloutActors:
         self._in_order = in_order
         seed = check_integer("seed", seed, 0, SEED_LIMIT - 1)
         steps = check_integer("steps", steps, 1, 1_000_000)
-        if not callable(policy):
-            raise TypeError(f"policy must be a class or a function that returns a policy, got {policy!r}")
+        if not makes_policy(policy):
+            load_policy(policy)  # so that errors are raised here
         self._settings = WorkerSettings(_resolved(game), num_envs, steps, seed, unstacked, options)
         self._settings.make().close()  # so that errors are raised here
         self._policy = policy

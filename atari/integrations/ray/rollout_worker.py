@@ -2,7 +2,7 @@
 
 import pickle
 import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,9 +12,10 @@ import numpy.typing as npt
 from atari._gymnasium import AutoresetMode
 from atari.cores.options import SEED_LIMIT
 from atari.integrations.ray.rollout import Frames, Rollout
+from atari.learning.needs import needs_of
+from atari.learning.policies import load_policy
+from atari.task.fields import GROUPS
 from atari.vector import AtariVectorEnv
-
-PolicyMaker = Callable[[], Any]
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ class Position:
         number: of the next rollout.
         environments: snapshots of the environments after rollout `snapshot_number - 1`, packed; None is their reset.
         actions: those played since the snapshot, (steps, num_envs, ...) for each rollout.
-        policy: the state of the generator and of the policy after the last rollout, pickled; None is the beginning.
+        policy: the state of the policy after the last rollout, pickled; None is the beginning.
     """
 
     number: int = 0
@@ -98,14 +99,15 @@ class RolloutWorker:
     Args:
         settings: of all workers.
         index: of this one.
-        make_policy: returns the policy, see `RolloutActors`.
+        policy: see `RolloutActors`.
         position: where to go on.
     """
 
-    def __init__(self, settings: WorkerSettings, index: int, make_policy: PolicyMaker, position: Position) -> None:
+    def __init__(self, settings: WorkerSettings, index: int, policy: Any, position: Position) -> None:
         self._index, self._steps = index, settings.steps
-        self._random = np.random.default_rng([settings.seed, index])
-        self._policy = make_policy()
+        self._lanes = np.arange(settings.num_envs)
+        self._seeds = np.random.SeedSequence([settings.seed, index]).generate_state(settings.num_envs).astype(np.int64)
+        self._policy = load_policy(policy)
         self._envs = settings.make()
         self._number = position.number
         self._observations, _ = self._envs.reset(seed=(settings.seed + index * settings.num_envs) % SEED_LIMIT)
@@ -129,19 +131,25 @@ class RolloutWorker:
             RuntimeError: in the successor of a lost actor, the policy's `restore` has failed.
         """
         if self._position is not None:  # here, because Ray takes an actor whose constructor fails for a lost one
+            self._begin_policy()
             self._continue(self._position)
             self._position = None
         if weights is not None:
+            if not hasattr(self._policy, "load"):
+                raise ValueError(f"policy {self._policy.name} has no load(weights), which set_weights needs")
             self._policy.load(weights)
         rows = _Rows(self._steps)
         table = self._begin()
         for step in range(self._steps):
-            actions, extras = _answer(self._policy(self._observations, self._random))
+            actions, extras = self._policy.choose(self._observations, self._lanes)
+            extras = {name: np.asarray(part) for name, part in extras.items()}
             valid = ~self._ended
             out = None if self._frames else table[step + 1]
             self._observations, rewards, terminations, truncations, info = self._envs.step(actions, out=out)
             if self._frames:
                 self._frames.add(step + 1, self._observations, self._ended)
+            if not valid.all():
+                self._policy.begin_episodes(self._lanes[~valid])
             self._ended = terminations | truncations
             rows.add(step, actions, rewards, terminations, truncations, valid, extras)
             rows.add_games(info)
@@ -166,7 +174,28 @@ class RolloutWorker:
 
     def _policy_state(self) -> bytes:
         state = self._policy.state() if hasattr(self._policy, "state") else None
-        return pickle.dumps((self._random.bit_generator.state, state), 5)
+        return pickle.dumps(state, 5)
+
+    def _begin_policy(self) -> None:
+        """Begin with the policy.
+
+        Raises:
+            ValueError: it needs other environments than these.
+        """
+        played, needs = self._envs.task, needs_of(self._policy, self._envs.games[0])
+        if needs.task is not None:
+            fields = needs.task.differences(played)
+            for name in ("actions", "frameskip", *GROUPS["observation"]):
+                if name in fields:
+                    theirs, ours = fields[name]
+                    raise ValueError(
+                        f"policy {self._policy.name} needs {name}={theirs!r}, and the environments have {ours!r}; make "
+                        "them with the policy's task as the game"
+                    )
+            if not needs.layout(needs.task).is_engines:
+                raise ValueError(f"policy {self._policy.name} needs channels_last or dtype, which rollouts do not have")
+        names = [action.name for action in self._envs.options.actions[0]]
+        self._policy.begin(played.game, names, self._lanes, self._seeds)
 
     def _continue(self, position: Position) -> None:
         if position.environments is not None:
@@ -178,7 +207,7 @@ class RolloutWorker:
                 self._observations, _, terminations, truncations, _ = self._envs.step(row)
                 self._ended = terminations | truncations
         if position.policy is not None:
-            self._random.bit_generator.state, state = pickle.loads(position.policy)
+            state = pickle.loads(position.policy)
             if state is not None:
                 self._restore(state)
 
@@ -187,7 +216,7 @@ class RolloutWorker:
             self._policy.restore(state)
         except Exception as error:
             raise RuntimeError(
-                f"restore(state) of the policy {type(self._policy).__name__} failed in the successor of a lost actor "
+                f"restore(state) of the policy {self._policy.name} failed in the successor of a lost actor "
                 f"({type(error).__name__}: {error}); it is called on a new policy, before load(weights), and must not "
                 "need weights: let it keep the state until load(), or save in state() what it needs"
             ) from error
@@ -247,11 +276,3 @@ class _Rows:
             scores=scores,
             lengths=lengths,
         )
-
-
-def _answer(returned: Any) -> tuple[npt.NDArray[Any], dict[str, npt.NDArray[Any]]]:
-    """Actions and extras of what a policy returned."""
-    actions, extras = returned if isinstance(returned, tuple) else (returned, {})
-    if not isinstance(extras, Mapping):
-        raise ValueError(f"a policy returns actions, or (actions, extras) with a mapping of arrays, got {extras!r:.80}")
-    return np.asarray(actions), {name: np.asarray(part) for name, part in extras.items()}

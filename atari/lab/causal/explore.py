@@ -2,17 +2,18 @@
 
 from collections.abc import Callable
 from os import PathLike
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from atari import _emulator
 from atari.cores.native import NativeCore, compiled
-from atari.games.game import Game
 from atari.lab.causal.fit import suggest
 from atari.lab.causal.map import ByteCauses, CausalMap
 from atari.roms import find
 from atari.roms import image as rom_image
+from atari.task.resolution import GameLike, resolve_frames
 from atari.validation import check_integer
 
 _LONGEST_EPISODE = 3000  # frames
@@ -23,12 +24,14 @@ _CLEAR = 0.02  # part of the forks seen on the screen that makes a pixel one of 
 
 
 def causes(
-    game: str | Game,
+    game: GameLike,
     states: int = 200,
     values: int = 4,
     frames: int = 4,
     seed: int = 0,
     *,
+    mode: int | None = None,
+    difficulty: int | None = None,
     threads: int = 1,
     policy: Callable[[NativeCore], int] | None = None,
     progress: Callable[[int], object] | None = None,
@@ -41,11 +44,13 @@ def causes(
     actions and the same random words. Its screens are compared until they differ first, the rest after each frame.
 
     Args:
-        game: id of a game with rules, or a `Game`.
+        game: an ID, a game's name, the path of a game file, a `Game` or an `atari.Task`, of one player. Only its mode
+            and its difficulty count: frames are played one by one, without sticky actions.
         states: states of the game, 1..5000, from several episodes.
         values: forks of each state and byte, 1..64.
         frames: frames of each fork, 1..60.
         seed: of the play and of the values.
+        mode, difficulty: those of the game; None is what `game` says.
         threads: number of threads, 1..256. The result does not depend on it.
         policy: chooses the actions, ALE's numbers 0..17, from the core at each frame; None plays at random, and holds
             each action for some frames.
@@ -53,7 +58,8 @@ def causes(
         rom: path of the ROM file; None searches.
 
     Raises:
-        ValueError: a number outside its range, or a game without single-player rules.
+        TypeError, ValueError: a number outside its range, as `Task.of`, or the task has another field that changes the
+            game, such as `interventions`.
 
     Example:
         >>> from atari.lab.causal import causes
@@ -64,9 +70,9 @@ def causes(
     for name, number, high in (("states", states, 5000), ("values", values, 64), ("frames", frames, 60)):
         check_integer(name, number, 1, high)
     check_integer("threads", threads, 1, 256)
-    core = NativeCore(game, seed=seed, repeat_action_probability=0.0, rom=rom)
-    if core.game.rules is None:
-        raise ValueError(f"{core.game.id} has no single-player rules, so it cannot be played; choose another game")
+    task = resolve_frames(game, mode, difficulty, owner="causes")
+    chosen: dict[str, Any] = {"mode": task.set_mode, "difficulty": task.set_difficulty}
+    core = NativeCore(task.definition, seed=seed, repeat_action_probability=0.0, rom=rom, **chosen)
     saved, actions, ram, screen = _play(core, states, frames, seed, policy)
     image = rom_image.read_image(find(core.game, rom))
     engine = _emulator.Causes(game=compiled(core.game, image), values=values, frames=frames, threads=threads, seed=seed)
@@ -80,7 +86,11 @@ def causes(
     return CausalMap(
         game=core.game.id,
         height=len(screen),
-        settings={"states": states, "values": values, "frames": frames, "seed": seed},
+        settings={
+            **{"states": states, "values": values, "frames": frames, "seed": seed},
+            **{name: value for name, value in chosen.items() if value is not None},
+        },
+        task=task,
         bytes=_bytes(engine),
         suggestions=suggest(effects, counts[:, 0], counts[:, 4]),
         pixel_counts=engine.pixels(),

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from atari.lab.causal.suggestion import Suggestion
+from atari.task import Task
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +51,8 @@ class CausalMap:
     meanings. `settings` are the arguments of `causes`. The other fields are None in a map from a file: `pixel_counts`
     (128, height, 160) uint16, the number of forks that changed a pixel; `effects`, a row for each fork with an effect
     that has the columns `atari.lab.causal.fit.COLUMNS`; `ram`
-    (states, 128) uint8, the RAM of the states; `screen` (height, 160, 3) uint8, the screen of one of them.
+    (states, 128) uint8, the RAM of the states; `screen` (height, 160, 3) uint8, the screen of one of them; `task`, what
+    was played.
 
     Example:
         >>> from atari.lab import shipped_causes
@@ -68,6 +70,7 @@ class CausalMap:
     effects: NDArray[np.int32] | None = None
     ram: NDArray[np.uint8] | None = None
     screen: NDArray[np.uint8] | None = None
+    task: Task | None = None
 
     def pixel(self, x: int, y: int) -> list[int]:
         """The bytes of which a change changed the pixel in column x, 0..159, and row y.

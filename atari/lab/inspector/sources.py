@@ -11,6 +11,7 @@ from atari.lab.inspector.session import Agent, Session
 from atari.lab.inspector.timeline import MOST_FRAMES, NEW_GAME, Frame, Timeline
 from atari.recording import Replay
 from atari.recording.replay.events import Kind
+from atari.task.storage import from_json
 from atari.validation import check_file
 
 _MOST_BYTES = 64 << 20
@@ -72,11 +73,12 @@ def session_of_snapshot(path: Path, *, rom: Path | None = None, agent: Agent | N
         data = stream.read(_MOST_BYTES)
     try:
         facts, blobs = snapshot.unpack(data)
+        text = None  # of the task, in snapshots of an AtariEnv since 0.2
         for _ in range(3):  # of `atari play`, of wrappers, of an AtariEnv
             inner = blobs.get("env") or blobs.get("core")
             if facts.get("of") is None or inner is None:
                 break
-            data = inner
+            data, text = inner, facts.get("task")
             facts, blobs = snapshot.unpack(data)
         if facts.get("core") != "native" or not isinstance(facts.get("game"), str):
             raise ValueError(f"it is of the core {facts.get('core')!r}; the inspector plays on the core 'native'")
@@ -84,6 +86,8 @@ def session_of_snapshot(path: Path, *, rom: Path | None = None, agent: Agent | N
             raise ValueError(f"it is of the game {facts['game']!r}, which is not one of `atari list`")
         names = ("repeat_action_probability", "mode", "difficulty")
         options = {name: facts[name] for name in names if name in facts}
+        if text is not None:
+            options["interventions"] = from_json(text, games[facts["game"]]).interventions
         limit = facts.get("max_num_frames_per_episode") or None
         env = AtariEnv(facts["game"], frameskip=1, max_num_frames_per_episode=limit, rom=rom, **options)
         env.reset(seed=0)

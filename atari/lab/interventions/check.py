@@ -3,7 +3,6 @@
 import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -11,12 +10,13 @@ import numpy.typing as npt
 
 from atari.actions import Action
 from atari.cores import NativeCore
-from atari.games.catalog import games
 from atari.games.game import Game
 from atari.games.interventions import Check, Intervention, resolve
 from atari.games.interventions.file import CHECK_NAMES, split_calls
 from atari.games.interventions.writes import parse_expression
 from atari.lab.interventions.series import evaluate_series
+from atari.task import Task
+from atari.task.resolution import GameLike, resolve_frames
 
 _FRAMES_PER_ACTION = 4
 """Frames that a random action is held."""
@@ -29,7 +29,8 @@ class CheckResult:
     """The evidence of a check.
 
     Attributes:
-        game, name: of the intervention.
+        task: what was played without it.
+        name: of the intervention.
         passed: whether its effect was seen.
         kind: "holds", "more" or "less".
         expression: what was measured.
@@ -43,7 +44,7 @@ class CheckResult:
         (True, 'enemy_y == first(enemy_y)')
     """
 
-    game: str
+    task: Task
     name: str
     passed: bool
     kind: str
@@ -51,6 +52,11 @@ class CheckResult:
     with_it: float
     without: float
     first_failure: int | None = None
+
+    @property
+    def game(self) -> str:
+        """The id of the game."""
+        return self.task.game
 
     def __bool__(self) -> bool:
         return self.passed
@@ -67,30 +73,40 @@ class CheckResult:
         )
 
 
-def check(game: str | PathLike[str] | Game, name: str | Mapping[str, Any] | Intervention) -> CheckResult:
+def check(
+    game: GameLike,
+    name: str | Mapping[str, Any] | Intervention,
+    *,
+    mode: int | None = None,
+    difficulty: int | None = None,
+) -> CheckResult:
     """Play the check of an intervention.
 
     Args:
-        game: the game.
+        game: an ID, a game's name, the path of a game file, a `Game` or an `atari.Task`. Only its mode and its
+            difficulty count: frames are played one by one, without sticky actions.
         name: an intervention of it, as an item of the option `interventions`.
+        mode, difficulty: those of the game; None is what `game` says.
 
     Raises:
-        ValueError: there is no such intervention, or it has no check.
+        TypeError, ValueError: there is no such intervention, or it has no check; as `Task.of`, or the task has another
+            field that changes the game.
 
     Example:
         >>> from atari.lab.interventions import check
         >>> check("pong", "lazy_enemy").passed
         True
     """
-    found = games.find(game)
+    task = resolve_frames(game, mode, difficulty, owner="check")
+    found = task.definition
     (intervention,) = resolve(found, [name])
     if intervention.check is None:
         raise ValueError(f"the intervention {intervention.name!r} of {found.id} has no check")
     plan = intervention.check
-    without = _play(found, (), plan)
-    with_it = _play(found, (intervention,), plan, without.screens)
+    without = _play(task, (), plan)
+    with_it = _play(task, (intervention,), plan, without.screens)
     values = [_values(found, run, plan)[plan.after :] for run in (with_it, without)]
-    facts = (found.id, intervention.name)
+    facts = (task, intervention.name)
     if plan.kind == "holds":
         held, held_without = (series != 0 for series in values)
         failures = np.flatnonzero(~held)
@@ -114,13 +130,15 @@ class _Run:
 
 
 def _play(
-    game: Game,
+    task: Task,
     interventions: tuple[Intervention, ...],
     plan: Check,
     others: list[npt.NDArray[np.uint8]] | None = None,
 ) -> _Run:
     """Play the frames of a check; `others` are the screens without the intervention. A game that ends begins again."""
-    core = NativeCore(game, seed=0, repeat_action_probability=0.0, interventions=interventions)
+    game = task.definition
+    chosen: dict[str, Any] = {"mode": task.set_mode, "difficulty": task.set_difficulty}
+    core = NativeCore(game, seed=0, repeat_action_probability=0.0, interventions=interventions, **chosen)
     core.reset()
     screens, rams, rewards, lives, pixels = [], [], [], [], []
     score = 0

@@ -12,6 +12,8 @@ from atari.cores import ByteArray
 from atari.games.catalog import games
 from atari.lab import atari_ari
 from atari.lab.labels import byte_index
+from atari.task import Task
+from atari.task.resolution import GameLike, is_id
 from atari.validation import check_integer, check_probability
 from atari.vector import AtariVectorEnv
 
@@ -24,7 +26,7 @@ ENTROPY = 0.6
 
 @dataclass(frozen=True)
 class Episode:
-    """The states of an episode: `observations` (t, ...) uint8 and `ram` (t, 128) uint8.
+    """The states of an episode: `observations` (t, ...) uint8 and `ram` (t, 128) uint8; `task` was played.
 
     Example:
         >>> from atari.lab.probes import majority, play_episodes, split_episodes
@@ -35,6 +37,7 @@ class Episode:
 
     observations: ByteArray
     ram: ByteArray
+    task: Task | None = None
 
 
 @dataclass(frozen=True)
@@ -80,27 +83,27 @@ class ProbeData:
 
 
 def play_episodes(
-    game: str,
+    game: GameLike,
     steps: int,
     policy: Policy | None = None,
     *,
     seed: int = 0,
     epsilon: float = 0.2,
     num_envs: int = 8,
-    **environment: Any,
+    **options: Any,
 ) -> list[Episode]:
     """Play a game and return the states of its episodes, the unfinished ones too.
 
     Args:
-        game: its id.
+        game: an ID, a game's name, the path of a game file, a `Game` or an `atari.Task`.
         steps: of all environments together; each is a state.
         policy: a function of observations (num_envs, ...) and the numbers of the environments that returns actions
             (num_envs,); None is random.
         seed: of the environments and the random actions.
         epsilon: probability of a random action instead of the policy's.
         num_envs: environments that are played together.
-        **environment: options of `AtariVectorEnv`. Without any, observations are AtariARI's: one grayscale frame
-            (1, 210, 160); options of other sizes and stacks are those that an encoder needs.
+        **options: those of `AtariVectorEnv`. Without any, a game that is no ID and no task has AtariARI's observations:
+            one grayscale frame (1, 210, 160); options of other sizes and stacks are those that an encoder needs.
 
     Raises:
         TypeError, ValueError: as `AtariVectorEnv`; or a number is out of range.
@@ -113,9 +116,14 @@ def play_episodes(
     """
     check_integer("steps", steps, 1, 2**40)
     check_probability("epsilon", epsilon)
-    height = games.find(game).screen.height
-    options = environment or {"img_height": height, "img_width": 160, "stack_num": 1}
-    envs = AtariVectorEnv(game, num_envs, **{"num_threads": 1, **options}, obs_type="dict")
+    kind = "dict"
+    if isinstance(game, Task) or (isinstance(game, str) and is_id(game)):
+        kind = "rgb_dict" if Task.of(game).obs_type in ("rgb", "rgb_dict") else "dict"
+    elif not options:
+        options = {"img_height": None, "img_width": None, "stack_num": 1}
+    envs = AtariVectorEnv(game, num_envs, **{"num_threads": 1, "obs_type": kind, **options})
+    if envs.task.obs_type not in ("dict", "rgb_dict"):
+        raise ValueError(f"the states of a probe are images and RAM, 'dict' or 'rgb_dict', not {envs.task.obs_type!r}")
     generator = np.random.default_rng(seed)
     lanes = np.arange(num_envs)
     parts: list[list[tuple[ByteArray, ByteArray]]] = [[] for _ in lanes]
@@ -126,7 +134,7 @@ def play_episodes(
         for step in range(0, steps, num_envs):
             for lane in lanes[: steps - step]:
                 if begins[lane]:
-                    episodes.append(_stacked(parts[lane]))
+                    episodes.append(_stacked(parts[lane], envs.task))
                     parts[lane] = []
                 parts[lane].append((observation["image"][lane].copy(), observation["ram"][lane].copy()))
             actions = generator.integers(envs.single_action_space.n, size=num_envs)  # type: ignore[attr-defined]
@@ -137,7 +145,7 @@ def play_episodes(
             begins, ended = ended, terminated | truncated
     finally:
         envs.close()
-    return episodes + [_stacked(part) for part in parts if part]
+    return episodes + [_stacked(part, envs.task) for part in parts if part]
 
 
 def split_episodes(
@@ -198,9 +206,9 @@ def split_episodes(
     return ProbeData(train, validation, left, names, entropies, int((~new).sum()))
 
 
-def _stacked(rows: list[tuple[ByteArray, ByteArray]]) -> Episode:
+def _stacked(rows: list[tuple[ByteArray, ByteArray]], task: Task) -> Episode:
     observations, rams = zip(*rows, strict=True)
-    return Episode(np.stack(observations), np.stack(rams))
+    return Episode(np.stack(observations), np.stack(rams), task)
 
 
 def _join(episodes: Sequence[Episode], columns: Sequence[int]) -> Split:

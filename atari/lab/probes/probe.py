@@ -4,7 +4,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import gymnasium
 import numpy as np
 import numpy.typing as npt
 
@@ -12,7 +11,7 @@ from atari.cores import ByteArray
 from atari.lab.atari_ari import CATEGORIES, categories
 from atari.lab.probes.data import ProbeData, Split
 from atari.lab.table import Table
-from atari.validation import check_integer
+from atari.validation import check_integer, import_extra
 
 Encoder = Callable[[ByteArray], Any]
 FloatArray = npt.NDArray[np.float32]
@@ -99,7 +98,7 @@ def probe(
     """
     for name, value in (("epochs", epochs), ("patience", patience), ("batch_size", batch_size)):
         check_integer(name, value, 1, 2**31)
-    torch = _import_torch()
+    torch = import_extra("torch", "probes need PyTorch: pip install 'atari-envs[learn]'")
     features = [_features(torch, encoder, split) for split in (data.train, data.validation, data.test)]
     generator = torch.Generator().manual_seed(seed)
     training = _Training(torch, features[0].shape[1], len(data.names), learning_rate, generator)
@@ -210,11 +209,3 @@ def _result(data: ProbeData, predicted: npt.NDArray[np.int64]) -> ProbeResult:
         f1={name: weighted_f1(guesses, truth.astype(np.int64)) for name, guesses, truth in columns},
         accuracy={name: float((guesses == truth).mean()) for name, guesses, truth in columns},
     )
-
-
-def _import_torch() -> Any:
-    try:
-        import torch
-    except ImportError:
-        raise gymnasium.error.DependencyNotInstalled("probes need PyTorch: pip install 'atari-envs[learn]'") from None
-    return torch

@@ -21,7 +21,7 @@ from atari.learning.command import main
 from atari.learning.environments import TrainingEnvironments
 from atari.learning.memory import ReplayMemory
 from atari.learning.networks import Encoder, QNetwork
-from atari.learning.options import TrainingOptions
+from atari.learning.options import FAST_PIXELS, TrainingOptions
 from atari.learning.replicas import Replicas
 
 
@@ -82,16 +82,8 @@ class DQNOptions(TrainingOptions):
 
 
 FAST: dict[str, Any] = {
-    "total_steps": 2_000_000,
+    **FAST_PIXELS,
     "num_envs": 16,
-    "preset": "envpool",
-    "episodic_life": True,
-    "img_height": 42,
-    "img_width": 42,
-    "network": "small",
-    "normalize": True,
-    "bfloat16": True,
-    "workers": 2,
     "memory": 200_000,
     "learning_starts": 10_000,
     "train_every": 16,
@@ -106,16 +98,6 @@ FAST: dict[str, Any] = {
 }
 """Options for pixels, found by measurement on two cores; see docs/learning.md."""
 
-FAST_RAM: dict[str, Any] = {
-    "obs_type": "ram",
-    "img_height": None,
-    "img_width": None,
-    "network": "bits",
-    "stack_num": 2,
-    "padding": "reset",
-}
-"""Options for RAM, which replace those of the same name."""
-
 
 _UPDATE = 1000
 """About so many steps are an update."""
@@ -126,7 +108,6 @@ class DQN(Agent):
 
     options_class = DQNOptions
     fast = FAST
-    fast_ram = FAST_RAM
     sample = False
 
     def __init__(self, options: DQNOptions, folder: Path | None = None) -> None:

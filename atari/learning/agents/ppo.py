@@ -20,7 +20,7 @@ from atari.learning.agent import Agent
 from atari.learning.command import main
 from atari.learning.environments import TrainingEnvironments
 from atari.learning.networks import ActorCritic, Encoder
-from atari.learning.options import TrainingOptions
+from atari.learning.options import FAST_PIXELS, TrainingOptions
 from atari.learning.replicas import Replicas
 
 
@@ -65,16 +65,7 @@ class PPOOptions(TrainingOptions):
 
 
 FAST: dict[str, Any] = {
-    "total_steps": 2_000_000,
-    "num_envs": 64,
-    "preset": "envpool",
-    "episodic_life": True,
-    "img_height": 42,
-    "img_width": 42,
-    "network": "small",
-    "normalize": True,
-    "bfloat16": True,
-    "workers": 2,
+    **FAST_PIXELS,
     "minibatch": 1024,
     "learning_rate": 3e-4,
     "clip": 0.2,
@@ -84,15 +75,6 @@ FAST: dict[str, Any] = {
     "normalize_returns": True,
 }
 """Options for pixels, found by measurement on two cores; see docs/learning.md."""
-
-FAST_RAM: dict[str, Any] = {
-    "obs_type": "ram",
-    "img_height": None,
-    "img_width": None,
-    "network": "bits",
-    "stack_num": 2,
-}
-"""Options for RAM, which replace those of the same name."""
 
 
 @dataclass
@@ -197,7 +179,6 @@ class PPO(Agent):
 
     options_class = PPOOptions
     fast = FAST
-    fast_ram = FAST_RAM
     sample = True
 
     def __init__(self, options: PPOOptions, folder: Path | None = None) -> None:

@@ -19,7 +19,7 @@ from atari.learning.agent import Agent
 from atari.learning.command import main
 from atari.learning.environments import TrainingEnvironments
 from atari.learning.networks import Encoder, QNetwork
-from atari.learning.options import TrainingOptions
+from atari.learning.options import FAST_PIXELS, TrainingOptions
 from atari.learning.replicas import Replicas
 
 
@@ -59,16 +59,7 @@ class PQNOptions(TrainingOptions):
 
 
 FAST: dict[str, Any] = {
-    "total_steps": 2_000_000,
-    "num_envs": 64,
-    "preset": "envpool",
-    "episodic_life": True,
-    "img_height": 42,
-    "img_width": 42,
-    "network": "small",
-    "normalize": True,
-    "bfloat16": True,
-    "workers": 2,
+    **FAST_PIXELS,
     "minibatch": 256,
     "q_lambda": 0.9,
     "anneal": False,
@@ -76,15 +67,6 @@ FAST: dict[str, Any] = {
     "learning_rate": 5e-4,
 }
 """Options for pixels, found by measurement on two cores; see docs/learning.md."""
-
-FAST_RAM: dict[str, Any] = {
-    "obs_type": "ram",
-    "img_height": None,
-    "img_width": None,
-    "network": "bits",
-    "stack_num": 2,
-}
-"""Options for RAM, which replace those of the same name."""
 
 
 class Worker:
@@ -151,7 +133,6 @@ class PQN(Agent):
 
     options_class = PQNOptions
     fast = FAST
-    fast_ram = FAST_RAM
     sample = False
 
     def __init__(self, options: PQNOptions, folder: Path | None = None) -> None:

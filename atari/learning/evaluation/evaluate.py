@@ -18,7 +18,7 @@ from atari.learning.evaluation.protocols import MAX_EPISODES, EvaluationProtocol
 from atari.learning.evaluation.results import GameResult, Result, versions
 from atari.learning.evaluation.workers import Workers, find_workers
 from atari.learning.policies import load_policy
-from atari.learning.policy import Policy, as_policy
+from atari.learning.policy import LoadedPolicy
 from atari.recording import RecordVectorReplay
 from atari.validation import check_integer
 from atari.vector import AtariVectorEnv
@@ -58,11 +58,12 @@ def evaluate(
     task there is a game of `games`, or with `parts` a part of its episodes, and begins with a copy of the policy.
 
     Args:
-        policy: a `Policy`; a function of observations (n, ...) that returns actions (n,); a source for `load_policy`,
-            such as "random", in which "{game}" stands for the game's id; or a mapping from game id to one of these.
+        policy: as of `load_policy`, such as a function of observations (n, ...) that returns actions (n,); in a string,
+            "{game}" stands for the game's id; or a mapping from game id to one of these.
         games: a game, an environment ID, a `Task`, a set of `GAME_SETS` such as "atari26", or a sequence of these. It
             decides the mode, the difficulty and interventions, which must be those of the policy. An ID must have the
-            protocol's sticky actions, and show RAM or images as the policy needs them.
+            protocol's sticky actions, and show RAM or images as the policy needs them. Other fields of a `Task` that
+            differ from ALE's v5 must be those that are played.
         protocol: one of `PROTOCOLS`, or an `EvaluationProtocol` of your own. It decides the actions, sticky actions,
             frame skip, how games begin, what a lost life does, and the limit, whatever environment the policy was
             trained in. The observations are those that the policy needs, see `Policy`. A policy that does not say gets
@@ -100,19 +101,16 @@ def evaluate(
     parts = check_integer("parts", parts, 1, episodes)
     lanes = _lanes(num_envs, -(-episodes // parts))
     elsewhere = None if workers is None else find_workers(workers)
-    loaded: dict[str, Policy] = {}
+    loaded: dict[Any, LoadedPolicy] = {}
     policies = [_policy(policy, game, loaded) for game in chosen]
     players = [Player(one, protocol, game) for one, game in zip(policies, chosen, strict=True)]
     seeds = [tuple(episode_seed(seed, game.id, episode) for episode in range(episodes)) for game in chosen]
     tasks = [
-        _Task(_source(policy, game), game, protocol, of_game[part::parts], lanes, num_threads)
+        _Task(_at_game(policy, game), game, protocol, of_game[part::parts], lanes, num_threads)
         for game, of_game in zip(chosen, seeds, strict=True)
         for part in range(parts)
     ]
-    if elsewhere is None:
-        done = _play_here(tasks, [player for player in players for _ in range(parts)], progress)
-    else:
-        done = _play_elsewhere(tasks, elsewhere, progress)
+    done = _play_all(tasks, [player for player in players for _ in range(parts)], elsewhere, progress)
     played = [_joined(done[start : start + parts]) for start in range(0, len(done), parts)]
     frames = {getattr(one, "training_frames", None) for one in policies}
     return Result(
@@ -162,26 +160,28 @@ def episode_seed(seed: int, game: str, episode: int) -> int:
     return int(words[0]) >> 1
 
 
-def _policy(policy: Any, game: Entry, loaded: dict[str, Policy]) -> Policy:
-    """The policy of a game; `loaded` keeps those of sources, which several games may share."""
+def _policy(policy: Any, game: Entry, loaded: dict[Any, LoadedPolicy]) -> LoadedPolicy:
+    """The policy of a game; `loaded` keeps those that several games may share."""
+    source = _at_game(policy, game)
+    key = source if isinstance(source, str) else id(source)
+    if key not in loaded:
+        loaded[key] = load_policy(source)
+    return loaded[key]
+
+
+def _at_game(policy: Any, game: Entry) -> Any:
+    """The policy of a game, or its source, from which workers make it."""
     if isinstance(policy, Mapping):
         if game.id not in policy:
             raise ValueError(f"there is no policy for {game.id}; there are some for {', '.join(map(str, policy))}")
         policy = policy[game.id]
-    if not isinstance(policy, (str, Path)):
-        return as_policy(policy)
-    source = str(policy).replace("{game}", game.id)
-    if source not in loaded:
-        loaded[source] = load_policy(source)
-    return loaded[source]
+    return str(policy).replace("{game}", game.id) if isinstance(policy, (str, Path)) else policy
 
 
-def _name(policy: Any, policies: Sequence[Policy]) -> str:
+def _name(policy: Any, policies: Sequence[LoadedPolicy]) -> str:
     if isinstance(policy, (str, Path)):
         return str(policy)
-    names = {
-        str(getattr(one, "name", "") or getattr(one, "__qualname__", "") or type(one).__name__) for one in policies
-    }
+    names = {one.name for one in policies}
     return names.pop() if len(names) == 1 else f"{len(policies)} policies"
 
 
@@ -210,31 +210,21 @@ class _Task:
     version: str = version("atari-envs")
 
 
-def _source(policy: Any, game: Entry) -> Any:
-    """What a worker makes the policy of a game from."""
-    if isinstance(policy, Mapping):
-        policy = policy[game.id]
-    return str(policy).replace("{game}", game.id) if isinstance(policy, (str, Path)) else policy
-
-
-def _play_here(tasks: Sequence[_Task], players: Sequence[Player], progress: Progress | None) -> list[GameResult]:
-    """Do the tasks in this process, with players that exist."""
+def _play_all(
+    tasks: Sequence[_Task], players: Sequence[Player], workers: Workers | None, progress: Progress | None
+) -> list[GameResult]:
+    """Do the tasks, in this process with players that exist, or by workers."""
     results: list[GameResult] = []
+    elsewhere = None if workers is None else iter(workers.map(_play_task, tasks))
     total, before = sum(len(task.seeds) for task in tasks), 0
     for task, player in zip(tasks, players, strict=True):
-        results.append(_play(task, player, task.num_threads, _report(progress, before, total)))
+        report = _report(progress, before, total)
+        if elsewhere is None:
+            results.append(_play(task, player, task.num_threads, report))
+        else:
+            results.append(next(elsewhere))
+            report(len(task.seeds))
         before += len(task.seeds)
-    return results
-
-
-def _play_elsewhere(tasks: Sequence[_Task], workers: Workers, progress: Progress | None) -> list[GameResult]:
-    """Have the tasks done by workers."""
-    results: list[GameResult] = []
-    total, before = sum(len(task.seeds) for task in tasks), 0
-    for task, result in zip(tasks, workers.map(_play_task, tasks), strict=True):
-        results.append(result)
-        before += len(task.seeds)
-        _report(progress, 0, total)(before)
     return results
 
 

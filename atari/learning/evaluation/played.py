@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import Any
 
 from atari.games.game import Game
-from atari.learning.evaluation.protocols import GAME_SETS, PROTOCOLS, EvaluationProtocol, find_protocol
+from atari.learning.evaluation.protocols import GAME_SETS, PROTOCOLS, EvaluationProtocol, find_protocol, in_words
 from atari.learning.needs import Needs, composed
 from atari.task import PRESETS, Task
 from atari.task.fields import GROUPS
@@ -98,17 +98,22 @@ def played_task(entry: Entry, protocol: EvaluationProtocol, needs: Needs) -> Tas
     `Task` of RAM, else the images of the protocol's preset or task.
 
     Raises:
-        ValueError: game, protocol and policy contradict each other; the message says what to pass.
+        ValueError: game, protocol and policy contradict each other, or the game is a `Task` with another field that is
+            not played; the message says what to pass.
     """
-    _check_game(entry)
+    _check_alone(entry.task, entry.id)
     if needs.task is not None:
         _check_policy(entry, protocol, needs.task)
     _check_id(entry, protocol, needs.task)
     seen = needs.task or (entry.task if entry.ram else None)
     if protocol.task is not None:
         _check_same_game(entry, protocol.task)
-        return _whole_games(protocol, protocol.task, seen)
-    return composed(entry.task, **_observation(seen, protocol.preset), **_play(protocol), **_lives(protocol))
+        played = _whole_games(protocol, protocol.task, seen)
+    else:
+        played = composed(entry.task, **_observation(seen, protocol.preset), **_play(protocol), **_lives(protocol))
+    if isinstance(entry.given, Task) and entry.given != protocol.task:
+        _check_given(entry.given, played, protocol)
+    return played
 
 
 def _observation(seen: Task | None, preset: str) -> dict[str, Any]:
@@ -154,30 +159,23 @@ def _whole_games(protocol: EvaluationProtocol, task: Task, seen: Task | None) ->
     return composed(task, **own, **_observation(seen or task, ""))
 
 
-def _check_game(entry: Entry) -> None:
-    """Refuse games that an evaluation cannot play."""
+def _check_alone(task: Task, owner: str) -> None:
+    """Refuse what an evaluation cannot play."""
     for name, value in (("players", 1), ("continuous", False)):
-        if getattr(entry.task, name) != value:
+        if getattr(task, name) != value:
             raise ValueError(
-                f"an evaluation plays games with {name}={value}, and {entry.id} is given with "
-                f"{name}={getattr(entry.task, name)}; leave it out"
+                f"an evaluation plays games with {name}={value}, and {owner} has {name}={getattr(task, name)}; "
+                "leave it out"
             )
 
 
 def _check_policy(entry: Entry, protocol: EvaluationProtocol, policy: Task) -> None:
     """Refuse a policy of another game than the one that is played."""
-    for name, value in (("players", 1), ("continuous", False)):
-        if getattr(policy, name) != value:
-            raise ValueError(
-                f"games are evaluated with {name}={value}, and the policy has {getattr(policy, name)}; evaluate a "
-                "policy of one player with a choice of actions"
-            )
+    _check_alone(policy, "the policy")
     _check_alike(entry.task, policy, "policy")
-    if policy.frames != _frames(protocol):
-        raise ValueError(
-            f"protocol {protocol.name!r} plays {_skip(protocol.frame_skip)} frames an action, the policy "
-            f"{_skip(policy.frameskip)}"
-        )
+    if policy.frames != protocol.frames:
+        ours, theirs = in_words(protocol.frames), in_words(policy.frames)
+        raise ValueError(f"protocol {protocol.name!r} plays {ours} frames an action, the policy {theirs}")
 
 
 def _check_id(entry: Entry, protocol: EvaluationProtocol, policy: Task | None) -> None:
@@ -192,6 +190,23 @@ def _check_id(entry: Entry, protocol: EvaluationProtocol, policy: Task | None) -
             f"{entry.env_id} has repeat_action_probability={sticky}, and protocol {protocol.name!r} "
             f"{protocol.repeat_action_probability}; pass {entry.id!r}, or another protocol"
         )
+
+
+def _check_given(task: Task, played: Task, protocol: EvaluationProtocol) -> None:
+    """Refuse a task that says how games are played, and is not played so. A field as in ALE's v5 says nothing."""
+    differing = task.differences(played)
+    for name in Task.of(task.game if task.definition.file is None else task.definition).differences(task):
+        if name in differing and name not in (*GROUPS["game"], *GROUPS["reward"], "interventions"):
+            value, other = differing[name]
+            raise ValueError(
+                f"the task of {task.game} has {name}={value!r}, and protocol {protocol.name!r} with this policy plays "
+                f"{other!r}; pass {task.game!r}, or EvaluationProtocol.of_task(task, ...) as the protocol"
+            )
+
+
+def game_of(task: Task) -> Task:
+    """The task of a policy as the game of an evaluation: its game, mode, difficulty and interventions alone."""
+    return Task.of(task.definition, **{name: getattr(task, name) for name in _OF_GAME})  # type: ignore[arg-type]
 
 
 def _check_same_game(entry: Entry, task: Task) -> None:
@@ -216,12 +231,3 @@ def _shown(task: Task, name: str) -> str:
     """A field as a user gives it, in an error: None is the default mode or difficulty."""
     value = [one.name for one in task.interventions] if name == "interventions" else task.plain()[name]
     return repr(value)
-
-
-def _frames(protocol: EvaluationProtocol) -> tuple[int, int]:
-    skip = protocol.frame_skip
-    return skip if isinstance(skip, tuple) else (skip, skip + 1)
-
-
-def _skip(skip: int | tuple[int, int]) -> str:
-    return f"{skip[0]} to {skip[1] - 1}" if isinstance(skip, tuple) else str(skip)

@@ -1,19 +1,16 @@
 """`Player`: a policy in the environments of one game, as a protocol has them."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from atari.learning.environments import whole_actions
 from atari.learning.evaluation.played import Entry, played_task
 from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.learning.needs import needs_of
-from atari.learning.policy import Policy
+from atari.learning.policy import LoadedPolicy
 from atari.task.fields import GROUPS, NO_LIMIT
 from atari.vector import AtariVectorEnv
-from atari.vector.options import VectorOptions
 
 IntArray = npt.NDArray[np.int64]
 
@@ -34,18 +31,17 @@ class Player:
         FileNotFoundError: there is no ROM file of the game.
     """
 
-    def __init__(self, policy: Policy, protocol: EvaluationProtocol, entry: Entry) -> None:
+    def __init__(self, policy: LoadedPolicy, protocol: EvaluationProtocol, entry: Entry) -> None:
         self._policy = policy
         self._epsilon = protocol.epsilon
         self._generators: dict[int, np.random.Generator] = {}
         needs = needs_of(policy, entry.task.definition)
         self.task = played_task(entry, protocol, needs)
         self._options = needs.options
-        self._whole, indices = whole_actions(self.task)
         every = tuple(action.name for action in self.task.action_set)
         self._names = every if needs.actions is None else _names(needs.actions, every, entry.id)
-        self._every = indices
-        self._indices = indices[[every.index(name) for name in self._names]]
+        self._every = len(every)
+        self._indices = np.array([every.index(name) for name in self._names])
         self.max_frames = self.task.max_num_frames_per_episode or NO_LIMIT
         try:
             self.make(1).close()  # so that errors are raised before the first game of an evaluation
@@ -54,7 +50,8 @@ class Player:
 
     def make(self, lanes: int, num_threads: int = 1) -> AtariVectorEnv:
         """Environments of the game, which wait for a reset when a game or a life has ended."""
-        return _Counting(self._whole, lanes, autoreset_mode="Disabled", num_threads=num_threads, **self._options)
+        run: dict[str, Any] = {"autoreset_mode": "Disabled", "num_threads": num_threads, "game_info": True}
+        return AtariVectorEnv(self.task, lanes, **run, **self._options)
 
     def facts(self) -> dict[str, Any]:
         """What the policy is shown, as a mapping of JSON's types."""
@@ -65,15 +62,12 @@ class Player:
         """Begin games in some lanes, each with the seed of the game."""
         for lane, seed in zip(lanes.tolist(), seeds.tolist(), strict=True):
             self._generators[lane] = np.random.default_rng([seed, 1])  # the policy may use the seed itself
-        begin = getattr(self._policy, "begin", None)
-        if begin is not None:
-            begin(self.task.game, self._names, lanes, seeds)
+        self._policy.begin(self.task.game, self._names, lanes, seeds)
 
     def begin_episodes(self, lanes: IntArray) -> None:
         """Begin episodes that go on with the games of some lanes, after a lost life."""
-        begin = getattr(self._policy, "begin_episodes", None)
-        if begin is not None and not self.task.seamless_lives:
-            begin(lanes)
+        if not self.task.seamless_lives:
+            self._policy.begin_episodes(lanes)
 
     def act(self, observations: Any, lanes: IntArray) -> IntArray:
         """The actions of some lanes, (n,) indices of the environment's actions.
@@ -81,35 +75,13 @@ class Player:
         Raises:
             ValueError: the policy returns no actions.
         """
-        chosen = self._indices[self._checked(self._policy(observations, lanes), len(lanes))]
+        chosen = self._indices[self._policy(observations, lanes)]
         if self._epsilon > 0:
             for row, lane in enumerate(lanes.tolist()):
                 generator = self._generators[lane]
                 if generator.random() < self._epsilon:
-                    chosen[row] = self._every[generator.integers(len(self._every))]
+                    chosen[row] = generator.integers(self._every)
         return chosen
-
-    def _checked(self, actions: Any, count: int) -> IntArray:
-        array = np.asarray(actions)
-        if array.dtype.kind not in "iu" or array.shape != (count,):
-            raise ValueError(
-                f"a policy must return integers of shape ({count},), one for each observation; "
-                f"got {array.dtype} {array.shape}"
-            )
-        if ((array < 0) | (array >= len(self._names))).any():
-            wrong = array[(array < 0) | (array >= len(self._names))][0]
-            raise ValueError(
-                f"the policy returned action {wrong}; in {self.task.game} it has {len(self._names)} actions, "
-                f"0..{len(self._names) - 1} ({', '.join(self._names)})"
-            )
-        return array.astype(np.int64)
-
-
-class _Counting(AtariVectorEnv):
-    """Environments whose `info` has the scores of whole games, whatever their task."""
-
-    def _begin(self, options: VectorOptions) -> None:
-        super()._begin(replace(options, game_info=True))
 
 
 def _names(chosen: tuple[str, ...], given: tuple[str, ...], game: str) -> tuple[str, ...]:

@@ -3,7 +3,7 @@
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from types import MappingProxyType
+from types import MappingProxyType, SimpleNamespace
 from typing import Any, Literal
 
 from atari.learning.evaluation.tables import check_known_name, read_table
@@ -11,6 +11,7 @@ from atari.task import PRESETS, Task
 from atari.task.description import summary
 from atari.task.fields import GROUPS
 from atari.task.presets import OTHER_NAMES
+from atari.task.task import DEFAULTS
 from atari.validation import check_frameskip, check_integer, check_name, check_probability
 
 MAX_EPISODES = 1_000_000
@@ -110,6 +111,11 @@ class EvaluationProtocol:
                     f"{name} must be {value!r}, as the protocol's task has it, got {getattr(self, name)!r}"
                 )
 
+    @property
+    def frames(self) -> tuple[int, int]:
+        """The range of the frame skip, (low, high): low..high-1."""
+        return self.frame_skip if isinstance(self.frame_skip, tuple) else (self.frame_skip, self.frame_skip + 1)
+
     def to_json(self) -> dict[str, Any]:
         """All fields, as the types of JSON."""
         own = {field.name: getattr(self, field.name) for field in fields(self)}
@@ -136,13 +142,17 @@ class EvaluationProtocol:
             "preset": f"; games and lives begin as in preset {self.preset}",
             "task": "" if self.task is None else f"; games and lives begin as in its task ({summary(self.task)})",
         }[self.lives]
-        low, high = self.frame_skip if isinstance(self.frame_skip, tuple) else (self.frame_skip, self.frame_skip + 1)
-        frames = f"{low}" if high == low + 1 else f"{low} to {high - 1}"
         return (
             f"{self.name}: sticky actions {self.repeat_action_probability:g}, {actions}, {noops}, "
-            f"{frames} frames an action, epsilon {self.epsilon:g}, at most {self.max_frames:,} frames a game"
-            f"{lives}; unclipped scores of whole games"
+            f"{in_words(self.frames)} frames an action, epsilon {self.epsilon:g}, "
+            f"at most {self.max_frames:,} frames a game{lives}; unclipped scores of whole games"
         )
+
+
+def in_words(frames: tuple[int, int]) -> str:
+    """A range of frames (low, high) in words."""
+    low, high = frames
+    return f"{low}" if high == low + 1 else f"{low} to {high - 1}"
 
 
 def _numbers_of(task: Task) -> dict[str, Any]:
@@ -179,77 +189,45 @@ _UNLIKE = frozenset((*GROUPS["game"], "interventions", *GROUPS["observation"], *
 
 _HALF_AN_HOUR = 108_000
 
-PROTOCOLS: Mapping[str, EvaluationProtocol] = MappingProxyType(
-    {
-        protocol.name: protocol
-        for protocol in (
-            EvaluationProtocol(
-                name="dqn2015",
-                source="Mnih et al. 2015: 30 games of at most five minutes, no-op starts, epsilon 0.05",
-                repeat_action_probability=0.0,
-                full_action_space=False,
-                noop_min=1,
-                noop_max=30,
-                max_frames=18_000,
-                epsilon=0.05,
-                episodes=30,
-                preset="dqn2015",
-            ),
-            EvaluationProtocol(
-                name="machado2018",
-                source="Machado et al. 2018, with the 4 frames an action and 108,000 frames that later users of it "
-                "take. The paper reports the last 100 games of the training; this plays 100 games after it",
-                repeat_action_probability=0.25,
-                full_action_space=True,
-                noop_min=0,
-                noop_max=0,
-                max_frames=_HALF_AN_HOUR,
-                epsilon=0.0,
-                episodes=100,
-                preset="machado2018",
-            ),
-            EvaluationProtocol(
-                name="atari100k",
-                source="the Atari 100k benchmark as in Dopamine's data-efficient Rainbow: 100 games, epsilon 0.001",
-                repeat_action_probability=0.0,
-                full_action_space=False,
-                noop_min=0,
-                noop_max=0,
-                max_frames=_HALF_AN_HOUR,
-                epsilon=0.001,
-                episodes=100,
-                preset="atari100k",
-            ),
-            EvaluationProtocol(
-                name="dopamine",
-                source="Dopamine's evaluation, epsilon 0.001, with 100 games in place of 125,000 steps, which favour "
-                "short games",
-                repeat_action_probability=0.25,
-                full_action_space=False,
-                noop_min=0,
-                noop_max=0,
-                max_frames=_HALF_AN_HOUR,
-                epsilon=0.001,
-                episodes=100,
-                preset="dopamine",
-            ),
-            EvaluationProtocol(
-                name="baselines",
-                source="the wrappers of OpenAI's Baselines, Stable-Baselines3 and CleanRL, with scores as their "
-                "Monitor records them around the game",
-                repeat_action_probability=0.0,
-                full_action_space=False,
-                noop_min=1,
-                noop_max=30,
-                max_frames=_HALF_AN_HOUR,
-                epsilon=0.0,
-                episodes=100,
-                preset="baselines",
-                lives="fire",
-            ),
-        )
-    }
+
+def _of_preset(name: str, source: str, **others: Any) -> EvaluationProtocol:
+    """The protocol of a preset: 100 games of at most half an hour, unless `others` say otherwise."""
+    task: Any = SimpleNamespace(**{**DEFAULTS, **PRESETS[name].fields})
+    numbers = {**_numbers_of(task), "max_frames": _HALF_AN_HOUR, "epsilon": 0.0, "episodes": 100, **others}
+    return EvaluationProtocol(name, source, preset=name, **numbers)
+
+
+_ALL = (
+    _of_preset(
+        "dqn2015",
+        "Mnih et al. 2015: 30 games of at most five minutes, no-op starts, epsilon 0.05",
+        max_frames=18_000,
+        epsilon=0.05,
+        episodes=30,
+    ),
+    _of_preset(
+        "machado2018",
+        "Machado et al. 2018, with the 4 frames an action and 108,000 frames that later users of it take. The paper "
+        "reports the last 100 games of the training; this plays 100 games after it",
+    ),
+    _of_preset(
+        "atari100k",
+        "the Atari 100k benchmark as in Dopamine's data-efficient Rainbow: 100 games, epsilon 0.001",
+        epsilon=0.001,
+    ),
+    _of_preset(
+        "dopamine",
+        "Dopamine's evaluation, epsilon 0.001, with 100 games in place of 125,000 steps, which favour short games",
+        epsilon=0.001,
+    ),
+    _of_preset(
+        "baselines",
+        "the wrappers of OpenAI's Baselines, Stable-Baselines3 and CleanRL, with scores as their Monitor records them "
+        "around the game",
+        lives="fire",
+    ),
 )
+PROTOCOLS: Mapping[str, EvaluationProtocol] = MappingProxyType({protocol.name: protocol for protocol in _ALL})
 """Every protocol by name."""
 
 GAME_SETS: Mapping[str, tuple[str, ...]] = MappingProxyType(

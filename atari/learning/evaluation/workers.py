@@ -1,12 +1,9 @@
 """Where the tasks of an evaluation are done: in this process, in those of a pool, or on a cluster of Ray."""
 
 from collections.abc import Callable, Iterable, Iterator
-from importlib import import_module
 from typing import Any, Protocol, TypeVar
 
-import gymnasium
-
-from atari.validation import check_name
+from atari.validation import check_name, import_extra
 
 Task = TypeVar("Task")
 Done = TypeVar("Done")
@@ -29,12 +26,7 @@ class RayWorkers:
     """
 
     def __init__(self) -> None:
-        try:
-            self._ray = import_module("ray")
-        except ImportError as error:
-            raise gymnasium.error.DependencyNotInstalled(
-                "workers='ray' needs Ray: pip install 'atari-envs[ray]'"
-            ) from error
+        self._ray = import_extra("ray", "workers='ray' needs Ray: pip install 'atari-envs[ray]'")
 
     def map(self, function: Callable[[Task], Done], tasks: Iterable[Task], /) -> Iterator[Done]:
         """What the function returns for each task, in the order of the tasks. An error cancels the others."""

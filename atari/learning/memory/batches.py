@@ -5,12 +5,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, cast
 
-import gymnasium
 import numpy as np
 
 from atari import _emulator
 from atari.learning.memory.options import MemoryOptions, as_numpy, check_stack
-from atari.validation import check_integer
+from atari.validation import check_integer, import_extra
 
 Array = Callable[[tuple[int, ...], Any], Any]
 
@@ -148,10 +147,7 @@ def array_maker(torch: bool, pin_memory: bool) -> Array:
     """
     if not torch:
         return np.empty
-    try:
-        import torch as library
-    except ImportError:
-        raise gymnasium.error.DependencyNotInstalled("batches of tensors need PyTorch: pip install torch") from None
+    library = import_extra("torch", "batches of tensors need PyTorch: pip install torch")
 
     def array(shape: tuple[int, ...], dtype: Any) -> Any:
         kind = library.from_numpy(np.empty(0, dtype)).dtype

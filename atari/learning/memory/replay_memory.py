@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from atari import _emulator
 from atari._gymnasium import AutoresetMode
+from atari.cores.options import SEED_LIMIT
 from atari.learning.memory import storage
 from atari.learning.memory.batch_pool import BatchPool
 from atari.learning.memory.batches import Batch, Sequences, array_maker, check_size, check_stacks, make_batch, target_of
@@ -62,7 +63,7 @@ class ReplayMemory:
         compress: store frames compressed, without loss.
         compressed_bytes: space for compressed frames; a memory that needs more forgets its oldest steps earlier. None
             is a seventh of the bytes of the frames. Memory that is never needed is not taken, but a file has it all.
-        seed: of the generator that samples; None is random.
+        seed: of the generator that samples, 0..2**32-1; None is random.
         num_threads: threads that `sample` may use, the caller's included.
         path: a file that holds the memory. It is as large as the memory can get, it must not exist, and `open`
             continues it.
@@ -128,7 +129,7 @@ class ReplayMemory:
             margin=margin,
             saved=path is not None,
         )
-        words = np.random.SeedSequence(None if seed is None else check_integer("seed", seed, 0, 2**128))
+        words = np.random.SeedSequence(None if seed is None else check_integer("seed", seed, 0, SEED_LIMIT - 1))
         threads = check_integer("num_threads", num_threads, 1, 1024)
         file = None if path is None else storage.BlockFile.create(Path(os.fspath(path)), options)
         self._begin(options, threads, file, storage.allocate(options) if file is None else file.block)

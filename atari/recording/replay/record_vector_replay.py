@@ -138,8 +138,8 @@ class _AleShadow:
         self.env, self.member = env, member
         self._core: Any = env.get_wrapper_attr("core")
         self._actions = vector.options.actions[member.index]
-        fire = vector.task.fire != "never"
-        self._fires = fire and FIRE in vector.options.action_sets[member.index]
+        task = vector.options.tasks[member.index]
+        self._fires = task.fire != "never" and FIRE in task.begin_actions
         self._episode_frames = 0
 
     def reset(self, seed: int | None) -> None:

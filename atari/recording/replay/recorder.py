@@ -32,13 +32,20 @@ def rom_md5(game: Game, rom: str | PathLike[str] | None) -> str:
 
 
 def header_of(env: AtariEnv, source: str) -> dict[str, Any]:
-    """Return the header of a replay of this environment; `source` is the name of the recorded class."""
+    """Return the header of a replay of this environment; `source` is the name of the recorded class.
+
+    Raises:
+        ValueError: `env.ale` has set what a task has no field for, and a replay cannot play.
+    """
+    for name, played in (("frame_skip", 1), ("color_averaging", False)):
+        if (value := env._core_options[name]) != played:
+            raise ValueError(f"a replay needs {name}={played}, and env.ale has set {value}; set it back, and reset")
     options = env.ale_options()
     if options["interventions"] is None:
         del options["interventions"]  # releases without the option read the file
     return {
         "game": env.game.id,
-        "rom": rom_md5(env.game, env._rom),
+        "rom": rom_md5(env.game, env._made_with["rom"]),
         "core": env.core.name,
         "source": source,
         "id": env.spec.id if env.spec else None,

@@ -4,6 +4,7 @@ The file has the calls of the core and hashes, so half an hour takes tens of kil
 game again: screens, RAM, sound and rewards are the same on each core and on any machine.
 """
 
+import json
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
@@ -26,6 +27,7 @@ from atari.recording.replay.players import PlayersRunner, actions_of, make_core
 from atari.recording.replay.recorder import rom_md5
 from atari.recording.replay.results import Divergence, Episode, Frame, Verification
 from atari.recording.replay.runner import Call, Checkpoint, ReplayRunner
+from atari.recording.video.facts import PACKAGE
 from atari.recording.video.formats import has_sound
 from atari.recording.video.overlay import Overlay
 from atari.recording.video.writer import VideoWriter, frame_rate
@@ -305,7 +307,8 @@ class Replay:
             frames = self._frames_of(check_integer("episode", episode, 0, len(self.episodes) - 1), core, audible)
         size, lines = shown.size(self.game.screen.shape), shown.caption_lines
         rate = frame_rate(self.game)
-        with VideoWriter(path, size, rate, scale=scale, sound=audible, caption_lines=lines) as video:
+        comment = json.dumps(self.facts)
+        with VideoWriter(path, size, rate, scale=scale, sound=audible, caption_lines=lines, comment=comment) as video:
             last = -1
             for frame in frames:
                 if frame.episode != last:
@@ -348,6 +351,14 @@ class Replay:
         self._require_one_player("a task")
         text = self.header.get("task")
         return emulator_task(self.options, self.game) if text is None else from_json(text, self.game)
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """What videos and data sets that are made of the replay carry; see `video_facts`."""
+        text = self.header.get("task")
+        options = {"game": self.game.id, "players": self.players, "options": dict(self.header["options"])}
+        of_task = options if text is None else {"task": json.loads(text)}
+        return {**of_task, "core_seeds": list(self.seeds), "package": PACKAGE}
 
     def walk(self, core: Core) -> Iterator[tuple[Event, Iterator[Call]]]:
         """Yield each event with an iterator that makes its calls on `core`; exhaust it before the next event.

@@ -26,13 +26,15 @@ class FFmpegEncoder:
         OSError: the file cannot be written.
     """
 
-    def __init__(self, options: VideoOptions) -> None:
+    def __init__(self, options: VideoOptions, comment: str = "") -> None:
         format, rate = options.format, options.rate
         self._path = path = options.path
         self._av = av = import_av()
         path.parent.mkdir(parents=True, exist_ok=True)
         path.open("wb").close()  # PyAV reports an unwritable file only at the first frame
         self._container = av.open(f"file:{path}", "w", format=format.container, options=dict(format.container_options))
+        if comment:
+            self._container.metadata["comment"] = comment
         shown = rate if format.max_rate is None else Fraction(format.max_rate)
         self._ticks_per_frame = shown / rate
         self._stream = self._container.add_stream(format.codec, rate=shown, options=dict(format.codec_options))

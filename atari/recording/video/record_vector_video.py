@@ -84,25 +84,8 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
         overlay: tuple[str, ...] | None = None,
         keep: str = "all",
     ) -> None:
-        RecordConstructorArgs.__init__(
-            self,
-            video_folder=video_folder,
-            record_first_only=record_first_only,
-            video_aspect_ratio=video_aspect_ratio,
-            episode_trigger=episode_trigger,
-            step_trigger=step_trigger,
-            video_length=video_length,
-            name_prefix=name_prefix,
-            fps=fps,
-            disable_logger=disable_logger,
-            gc_trigger=gc_trigger,
-            index=index,
-            format=format,
-            scale=scale,
-            sound=sound,
-            overlay=overlay,
-            keep=keep,
-        )
+        given = {name: value for name, value in locals().items() if name not in ("self", "env", "__class__")}
+        RecordConstructorArgs.__init__(self, **given)
         inner = getattr(env, "unwrapped", env)
         if not isinstance(inner, AtariVectorEnv):
             raise TypeError(f"RecordVectorVideo records an atari.AtariVectorEnv, got {type(inner).__name__}")
@@ -110,7 +93,7 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
             raise ValueError(f"RecordVectorVideo needs batches of all environments, got batch_size={inner.batch_size}")
         super().__init__(env)
         self._vector = inner
-        self._index = check_integer("index", index, 0, inner.num_envs - 1)
+        self._index = index = check_integer("index", index, 0, inner.num_envs - 1)
         filmed = [self._index] if record_first_only else list(range(inner.num_envs))
         self._columns = _columns([inner.games[i].screen.shape for i in filmed], video_aspect_ratio)
         rate = frame_rate(inner.games[self._index]) if fps is None else fps
@@ -118,7 +101,7 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
         self._settings = VideoSettings(format, (size[0], size[1]), rate, scale, sound, overlay, keep)
         self._schedule = Schedule(episode_trigger, step_trigger, video_length, name_prefix)
         self.video_folder = make_folder(video_folder)
-        self._make_recorder()
+        self._make_recorder(lambda: inner._options.tasks[index])
         self._shadows = [ShadowCore(inner, i) for i in filmed]
         self._sound_shadow = next(shadow for shadow in self._shadows if shadow.index == self._index)
         self._done = np.zeros(inner.num_envs, np.bool_)

@@ -21,7 +21,7 @@ class RecordVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, Any, 
     The arguments, the file names and the recorded episodes are those of `gymnasium.wrappers.RecordVideo`. The videos
     differ: they have every emulated frame, including those inside a frame skip and the no-ops of a reset, whichever
     wrapper plays them. They have the console's frame rate, its 2:1 pixels and its sound. Frames are written while they
-    are played, and `render_mode` has no effect.
+    are played, and `render_mode` has no effect. `video_facts` reads the task that was played from a file.
 
     The environment's results do not change. For sound, the environment's core is replaced by a core with sound. A
     snapshot of an environment with sound fits only environments with sound: call `make_sound` of the other
@@ -84,22 +84,8 @@ class RecordVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, Any, 
         overlay: tuple[str, ...] | None = None,
         keep: str = "all",
     ) -> None:
-        RecordConstructorArgs.__init__(
-            self,
-            video_folder=video_folder,
-            episode_trigger=episode_trigger,
-            step_trigger=step_trigger,
-            video_length=video_length,
-            name_prefix=name_prefix,
-            fps=fps,
-            disable_logger=disable_logger,
-            gc_trigger=gc_trigger,
-            format=format,
-            scale=scale,
-            sound=sound,
-            overlay=overlay,
-            keep=keep,
-        )
+        given = {name: value for name, value in locals().items() if name not in ("self", "env", "__class__")}
+        RecordConstructorArgs.__init__(self, **given)
         inner = getattr(env, "unwrapped", env)
         if not isinstance(inner, AtariEnv):
             vector = isinstance(inner, gymnasium.vector.VectorEnv)
@@ -116,7 +102,8 @@ class RecordVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, Any, 
         self._watch()
 
     def _watch(self) -> None:
-        self._make_recorder()
+        inner = self._atari  # the recorder must not refer to this wrapper, which ends the video when it is collected
+        self._make_recorder(lambda: inner.task)
         self._atari.observers.append(FrameObserver(self._atari, self._recorder))
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:

@@ -6,6 +6,7 @@ It begins and ends videos and counts episodes and steps. The subclasses record t
 import os
 import shutil
 import weakref
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from gymnasium import logger
 
 from atari.recording.video.recorder import VideoRecorder, VideoSettings
 from atari.recording.video.schedule import Schedule
+from atari.task import Task
 
 
 class RecordVideoBase:
@@ -26,8 +28,8 @@ class RecordVideoBase:
     _schedule: Schedule
     _best: tuple[Path, int] | None = None
 
-    def _make_recorder(self) -> None:
-        self._recorder = VideoRecorder(self._settings)
+    def _make_recorder(self, task: Callable[[], Task]) -> None:
+        self._recorder = VideoRecorder(self._settings, task)
         self._finalizer = weakref.finalize(self, self._recorder.stop)  # without a call of close
 
     @property

@@ -1,7 +1,9 @@
 """`VideoRecorder`: writes the frames of a core to video files, and defers the errors of writing."""
 
 import errno
+import json
 import os
+from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -9,10 +11,12 @@ from typing import Any
 from atari.cores import ByteArray, Core
 from atari.recording.deferred_error import DeferredErrorMixin
 from atari.recording.video.encoder import import_av
+from atari.recording.video.facts import facts_of
 from atari.recording.video.formats import FORMATS
 from atari.recording.video.options import VideoOptions
 from atari.recording.video.overlay import Overlay
 from atari.recording.video.writer import VideoWriter
+from atari.task import Task
 from atari.validation import check_name
 
 
@@ -60,16 +64,16 @@ class VideoSettings:
         """Return the path of a video of this name."""
         return Path(folder, name, "%06d.png") if self.format == "png" else Path(folder, f"{name}.{self.format}")
 
-    def writer(self, path: Path) -> VideoWriter:
+    def writer(self, path: Path, comment: str) -> VideoWriter:
         """Open a new file."""
-        return VideoWriter(path, self.size, self.fps, **self._options())
+        return VideoWriter(path, self.size, self.fps, comment=comment, **self._options())
 
 
 class VideoRecorder(DeferredErrorMixin):
     """The writer of the frames of an environment's core. It owns the open video file, at most one."""
 
-    def __init__(self, settings: VideoSettings) -> None:
-        self._settings = settings
+    def __init__(self, settings: VideoSettings, task: Callable[[], Task]) -> None:
+        self._settings, self._task = settings, task
         self._writer: VideoWriter | None = None
         self._overlay = Overlay(settings.overlay.parts)
         self.score = 0
@@ -91,12 +95,12 @@ class VideoRecorder(DeferredErrorMixin):
         return None if self._writer is None else self._writer.path
 
     def start(self, path: Path) -> None:
-        """Begin a video.
+        """Begin a video of what is played now.
 
         Raises:
             OSError: the file cannot be written.
         """
-        self._writer = self._settings.writer(path)
+        self._writer = self._settings.writer(path, json.dumps(facts_of(self._task())))
         self.score = 0
 
     def stop(self) -> None:

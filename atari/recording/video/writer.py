@@ -77,6 +77,7 @@ class VideoWriter:
         sound: whether the video has a sound track. A frame's samples last as long as the frame, so `fps` must be the
             rate of emulated frames, not of steps.
         caption_lines: lines of text below the frame, `8 * scale` rows each, for the captions passed to `write`.
+        comment: a text in the metadata of the file, what `video_facts` reads, for example; GIF and PNG have none.
 
     Raises:
         TypeError, ValueError: an argument has the wrong type or is out of range.
@@ -109,6 +110,7 @@ class VideoWriter:
         pixel_aspect: tuple[int, int] = (2, 1),
         sound: bool = False,
         caption_lines: int = 0,
+        comment: str = "",
     ) -> None:
         options = VideoOptions.check(
             path, size, fps, scale=scale, pixel_aspect=pixel_aspect, sound=sound, caption_lines=caption_lines
@@ -117,7 +119,7 @@ class VideoWriter:
         self.path = options.path
         self.sound = options.sound
         self._encoder: FFmpegEncoder | PngEncoder | None = (
-            FFmpegEncoder(options) if options.format.container else PngEncoder(self.path)
+            FFmpegEncoder(options, comment) if options.format.container else PngEncoder(self.path)
         )
 
     def write(self, rgb: ByteArray, samples: ByteArray | None = None, caption: str = "") -> None:

@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 import atari
-from atari.learning import PROTOCOLS, EvaluationProtocol, Result, ScoresPolicy, evaluate, record_games
+from atari.learning import PROTOCOLS, EvaluationProtocol, Result, ScoresPolicy, evaluate, load_policy, record_games
 from atari.learning.evaluation.evaluate import episode_seed
 from atari.learning.evaluation.played import find_entries, usual_protocol
 from atari.learning.evaluation.player import Player
-from atari.learning.policy import as_policy
 from atari.task import Task
 from atari.wrappers import preset, preset_options
 
@@ -208,7 +207,8 @@ def of_task(task, **environment):
         (ValueError, {"seed": 2**32}, "seed must be within 0..4294967295, got 4294967296"),
         (ValueError, {"num_envs": 0}, "num_envs must be within"),
         (TypeError, {"policy": 5}, "a policy is a function"),
-        (TypeError, {"policy": lambda: 0}, "a policy takes"),
+        (TypeError, {"policy": lambda: 0}, "a policy is a function of observations and lanes, got 0"),
+        (TypeError, {"policy": lambda a, b, c: 0}, "a policy takes"),
         (ValueError, {"policy": {"breakout": "random"}}, "there is no policy for pong"),
         (ValueError, {"policy": returns(np.zeros)}, "must return integers"),
         (ValueError, {"policy": returns(lambda n: np.zeros(n + 1, int))}, "must return integers"),
@@ -229,8 +229,8 @@ def of_task(task, **environment):
         (ValueError, {"policy": needs(difficulty=1)}, "pass atari.Task.of('pong', difficulty=1) as the game"),
         (ValueError, {"policy": needs(interventions=["lazy_enemy"])}, "interventions=['lazy_enemy']) as the game"),
         (ValueError, {"policy": needs(interventions=["lazy"])}, "lazy"),
-        (ValueError, {"policy": needs(players=2)}, "evaluated with players=1, and the policy has 2"),
-        (ValueError, {"policy": needs(continuous=True)}, "evaluated with continuous=False"),
+        (ValueError, {"policy": needs(players=2)}, "plays games with players=1, and the policy has players=2"),
+        (ValueError, {"policy": needs(continuous=True)}, "plays games with continuous=False, and the policy"),
         (ValueError, {"policy": needs(agent_indicator=True)}, "agent_indicator=True has no effect"),
         (
             ValueError,
@@ -272,6 +272,7 @@ def of_task(task, **environment):
         ),
         (ValueError, {"games": "ALE/Pong-v5", "protocol": "dqn2015"}, "pass 'pong', or another protocol"),
         (ValueError, {"games": ["pong", Task.of("pong", mode=1)]}, "pong is given twice"),
+        (ValueError, {"games": Task.of("pong", frameskip=3)}, "the task of pong has frameskip=3, and protocol"),
         (gymnasium.error.NameNotFound, {"games": "ALE/Pog-v5"}, "ALE/Pong-v5"),
         (ValueError, {"policy": needs(preset="dqn15")}, "dqn2015"),
         (ValueError, {"policy": needs(actions=["FLY"])}, "got 'FLY'"),
@@ -347,7 +348,7 @@ def test_the_game_decides_mode_difficulty_and_interventions():
     assert evaluate(policy, task, protocol, episodes=1)["pong"].task["mode"] == 1
 
 
-@pytest.mark.parametrize("game", ["Pong-ram-v0", Task.of("Pong-ram-v4")])
+@pytest.mark.parametrize("game", ["Pong-ram-v0", Task.of("pong", obs_type="ram")])
 def test_a_game_of_ram_shows_ram(game):
     shapes = set()
 
@@ -431,9 +432,9 @@ def test_random_actions_are_those_of_the_task():
     task = Task.of("pong", preset="dopamine", max_num_frames_per_episode=400).replace(actions=["RIGHT", "LEFT"])
     protocol = EvaluationProtocol.of_task(task, name="mine", source="", epsilon=1.0, episodes=1)
     chosen = []
-    player = Player(as_policy(returns(lambda n: np.zeros(n, int))), protocol, find_entries(task)[0])
+    player = Player(load_policy(returns(lambda n: np.zeros(n, int))), protocol, find_entries(task)[0])
     player.begin(np.arange(1), np.arange(1))
     for _ in range(40):
         chosen += player.act(np.zeros(1), np.arange(1)).tolist()
-    meanings = [action.name for action in Task.of("pong").action_set]
+    meanings = [action.name for action in player.make(1).task.action_set]
     assert {meanings[index] for index in chosen} == {"RIGHT", "LEFT"}

@@ -30,6 +30,8 @@ def filled(steps: int = 5, **options: Any) -> ReplayMemory:
     ("options", "error"),
     [
         ({"capacity": 0}, ValueError),
+        ({"seed": 2**32}, ValueError),
+        ({"seed": -1}, ValueError),
         ({"capacity": 2.5}, TypeError),
         ({"capacity": True}, TypeError),
         ({"capacity": 2**70}, ValueError),
@@ -57,7 +59,6 @@ def filled(steps: int = 5, **options: Any) -> ReplayMemory:
         ({"priority_exponent": "1"}, TypeError),
         ({"final_frames": 1, "autoreset_mode": "same_step"}, ValueError),
         ({"compressed_bytes": 10}, ValueError),
-        ({"seed": -1}, ValueError),
         ({"num_threads": 0}, ValueError),
         ({"margin": -1}, ValueError),
         ({"path": 3}, TypeError),

@@ -23,6 +23,20 @@ from atari.recording.replay.file_format import ReplayContent, ReplayFileWriter, 
 GAMES = [game.id for game in atari.games.playable()]
 
 
+@pytest.mark.parametrize(
+    ("setting", "value", "played"), [("Int", 3, "frame_skip=1"), ("Bool", True, "color_averaging=False")]
+)
+def test_what_ale_has_set_and_no_task_has_is_refused(setting: str, value: Any, played: str, tmp_path: Path) -> None:
+    env = atari.AtariEnv("breakout")
+    getattr(env.ale, f"set{setting}")(played.partition("=")[0], value)
+    env.reset(seed=0)
+    with pytest.raises(
+        ValueError, match=f"a replay needs {played}, and env.ale has set {value}; set it back, and reset"
+    ):
+        RecordReplay(env, tmp_path / "a.a26")
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize("game", GAMES)
 def test_every_game_plays_as_recorded_on_the_other_core(game: str, tmp_path: Path) -> None:
     number = GAMES.index(game)

@@ -1,4 +1,4 @@
-"""`TrainedPlayer`: policies of trainings in games of several players, by policies that need no PyTorch."""
+"""`PlayerAgent`: policies of trainings in games of several players, by policies that need no PyTorch."""
 
 from typing import Any
 
@@ -7,19 +7,20 @@ import pytest
 
 from atari import AtariVectorEnv
 from atari.actions import Action
-from atari.cli.trained_player import TrainedPlayer
 from atari.cores import NativeCore
 from atari.learning import ScoresPolicy
+from atari.learning.frame_agent import FrameAgent
 from atari.learning.options import TrainingOptions
 from atari.multiplayer import MultiplayerCore
 from atari.play import MultiplayerSession
+from atari.play.player_agent import PlayerAgent
 
 ACTIONS = ("NOOP", "FIRE", "RIGHT", "LEFT")
 
 
-def player(scores: Any, mirrored: bool = False, **options: Any) -> TrainedPlayer:
+def player(scores: Any, **options: Any) -> PlayerAgent:
     task = TrainingOptions.of("pong", **{"actions": ACTIONS, **options}).task
-    return TrainedPlayer(ScoresPolicy(scores, task=task), "pong", 0, mirrored)
+    return PlayerAgent(ScoresPolicy(scores, task=task), 0, MultiplayerCore("pong"), "rgb")
 
 
 @pytest.mark.parametrize(
@@ -39,17 +40,8 @@ def player(scores: Any, mirrored: bool = False, **options: Any) -> TrainedPlayer
 def test_a_player_observes_what_its_training_did(options: dict[str, Any]) -> None:
     """It gets the frames of a one-player game that the environments of trainings play, too."""
     task = TrainingOptions.of("pong", actions=ACTIONS, **options).task
-    begun = {
-        "repeat_action_probability": 0.0,
-        "actions": "full",
-        "noops": (0, 0),
-        "fire": "never",
-        "fire_unit": "frame",
-    }
-    envs = AtariVectorEnv(
-        task.replace(**begun, third_action=False, fire_counts=False, episodic_life=False, lives_unit="frame",
-                     on_reset="new_game", last_life=False), 1
-    )  # fmt: skip
+    begun = {"repeat_action_probability": 0.0, "noops": (0, 0), "fire": "never", "episodic_life": False}
+    envs = AtariVectorEnv(task.replace(**begun), 1)
     expected, _ = envs.reset(seed=0)
     core = NativeCore("pong", seed=0, repeat_action_probability=0.0)
     core.reset()
@@ -60,46 +52,44 @@ def test_a_player_observes_what_its_training_did(options: dict[str, Any]) -> Non
         seen.append(observations.copy())
         return plan[len(seen) - 1 :][:1]
 
-    played = player(scores, **options)
-    ram = task.obs_type == "ram"
-    assert played.obs_type == ("ram" if ram else "screen")
-    skip: Any = task.frameskip
-    for frame in range(skip * len(plan)):
-        action = Action[played(core.ram() if ram else core.screen(), {"frame": frame})]
-        if frame % skip == 0:
+    agent = player(scores, **options)
+    agent.begin(core)
+    for frame in range(int(task.frameskip) * len(plan)):  # type: ignore[arg-type]
+        action = agent.act(core)
+        if frame % task.frameskip == 0:  # type: ignore[operator]
             assert np.array_equal(seen[-1], expected)
-            expected = envs.step([int(action)])[0]
-        core.act(int(action))
+            assert action == Action[ACTIONS[plan[len(seen) - 1]]]
+            expected = envs.step(plan[len(seen) - 1 :][:1])[0]
+        core.act(action)
     assert len(seen) == len(plan)
     assert len({image.tobytes() for image in seen}) > 30
 
 
-def test_a_policy_says_what_it_sees_by_a_task_or_an_environment() -> None:
+def test_a_policy_says_what_it_sees_by_an_environment() -> None:
     environment = {"preset": "baselines", "actions": ACTIONS, "channels_last": True}
     seen: list[Any] = []
     policy = ScoresPolicy(lambda images: seen.append(images) or np.array([2]), environment=environment)
-    assert TrainedPlayer(policy, "pong")(np.zeros((210, 160), np.uint8), {"frame": 0}) == "RIGHT"
+    core = MultiplayerCore("pong")
+    core.reset()
+    agent = PlayerAgent(policy, 1, core, "ram")
+    agent.begin(core)
+    assert agent.act(core) == Action.RIGHT
     assert seen[0].shape == (1, 84, 84, 4)
-    for attributes, text in (
-        ({}, "mine does not say what it sees"),
-        ({"environment": {"obs_type": "dict"}}, "mine sees obs_type='dict'"),
-    ):
-        with pytest.raises(ValueError, match=text):
-            TrainedPlayer(ScoresPolicy(lambda images: images, name="mine", **attributes), "pong")
 
 
-def test_a_player_of_ram_acts_every_fourth_frame_and_after_rewinds() -> None:
+def test_a_player_of_ram_acts_every_fourth_frame_and_begins_anew() -> None:
     seen: list[Any] = []
-    played = player(lambda rams: seen.append(rams) or np.array([2]), obs_type="ram")
-    for frame in [0, 1, 2, 3, 4, 5, 2, 3, 4, 5, 6, 0]:
-        assert played(np.full(128, frame, np.uint8), {"frame": frame}) == "RIGHT"
-    assert [rams[0, :, 0].tolist() for rams in seen] == [
-        [0, 0, 0, 0],
-        [0, 0, 0, 4],
-        [2, 2, 2, 2],
-        [2, 2, 2, 6],
-        [0, 0, 0, 0],
-    ]
+    agent = player(lambda rams: seen.append(rams) or np.array([2]), obs_type="ram")
+    core = MultiplayerCore("pong")
+    core.reset()
+    frames = [0, 1, 2, 3, 4, 5, 2, 3, 4, 5, 6, 0]
+    for before, frame in zip([-2, *frames], frames, strict=False):
+        core.set_ram(0, frame)
+        if frame != before + 1:
+            agent.begin(core)
+        assert agent.act(core) == Action.RIGHT
+    stacks = [[0, 0, 0, 0], [0, 0, 0, 4], [2, 2, 2, 2], [2, 2, 2, 6], [0, 0, 0, 0]]
+    assert [rams[0, :, 0].tolist() for rams in seen] == stacks
     assert {rams.shape for rams in seen} == {(1, 4, 128)}
 
 
@@ -149,10 +139,13 @@ def match(players: dict[int, Any]) -> list[int]:
     return session.scores
 
 
-def test_the_mirror_lets_a_policy_of_player_1_play_pong_as_player_2() -> None:
-    def serve(observation: Any, info: Any) -> str:
-        return "FIRE"
+def serve(observations: Any) -> Any:
+    return [1]
 
-    assert match({0: player(follow), 1: serve}) == [21, -21]
-    assert match({0: serve, 1: player(follow, mirrored=True)}) == [-20, 20]
-    assert match({0: serve, 1: player(follow)}) == [21, -21]
+
+def test_the_mirror_lets_a_policy_of_player_1_play_pong_as_player_2(monkeypatch: pytest.MonkeyPatch) -> None:
+    policy = ScoresPolicy(follow, task=TrainingOptions.of("pong", actions=ACTIONS).task)
+    assert match({0: policy, 1: serve}) == [21, -21]
+    assert match({0: serve, 1: policy}) == [-20, 20]
+    monkeypatch.setattr(PlayerAgent, "_frame", FrameAgent._frame)
+    assert match({0: serve, 1: policy}) == [21, -21]

@@ -10,9 +10,19 @@ import pytest
 
 import atari
 from atari.cli.arguments import Parser
-from atari.cli.task_arguments import add_task, game_or_file, print_task, seed, task_of
 from atari.task import Task
-from atari.task.arguments import descriptions, given_options, option_of
+from atari.task.arguments import (
+    SCREEN,
+    add_former,
+    add_task,
+    descriptions,
+    game_of,
+    given_options,
+    option_of,
+    seed,
+    show_task,
+    task_of,
+)
 from atari.task.fields import GROUPS
 from atari.task.resolution import OPTIONS
 from atari.task.task import DEFAULTS
@@ -143,17 +153,78 @@ def test_the_task_of_an_agent_and_of_a_base() -> None:
     assert task_of(parsed("--preset", "dopamine"), game="breakout") == Task.of("breakout", preset="dopamine")
 
 
-def test_files_are_absolute(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    assert game_or_file("own.toml") == tmp_path / "own.toml"
-    assert game_or_file("pong") == "pong"
+    assert game_of("own.toml") == tmp_path / "own.toml"
+    assert game_of("pong") == "pong"
+    task = Task.of("pong", preset="dqn2015", frameskip=3)
+    Path("task.json").write_text(task.to_json())
+    assert game_of("task.json") == task
+    assert task_of(parsed(), game="task.json") == task
+    assert task_of(parsed("--frameskip", "2"), game="task.json") == task.replace(frameskip=2)
+
+
+@pytest.mark.parametrize(
+    ("content", "text"),
+    [
+        (b"", "task.json has no task: a task must be JSON"),
+        (b"\xff\xfe", "task.json has no task: a task must be JSON"),
+        (b'{"format": 2, "game": "pong"}', "task.json has no task: the task is of format 2"),
+        (b'{"format": 1, "game": "pong", "episodic_life": "no"}', "episodic_life must be True or False, got 'no'"),
+        (b'{"format": 1, "game": "pong"' + b" " * (4 << 20), "has at most 1,048,576 characters"),
+    ],
+)
+def test_files_without_a_task(content: bytes, text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("task.json").write_bytes(content)
+    with pytest.raises(ValueError, match=re.escape(text)):
+        task_of(parsed(), game="task.json")
+    with pytest.raises(FileNotFoundError, match="there is no file none"):
+        task_of(parsed(), game="none.json")
+
+
+def by_frame(*words: str) -> argparse.Namespace:
+    parser = Parser(prog="atari test", allow_abbrev=False)
+    parser.add_argument("game")
+    add_task(parser, ("mode", "repeat_action_probability"), aside={**SCREEN, "frameskip": 1})
+    return parser.parse_args(words)
+
+
+def test_a_field_that_a_command_does_not_obey_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "task.json"
+    file.write_text(Task.of("pong", noops=(1, 30)).to_json())
+    with pytest.raises(ValueError, match=r"`atari test` has no place for noops=\(1, 30\), which .*task.json has; name"):
+        task_of(by_frame(str(file)))
+    file.write_text(Task.of("pong", reward_clipping=True, players=2).to_json())
+    with pytest.raises(ValueError, match=r"no place for players=2, which .*, 'pong', or a task without it"):
+        task_of(by_frame(str(file)))
+
+
+def test_a_field_that_does_not_matter_is_said(capsys: pytest.CaptureFixture[str]) -> None:
+    args = by_frame("Pong-ram-v4", "--mode", "1")
+    task = task_of(args)
+    assert task == Task.of("pong", mode=1, repeat_action_probability=0.0, frameskip=1)
+    assert not show_task(args, task)
+    first = "pong: Pong, as PongNoFrameskip-v4, but mode=1, without frameskip=(2, 5), without obs_type='ram'\n"
+    assert capsys.readouterr().out == first
+
+
+def test_former_flags(capsys: pytest.CaptureFixture[str]) -> None:
+    parser = Parser(prog="atari test")
+    add_former(parser, {"--obs": "it is --obs-type, as in `{prog} --obs-type ram`"})
+    with pytest.raises(SystemExit):
+        parser.parse_args(["--obs", "ram"])
+    err = capsys.readouterr().err
+    assert "there is no option --obs any more: it is --obs-type, as in `atari test --obs-type ram`" in err
 
 
 def test_print_task(capsys: pytest.CaptureFixture[str]) -> None:
     task = atari.Task.of("pong", preset="dqn2015")
-    print_task(task, as_json=False)
+    args = parsed("--preset", "dqn2015", "--print-task")
+    assert show_task(args, task_of(args))
     assert capsys.readouterr().out == f"{task}\n"
-    print_task(task, as_json=True)
+    args.json = True
+    assert show_task(args, task)
     assert json.loads(capsys.readouterr().out) == json.loads(task.to_json())
 
 

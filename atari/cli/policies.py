@@ -1,0 +1,118 @@
+"""Policies that play games to a replay, for `record`, `demo`, `collect`, `watch` and `evaluate`."""
+
+import argparse
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from atari._interrupt import ctrl_c_as_event
+from atari.cli.arguments import find_game
+from atari.learning import record_games
+from atari.learning.evaluation.played import Entry, find_entries, usual_protocol
+from atari.learning.evaluation.played import game_of as game_of_policy
+from atari.learning.evaluation.player import Player
+from atari.learning.evaluation.protocols import find_protocol
+from atari.recording import RecordReplay, Replay
+from atari.task import Task
+from atari.task.arguments import game_of, given_options, task_of
+from atari.task.resolution import is_id
+
+OF_GAME = ("mode", "difficulty", "interventions")
+"""Fields that the game decides where an evaluation protocol, or the policy's training, decides the others."""
+
+ALONE = (
+    *("players", "continuous", "continuous_action_threshold", "sound_obs", "agent_indicator", "zero_sum"),
+    *("life_loss_info", "reward_clipping"),
+)
+"""Fields that whole games of policies have no place for: their scores are the game's own."""
+
+RecordGames = Callable[[Sequence[int], Path], list[tuple[float, int]]]
+"""Records games of seeds in a replay, and returns the score and the frames of each."""
+
+
+def play_alone(
+    env: RecordReplay, policy: Callable[[Any], Any], seed: int, ends: Callable[[int, int, int], bool]
+) -> bool:
+    """Play and close an environment, and return False after Ctrl-C.
+
+    Args:
+        env: the environment.
+        policy: of an observation, returns an action.
+        seed: of the first game and of the action space.
+        ends: of the numbers of games, frames and steps so far, whether that is enough.
+    """
+    inner: Any = env.unwrapped
+    games = steps = 0
+    with closing(env), ctrl_c_as_event() as interrupted:
+        env.action_space.seed(seed)
+        observation, _ = env.reset(seed=seed)
+        while not ends(games, env.recorder.frames, steps):
+            if interrupted.is_set():
+                return False
+            observation, _, terminated, truncated, _ = env.step(policy(observation))
+            steps += 1
+            over = inner.core.game_over or truncated  # a lost life is not counted
+            games += over
+            if (over or (terminated and not inner.task.life_loss_info)) and not ends(games, env.recorder.frames, steps):
+                observation, _ = env.reset()
+    return True
+
+
+def find_played(args: argparse.Namespace, names: Sequence[str], policy: Any = None) -> tuple[Entry, ...]:
+    """The games of a command line with `add_task`, or without names that of the policy's training.
+
+    Args:
+        args: parsed.
+        names: of games, IDs, sets of games, or files.
+        policy: it decides how games are played, if it says what it needs.
+
+    Raises:
+        gymnasium.error.NameNotFound, ValueError, FileNotFoundError: there is no such game, or none is named; or a flag
+            contradicts what the policy decides.
+    """
+    trained = getattr(policy, "task", None)
+    alone = getattr(policy, "game", None) if trained is None else game_of_policy(trained)
+    games: list[Any] = [game_of(name) for name in names] or [alone]
+    if games == [None]:
+        raise ValueError(f"{args.source} does not say which game it plays; name games or a set, such as atari26")
+    given = given_options(args)
+    others = [name for name in given if name not in OF_GAME] + ["preset"] * (getattr(args, "preset", None) is not None)
+    try:
+        if not others:
+            return find_entries(games, given)
+        if any(getattr(policy, name, None) for name in ("task", "environment", "protocol")):
+            raise ValueError(f"the policy says how games are played; leave --{others[0].replace('_', '-')} out")
+        return find_entries([task_of(args, game=name) for name in names])
+    except TypeError as error:
+        raise ValueError(str(error)) from None
+
+
+def games_of(policy: Any, entry: Entry, protocol: str | None = None) -> tuple[Task, RecordGames]:
+    """What a policy plays in a game, and the function that records games of it.
+
+    Args:
+        policy, entry: as of `record_games`.
+        protocol: name of a protocol; None is the usual one of the policy.
+
+    Raises:
+        TypeError, ValueError: as `record_games`.
+    """
+    found = find_protocol(protocol) if protocol else usual_protocol(policy, entry)
+    return Player(policy, found, entry).task, partial(record_games, policy, entry, found)
+
+
+def replay_of(args: argparse.Namespace, path: str) -> Replay:
+    """A replay of the game of a command line.
+
+    Raises:
+        ValueError: it is of another game, or the command line says more than the game, which the replay decides.
+    """
+    game = find_game(args.game)
+    replay = Replay.load(path, game=game if game.file else None, rom=getattr(args, "rom", None))
+    if replay.game != game:
+        raise ValueError(f"{path} is a replay of {replay.game.id}, not of {game.id}")
+    if is_id(args.game) or args.game.endswith(".json") or given_options(args) or args.preset is not None:
+        raise ValueError(f"what was played is in the replay {path}; name the game alone, {game.id!r}")
+    return replay

@@ -1,0 +1,52 @@
+"""`PlayerAgent`: a policy as a player of a game of several players."""
+
+from typing import Any
+
+import numpy as np
+
+from atari.games.game import Game
+from atari.learning.frame_agent import FrameAgent
+from atari.learning.needs import Needs
+from atari.multiplayer import MultiplayerCore
+from atari.observations import Frame
+from atari.task import Task
+from atari.task.fields import ObsType
+
+
+class PlayerAgent(FrameAgent):
+    """A policy that plays as one of several players, with the observations that it needs.
+
+    It presses nothing at the start of a game or after a lost life, which the players would share. A policy that does
+    not say what it needs gets the task of `Task.of(game, players=...)`: four frames an action, the actions that the
+    game uses. As player 2 of a game that is one of player 1 in a mirror, a policy of one player sees mirrored images.
+
+    Args:
+        policy: as of `load_policy`.
+        player: 0 is the first. It is the policy's lane.
+        core: of the game.
+        obs_type: what a policy sees that does not say it.
+
+    Raises:
+        TypeError, ValueError, FileNotFoundError, gymnasium.error.DependencyNotInstalled: as `FrameAgent` and `task_in`.
+    """
+
+    def __init__(self, policy: Any, player: int, core: MultiplayerCore, obs_type: ObsType) -> None:
+        super().__init__(policy)
+        self._lanes = np.array([player], np.int64)
+        self._players, self._obs_type = core.players, obs_type
+        plays_first = self.task_in(core.game).players == 1
+        self._mirrored = plays_first and player == 1 and core.mode in core.rules.mirrored_modes
+
+    def _task_of(self, needs: Needs, game: Game) -> Task:
+        if needs.task is not None and needs.task.definition != game:
+            raise ValueError(f"{self.name} is a policy of {needs.task.game}, not of {game.id}")
+        task = super()._task_of(needs, game)
+        if task.agent_indicator:
+            raise ValueError(f"{self.name} has agent_indicator=True, which players do not see; leave it out")
+        return task.replace(fire="never", noops=(0, 0), episodic_life=False, life_loss_info=False)
+
+    def _unsaid(self, game: Game) -> Task:
+        return Task.of(game, players=self._players, obs_type=self._obs_type)
+
+    def _frame(self) -> Frame:
+        return np.ascontiguousarray(self._core.screen()[:, ::-1]) if self._mirrored else self._core

@@ -1,0 +1,51 @@
+"""What a video says about itself: the task that was played, seeds and versions, as JSON in the comment of the file."""
+
+import json
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import atari
+from atari.recording.video.encoder import import_av
+from atari.task import Task
+from atari.task.storage import to_short_json
+from atari.validation import check_file
+
+PACKAGE = f"atari-envs {atari.__version__}"
+
+
+def facts_of(task: Task) -> dict[str, Any]:
+    """What recordings of a task carry: `task`, its fields that do not have their defaults, and `package`."""
+    return {"task": json.loads(to_short_json(task)), "package": PACKAGE}
+
+
+def video_facts(path: str | PathLike[str]) -> dict[str, Any]:
+    """What a video of this package says about itself: `task` and `package`; if a replay was rendered, `core_seeds`.
+
+    Without a task, in a game of several players or of an old replay, there are `game`, `players` and `options`.
+    `atari.Task.from_json(json.dumps(facts["task"]))` is the task of a game that is not your own.
+
+    Raises:
+        FileNotFoundError: there is no such file.
+        ValueError: it is no video, or says nothing, as those of other programs, and GIF and PNG.
+        gymnasium.error.DependencyNotInstalled: PyAV is not installed.
+
+    Example:
+        >>> import atari
+        >>> from atari.recording import RecordVideo, video_facts
+        >>> with RecordVideo(atari.make("pong", frameskip=3), "videos") as env:
+        ...     observation, info = env.reset(seed=0)
+        ...     observation = env.step(0)[0]
+        >>> video_facts("videos/rl-video-episode-0.mp4")["task"]
+        {'format': 1, 'frameskip': 3, 'game': 'pong', 'rules': '...'}
+    """
+    av = import_av()
+    try:
+        with av.open(f"file:{check_file(Path(path))}") as container:
+            tags = {name.lower(): text for name, text in container.metadata.items()}
+        facts = json.loads(tags.get("comment", "null"))
+    except (av.FFmpegError, json.JSONDecodeError, RecursionError) as error:
+        raise ValueError(f"{path} has no facts of a video of atari-envs: {error}") from None
+    if not isinstance(facts, dict) or not str(facts.get("package", "")).startswith("atari-envs "):
+        raise ValueError(f"{path} says nothing about what was played; MP4, MKV and WebM of atari-envs do")
+    return facts

@@ -1,0 +1,179 @@
+"""`VectorState`: the states of a vector's environments, its snapshots and pickles."""
+
+import copy
+import operator
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import gymnasium
+
+from atari import _emulator
+from atari.cores import writes
+from atari.games.game import Game
+from atari.task import Task
+from atari.task.storage import require_same
+from atari.vector.members import AddedWrites
+from atari.vector.options import VectorOptions
+from atari.vector.results import Results
+
+
+class LaneSnapshot(NamedTuple):
+    """The state of an environment of a vector, in memory, with its task as `atari.task.storage.identity` has it."""
+
+    state: _emulator.MemberSnapshot
+    task: str
+
+
+class VectorState:
+    """The methods of `AtariVectorEnv` that save and restore its environments."""
+
+    num_envs: int
+    batch_size: int
+    games: tuple[Game, ...]
+    spec: Any
+    closed: bool
+    _options: VectorOptions
+    _engine: _emulator.VectorEngine | None
+    _added: tuple[AddedWrites, ...]
+    _buffers: list[Results]
+    _closed_states: list[bytes] | None  # of the environments at `close`, from which `reset` continues
+    _given: dict[str, Any]
+    _phase: Any
+    _lock: Any
+    _open: Any
+    _begin: Any
+    _is_sent: Any
+    _receive: Any
+
+    @property
+    def task(self) -> Task:
+        """What the first environment plays; all play it, but for the game, its mode and interventions (added)."""
+        return self.tasks[0]
+
+    @property
+    def tasks(self) -> tuple[Task, ...]:
+        """What each environment plays, with modes and difficulties that were set since (added)."""
+        return self._options.tasks
+
+    def snapshot(self, indices: Iterable[int] | None = None) -> list[LaneSnapshot]:
+        """The whole state of some environments, or of all, in memory: task, game, stack, generators, counters.
+
+        Each can be pickled, and restored in another process.
+
+        Raises:
+            RuntimeError: environments are being played (between `send` and `recv`).
+            IndexError: there is no such environment.
+        """
+        chosen = self._indices(indices)
+        with self._lock:
+            states = self._started().snapshot(chosen)
+        tasks = self._options.identities
+        return [LaneSnapshot(state, tasks[index]) for index, state in zip(chosen, states, strict=True)]
+
+    def restore(
+        self, indices: Iterable[int] | None, snapshots: Sequence[LaneSnapshot | _emulator.MemberSnapshot]
+    ) -> None:
+        """Continue some environments, or all, from snapshots; each may be of any environment of the same task.
+
+        Observations already returned stay as they are; `observe` shows the new ones. The copying is done when an
+        environment is next played or read, by the threads. Snapshots of older releases have no task.
+
+        Raises:
+            RuntimeError, IndexError: as `snapshot`.
+            TypeError, ValueError: these are no snapshots, not one for each environment, or of another task; the message
+                says each field that differs. Nothing has changed.
+        """
+        chosen = self._indices(indices)
+        with self._lock:
+            engine = self._started()
+            pairs = [one if isinstance(one, LaneSnapshot) else (one, None) for one in snapshots]
+            self._require_same(chosen, [task for _, task in pairs])
+            engine.restore(chosen, [state for state, _ in pairs])
+
+    def fork(self, source: int, targets: Iterable[int]) -> None:
+        """Continue some environments from where another one of the same task is, its generators included.
+
+        Raises:
+            RuntimeError, IndexError, ValueError: as `restore`.
+        """
+        chosen = self._indices(targets)
+        with self._lock:
+            engine = self._started()
+            if 0 <= source < self.num_envs:
+                self._require_same(chosen, [self._options.identities[source]] * len(chosen))
+            engine.fork(source, chosen)
+
+    def _require_same(self, indices: Sequence[int], tasks: Sequence[str | None]) -> None:
+        """Refuse states of other tasks for environments; the engine checks that there are such environments."""
+        own = self._options.identities
+        for index, task in zip(indices, tasks, strict=False):
+            if 0 <= index < len(own) and task != own[index]:
+                try:
+                    require_same(task, self.tasks[index])
+                except ValueError as error:
+                    raise ValueError(f"environment {index} cannot continue from it: {error}") from None
+
+    def _started(self) -> _emulator.VectorEngine:
+        engine: _emulator.VectorEngine = self._open()
+        if self._phase == "new":
+            raise gymnasium.error.ResetNeeded("call reset() first")
+        return engine
+
+    def _indices(self, indices: Iterable[int] | None) -> list[int]:
+        return list(range(self.num_envs)) if indices is None else [operator.index(index) for index in indices]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickling and copying keep the position in all games, and the writes of `Freeze` and `Poke`.
+
+        In batches of fewer than all, a reset must follow.
+        """
+        with self._lock:
+            engine = self._open()
+            if engine.sent:
+                raise RuntimeError("environments are being played; call recv() before pickling")
+            states = [engine.save(index) for index in range(self.num_envs)]
+            phase = self._phase if self.batch_size == self.num_envs else "new"
+            added = [writes.definitions(added.slots) for added in self._added]
+            options = replace(self._options)  # without what was made of them
+            facts = {"phase": phase, "spec": copy.deepcopy(self.spec)}
+            return {"given": self._given, "options": options, "states": states, "writes": added, **facts}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self._given = state["given"]
+        self._begin(state["options"])
+        self._added = tuple(
+            AddedWrites(writes.writes_of(game, added)) for game, added in zip(self.games, state["writes"], strict=True)
+        )
+        self._load(self._open(), state["states"])
+        self._phase = state["phase"]
+        self.spec = state["spec"]
+
+    def _load(self, engine: _emulator.VectorEngine, states: Sequence[bytes]) -> None:
+        """Bring a new engine into states that `save` has returned, with the writes that were added."""
+        for index, added in enumerate(self._added):
+            added.add_to(engine, index)
+        for index, state in enumerate(states):
+            engine.load(index, state)
+
+    def note_choices(self, index: int) -> None:
+        """Note the mode and the difficulty of an environment, which were set, in its task."""
+        engine, tasks = self._open(), list(self.tasks)
+        tasks[index] = tasks[index].with_set(mode=engine.mode(index), difficulty=engine.difficulty(index))
+        self._options = replace(self._options, tasks=tuple(tasks))
+
+    def _keep_states(self, engine: _emulator.VectorEngine) -> None:
+        """Keep the states for a reset after `close`, unless another thread uses the environments."""
+        with suppress(Exception):
+            if self._is_sent():
+                self._receive(engine)
+            self._closed_states = [engine.save(index) for index in range(self.num_envs)]
+
+    def _reopen(self) -> None:
+        """Continue after `close`."""
+        self._engine = self._options.make_engine()
+        self._load(self._engine, self._closed_states or ())
+        self._buffers = [Results(self._engine, self._options) for _ in range(2)]
+        self._closed_states = None
+        self.closed = False
