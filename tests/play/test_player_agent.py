@@ -93,6 +93,19 @@ def test_a_player_of_ram_acts_every_fourth_frame_and_begins_anew() -> None:
     assert {rams.shape for rams in seen} == {(1, 4, 128)}
 
 
+def test_stacks_of_ram_have_no_mirror() -> None:
+    core = MultiplayerCore("pong")
+    core.reset()
+    seen: list[Any] = []
+    task = TrainingOptions.of("pong", obs_type="ram").task
+    agent = PlayerAgent(ScoresPolicy(lambda rams: seen.append(rams) or np.array([2]), task=task), 1, core, "rgb")
+    agent.begin(core)
+    for _ in range(5):
+        ram = core.ram()
+        core.act_players([0, int(agent.act(core))])
+    assert np.array_equal(seen[-1][0, -1], ram)
+
+
 def court(core: MultiplayerCore) -> Any:
     return core.screen_grayscale()[34:194].astype(int)
 
