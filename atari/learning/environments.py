@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from atari.learning.options import TrainingOptions
 from atari.vector import AtariVectorEnv
+from atari.vector.results import ends_of_stacks
 
 ByteArray = npt.NDArray[np.uint8]
 
@@ -53,18 +54,9 @@ class TrainingEnvironments:
         observations, rewards, terminations, truncations, info = self._envs.step(actions, out=out)
         self._count_games(info.get("final_info", {}))
         if self._ram is not None:
-            observations = self._ram.push(observations, self._begun(terminations, truncations, info))
+            games = info.get("final_info", {})
+            observations = self._ram.push(observations, ends_of_stacks(self._task, terminations, truncations, games))
         return observations, rewards, terminations, truncations, info
-
-    def _begun(self, terminations: Any, truncations: Any, info: Mapping[str, Any]) -> npt.NDArray[np.bool_]:
-        """Where a stack begins anew: as that of images, it goes on after a lost life that does not clear it."""
-        ended: npt.NDArray[np.bool_] = terminations | truncations
-        goes_on = self._task.life_loss_info or (self._task.seamless_lives and self._task.on_reset != "new_game")
-        if not goes_on or not ended.any():
-            return ended
-        over: npt.NDArray[np.bool_] = info["final_info"].get("_episode", np.zeros_like(ended))
-        begun: npt.NDArray[np.bool_] = (over & ended) | truncations
-        return begun
 
     def final_observations(self, info: Mapping[str, Any]) -> ByteArray:
         """The last observations of the episodes that have ended in a step with this `info`; zero elsewhere."""
