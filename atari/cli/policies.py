@@ -14,6 +14,7 @@ from atari.cli.arguments import find_game
 from atari.cores.options import SEED_LIMIT
 from atari.learning import record_games
 from atari.learning.evaluation.played import Entry, find_entries, says_nothing, usual_protocol
+from atari.learning.evaluation.played import game_of as game_of_policy
 from atari.learning.evaluation.player import Player
 from atari.learning.evaluation.protocols import find_protocol
 from atari.learning.policy import LoadedPolicy
@@ -85,9 +86,9 @@ def find_played(args: argparse.Namespace, names: Sequence[str], policy: Any = No
         gymnasium.error.NameNotFound, ValueError, FileNotFoundError: there is no such game, or none is named; or a flag
             contradicts what the policy decides.
     """
-    games: list[Any] = [game_of(name) for name in names] or [
-        getattr(policy, "task", None) or getattr(policy, "game", None)
-    ]
+    trained = getattr(policy, "task", None)
+    alone = getattr(policy, "game", None) if trained is None else game_of_policy(trained)
+    games: list[Any] = [game_of(name) for name in names] or [alone]
     if games == [None]:
         raise ValueError(f"{args.source} does not say which game it plays; name games or a set, such as atari26")
     given = given_options(args)

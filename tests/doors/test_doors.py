@@ -1,95 +1,16 @@
 """Every door takes or refuses every field of a task: there is no third result."""
 
-from typing import Any
-
 import pytest
+from door_cells import VALUES, call, check_cell
 from doors import DOORS, Door
 
-from atari.task import Task
 from atari.task.task import FIELDS
-
-PLAYERS = {"game": "pong", "players": 2, "obs_type": "grayscale"}
-LIVES = {"episodic_life": True, "frameskip": 4}
-FIRE = {"fire": "after_noops"}
-VALUES: dict[str, tuple[dict[str, Any], Any]] = {
-    "mode": ({}, 4),
-    "difficulty": ({}, 1),
-    "players": ({"game": "pong"}, 2),
-    "actions": ({}, "full"),
-    "continuous": ({}, True),
-    "continuous_action_threshold": ({"continuous": True}, 0.75),
-    "repeat_action_probability": ({}, 0.125),
-    "frameskip": ({}, (2, 5)),
-    "interventions": ({}, ["strong_ball"]),
-    "noops": ({}, (5, 9)),
-    "fire": ({}, "after_noops"),
-    "fire_counts": ({**FIRE, "noops": (4, 4)}, True),
-    "third_action": (FIRE, True),
-    "fire_unit": (FIRE, "skip"),
-    "fire_again": ({"fire": "before_noops", "noops": (1, 30)}, False),
-    "seeding": ({"noops": (0, 30)}, "ale"),
-    "episodic_life": ({}, True),
-    "lives_unit": (LIVES, "skip"),
-    "on_reset": (LIVES, "continue"),
-    "last_life": (LIVES, True),
-    "seamless_lives": ({**LIVES, "on_reset": "continue"}, True),
-    "life_loss_info": ({}, True),
-    "max_num_frames_per_episode": ({}, 900),
-    "max_frames": ({}, 800),
-    "max_episode_steps": ({}, 20),
-    "obs_type": ({}, "ram"),
-    "img_height": ({"img_width": 84}, 60),
-    "img_width": ({"img_height": 84}, 60),
-    "stack_num": ({}, 2),
-    "maxpool": ({}, True),
-    "pool_rgb": ({"obs_type": "grayscale", "maxpool": True, "end_frames": "last"}, True),
-    "padding": ({"stack_num": 4}, "reset"),
-    "end_frames": ({}, "baselines"),
-    "sound_obs": ({}, True),
-    "agent_indicator": ({**PLAYERS, "stack_num": 1}, True),
-    "reward_clipping": ({}, True),
-    "zero_sum": (PLAYERS, True),
-}
-"""By field, the options beside which it acts, and a value other than that of ALE's v5."""
-
-
-SEVERAL: dict[str, Any] = {"interventions": ["lazy_enemy"], "mode": 9, "max_num_frames_per_episode": 900}
-"""Values for games of two players that have others than those for one."""
-
-
-def options_of(door: Door, field: str) -> dict[str, Any]:
-    """Options, GAME among them, in which a field differs from its default."""
-    others, value = VALUES[field]
-    if door.games != "several":
-        return {"game": "breakout", **others, field: value}
-    needed = {} if others is PLAYERS and field == "zero_sum" else others
-    return {"players": 2, **needed, "game": "pong", field: SEVERAL.get(field, value)}
-
-
-def call(door: Door, options: dict[str, Any]) -> Task:
-    """The task of a door."""
-    options = dict(options)
-    game = options.pop("game")
-    if not door.takes_options:
-        return door.task(Task.of(game, **options))
-    return door.task(f"ALE/{game.title()}-v5" if door.games == "ids" else game, **options)
 
 
 @pytest.mark.parametrize("field", VALUES)
 @pytest.mark.parametrize("door", DOORS, ids=lambda door: door.name)
 def test_a_door_takes_or_refuses_a_field(door: Door, field: str) -> None:
-    options = options_of(door, field)
-    if field in door.outside:
-        assert getattr(call(door, options), field) == getattr(Task("pong"), field), door.outside[field]
-        return
-    if field in door.refuses:
-        with pytest.raises((TypeError, ValueError)) as error:
-            call(door, options)
-        text = str(error.value).replace("-", "_")  # of flags
-        assert any(name in text for name in {*options} - {"game"}), door.refuses[field]
-        return
-    played = call(door, options)
-    assert getattr(played, door.translates.get(field, field)) == getattr(Task(**options), field)
+    check_cell(door, field)
 
 
 WITH_SKIP = [door for door in DOORS if "frameskip" not in door.refuses]

@@ -1,4 +1,4 @@
-"""The code blocks of the documentation that need other packages. All other blocks run in every test lane."""
+"""The pages of the documentation, and those code blocks that need other packages. Others run in every test lane."""
 
 import re
 from pathlib import Path
@@ -15,3 +15,8 @@ def blocks(lane: str, language: str = "python") -> dict[str, str]:
             re.findall(rf"^```{language} {lane}\n(.*?)^```$", path.read_text(), re.MULTILINE | re.DOTALL)
         )
     }
+
+
+def page(name: str) -> list[str]:
+    """The lines of a page of the documentation."""
+    return (TOP / "docs" / name).read_text(encoding="utf-8").splitlines()

@@ -14,8 +14,13 @@ import gymnasium
 import atari
 from atari.cli import main
 from atari.integrations import envpool
+from atari.learning import load_policy
+from atari.learning.evaluation.played import find_entries
+from atari.learning.evaluation.player import Player
+from atari.learning.evaluation.protocols import find_protocol
 from atari.multiplayer import MultiplayerCore, parallel_env
 from atari.task import Task
+from atari.task.description import summary
 from atari.task.fields import GROUPS
 from atari.task.resolution import OPTIONS
 
@@ -79,6 +84,12 @@ def _task_make_vec(game: Any, **options: Any) -> Task:
     return _closed(Task.of(game, **options).make_vec(1))
 
 
+def _stable_baselines(game: Any, **options: Any) -> Task:
+    from atari.integrations.sb3 import AtariVecEnv
+
+    return _closed(AtariVecEnv(game, 1, **options))
+
+
 def _envpool(game: Any, **options: Any) -> Task:
     return _closed(envpool.make(game, "gymnasium", num_envs=1, **options))
 
@@ -91,15 +102,25 @@ def _parallel(game: Any, **options: Any) -> Task:
     return _closed(parallel_env(game, **options).unwrapped)
 
 
+def _evaluation(game: Any) -> Task:
+    """What `evaluate` plays by protocol machado2018; it makes a `Player` of each game."""
+    (entry,) = find_entries(game)
+    return Player(load_policy("noop"), find_protocol("machado2018"), entry).task
+
+
 def _command(*words: str) -> Callable[..., Task]:
     """A command, whose task it prints; an exit code other than 0 is a ValueError with the error's text."""
 
     def task(game: str, **options: Any) -> Task:
-        line = [*words, game, *(flag for name, value in options.items() for flag in _flags(name, value))]
+        line = [
+            *words,
+            game,
+            *(flag for name, value in options.items() for flag in _flags(name, value)),
+        ]
         printed, errors = io.StringIO(), io.StringIO()
         with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(errors):
             try:
-                code = main([*line, "--print-task", "--json"])
+                code = main([*line, "--print-task", *([] if "--json" in words else ["--json"])])
             except SystemExit as exit_:
                 code = exit_.code
         if code:
@@ -204,6 +225,13 @@ DOORS: tuple[Door, ...] = (
     Door("envpool.make", _envpool, {**_SINGLE, **_NO_SOUND, **_OF_ENVPOOL}, takes_options=False),
     Door("MultiplayerCore", _core_of_several, {**_OF_SEVERAL, **_OF_STEPS}, games="several"),
     Door("parallel_env", _parallel, _OF_SEVERAL, games="several"),
+    Door(
+        "evaluate",
+        _evaluation,
+        all_but((*_OF_GAMES, "reward_clipping", "actions", "obs_type", "maxpool"), "the protocol says it"),
+        outside={"reward_clipping": "scores are the game's own"},
+        takes_options=False,
+    ),
     Door("atari explain", _command("explain")),
     Door("atari play", _command("play"), _OF_PLAY),
     Door(
@@ -219,3 +247,37 @@ DOORS: tuple[Door, ...] = (
     Door("atari evaluate", _command("evaluate", "random"), all_but(_OF_GAMES, "the protocol says it")),
     Door("atari watch", _command("watch", "random"), _OF_POLICIES),
 )
+
+TRAIN = Door(
+    "atari train",
+    _command("train", "--json", "ppo"),
+    {
+        **of_fields(
+            ("players", "continuous", "continuous_action_threshold", "sound_obs", "agent_indicator", "zero_sum"),
+            "agents see images or RAM of one player, and choose one of the actions",
+        ),
+        **of_fields(("fire_again", "seamless_lives", "life_loss_info"), "it contradicts preset baselines"),
+    },
+)
+"""It needs PyTorch."""
+
+STABLE_BASELINES = Door("atari.sb3.AtariVecEnv", _stable_baselines, _NO_SOUND, _OF_LIMITS)
+"""It needs Stable-Baselines3."""
+
+GAMES = ("pong", "ALE/Pong-v5", "PongNoFrameskip-v4", "Pong-ram-v4")
+
+
+def row(door: Door) -> str:
+    """The row of a door in the table of docs/tasks.md: what it plays of each of `GAMES`."""
+    return f"| {door.name} | {' | '.join(_words(door, game) for game in GAMES)} |"
+
+
+def _words(door: Door, game: str) -> str:
+    if door.games == "ids" and game == "pong":
+        return "-"
+    try:
+        played = door.task(game)
+    except ValueError:
+        return "refused"
+    words = summary(played).removeprefix("pong: Pong, ").removeprefix("as ")
+    return "as it says" if words == game else f"`{words}`"

@@ -62,7 +62,8 @@ def evaluate(
             "{game}" stands for the game's id; or a mapping from game id to one of these.
         games: a game, an environment ID, a `Task`, a set of `GAME_SETS` such as "atari26", or a sequence of these. It
             decides the mode, the difficulty and interventions, which must be those of the policy. An ID must have the
-            protocol's sticky actions, and show RAM or images as the policy needs them.
+            protocol's sticky actions, and show RAM or images as the policy needs them. Other fields of a `Task` that
+            differ from ALE's v5 must be those that are played.
         protocol: one of `PROTOCOLS`, or an `EvaluationProtocol` of your own. It decides the actions, sticky actions,
             frame skip, how games begin, what a lost life does, and the limit, whatever environment the policy was
             trained in. The observations are those that the policy needs, see `Policy`. A policy that does not say gets

@@ -102,7 +102,8 @@ def played_task(entry: Entry, protocol: EvaluationProtocol, needs: Needs) -> Tas
     `Task` of RAM, else the images of the protocol's preset or task.
 
     Raises:
-        ValueError: game, protocol and policy contradict each other; the message says what to pass.
+        ValueError: game, protocol and policy contradict each other, or the game is a `Task` with another field that is
+            not played; the message says what to pass.
     """
     _check_alone(entry.task, entry.id)
     if needs.task is not None:
@@ -111,8 +112,12 @@ def played_task(entry: Entry, protocol: EvaluationProtocol, needs: Needs) -> Tas
     seen = needs.task or (entry.task if entry.ram else None)
     if protocol.task is not None:
         _check_same_game(entry, protocol.task)
-        return _whole_games(protocol, protocol.task, seen)
-    return composed(entry.task, **_observation(seen, protocol.preset), **_play(protocol), **_lives(protocol))
+        played = _whole_games(protocol, protocol.task, seen)
+    else:
+        played = composed(entry.task, **_observation(seen, protocol.preset), **_play(protocol), **_lives(protocol))
+    if isinstance(entry.given, Task) and entry.given != protocol.task:
+        _check_given(entry.given, played, protocol)
+    return played
 
 
 def _observation(seen: Task | None, preset: str) -> dict[str, Any]:
@@ -189,6 +194,23 @@ def _check_id(entry: Entry, protocol: EvaluationProtocol, policy: Task | None) -
             f"{entry.env_id} has repeat_action_probability={sticky}, and protocol {protocol.name!r} "
             f"{protocol.repeat_action_probability}; pass {entry.id!r}, or another protocol"
         )
+
+
+def _check_given(task: Task, played: Task, protocol: EvaluationProtocol) -> None:
+    """Refuse a task that says how games are played, and is not played so. A field as in ALE's v5 says nothing."""
+    differing = task.differences(played)
+    for name in Task.of(task.game if task.definition.file is None else task.definition).differences(task):
+        if name in differing and name not in (*GROUPS["game"], *GROUPS["reward"], "interventions"):
+            value, other = differing[name]
+            raise ValueError(
+                f"the task of {task.game} has {name}={value!r}, and protocol {protocol.name!r} with this policy plays "
+                f"{other!r}; pass {task.game!r}, or EvaluationProtocol.of_task(task, ...) as the protocol"
+            )
+
+
+def game_of(task: Task) -> Task:
+    """The task of a policy as the game of an evaluation: its game, mode, difficulty and interventions alone."""
+    return Task.of(task.definition, **{name: getattr(task, name) for name in _OF_GAME})  # type: ignore[arg-type]
 
 
 def _check_same_game(entry: Entry, task: Task) -> None:

@@ -272,6 +272,7 @@ def of_task(task, **environment):
         ),
         (ValueError, {"games": "ALE/Pong-v5", "protocol": "dqn2015"}, "pass 'pong', or another protocol"),
         (ValueError, {"games": ["pong", Task.of("pong", mode=1)]}, "pong is given twice"),
+        (ValueError, {"games": Task.of("pong", frameskip=3)}, "the task of pong has frameskip=3, and protocol"),
         (gymnasium.error.NameNotFound, {"games": "ALE/Pog-v5"}, "ALE/Pong-v5"),
         (ValueError, {"policy": needs(preset="dqn15")}, "dqn2015"),
         (ValueError, {"policy": needs(actions=["FLY"])}, "got 'FLY'"),
@@ -347,7 +348,7 @@ def test_the_game_decides_mode_difficulty_and_interventions():
     assert evaluate(policy, task, protocol, episodes=1)["pong"].task["mode"] == 1
 
 
-@pytest.mark.parametrize("game", ["Pong-ram-v0", Task.of("Pong-ram-v4")])
+@pytest.mark.parametrize("game", ["Pong-ram-v0", Task.of("pong", obs_type="ram")])
 def test_a_game_of_ram_shows_ram(game):
     shapes = set()
 
