@@ -68,9 +68,9 @@ def play_alone(
             (action,) = policy(batch, lanes)
             seen, _, terminated, truncated, _ = env.step(int(action))
             steps += 1
-            over = inner.core.game_over or truncated  # a lost life is not counted
-            games += over
             ended = terminated and not task.life_loss_info
+            over = inner.core.game_over or truncated or (ended and task.on_reset == "new_game")
+            games += over
     return True
 
 

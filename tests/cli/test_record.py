@@ -63,6 +63,7 @@ constant = 1
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "policies_of_a_test.py").write_text(POLICIES)
+    monkeypatch.delitem(sys.modules, "policies_of_a_test", raising=False)
     return tmp_path
 
 
@@ -122,20 +123,19 @@ def test_a_function_with_a_task_plays_it(capsys: pytest.CaptureFixture[str]) -> 
 
 @pytest.mark.parametrize("seamless", [False, True])
 def test_policies_hear_of_games_and_episodes(seamless: bool, capsys: pytest.CaptureFixture[str]) -> None:
-    words = [
-        "--episodic-life",
-        *(["--seamless-lives"] if seamless else []),
-        "--episodes",
-        "2",
-        "--seed",
-        str(2**32 - 1),
-    ]
-    result = record_json(capsys, "breakout", "--policy", "policies_of_a_test:Listens", "-o", "a.a26", *words)
+    words = ["breakout", "--policy", "policies_of_a_test:Listens", "-o", "a.a26", "--episodic-life"]
+    words += ["--on-reset", "continue", *(["--seamless-lives"] if seamless else [])]
+    result = record_json(capsys, *words, "--episodes", "2", "--seed", str(2**32 - 1))
     begun = sys.modules["policies_of_a_test"].Listens.begun
     lives = [] if seamless else [[0]] * 4
     assert begun == [("breakout", 4, [0], [2**32 - 1]), *lives, ("breakout", 4, [0], [0]), *lives]
-    other = record_json(capsys, "breakout", "--policy", "policies_of_a_test:Listens", "-o", "a.a26", "--episodic-life")
+    other = record_json(capsys, *words)
     assert result["scores"][1] == other["scores"][0]  # the second game has the next seed
+
+
+def test_a_lost_life_that_begins_a_new_game_ends_the_one_before(capsys: pytest.CaptureFixture[str]) -> None:
+    record_json(capsys, "breakout", "--episodic-life", "--episodes", "2", "-o", "a.a26")
+    assert len(Replay.load("a.a26").episodes) == 2
 
 
 def test_random_games_are_those_of_their_seeds(capsys: pytest.CaptureFixture[str]) -> None:

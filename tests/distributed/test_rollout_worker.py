@@ -182,7 +182,7 @@ def test_a_policy_hears_of_new_stacks(seamless: bool) -> None:
             self.begun.append((self.count, lanes.tolist()))
 
     made: list[Listens] = []
-    played = settings(steps=900, options={"episodic_life": True, "seamless_lives": seamless})
+    played = settings(steps=900, options={"episodic_life": True, "on_reset": "continue", "seamless_lives": seamless})
     worker = RolloutWorker(played, 0, lambda: made.append(Listens()) or made[0], Position())
     rollout = worker.play(None, 0, False).rollout
     episodes = [(row + 1, np.flatnonzero(~rollout.valid[row]).tolist()) for row in range(900)]

@@ -157,7 +157,7 @@ def test_policies_hear_of_games_and_new_stacks(seamless: bool) -> None:
             return np.ones(len(lanes), np.int64)
 
     policy = Listens()
-    task = atari.Task.of("breakout", episodic_life=True, seamless_lives=seamless)
+    task = atari.Task.of("breakout", episodic_life=True, on_reset="continue", seamless_lives=seamless)
     episodes = play_episodes(task, 1200, policy, num_envs=2)
     (game, actions, lanes, seeds), *begun = policy.begun
     assert (game, actions, lanes.tolist()) == ("breakout", ["NOOP", "FIRE", "RIGHT", "LEFT"], [0, 1])
