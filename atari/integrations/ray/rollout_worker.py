@@ -201,8 +201,8 @@ class RolloutWorker:
                         "them with the policy's task as the game"
                     )
             if "rom" in needs.options or not needs.layout(needs.task).is_engines:
-                names = ", ".join(needs.options)
-                raise ValueError(f"policy {self._policy.name} needs {names}, which rollouts do not have; leave it out")
+                needed = ", ".join(needs.options)
+                raise ValueError(f"policy {self._policy.name} needs {needed}, which rollouts do not have; leave it out")
         names = [action.name for action in self._envs.options.actions[0]]
         self._policy.begin(played.game, names, self._lanes, self._seeds)
 

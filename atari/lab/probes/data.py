@@ -134,13 +134,14 @@ def play_episodes(
         observation, _ = envs.reset(seed=seed)
         # NEXT_STEP: the step after an end begins the next episode, and perhaps a new stack.
         begins = ended = renewed = stacks_ended = np.zeros(num_envs, np.bool_)
-        if hasattr(policy, "begin"):
+        begin, begin_episodes = getattr(policy, "begin", None), getattr(policy, "begin_episodes", None)
+        if begin is not None:
             names = [action.name for action in envs.task.action_set]
             seeds = np.random.SeedSequence(seed).generate_state(num_envs).astype(np.int64)
-            policy.begin(envs.task.game, names, lanes, seeds)
+            begin(envs.task.game, names, lanes, seeds)
         for step in range(0, steps, num_envs):
-            if renewed.any() and hasattr(policy, "begin_episodes"):
-                policy.begin_episodes(lanes[renewed])
+            if begin_episodes is not None and renewed.any():
+                begin_episodes(lanes[renewed])
             for lane in lanes[: steps - step]:
                 if begins[lane]:
                     episodes.append(_stacked(parts[lane], envs.task))
