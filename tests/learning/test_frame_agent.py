@@ -172,6 +172,7 @@ def test_wrong_actions() -> None:
         ({"sound_obs": True}, "the environment of the policy: sound_obs=True is for"),
         ({"continuous": True}, "recorder has continuous=True, and an agent chooses"),
         ({"players": 2}, "recorder has players=2, and the game is played by 1; give a policy whose task has players=1"),
+        ({"rom": "pong.bin"}, "recorder has rom='pong.bin', and the core has its ROM; leave it out"),
         ({"colour": 1}, "the environment of the policy: it has no option 'colour'"),
         ([], "the environment of the policy: it must be a mapping"),
     ],

@@ -82,12 +82,16 @@ def usual_protocol(policy: Any, entry: Entry) -> EvaluationProtocol:
     own = getattr(policy, "protocol", None)
     if own is not None:
         return find_protocol(own)
-    says_nothing = not getattr(policy, "task", None) and not getattr(policy, "environment", None)
-    if says_nothing and (entry.env_id is not None or isinstance(entry.given, Task)):
+    if says_nothing(policy) and (entry.env_id is not None or isinstance(entry.given, Task)):
         name = entry.env_id or "task"
         facts: dict[str, Any] = {"name": name, "source": f"whole games of {name}", "epsilon": 0.0, "episodes": 1}
         return EvaluationProtocol.of_task(entry.task, **facts)
     return PROTOCOLS["baselines"]
+
+
+def says_nothing(policy: Any) -> bool:
+    """Whether a policy says nothing of what it needs."""
+    return not any(getattr(policy, name, None) for name in ("task", "environment", "protocol"))
 
 
 def played_task(entry: Entry, protocol: EvaluationProtocol, needs: Needs) -> Task:
