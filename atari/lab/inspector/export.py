@@ -7,6 +7,9 @@ from atari.lab.inspector.session import Session
 from atari.lab.inspector.timeline import Timeline
 from atari.recording import RecordReplay, VideoWriter, frame_rate
 
+NAMES = ("labels.toml", "interventions.toml", "replay.a26")
+"""The exports of `write`."""
+
 MOST_CLIP_FRAMES = 3600
 """A minute."""
 
@@ -113,6 +116,20 @@ def write_clip(session: Session, path: Path, start: int, stop: int, scale: int =
     finally:
         env.close()
     return path
+
+
+def write(session: Session, name: str, path: Path) -> None:
+    """Write one of `NAMES`.
+
+    Raises:
+        ValueError: there is nothing to export.
+        OSError: the file cannot be written.
+    """
+    if name == "replay.a26":
+        write_replay(session, path)
+    else:
+        text = labels_toml(session) if name == "labels.toml" else interventions_toml(session)
+        path.write_text(text, encoding="utf-8")
 
 
 def _at_first_frame(session: Session) -> AtariEnv:

@@ -34,9 +34,7 @@ class Readings:
 
         An object is its name, x, y, width and height in pixels, None where they are not known.
         """
-        numbers, visible = self._labels.evaluate(ram[None])
-        shown = zip(self._labels.names, numbers[:, 0].tolist(), visible[:, 0].tolist(), strict=True)
-        values = {name: number if seen else None for name, number, seen in shown}
+        values = self._labels.values(ram)
         objects = visible_objects(self._positions, values)
         return values, [[each.name, each.x, each.y, each.width, each.height] for each in objects]
 
