@@ -20,7 +20,6 @@ import numpy.typing as npt
 from atari.lab.labels import Labels
 from atari.recording.datasets import NO_STEPS, check_new_dataset, import_minari, write_minari
 from atari.recording.episodes import EpisodeArrays, Source, facts_of_replays, load_replays, replayed_episodes
-from atari.recording.replay.replay import Replay
 from atari.validation import check_name, import_extra
 
 Format = Literal["minari", "parquet", "hdf5"]
@@ -107,8 +106,11 @@ def write_dataset(
         written.storage.update_metadata(_as_json(said))
     else:
         write = _write_parquet if format == "parquet" else _write_hdf5
+        described = {name: asdict(named.game.ram_labels[name]) for name in named.names}
+        attributes = {**_as_json(said), "game": loaded[0].game.id}
+        attributes |= _as_json({"options": loaded[0].options, "labels": described})
         with _new_file(Path(output)) as file:
-            write(module, file, _facts(loaded[0], named.names, said), tally, first_episode)
+            write(module, file, attributes, tally, first_episode)
             if not tally.scores:
                 raise ValueError(NO_STEPS)
     return {
@@ -179,7 +181,6 @@ class _Tally:
         self, episodes: Iterator[EpisodeArrays], labels: Labels, progress: Callable[[int], object] | None
     ) -> None:
         self._episodes, self._labels, self._progress = episodes, labels, progress
-        self._hidden = [labels.game.ram_labels[name].visible is not None for name in labels.names]
         self.scores: list[float] = []
         self.steps = 0
 
@@ -194,7 +195,7 @@ class _Tally:
     def _values(self, ram: npt.NDArray[np.uint8]) -> Values:
         values, visible = self._labels.evaluate(ram)
         names = self._labels.names
-        hidden = {name: row for name, row, can in zip(names, visible, self._hidden, strict=True) if can}
+        hidden = {names[number]: visible[number] for number in self._labels.hiding}
         return {"labels": dict(zip(names, values, strict=True)), "visible": hidden}
 
 
@@ -208,17 +209,6 @@ def _new_file(path: Path) -> Iterator[Path]:
         part.replace(path)
     finally:
         part.unlink(missing_ok=True)
-
-
-def _facts(replay: Replay, labels: Iterable[str], others: Mapping[str, Any]) -> dict[str, str]:
-    """What a reader needs to know of a data set."""
-    named = {name: asdict(replay.game.ram_labels[name]) for name in labels}
-    return {
-        **_as_json(others),
-        "game": replay.game.id,
-        "options": json.dumps(replay.options),
-        "labels": json.dumps(named),
-    }
 
 
 def _as_json(facts: Mapping[str, Any]) -> dict[str, str]:
@@ -248,8 +238,7 @@ def _write_parquet(parquet: Any, file: Path, facts: Mapping[str, str], tally: _T
     writer = None
     try:
         for number, (episode, values) in enumerate(tally, first):
-            columns = _columns(pyarrow, number, episode, values)
-            table = pyarrow.table(columns)
+            table = pyarrow.table(_columns(pyarrow, number, episode, values))
             if writer is None:
                 schema = table.schema.with_metadata(facts)
                 writer = parquet.ParquetWriter(file, schema, compression="zstd")
