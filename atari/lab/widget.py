@@ -16,10 +16,9 @@ import cv2
 import gymnasium
 
 from atari.lab.inspector import export, protocol
-from atari.lab.inspector.session import Session
+from atari.lab.inspector.session import FRAMES_PER_SECOND, Session
 
 _MODULES = ("dom.js", "screen.js", "bytes.js", "panels.js", "touch.js", "inspector.js", "widget.js")
-_SECONDS_A_FRAME = 1 / 60
 
 
 def show(env: gymnasium.Env[Any, Any], *, agent: Any = None) -> Any:
@@ -163,7 +162,7 @@ def _widget_class() -> "Callable[[Session], Any] | None":
         async def _play(self) -> None:
             before = time.perf_counter()
             while self.session.playing:
-                await asyncio.sleep(_SECONDS_A_FRAME)
+                await asyncio.sleep(1 / FRAMES_PER_SECOND)
                 now = time.perf_counter()
                 self.session.tick(now - before)
                 before = now

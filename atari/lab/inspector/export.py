@@ -90,7 +90,7 @@ def write_replay(session: Session, path: Path) -> Path:
     return path
 
 
-def write_clip(session: Session, path: Path, start: int, stop: int, scale: int = 2) -> Path:
+def write_clip(session: Session, path: Path, start: int, stop: int) -> None:
     """Write the frames after `start`, up to `stop`, as a video with sound.
 
     Raises:
@@ -108,14 +108,13 @@ def write_clip(session: Session, path: Path, start: int, stop: int, scale: int =
     rate = frame_rate(session.game)
     try:
         again = Timeline(env.core, timeline.first)
-        with VideoWriter(path, session.game.screen.shape, rate, scale=scale, sound=True) as video:
+        with VideoWriter(path, session.game.screen.shape, rate, scale=2, sound=True) as video:
             for frame in timeline.frames(timeline.first, stop):
                 again.play(frame)
                 if again.at > start:
                     video.write(env.core.screen_rgb(), env.core.audio())
     finally:
         env.close()
-    return path
 
 
 def write(session: Session, name: str, path: Path) -> None:

@@ -11,11 +11,7 @@ from atari.lab.objects import positions, visible_objects
 
 
 class Readings:
-    """What the labels of a game say about a state.
-
-    Args:
-        game: that is played.
-    """
+    """What the labels of a game say about a state."""
 
     def __init__(self, game: Game) -> None:
         self.names: dict[int, list[str]] = {}

@@ -45,16 +45,11 @@ _CLOSE_TAKEN = 4001  # the session went on in another tab
 
 
 class Inspector:
-    """The server of one session.
+    """The server of one session. Its `token` is the secret in the address."""
 
-    Args:
-        session: that is shown.
-        token: the secret in the address; by default a new one.
-    """
-
-    def __init__(self, session: Session, token: str | None = None) -> None:
+    def __init__(self, session: Session) -> None:
         self.session = session
-        self.token = token or secrets.token_urlsafe(24)
+        self.token = secrets.token_urlsafe(24)
         self.port = 0
         self._tab: web.WebSocketResponse | None = None
         self._state = ""  # that the tab has
