@@ -93,7 +93,7 @@ class RamLabels(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
         """The values of the labels now."""
         values = self._labels.values(self._atari.core.ram())
         items = [(name, value) for name, value in values.items() if value is not None]
-        return LabelValues(items, values.keys() - dict(items).keys())
+        return LabelValues(items, [name for name, value in values.items() if value is None])
 
 
 class VectorRamLabels(VectorWrapper):

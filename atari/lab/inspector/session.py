@@ -116,11 +116,7 @@ class Session:
         """Names that the user has given to bytes."""
         self.changes: list[Change] = []
         """The changes that can be undone."""
-        self.search = Search(_Shown(self))
-        self.search_scores = [0]
-        """The score at the start of the search and at each filter."""
-        self.searched = self.ram()
-        """The RAM at the last filter."""
+        self.new_search()
         self.readings = Readings(self.game)
         self.version = 0
         """Counts the frames that were played and the commands that `protocol.run` has run."""
@@ -383,8 +379,11 @@ class Session:
 
     def new_search(self) -> None:
         """Begin a search over all bytes."""
-        self.search, self.searched = Search(_Shown(self)), self.ram()
+        self.search = Search(_Shown(self))
         self.search_scores = [self.shown.score]
+        """The score at the start of the search and at each filter."""
+        self.searched = self.ram()
+        """The RAM at the last filter."""
 
     def filter(self, name: str, low: int = 0, high: int = 0) -> None:
         """Narrow the search down by a method of `atari.lab.Search`; `low` and `high` are its numbers.
