@@ -85,6 +85,7 @@ TASKS: dict[str, dict[str, Any]] = {
     "atari100k": {"preset": "atari100k"},
     "ale_vector": {"preset": "ale_vector"},
     "ram": {"preset": "baselines", "obs_type": "ram"},
+    "stacks of ram": {"preset": "envpool", "obs_type": "ram", "stack_num": 3, "episodic_life": True},
     "ram of dqn2015": {"preset": "dqn2015", "obs_type": "ram"},
     "lives of envpool": {"preset": "envpool", "episodic_life": True, "seamless_lives": False},
     "seamless": {"preset": "envpool", "episodic_life": True},

@@ -206,7 +206,7 @@ def _check_given(task: Task, played: Task, protocol: EvaluationProtocol) -> None
 
 def game_of(task: Task) -> Task:
     """The task of a policy as the game of an evaluation: its game, mode, difficulty and interventions alone."""
-    return Task.of(task.definition, **{name: getattr(task, name) for name in _OF_GAME})  # type: ignore[arg-type]
+    return Task.of(task.definition, **{name: getattr(task, name) for name in _OF_GAME})
 
 
 def _check_same_game(entry: Entry, task: Task) -> None:
