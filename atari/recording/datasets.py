@@ -7,9 +7,9 @@ because Minari's JPEG encoding is off.
 import json
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import chain
 from typing import Any
 
-import gymnasium
 from gymnasium.envs.registration import EnvSpec, WrapperSpec
 
 from atari.env import ObsType
@@ -18,13 +18,14 @@ from atari.recording.episodes import (
     DatasetObsType,
     EpisodeArrays,
     Source,
-    env_options,
+    changed_options,
     facts_of_replays,
     load_replays,
     replay_env,
     replayed_episodes,
 )
 from atari.recording.replay.replay import Replay
+from atari.validation import import_extra
 
 NO_STEPS = "the replays have no steps of an environment; record with RecordReplay as the outermost wrapper"
 
@@ -104,7 +105,7 @@ def write_minari(
                 raise ValueError(NO_STEPS)
             return minari.create_dataset_from_buffers(
                 dataset_id,
-                _chain(first, buffers),
+                chain([first], buffers),
                 env=_spec(replay, obs_type, image),
                 observation_space=env.observation_space,
                 action_space=env.action_space,
@@ -113,11 +114,6 @@ def write_minari(
             )
         finally:
             env.close()
-
-
-def _chain(first: Any, rest: Iterator[Any]) -> Iterator[Any]:
-    yield first
-    yield from rest
 
 
 def _spec(replay: Replay, obs_type: DatasetObsType | None, image: ObsType | None) -> EnvSpec:
@@ -132,7 +128,8 @@ def _spec(replay: Replay, obs_type: DatasetObsType | None, image: ObsType | None
         entry_point="atari.env:AtariEnv",
         kwargs={
             "game": replay.game.id,
-            **env_options(replay, obs_type, image),
+            **replay.options,
+            **changed_options(replay, obs_type, image),
             "frameskip": replay.task.frameskip,
         },
         additional_wrappers=(dict_wrapper,) if obs_type == "dict" else (),
@@ -146,17 +143,8 @@ def check_new_dataset(minari: Any, dataset_id: str) -> None:
 
 
 def import_minari() -> Any:
-    """The module.
-
-    Raises:
-        gymnasium.error.DependencyNotInstalled: it, or what it needs for its files, is not installed.
-    """
-    try:
-        import h5py  # noqa: F401 - Minari keeps its data with it
-        import minari
-        import PIL  # noqa: F401 - Minari needs it but does not depend on it
-    except ImportError:
-        raise gymnasium.error.DependencyNotInstalled(
-            "a Minari dataset needs Minari: pip install 'atari-envs[minari]'"
-        ) from None
-    return minari
+    """Return the module, or raise as `import_extra`, also without the packages that it needs for its files."""
+    need = "a Minari dataset needs Minari: pip install 'atari-envs[minari]'"
+    import_extra("h5py", need)  # Minari keeps its data with it
+    import_extra("PIL", need)  # Minari needs it but does not depend on it
+    return import_extra("minari", need)

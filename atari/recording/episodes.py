@@ -83,13 +83,8 @@ def replay_env(
     Raises:
         TypeError, ValueError: as `Replay.make_env`.
     """
-    env = replay.make_env(core=core, **_changes(replay, obs_type, image))
+    env = replay.make_env(core=core, **changed_options(replay, obs_type, image))
     return RamObservation(env) if obs_type == "dict" else env
-
-
-def env_options(replay: Replay, obs_type: DatasetObsType | None, image: ObsType | None = None) -> dict[str, Any]:
-    """The options of the `AtariEnv` of `replay_env`."""
-    return {**replay.options, **_changes(replay, obs_type, image)}
 
 
 def replayed_episodes(
@@ -107,7 +102,8 @@ def replayed_episodes(
             env.close()
 
 
-def _changes(replay: Replay, obs_type: DatasetObsType | None, image: ObsType | None) -> dict[str, Any]:
+def changed_options(replay: Replay, obs_type: DatasetObsType | None, image: ObsType | None) -> dict[str, Any]:
+    """The options of the `AtariEnv` of `replay_env` that are not those of the recorded one."""
     if obs_type == "dict":
         obs_type = image or ("rgb" if replay.options.get("obs_type") == "ram" else None)
     return {} if obs_type is None else {"obs_type": obs_type}

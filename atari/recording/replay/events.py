@@ -31,6 +31,7 @@ import struct
 import zlib
 from collections.abc import Iterable, Iterator
 from enum import IntEnum
+from io import BytesIO
 from typing import NamedTuple
 
 from atari.actions import PLAYER_ACTIONS
@@ -115,67 +116,47 @@ def unpack(data: bytes) -> list[Event]:
         ValueError: `data` is not the result of `pack`.
     """
     try:
-        return list(_events(_inflate(data)))
+        return list(_events(BytesIO(_inflate(data))))
     except (IndexError, struct.error, zlib.error, KeyError) as error:
         raise ValueError(f"the events cannot be unpacked ({error})") from None
 
 
-def _events(text: bytes) -> Iterator[Event]:
-    arguments = _ArgumentReader(text)
-    count = arguments.next()
-    codes = text[arguments.offset : arguments.offset + count]
-    arguments.offset += count
+def _events(text: BytesIO) -> Iterator[Event]:
+    count = _number(text)
+    codes = text.read(count)
     acts = 0
     for code in codes:
         if code < 0x80:
             action = code & 0x1F
-            frames = arguments.next()
+            frames = _number(text)
             acts += frames
             if action >= len(PLAYER_ACTIONS) or acts > ACTS_PER_CHUNK:
                 raise ValueError(f"there is an action {action}, or more than {ACTS_PER_CHUNK} of them")
-            strength = (arguments.strength(),) if code & _STRENGTH else ()
+            strength = _FLOAT.unpack(text.read(_FLOAT.size)) if code & _STRENGTH else ()
             yield Event(Kind.ACT, (action, frames), strength, not code & _GOES_ON)
         elif code == Kind.CONTINUOUS_ACTION:
-            yield Event(Kind.CONTINUOUS_ACTION, (), arguments.continuous_action())
+            yield Event(Kind.CONTINUOUS_ACTION, (), _FLOATS.unpack(text.read(_FLOATS.size)))
         else:
             kind = Kind(code)
-            numbers = tuple(arguments.next() for _ in range(_NUMBERS[kind]))
+            numbers = tuple(_number(text) for _ in range(_NUMBERS[kind]))
             acts += numbers[1] if kind == Kind.ACTIONS else 0
             if acts > ACTS_PER_CHUNK:
                 raise ValueError(f"there are more than {ACTS_PER_CHUNK} actions")
             yield Event(kind, numbers)
-    if arguments.offset != len(text):
+    if len(codes) < count or text.read(1):
         raise ValueError("the events end before their arguments")
 
 
-class _ArgumentReader:
-    """A reader of arguments, one after another."""
-
-    def __init__(self, text: bytes) -> None:
-        self._text = text
-        self.offset = 0
-
-    def next(self) -> int:
-        value = shift = 0
-        while True:
-            digit = self._text[self.offset]
-            self.offset += 1
-            value |= (digit & 0x7F) << shift
-            if digit < 0x80:
-                return value
-            shift += 7
-            if shift > 28:
-                raise ValueError("a number is larger than 32 bits")
-
-    def strength(self) -> float:
-        (value,) = _FLOAT.unpack_from(self._text, self.offset)
-        self.offset += _FLOAT.size
-        return float(value)
-
-    def continuous_action(self) -> tuple[float, ...]:
-        values = _FLOATS.unpack_from(self._text, self.offset)
-        self.offset += _FLOATS.size
-        return tuple(values)
+def _number(text: BytesIO) -> int:
+    value = shift = 0
+    while True:
+        digit = text.read(1)[0]
+        value |= (digit & 0x7F) << shift
+        if digit < 0x80:
+            return value
+        shift += 7
+        if shift > 28:
+            raise ValueError("a number is larger than 32 bits")
 
 
 def _put(out: bytearray, number: int) -> None:

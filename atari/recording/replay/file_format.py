@@ -74,6 +74,12 @@ class Scores(list[int]):
         return Scores(score + reward for score, reward in zip(self, rewards, strict=True))
 
 
+def no_score(core: Any) -> int | Scores:
+    """Return the score of `core` at the beginning of a game."""
+    players = getattr(core, "players", 0)  # a core of one player has no such attribute
+    return Scores([0] * players) if players else 0
+
+
 def full_hash(core: Any, score: int | Scores) -> int:
     """Return a hash of RAM, screen, score, lives, end of game and truncation."""
     lives = core.player_lives if isinstance(score, Scores) else core.lives
@@ -130,13 +136,12 @@ class PlayChunk(NamedTuple):
 
 @dataclass(frozen=True)
 class ReplayContent:
-    """The content of a file. `end` is None if the recording was cut; `size` is the size of the complete chunks."""
+    """The content of a file. `end` is None if the recording was cut."""
 
     header: dict[str, Any]
     plays: tuple[PlayChunk, ...]
     snapshots: tuple[bytes, ...]
     end: dict[str, Any] | None
-    size: int
     writes: tuple[str, ...] = ()
 
     @property
@@ -215,7 +220,7 @@ def read(path: str | PathLike[str]) -> ReplayContent:
     snapshots: list[bytes] = []
     writes: list[str] = []
     end: dict[str, Any] | None = None
-    frames, size = 0, len(_MAGIC)
+    frames = 0
     for offset, kind, payload in _chunks(Path(path)):
         if (kind == b"H") != (header is None):
             raise _corrupt(offset, "the header must be the first chunk, and the only one of its kind")
@@ -238,10 +243,9 @@ def read(path: str | PathLike[str]) -> ReplayContent:
             end = _object(payload, offset)
         else:
             raise _corrupt(offset, f"there is no kind of chunk {kind!r}")
-        size = offset + _HEAD_SIZE + len(payload)
     if header is None:
-        raise _corrupt(size, "the file ends within its header, and holds nothing")
-    return ReplayContent(header, tuple(plays), tuple(snapshots), end, size, tuple(writes))
+        raise _corrupt(len(_MAGIC), "the file ends within its header, and holds nothing")
+    return ReplayContent(header, tuple(plays), tuple(snapshots), end, tuple(writes))
 
 
 def _chunks(path: Path) -> Iterator[tuple[int, bytes, bytes]]:

@@ -1,8 +1,7 @@
 """Replays of several players: `RecordMatch`, a `MultiplayerCore` whose calls are recorded, and how they are played."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from os import PathLike
-from types import TracebackType
 from typing import Any
 
 import atari
@@ -11,7 +10,7 @@ from atari.multiplayer.core import MultiplayerCore
 from atari.recording.replay.events import Event, Kind
 from atari.recording.replay.file_format import FORMAT_OF_PLAYERS, Corrupt, Scores
 from atari.recording.replay.recorder import RecordedCore, ReplayRecorder, plain
-from atari.recording.replay.runner import Call, ReplayRunner
+from atari.recording.replay.runner import ReplayRunner
 
 _ACTIONS = 18
 
@@ -53,10 +52,10 @@ class RecordMatch(RecordedCore):
             "core": core.name,
             "source": type(core).__name__,
             "players": core.players,
-            "options": {name: plain(value) for name, value in core.options.items()},
+            "options": plain(core.options),
             "package": atari.__version__,
         }
-        recorder = _Recorder(path, header, core)
+        recorder = ReplayRecorder(path, header, core)
         super().__init__(core, recorder)
         self.path = recorder.path
         self.record_writes()
@@ -81,27 +80,15 @@ class RecordMatch(RecordedCore):
         return rewards
 
     def act(self, action: int, strength: float = 1.0) -> int:
-        """Not possible: several players act.
-
-        Raises:
-            RuntimeError: always.
-        """
+        """Raise RuntimeError, because several players act."""
         raise RuntimeError("this is a game of several players; call act_players")
 
     def set_mode(self, mode: int) -> None:
-        """Not possible: the file has the mode of the core.
-
-        Raises:
-            RuntimeError: always.
-        """
+        """Raise RuntimeError, because the file has the mode of the core."""
         raise RuntimeError("the mode is part of the replay; make the core with the mode, then record it")
 
     def set_difficulty(self, difficulty: int) -> None:
-        """Not possible: the file has the difficulty of the core.
-
-        Raises:
-            RuntimeError: always.
-        """
+        """Raise RuntimeError, because the file has the difficulty of the core."""
         raise RuntimeError("the difficulty is part of the replay; make the core with the difficulty, then record it")
 
     def close(self) -> None:
@@ -111,20 +98,8 @@ class RecordMatch(RecordedCore):
     def __enter__(self) -> "RecordMatch":
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self.close()
-
-
-class _Recorder(ReplayRecorder):
-    """The recorder of several players. An action is a number with a digit in base 18 for each player."""
-
-    def _held_event(self, ends_step: bool) -> Event:
-        return Event(Kind.ACTIONS, (self._held[0], self._held_for))
-
-    def _no_score(self) -> Scores:
-        return Scores([0] * self.core.players)
 
 
 class PlayersRunner(ReplayRunner):
@@ -133,26 +108,13 @@ class PlayersRunner(ReplayRunner):
     core: MultiplayerCore
     _plays = Kind.ACTIONS
 
-    def _act(self, event: Event) -> Iterator[Call]:
-        core = self.core
-        word, frames = event.numbers
-        actions = actions_of(word, core.players)
-        for _ in range(frames):
-            before = core.frame_number
-            rewards = Scores(core.act_players(actions))
-            played = core.frame_number != before
-            if played:
-                self.frame += 1
-                self.score += rewards
-            yield Call(Event(Kind.ACTIONS, (word, 1)), rewards, played)
+    def _play_frame(self, event: Event) -> Scores:
+        return Scores(self.core.act_players(actions_of(event.numbers[0], self.core.players)))
 
     def _do(self, kind: Kind, first: int = 0, second: int = 0) -> None:
         if kind in (Kind.MODE, Kind.DIFFICULTY, Kind.CONTINUOUS_ACTION):
             raise ValueError("replays of several players have no such event")
         super()._do(kind, first, second)
-
-    def _no_score(self) -> Scores:
-        return Scores([0] * self.core.players)
 
 
 def actions_of(word: int, players: int) -> list[int]:
@@ -179,9 +141,6 @@ def make_core(
         Corrupt: an option is wrong, or not one of `MultiplayerCore`'s.
     """
     try:
-        for name, value in header.items():
-            if name != "options" and not isinstance(value, (str, int, type(None))):
-                raise TypeError(f"{name} is a {type(value).__name__}")
         odd = header["options"].keys() ^ MultiplayerCore.OPTIONS
         if odd:
             raise ValueError(f"the option {min(odd)!r} is missing, or none")

@@ -64,37 +64,33 @@ class RecordReplay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
         super().__init__(env)
         self._atari = inner
         started = inner.core.snapshot() if inner._phase != "new" else None
-        self._recorder = ReplayRecorder(path, header_of(inner, type(inner).__name__), inner.core)
-        self._finalizer = weakref.finalize(self, self._recorder.close)  # without a call of close
-        self.path = self._recorder.path
-        core = RecordedCore(inner.core, self._recorder)
+        self.recorder = ReplayRecorder(path, header_of(inner, type(inner).__name__), inner.core)
+        """The recorder, which has the number of frames and the score so far."""
+        self._finalizer = weakref.finalize(self, self.recorder.close)  # without a call of close
+        self.path = self.recorder.path
+        core = RecordedCore(inner.core, self.recorder)
         core.record_writes()
         if started is not None:
-            self._recorder.record_restore(started)
+            self.recorder.record_restore(started)
         else:
             core.seed(int(np.random.SeedSequence().generate_state(1)[0]) % (SEED_LIMIT - 1))
         inner.core = core
 
-    @property
-    def recorder(self) -> ReplayRecorder:
-        """The recorder, which has the number of frames and the score so far."""
-        return self._recorder
-
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset the environment."""
-        self._recorder.raise_deferred_error()
+        self.recorder.raise_deferred_error()
         result = self.env.reset(seed=seed, options=options)
-        self._recorder.flush_if_full()
+        self.recorder.flush_if_full()
         return result
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Play a step."""
-        self._recorder.raise_deferred_error()
-        self._recorder.begin_step()
+        self.recorder.raise_deferred_error()
+        self.recorder.begin_step()
         if self._atari.continuous:
             self._record_continuous_action(action)
         result = self.env.step(action)
-        self._recorder.end_step()
+        self.recorder.end_step()
         return result
 
     def stop(self) -> None:
@@ -103,7 +99,7 @@ class RecordReplay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
         if isinstance(core, RecordedCore):
             self._atari.core = core.inner
         self._finalizer.detach()
-        self._recorder.close()
+        self.recorder.close()
 
     def close(self) -> None:
         """Complete the file and close the environment."""
@@ -120,4 +116,4 @@ class RecordReplay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
             radius, angle, fire = (float(number) for number in np.asarray(action, np.float32))
         except (TypeError, ValueError):
             return  # the environment's step raises a better error
-        self._recorder.record(Kind.CONTINUOUS_ACTION, (), (radius, angle, fire))
+        self.recorder.record(Kind.CONTINUOUS_ACTION, (), (radius, angle, fire))

@@ -2,10 +2,11 @@
 
 import hashlib
 import operator
-import struct
 from collections.abc import Sequence
 from os import PathLike
 from typing import Any
+
+import numpy as np
 
 import atari
 from atari.env import AtariEnv
@@ -17,8 +18,10 @@ from atari.recording.replay.file_format import (
     FRAMES_PER_FULL_HASH,
     PlayChunk,
     ReplayFileWriter,
+    Scores,
     episode_summary,
     full_hash,
+    no_score,
     short_hash,
 )
 from atari.roms import find
@@ -50,13 +53,15 @@ def header_of(env: AtariEnv, source: str) -> dict[str, Any]:
         "source": source,
         "id": env.spec.id if env.spec else None,
         "task": to_short_json(env.task),
-        "options": {name: plain(value) for name, value in options.items()},
+        "options": plain(options),
         "package": atari.__version__,
     }
 
 
 class ReplayRecorder(DeferredErrorMixin):
     """The events and hashes of a recording, written chunk by chunk. It owns the file.
+
+    With several players an action is a number with a digit in base 18 for each player.
 
     If a chunk cannot be written, the recording ends and later events are ignored. The error is deferred
     (`DeferredErrorMixin`), because the environment is in the middle of a step.
@@ -73,7 +78,7 @@ class ReplayRecorder(DeferredErrorMixin):
         """Frames played so far."""
         self.core = core
         """The recorded core."""
-        self.score: Any = self._no_score()
+        self.score: Any = no_score(self.core)
         """The sum of rewards since the last reset."""
         self._episodes: list[dict[str, Any]] = []
         self._in_episode = False
@@ -132,7 +137,7 @@ class ReplayRecorder(DeferredErrorMixin):
         """Record a reset. Call it before the core resets, because it stores the last episode's summary."""
         self.end_episode()
         self.record(Kind.RESET)
-        self.score = self._no_score()
+        self.score = no_score(self.core)
         self._in_episode = True
 
     def record_snapshot(self, data: bytes) -> None:
@@ -156,7 +161,7 @@ class ReplayRecorder(DeferredErrorMixin):
             self._write("snapshot", data)
             self.record(Kind.LOAD, (self._loads,))
             self._loads += 1
-            self.score = self._no_score()
+            self.score = no_score(self.core)
         self._in_episode = True
 
     def record_write(self, definition: str, *, now: bool = False) -> None:
@@ -202,17 +207,12 @@ class ReplayRecorder(DeferredErrorMixin):
     def _flush_held(self, *, ends_step: bool) -> bool:
         if not self._held_for:
             return False
-        self._events.append(self._held_event(ends_step))
+        action, strength = self._held
+        kind = Kind.ACTIONS if isinstance(self.score, Scores) else Kind.ACT
+        floats = () if strength == 1.0 else (strength,)
+        self._events.append(Event(kind, (action, self._held_for), floats, ends_step))
         self._held_for = 0
         return True
-
-    def _held_event(self, ends_step: bool) -> Event:
-        action, strength = self._held
-        floats = () if strength == 1.0 else (strength,)
-        return Event(Kind.ACT, (action, self._held_for), floats, ends_step)
-
-    def _no_score(self) -> Any:
-        return 0
 
     def end_episode(self) -> None:
         """Keep the summary of the present episode. Call it before the core forgets the episode."""
@@ -256,7 +256,8 @@ class RecordedCore:
         core = self.inner
         before = core.frame_number
         reward: int = core.act(action, strength)
-        self._recorder.record_act(operator.index(action), _as_float32(strength), reward, core.frame_number != before)
+        stored = float(np.float32(strength))  # so that equal strengths in the file are one event
+        self._recorder.record_act(operator.index(action), stored, reward, core.frame_number != before)
         return reward
 
     def set_ram(self, index: int, value: int) -> None:
@@ -345,10 +346,6 @@ class RecordedCore:
 def own_writes(core: Any) -> int:
     """The number of slots that the writes of a core's interventions have, which come first."""
     return sum(len(intervention.writes) for intervention in getattr(core, "interventions", ()))
-
-
-def _as_float32(strength: float) -> float:
-    return 1.0 if strength == 1.0 else float(struct.unpack("<f", struct.pack("<f", strength))[0])
 
 
 def _digest(data: bytes) -> bytes:

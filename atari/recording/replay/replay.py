@@ -117,8 +117,11 @@ class Replay:
             raise ValueError(f"{games.unknown(header['game'])}; pass the game file of a game of your own as game=")
         find = games.resolve if "players" in header else games.find
         found = find(header["game"] if game is None else game)
+        for name, value in header.items():
+            if name != "options" and not isinstance(value, (str, int, type(None))):
+                raise Corrupt(f"the replay is damaged: its header is wrong ({name} is a {type(value).__name__})")
         if "players" not in header:
-            _check_header(header, found)
+            _check_options(header, found)
         md5 = rom_md5(found, rom)
         if md5 != header.get("rom"):
             raise ValueError(
@@ -210,7 +213,7 @@ class Replay:
         Raises:
             TypeError, ValueError: there is no such frame or core, or the replay cannot be played on this core.
         """
-        start = check_integer("start", start, 0, max(self.frames_total, 0))
+        start = check_integer("start", start, 0, self.frames_total)
         stop = self.frames_total if stop is None else min(check_integer("stop", stop, 0, 2**62), self.frames_total)
         for runner, call in self._calls(core, sound=sound, start=start):
             if runner.frame > stop or start >= stop:
@@ -445,22 +448,23 @@ _MAY_BE_NONE = ("mode", "difficulty", "max_num_frames_per_episode", "interventio
 """Options of which None is a value in a header."""
 
 
-def _check_header(header: Mapping[str, Any], game: Game) -> None:
-    """Check what `Replay` and `AtariEnv` use of a header.
+def _check_options(header: Mapping[str, Any], game: Game) -> None:
+    """Check the options and the task in the header of a replay of one player.
 
     Raises:
         Corrupt: a value is of the wrong kind or out of range, or an option is not one of `AtariEnv`'s.
     """
     options = header["options"]
     try:
-        for name, value in header.items():
-            if name != "options" and not isinstance(value, (str, int, type(None))):
-                raise TypeError(f"{name} is a {type(value).__name__}")
         for name, value in options.items():
             check_name("an option", name, ALE_OPTIONS)
             if value is None and name not in _MAY_BE_NONE:
                 raise TypeError(f"{name} is null")
-        _check_interventions(options.get("interventions"), game)
+        interventions = options.get("interventions")
+        # Names and paths are refused, because a replay must not choose files to read.
+        if not all(isinstance(definition, dict) for definition in interventions or ()):
+            raise TypeError("interventions must be a list of definitions")
+        resolve(game, interventions)
         emulator_task(options, game)
         if header.get("task") is not None:
             from_json(header["task"], game)
@@ -478,17 +482,6 @@ def emulator_task(options: Mapping[str, Any], game: Game) -> Task:
     fields = {**DEFAULTS, "max_num_frames_per_episode": None, **given, "game": game}
     settle(fields, DEFAULTS, given=())  # older releases recorded options without effect, too
     return Task(**fields)
-
-
-def _check_interventions(definitions: Any, game: Game) -> None:
-    """Check that these are definitions; never names or paths, because a replay must not choose files to read.
-
-    Raises:
-        TypeError, ValueError: they are none.
-    """
-    if not all(isinstance(definition, dict) for definition in definitions or ()):
-        raise TypeError("interventions must be a list of definitions")
-    resolve(game, definitions)
 
 
 def _frame(runner: ReplayRunner, call: Call) -> Frame:

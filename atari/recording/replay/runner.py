@@ -58,7 +58,7 @@ class ReplayRunner:
         self.frame = 0
         """Frames played so far."""
         self.episode = -1
-        self.score: Any = self._no_score()
+        self.score: Any = file_format.no_score(self.core)
         self.episodes: list[dict[str, Any]] = []
         """The summaries of the episodes that have ended."""
         self._snapshots = snapshots
@@ -115,20 +115,18 @@ class ReplayRunner:
                 self.core.remove_write(write)
 
     def _act(self, event: Event) -> Iterator[Call]:
-        core = self.core
         action, frames = event.numbers
-        strength = event.floats[0] if event.floats else 1.0
         for left in range(frames - 1, -1, -1):
-            before = core.frame_number
-            reward = core.act(action, strength)
-            played = core.frame_number != before
+            before = self.core.frame_number
+            reward = self._play_frame(event)
+            played = self.core.frame_number != before
             if played:
                 self.frame += 1
                 self.score += reward
-            yield Call(Event(Kind.ACT, (action, 1), event.floats, event.ends_step and not left), reward, played)
+            yield Call(Event(event.kind, (action, 1), event.floats, event.ends_step and not left), reward, played)
 
-    def _no_score(self) -> Any:
-        return 0
+    def _play_frame(self, event: Event) -> Any:
+        return self.core.act(event.numbers[0], event.floats[0] if event.floats else 1.0)
 
     def _do(self, kind: Kind, first: int = 0, second: int = 0) -> None:
         core = self.core
@@ -137,7 +135,7 @@ class ReplayRunner:
             core.reset()
             self._in_episode = True
             self.episode += 1
-            self.score = self._no_score()
+            self.score = file_format.no_score(self.core)
         elif kind == Kind.SEED:
             self.end_episode()  # the core forgets the episode
             core.seed(first)
@@ -159,7 +157,7 @@ class ReplayRunner:
         elif kind == Kind.LOAD:
             self._in_episode = True
             core.restore(snapshot.with_options(self._snapshots[first], sound=core.sound))
-            self.score = self._no_score()
+            self.score = file_format.no_score(self.core)
         elif kind in (Kind.MODE, Kind.DIFFICULTY):
             choices = core.game.modes if kind == Kind.MODE else core.game.difficulties
             if first not in choices:

@@ -25,14 +25,7 @@ _SILENCE = np.full(SAMPLES_PER_FRAME, 128, np.uint8)
 
 
 class AudioEncoder:
-    """The audio stream of a container: encodes the samples of one frame at a time to packets.
-
-    Args:
-        av: the module PyAV.
-        container: the container that the stream is added to.
-        format: the format, which names the audio codec and its sample rate.
-        frame_rate: emulated frames a second.
-    """
+    """The audio stream of a container of `av`: encodes the samples of one emulated frame at a time to packets."""
 
     def __init__(self, av: Any, container: Any, format: Format, frame_rate: Fraction) -> None:
         self._av, self._fades_in = av, format.fades_in
@@ -71,7 +64,4 @@ def to_16_bit(samples: ByteArray) -> npt.NDArray[np.int16]:
 
     The conversion is lossless and uses half of full scale, because lossy encoders overshoot.
     """
-    signed = samples.astype(np.int16)
-    signed -= 128
-    signed *= 128
-    return signed
+    return (samples.astype(np.int16) - 128) * 128

@@ -5,12 +5,12 @@ from pathlib import Path
 from typing import Any
 
 import cv2
-import gymnasium
 
 from atari.cores import ByteArray
 from atari.recording.video.audio import AudioEncoder
 from atari.recording.video.images import Palette
 from atari.recording.video.options import VideoOptions
+from atari.validation import import_extra
 
 # FFmpeg's colour constants. The matrix is standard definition's, because some programs assume it without reading it.
 _BT709_PRIMARIES = _BT709_TRANSFER = 1
@@ -108,15 +108,5 @@ class PngEncoder:
 
 
 def import_av() -> Any:
-    """Import and return the module `av`.
-
-    Raises:
-        gymnasium.error.DependencyNotInstalled: PyAV is not installed.
-    """
-    try:
-        import av
-    except ImportError:
-        raise gymnasium.error.DependencyNotInstalled(
-            "writing a video needs PyAV: pip install 'atari-envs[video]'"
-        ) from None
-    return av
+    """Return the module PyAV, or raise as `import_extra`."""
+    return import_extra("av", "writing a video needs PyAV: pip install 'atari-envs[video]'")

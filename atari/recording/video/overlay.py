@@ -30,8 +30,7 @@ class Overlay:
             raise ValueError(f"overlay is a tuple of some of {', '.join(map(repr, OVERLAYS))}, got {parts!r}")
         self.parts = tuple(parts or ())
         self.caption_lines = bool({"score", "action"} & set(self.parts)) + _RAM_LINES * ("ram" in self.parts)
-        self.score = 0
-        self._scores = array("d", [0])
+        self.begin_game()
 
     def size(self, size: tuple[int, int]) -> tuple[int, int]:
         """(rows, columns) of screens of this size with the curve."""

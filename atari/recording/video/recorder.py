@@ -21,16 +21,7 @@ from atari.validation import check_name
 
 
 class VideoSettings:
-    """The settings of all videos of a wrapper.
-
-    Args:
-        format: name of a format, such as "mp4".
-        size: (rows, columns) of the frames.
-        fps: frames a second.
-        scale: a pixel becomes `2 * scale` x `scale` pixels of the video.
-        sound: whether to record sound, if the format has it.
-        overlay: what is shown below the frame, some of `OVERLAYS`.
-        keep: "all" videos, or the "best", whose sum of rewards is highest.
+    """The settings of all videos of a wrapper, see `RecordVideo`; `size` is (rows, columns) of the frames.
 
     Raises:
         TypeError, ValueError: an argument has the wrong type or is out of range.

@@ -22,11 +22,7 @@ def capped_cubic_video_schedule(episode_id: int) -> bool:
 class Schedule:
     """The counters of episodes and steps, and the names of the videos that begin with the next one.
 
-    Args:
-        episode_trigger: returns whether to record an episode, by its number; without any trigger, Gymnasium's default.
-        step_trigger: returns whether to begin a video at a step, by its number over all episodes.
-        video_length: steps after which a video ends, counting resets; 0 ends it with the episode.
-        name_prefix: the start of the file names.
+    See `RecordVideo` for the arguments. A reset counts as a step of `video_length`.
 
     Raises:
         TypeError, ValueError: a trigger is not a function, or the length is not an integer of 0 or more.
@@ -44,7 +40,7 @@ class Schedule:
         self.video_length: float = check_integer("video_length", video_length, 0, 2**31) or inf
         self.name_prefix = name_prefix
         self.episode_id = self.step_id = -1
-        self._checked_episode = self._checked_step = -1
+        self._checked: dict[str, int] = {}  # by unit: the last number that was passed to its trigger
         self._counted = 0
 
     @property
@@ -54,19 +50,17 @@ class Schedule:
 
     def episode_video(self) -> str | None:
         """Return the name of the video that begins with the next episode, or None. Each trigger is called once."""
-        number = self.episode_id + 1
-        if self.episode_trigger is None or number == self._checked_episode:
-            return None
-        self._checked_episode = number
-        return f"{self.name_prefix}-episode-{number}" if self.episode_trigger(number) else None
+        return self._video("episode", self.episode_trigger, self.episode_id + 1)
 
     def step_video(self) -> str | None:
         """Return the name of the video that begins with the next step, or None. Each trigger is called once."""
-        number = self.step_id + 1
-        if self.step_trigger is None or number == self._checked_step:
+        return self._video("step", self.step_trigger, self.step_id + 1)
+
+    def _video(self, unit: str, trigger: Trigger | None, number: int) -> str | None:
+        if trigger is None or number == self._checked.get(unit):
             return None
-        self._checked_step = number
-        return f"{self.name_prefix}-step-{number}" if self.step_trigger(number) else None
+        self._checked[unit] = number
+        return f"{self.name_prefix}-{unit}-{number}" if trigger(number) else None
 
     def start_video(self) -> None:
         """Reset the counter of the steps in a video."""

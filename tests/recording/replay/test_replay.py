@@ -122,7 +122,7 @@ def test_episodes_are_listed(tmp_path: Path) -> None:
     for number, episode in enumerate(replay.episodes):
         assert sum(frame.reward for frame in frames if frame.episode == number) == episode.score
     cut = Replay.load(tmp_path / "a.a26")
-    cut._content = ReplayContent(replay._content.header, replay._content.plays, (), None, 0)
+    cut._content = ReplayContent(replay._content.header, replay._content.plays, (), None)
     assert cut.episodes == replay.episodes
 
 
