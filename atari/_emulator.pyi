@@ -243,7 +243,9 @@ class Seeding(enum.Enum):
     ALE = 1
 
 class PixelFormat(enum.Enum):
-    """Of observations; GRAY_OF_RGB pools colours and makes the result gray."""
+    """
+    Of observations; GRAY_OF_RGB pools colours and makes the result gray; RAM has no pixels.
+    """
 
     NONE = 0
 
@@ -252,6 +254,8 @@ class PixelFormat(enum.Enum):
     RGB = 2
 
     GRAY_OF_RGB = 3
+
+    RAM = 4
 
 class EndFrames(enum.Enum):
     """What is observed when an episode ends inside a skip."""
@@ -617,11 +621,12 @@ class VectorEngine:
 
 class ObservationStack:
     """
-    The pooled, resized and stacked frames that an agent observes, as a lane of `VectorEngine` makes them.
+    The pooled, resized and stacked frames that an agent observes, or the RAM with PixelFormat.RAM, as a lane of
+    `VectorEngine` makes them.
 
     A frame is a core, which is read, or a C-contiguous uint8 array of palette indices, (rows, 160). Frames of a
     core are rendered only where an image needs them. Raises ValueError if a size is not served or a core has
-    other rows or another TV format, TypeError for another frame.
+    other rows or another TV format, TypeError for another frame. RAM is that of a core, or an array (128,).
     """
 
     def __init__(self, settings: ObservationSettings, rows: int, format: str) -> None: ...
@@ -644,7 +649,8 @@ class ObservationStack:
 
     def observation(self) -> numpy.typing.NDArray[numpy.uint8]:
         """
-        A new array, (stack_num, img_height, img_width), of colours with a last axis of 3; the oldest first.
+        A new array, (stack_num, img_height, img_width), of colours with a last axis of 3, of RAM (stack_num, 128);
+        the oldest first.
         """
 
     def save(self) -> bytes:

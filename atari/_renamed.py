@@ -6,6 +6,7 @@ RENAMED: Mapping[str, str] = {
     "atari.Protocol": "atari.Task",
     "atari.protocols.Protocol": "atari.Task",
     "atari.multiplayer.PreprocessedEnv": "atari.multiplayer.MultiplayerEnv(game, preset='multiplayer_dqn')",
+    "atari.multiplayer.video.record_game": "atari.recording.RecordMatch, whose replay `Replay.render` makes a video of",
     "atari.wrappers.preset_protocol": "atari.Task.of(game, preset=name)",
 }
 """The new name by the old one."""

@@ -11,7 +11,10 @@ from atari.vector.layout import Layout
 from atari.vector.settings import observation_settings
 
 Frame = Core | _emulator.Emulator | ByteArray
-"""A core, whose present frame is read where it is needed, or palette indices, (rows, 160) uint8, C-contiguous."""
+"""A core, whose present frame is read where it is needed, or palette indices, (rows, 160) uint8, C-contiguous.
+
+For a task of RAM a core, or the RAM, (128,) uint8.
+"""
 
 
 class FrameObservations:
@@ -44,13 +47,13 @@ class FrameObservations:
         self._layout = Layout.check(task, False, "uint8") if layout is None else layout
         self._dict = task.obs_type in ("dict", "rgb_dict")
         self._stack: _emulator.ObservationStack | None = None
-        if task.obs_type != "ram":
+        if task.obs_type != "ram" or task.stack_num is not None:
             screen = task.definition.screen
             self._stack = _emulator.ObservationStack(observation_settings(task), screen.shape[0], screen.format)
         self._ram: ByteArray = np.zeros(128, np.uint8)
 
     def see_ram(self, ram: ByteArray) -> None:
-        """The RAM of the next observation, for tasks whose observations have it."""
+        """The RAM of the next observation, for tasks whose observations have it without a stack."""
         self._ram = ram
 
     def begin(self, frame: Frame, fill: bool = True) -> None:

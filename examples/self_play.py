@@ -29,8 +29,7 @@ from atari.actions import Action
 from atari.learning.evaluation.elo import elo_ratings
 from atari.learning.networks import ActorCritic, Encoder
 from atari.multiplayer import MultiplayerCore
-from atari.multiplayer.video import record_game
-from atari.recording import Replay
+from atari.recording import RecordMatch, Replay
 
 GAME: dict[str, Any] = {"obs_type": "ram", "repeat_action_probability": 0.25, "num_threads": 1}
 MODES = (3, 4)
@@ -385,7 +384,10 @@ def match(folder: Path, frames: int, seed: int) -> list[int]:
     core = MultiplayerCore(
         "pong", mode=MODES[-1], seed=seed, repeat_action_probability=GAME["repeat_action_probability"]
     )
-    record_game(folder / "best.a26", core, sides, frames)
+    with RecordMatch(core, folder / "best.a26") as game:
+        game.reset()
+        while not (core.game_over or core.truncated) and sides.frame < frames:
+            game.act_players(sides(core))
     points = [int(core.ram()[atari.games["pong"].ram_labels[name].index]) for name in ("score_player", "score_enemy")]
     print(f"{best[0]} steps on the right, {best[1]} on the left: {points[0]} to {points[1]} in {sides.frame} frames")
     Replay.load(folder / "best.a26").render(folder / "best.mp4")

@@ -43,7 +43,8 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
 
     Observations are (stack_size, rows, columns) uint8, with `grayscale=False` (stack_size, rows, columns, 3), with
     `stack_size=None` without the first axis; each is a new array. The oldest frame comes first. Rewards are summed.
-    With `obs_type="ram"` they are the RAM after the skip, (128,) uint8, and no frame is rendered.
+    With `obs_type="ram"` they are the RAM after each skip, (stack_size, 128) uint8, with `stack_size=None` (128,), and
+    no frame is rendered.
 
     Wrappers that only act at a reset (`NoopReset`, `FireReset`) and `EpisodicLife` can be inside without a cost. If
     any other inner wrapper changes `step`, or each frame is rendered, frames are played through its `step`, which is
@@ -56,7 +57,7 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
             from the environment's generator before the first frame.
         screen_size: side of the square image, or (width, height), as Gymnasium's `AtariPreprocessing` has it; None in
             place of a number or of all is the size of the screen.
-        stack_size: frames in an observation; None is one frame without an axis for it.
+        stack_size: frames, or RAM vectors, in an observation; None is one without an axis for it.
         grayscale: False keeps red, green and blue.
         max_pool: take the maximum of the last two frames of a skip; False takes the last one.
         pool_rgb: pool red, green and blue, and make them gray with OpenCV afterwards (Baselines, DQN 2015), instead of
@@ -72,7 +73,7 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         seamless_lives: a life lost in an inner `EpisodicLife` neither cuts the skip short nor clears the stack at the
             reset that follows (EnvPool).
         max_frames: truncate after this many frames, not counting those of inner wrappers; None is never.
-        obs_type: "image" or "ram". RAM is neither stacked nor pooled; the arguments about images stay as they are then.
+        obs_type: "image" or "ram". RAM is not pooled; the arguments about images stay as they are then.
             `RamObservation` around this one adds the RAM to images.
 
     Raises:
@@ -137,16 +138,20 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         self._stacked = stack_size is not None
         self._resized: tuple[int, int] | None = None
         self._images: _emulator.ObservationStack | None = None
+        screen = self._atari.game.screen
+        settings = {
+            "pixels": _pixels(grayscale, pool_rgb) if obs_type == "image" else _emulator.PixelFormat.RAM,
+            "stack_num": stack_size or 1,
+            "maxpool": max_pool,
+            "end_frames": _emulator.EndFrames[end_frames.upper()],
+            "padding": _emulator.Padding[padding_type.upper()],
+        }
+        self._pools = max_pool and obs_type == "image"
         shown: tuple[int, ...] = (128,)
-        if obs_type == "image":
-            settings = {
-                "pixels": _pixels(grayscale, pool_rgb),
-                "stack_num": stack_size or 1,
-                "maxpool": max_pool,
-                "end_frames": _emulator.EndFrames[end_frames.upper()],
-                "padding": _emulator.Padding[padding_type.upper()],
-            }
-            screen = self._atari.game.screen
+        if obs_type == "ram" and self._stacked:
+            self._images = _make_images(screen, *screen.shape, settings)
+            shown = (stack_size or 1, 128)
+        elif obs_type == "image":
             width, height = _check_size(screen_size, screen.shape)
             try:
                 self._images = _make_images(screen, height, width, settings)
@@ -205,7 +210,7 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
                 self._frames_played += played
                 truncated = truncated or (self._frames_played >= most and not terminated)
             ended = terminated or truncated
-            if left == 1 and images is not None:
+            if left == 1 and images is not None and self._pools:
                 # Inner wrappers may do anything to the emulator before its next frame.
                 images.frame_played(atari.core if self._direct else atari.core.screen(), left, ended)
         if images is not None:
@@ -233,7 +238,7 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         return float(reward), 1, terminated, truncated
 
     def _observation(self) -> ByteArray:
-        """A new array of the images, or the RAM."""
+        """A new array of the images or of RAM."""
         if self._images is None:
             return self._atari.core.ram()
         stack = self._images.observation()
@@ -255,7 +260,7 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         return attributes
 
 
-_ALSO_OF_RAM = ("frame_skip", "seamless_lives", "max_frames", "obs_type")
+_ALSO_OF_RAM = ("frame_skip", "stack_size", "padding_type", "seamless_lives", "max_frames", "obs_type")
 
 
 def _check_observations(env: Environment, arguments: dict[str, Any]) -> None:

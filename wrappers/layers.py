@@ -53,7 +53,7 @@ def layers_of(task: Any) -> Iterator[Layer]:
     yield from fire + _noops(task) if task.fire == "before_noops" else _noops(task) + fire
     yield DqnPreprocessing, _preprocessing(task, stacks=not outside)
     yield from outside
-    if outside and task.obs_type != "ram" and task.stack_num is not None:
+    if outside and task.stack_num is not None:
         yield FrameStack, {"stack_size": task.stack_num, "padding_type": task.padding}
     if task.obs_type in ("dict", "rgb_dict"):
         yield RamObservation, {}
@@ -86,18 +86,18 @@ def _noops(task: Any) -> list[Layer]:
 
 def _preprocessing(task: Any, *, stacks: bool) -> dict[str, Any]:
     skip = {"frame_skip": task.frameskip, "seamless_lives": task.seamless_lives, "max_frames": task.max_frames}
+    skip["stack_size"] = task.stack_num if stacks else None
+    if stacks:
+        skip["padding_type"] = task.padding
     if task.obs_type == "ram":
         return {**skip, "obs_type": "ram"}
     image = {
         "screen_size": (task.img_width, task.img_height),
-        "stack_size": task.stack_num if stacks else None,
         "grayscale": task.obs_type in ("grayscale", "dict"),
         "max_pool": task.maxpool,
         "pool_rgb": task.pool_rgb,
         "end_frames": task.end_frames,
     }
-    if stacks:
-        image["padding_type"] = task.padding
     return {**skip, **image}
 
 

@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from atari.games.catalog import games
 from atari.games.game import Game
@@ -94,24 +94,6 @@ def find_game(name: str, playable: bool = True) -> Game:
     if isinstance(game, Task) or (isinstance(game, str) and is_id(game)):
         game = Task.of(game).definition
     return games.find(spelled(game)) if playable else games.resolve(spelled(game))
-
-
-def find_function(option: str, name: str) -> Callable[..., Any]:
-    """The function of an argument MODULE:FUNCTION; modules of the current folder are found, too.
-
-    Args:
-        option: the option's name, for errors.
-        name: the argument, with a colon.
-
-    Raises:
-        ValueError: there is no such module or function, or it is no function.
-    """
-    from atari.learning.policies import import_named
-
-    found = import_named(name, f"{option} {name}")
-    if not callable(found):
-        raise ValueError(f"{option} {name} must be a function of an observation, got {found!r}")
-    return found  # type: ignore[no-any-return]
 
 
 def number(kind: type[int] | type[float], low: float) -> Callable[[str], float]:

@@ -7,13 +7,17 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from atari._interrupt import ctrl_c_as_event
 from atari.cli.arguments import find_game
+from atari.cores.options import SEED_LIMIT
 from atari.learning import record_games
-from atari.learning.evaluation.played import Entry, find_entries, usual_protocol
+from atari.learning.evaluation.played import Entry, find_entries, says_nothing, usual_protocol
 from atari.learning.evaluation.played import game_of as game_of_policy
 from atari.learning.evaluation.player import Player
 from atari.learning.evaluation.protocols import find_protocol
+from atari.learning.policy import LoadedPolicy
 from atari.recording import RecordReplay, Replay
 from atari.task import Task
 from atari.task.arguments import game_of, given_options, task_of
@@ -33,30 +37,40 @@ RecordGames = Callable[[Sequence[int], Path], list[tuple[float, int]]]
 
 
 def play_alone(
-    env: RecordReplay, policy: Callable[[Any], Any], seed: int, ends: Callable[[int, int, int], bool]
+    env: RecordReplay, task: Task, policy: LoadedPolicy, seed: int, ends: Callable[[int, int, int], bool]
 ) -> bool:
     """Play and close an environment, and return False after Ctrl-C.
 
     Args:
         env: the environment.
-        policy: of an observation, returns an action.
-        seed: of the first game and of the action space.
+        task: of the environment.
+        policy: it gets batches of one observation.
+        seed: of the first game and of the policy in it. Each further game has the next seed.
         ends: of the numbers of games, frames and steps so far, whether that is enough.
     """
     inner: Any = env.unwrapped
+    names, lanes = [action.name for action in task.action_set], np.zeros(1, np.int64)
     games = steps = 0
+    over = ended = True
     with closing(env), ctrl_c_as_event() as interrupted:
-        env.action_space.seed(seed)
-        observation, _ = env.reset(seed=seed)
         while not ends(games, env.recorder.frames, steps):
             if interrupted.is_set():
                 return False
-            observation, _, terminated, truncated, _ = env.step(policy(observation))
+            if over:
+                game_seed = (seed + games) % SEED_LIMIT
+                policy.begin(task.game, names, lanes, np.array([game_seed]))
+                seen, _ = env.reset(seed=game_seed)
+            elif ended:
+                seen, _ = env.reset()
+                if not task.seamless_lives:
+                    policy.begin_episodes(lanes)
+            batch = {key: value[None] for key, value in seen.items()} if isinstance(seen, dict) else seen[None]
+            (action,) = policy(batch, lanes)
+            seen, _, terminated, truncated, _ = env.step(int(action))
             steps += 1
-            over = inner.core.game_over or truncated  # a lost life is not counted
+            ended = terminated and not task.life_loss_info
+            over = inner.core.game_over or truncated or (ended and task.on_reset == "new_game")
             games += over
-            if (over or (terminated and not inner.task.life_loss_info)) and not ends(games, env.recorder.frames, steps):
-                observation, _ = env.reset()
     return True
 
 
@@ -82,7 +96,7 @@ def find_played(args: argparse.Namespace, names: Sequence[str], policy: Any = No
     try:
         if not others:
             return find_entries(games, given)
-        if any(getattr(policy, name, None) for name in ("task", "environment", "protocol")):
+        if not says_nothing(policy):
             raise ValueError(f"the policy says how games are played; leave --{others[0].replace('_', '-')} out")
         return find_entries([task_of(args, game=name) for name in names])
     except TypeError as error:

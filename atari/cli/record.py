@@ -15,12 +15,15 @@ from tqdm import tqdm
 
 import atari
 from atari._interrupt import ctrl_c_as_event
-from atari.cli.arguments import GAME_HELP, add_command, add_overlay, add_rom, find_function, number
+from atari.cli.arguments import GAME_HELP, add_command, add_overlay, add_rom, number
 from atari.cli.multiplayer import FORMER_FLAGS, is_match, make_match, match_task
 from atari.cli.output import print_json
 from atari.cli.outputs import Outputs
 from atari.cli.policies import find_played, games_of, play_alone, replay_of
 from atari.games.game import Game
+from atari.learning import load_policy
+from atari.learning.evaluation.played import says_nothing
+from atari.learning.policy import LoadedPolicy
 from atari.play.multiplayer_session import MultiplayerSession
 from atari.recording import FORMATS, RecordReplay, Replay, frame_rate
 from atari.recording.replay.file_format import SUFFIX
@@ -42,10 +45,9 @@ def register(commands: "Commands") -> None:
         "--policy",
         action="append",
         metavar="POLICY",
-        help="random, noop, MODULE:FUNCTION (called with each observation, returns an action), a replay, such as "
-        "game.a26, a run folder of `atari train`, an SB3 zip, a TorchScript or ONNX file (default: random); with "
-        "--players, one for each player: random, noop, a run folder or MODULE:FUNCTION (called with an observation and "
-        "an info)",
+        help="random, noop, MODULE:FUNCTION (called with observations (n, ...), returns n actions), a replay, such "
+        "as game.a26, a run folder of `atari train`, an SB3 zip, a TorchScript or ONNX file (default: random); with "
+        "--players, one for each player, but no replay",
     )
     length = add_recording(parser)
     length.add_argument("--episodes", type=number(int, 1), default=1, metavar="N", help="number of games (default: 1)")
@@ -128,24 +130,24 @@ def _alone(args: argparse.Namespace, policy: str) -> tuple[Task, Callable[[], Pl
         if args.steps is not None or (args.best and args.seconds is not None):
             raise ValueError("a replay is filmed whole, up to --seconds, or its --best game; leave the others out")
         return replay_of(args, policy).task, lambda: lambda path: True
-    if not Path(policy).exists():
-        return task_of(args), partial(_prepare, args, policy)
+    loaded = load_policy(policy)
+    if not Path(policy).exists() and says_nothing(loaded):
+        task = task_of(args)
+        if task.continuous:
+            raise ValueError("continuous=True has no numbered actions, and a policy chooses one; leave it out")
+        return task, partial(_prepare, args, task, loaded)
     for option in ("seconds", "steps", "rom"):
         if getattr(args, option) is not None:
             raise ValueError(f"{policy} plays whole games, with the ROM that is found; leave --{option} out")
-    from atari.learning import load_policy
-
-    loaded = load_policy(policy)
     (entry,) = find_played(args, [args.game], loaded)
     task, record = games_of(loaded, entry)
     seeds = range(args.seed, args.seed + args.episodes)
     return task, lambda: lambda path: bool(record(seeds, path))
 
 
-def _prepare(args: argparse.Namespace, name: str) -> Play:
-    env: Any = atari.make(game_of(args.game), preset=args.preset, rom=args.rom, **given_options(args))
-    policy = _policy(name, env)
-    return lambda path: play_alone(RecordReplay(env, path), policy, args.seed, _Ends(args, env.unwrapped.game))
+def _prepare(args: argparse.Namespace, task: Task, policy: LoadedPolicy) -> Play:
+    env = atari.make(game_of(args.game), preset=args.preset, rom=args.rom, **given_options(args))
+    return lambda path: play_alone(RecordReplay(env, path), task, policy, args.seed, _Ends(args, task.definition))
 
 
 class _Ends:
@@ -182,31 +184,16 @@ def _match(args: argparse.Namespace, names: list[str]) -> tuple[Task, Callable[[
 
 
 def _play_match(args: argparse.Namespace, session: MultiplayerSession) -> bool:
-    frames, games = math.inf if args.seconds is None else math.ceil(args.seconds * frame_rate(session.game)), 0
-    total = None if args.seconds is None else frames
-    with closing(session), ctrl_c_as_event() as interrupted, tqdm(unit=" frames", total=total, disable=None) as bar:
-        while session.frames < frames and not interrupted.is_set():
-            session.play()
-            bar.update(1)
+    ends, games = _Ends(args, session.game), 0
+    with closing(session), ctrl_c_as_event() as interrupted:
+        while not ends(games, session.frames, 0):
+            if interrupted.is_set():
+                return False
             if session.over:
-                games += 1
-                if args.seconds is None and games == args.episodes:
-                    break
                 session.new_game()
-    return not interrupted.is_set()
-
-
-def _policy(name: str, env: Any) -> Callable[[Any], Any]:
-    if name == "random":
-        return lambda observation: env.action_space.sample()
-    if name == "noop":
-        meanings = env.unwrapped.get_action_meanings()
-        if "NOOP" not in meanings:
-            raise ValueError(f"{env.unwrapped.game.id} has no NOOP among its actions; add --actions full")
-        return lambda observation: meanings.index("NOOP")
-    if ":" not in name:
-        raise ValueError(f"--policy must be random, noop, MODULE:FUNCTION or a replay (.a26), got {name!r}")
-    return find_function("--policy", name)
+            session.play()
+            games += session.over
+    return True
 
 
 def _summary(policies: str, result: dict[str, Any]) -> str:

@@ -1,6 +1,6 @@
-"""`Access`: reads and writes the RAM of a core, of an environment, or of the environments of a vector."""
+"""`access`: reads and writes the RAM of a core, of an environment, or of the environments of a vector."""
 
-from typing import Any, Protocol
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -13,21 +13,11 @@ from atari.validation import check_integer
 from atari.vector import AtariVectorEnv
 
 
-class Access(Protocol):
-    """One or several machines of which RAM can be read and written."""
-
-    games: tuple[Game, ...]  # of each
-    single: bool  # whether it is one machine, not a vector
-
-    def read(self) -> ByteArray:
-        """A copy of RAM, (machines, 128) uint8."""
-
-    def write(self, machine: int, index: int, byte: int) -> None:
-        """Write one byte."""
-
-
-def access(target: Any, index: int | None = None) -> Access:
+def access(target: Any, index: int | None = None) -> "_Single | _Vector":
     """The access to an environment or a wrapper around one, to a core, or to a vector or its member `index`.
+
+    Its `games` are those of its machines, `single` is whether it is one machine and no vector, `read` returns a copy of
+    RAM, (machines, 128) uint8, and `write` changes one byte.
 
     Raises:
         TypeError: `target` is something else, or `index` is given for something that is no vector.
@@ -76,7 +66,7 @@ class _Single:
     def read(self) -> ByteArray:
         return self._core().ram()[None]
 
-    def write(self, machine: int, index: int, byte: int) -> None:
+    def write(self, _machine: int, index: int, byte: int) -> None:
         self._core().set_ram(index, byte)
 
 

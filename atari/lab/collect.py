@@ -20,7 +20,6 @@ import numpy.typing as npt
 from atari.lab.labels import Labels
 from atari.recording.datasets import NO_STEPS, check_new_dataset, import_minari, write_minari
 from atari.recording.episodes import EpisodeArrays, Source, facts_of_replays, load_replays, replayed_episodes
-from atari.recording.replay.replay import Replay
 from atari.validation import check_name, import_extra
 
 Format = Literal["minari", "parquet", "hdf5"]
@@ -29,6 +28,7 @@ ENDINGS: dict[str, Format] = {".parquet": "parquet", ".h5": "hdf5", ".hdf5": "hd
 """The format of a file by its ending."""
 
 _COLOURS = ("rgb", "grayscale")
+_GZIP: dict[str, Any] = {"compression": "gzip", "compression_opts": 1}
 
 
 def write_dataset(
@@ -96,27 +96,40 @@ def write_dataset(
     """
     format = check_output(output, format)
     check_name("frames", frames, _COLOURS)
-    module = import_format(format)
+    module = _import_format(format)
     loaded = load_replays(replays)
     named = Labels(loaded[0].game, labels)
     said = {**facts_of_replays(loaded), **(facts or {})}
-    tally = _Tally(replayed_episodes(loaded, "dict", core, frames), named, progress)
+    scores: list[float] = []
+    steps: list[int] = []
+
+    def episodes() -> Iterator[tuple[EpisodeArrays, Values]]:
+        for episode in replayed_episodes(loaded, "dict", core, frames):
+            yield episode, _values(named, episode.observations["ram"])
+            scores.append(float(episode.rewards.sum()))
+            steps.append(len(episode.rewards))
+            if progress is not None:
+                progress(steps[-1])
+
     if format == "minari":
-        infos = (replace(episode, infos={**episode.infos, **values}) for episode, values in tally)
+        infos = (replace(episode, infos={**episode.infos, **values}) for episode, values in episodes())
         written = write_minari(infos, os.fspath(output), loaded[0], "dict", core=core, image=frames, metadata={})
         written.storage.update_metadata(_as_json(said))
     else:
         write = _write_parquet if format == "parquet" else _write_hdf5
+        described = {name: asdict(named.game.ram_labels[name]) for name in named.names}
+        attributes = {**_as_json(said), "game": loaded[0].game.id}
+        attributes |= _as_json({"options": loaded[0].options, "labels": described})
         with _new_file(Path(output)) as file:
-            write(module, file, _facts(loaded[0], named.names, said), tally, first_episode)
-            if not tally.scores:
+            write(module, file, attributes, enumerate(episodes(), first_episode))
+            if not scores:
                 raise ValueError(NO_STEPS)
     return {
         "output": os.fspath(output),
         "format": format,
-        "episodes": len(tally.scores),
-        "steps": tally.steps,
-        "scores": tally.scores,
+        "episodes": len(scores),
+        "steps": sum(steps),
+        "scores": scores,
         "labels": list(named.names),
     }
 
@@ -125,8 +138,8 @@ def check_output(output: str | os.PathLike[str], format: str | None = None) -> F
     """The format of an output, as `output_format`, which must not exist.
 
     Raises:
-        TypeError, ValueError: as `output_format`; or there is such a file or dataset.
-        gymnasium.error.DependencyNotInstalled: as `import_format`.
+        TypeError, ValueError, gymnasium.error.DependencyNotInstalled: as `output_format`; or there is such a file or
+            dataset.
     """
     text, found = os.fspath(output), output_format(output, format)
     if found == "minari":
@@ -141,7 +154,7 @@ def output_format(output: str | os.PathLike[str], format: str | None = None) -> 
 
     Raises:
         TypeError, ValueError: there is no such format, or the ending says none.
-        gymnasium.error.DependencyNotInstalled: as `import_format`.
+        gymnasium.error.DependencyNotInstalled: the package that writes the format is not installed.
     """
     text = os.fspath(output)
     found = ENDINGS.get(Path(text).suffix.lower()) or ("minari" if re.search(r"-v\d+$", text) else None)
@@ -152,16 +165,12 @@ def output_format(output: str | os.PathLike[str], format: str | None = None) -> 
             f"the output {text!r} says no format: end it in {', '.join(ENDINGS)}, or in -v0 for a Minari dataset, or "
             f"name one of {', '.join(get_args(Format))}"
         )
-    import_format(found)
+    _import_format(found)
     return found
 
 
-def import_format(format: Format) -> Any:
-    """The module that writes a format.
-
-    Raises:
-        gymnasium.error.DependencyNotInstalled: it is not installed.
-    """
+def _import_format(format: Format) -> Any:
+    """The module that writes a format."""
     if format == "minari":
         return import_minari()
     name = {"parquet": "pyarrow.parquet", "hdf5": "h5py"}[format]
@@ -170,32 +179,13 @@ def import_format(format: Format) -> Any:
 
 
 Values: TypeAlias = dict[str, dict[str, npt.NDArray[Any]]]
+Numbered: TypeAlias = Iterable[tuple[int, tuple[EpisodeArrays, Values]]]
 
 
-class _Tally:
-    """The episodes with the values of their labels, counted as they are read."""
-
-    def __init__(
-        self, episodes: Iterator[EpisodeArrays], labels: Labels, progress: Callable[[int], object] | None
-    ) -> None:
-        self._episodes, self._labels, self._progress = episodes, labels, progress
-        self._hidden = [labels.game.ram_labels[name].visible is not None for name in labels.names]
-        self.scores: list[float] = []
-        self.steps = 0
-
-    def __iter__(self) -> Iterator[tuple[EpisodeArrays, Values]]:
-        for episode in self._episodes:
-            yield episode, self._values(episode.observations["ram"])
-            self.scores.append(float(episode.rewards.sum()))
-            self.steps += len(episode.rewards)
-            if self._progress is not None:
-                self._progress(len(episode.rewards))
-
-    def _values(self, ram: npt.NDArray[np.uint8]) -> Values:
-        values, visible = self._labels.evaluate(ram)
-        names = self._labels.names
-        hidden = {name: row for name, row, can in zip(names, visible, self._hidden, strict=True) if can}
-        return {"labels": dict(zip(names, values, strict=True)), "visible": hidden}
+def _values(labels: Labels, ram: npt.NDArray[np.uint8]) -> Values:
+    values, visible = labels.evaluate(ram)
+    hidden = {labels.names[number]: visible[number] for number in labels.hiding}
+    return {"labels": dict(zip(labels.names, values, strict=True)), "visible": hidden}
 
 
 @contextmanager
@@ -210,46 +200,32 @@ def _new_file(path: Path) -> Iterator[Path]:
         part.unlink(missing_ok=True)
 
 
-def _facts(replay: Replay, labels: Iterable[str], others: Mapping[str, Any]) -> dict[str, str]:
-    """What a reader needs to know of a data set."""
-    named = {name: asdict(replay.game.ram_labels[name]) for name in labels}
-    return {
-        **_as_json(others),
-        "game": replay.game.id,
-        "options": json.dumps(replay.options),
-        "labels": json.dumps(named),
-    }
-
-
 def _as_json(facts: Mapping[str, Any]) -> dict[str, str]:
     return {name: json.dumps(value) for name, value in facts.items()}
 
 
-def _write_hdf5(h5py: Any, file: Path, facts: Mapping[str, str], tally: _Tally, first: int) -> None:
+def _write_hdf5(h5py: Any, file: Path, facts: Mapping[str, str], episodes: Numbered) -> None:
     with h5py.File(file, "w") as root:
         root.attrs.update(facts)
-        for number, (episode, values) in enumerate(tally, first):
+        for number, (episode, values) in episodes:
             group = root.create_group(f"episode_{number}")
             frames = episode.observations["image"]
-            group.create_dataset(
-                "frames", data=frames, chunks=(1, *frames.shape[1:]), compression="gzip", compression_opts=1
-            )
-            group.create_dataset("ram", data=episode.observations["ram"], compression="gzip", compression_opts=1)
+            group.create_dataset("frames", data=frames, chunks=(1, *frames.shape[1:]), **_GZIP)
+            group.create_dataset("ram", data=episode.observations["ram"], **_GZIP)
             for name in ("actions", "rewards", "terminations", "truncations"):
                 group.create_dataset(name, data=getattr(episode, name))
             for kind, columns in values.items():
                 part = group.create_group(kind)
                 for name, column in columns.items():
-                    part.create_dataset(name, data=column, compression="gzip", compression_opts=1)
+                    part.create_dataset(name, data=column, **_GZIP)
 
 
-def _write_parquet(parquet: Any, file: Path, facts: Mapping[str, str], tally: _Tally, first: int) -> None:
+def _write_parquet(parquet: Any, file: Path, facts: Mapping[str, str], episodes: Numbered) -> None:
     pyarrow = import_module("pyarrow")
     writer = None
     try:
-        for number, (episode, values) in enumerate(tally, first):
-            columns = _columns(pyarrow, number, episode, values)
-            table = pyarrow.table(columns)
+        for number, (episode, values) in episodes:
+            table = pyarrow.table(_columns(pyarrow, number, episode, values))
             if writer is None:
                 schema = table.schema.with_metadata(facts)
                 writer = parquet.ParquetWriter(file, schema, compression="zstd")

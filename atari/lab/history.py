@@ -1,7 +1,6 @@
 """Recorded histories of RAM: replays and arrays, as arrays (T, N, 128) uint8: T states of N games."""
 
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,7 +22,7 @@ def recorded(source: Any) -> ByteArray | None:
         TypeError, ValueError: the array has another shape, or values that are no bytes; or as `Replay.load`.
         FileNotFoundError: there is no such file.
     """
-    if isinstance(source, (str, Path)) or (isinstance(source, PathLike) and not isinstance(source, Replay)):
+    if isinstance(source, (str, PathLike)):
         source = Replay.load(source)
     if isinstance(source, Replay):
         return _of_replay(source)

@@ -43,21 +43,6 @@ def byte_index(place: Any) -> int:
     return number & 127
 
 
-def find_label(game: Game, name: Any) -> RamLabel:
-    """The label of this name.
-
-    Raises:
-        KeyError: the game has none; the message suggests the nearest.
-        TypeError: the name is no text.
-    """
-    if not isinstance(name, str):
-        raise TypeError(f"the name of a label is a text, got {name!r}")
-    label = game.ram_labels.get(name)
-    if label is None:
-        raise UnknownLabelError(_unknown(name, (game,)))
-    return label
-
-
 class UnknownLabelError(KeyError):
     """No game here has a label of this name."""
 
@@ -67,17 +52,16 @@ class UnknownLabelError(KeyError):
 
 def unknown_label(name: str, games: Sequence[Game]) -> UnknownLabelError:
     """The error for a name that none of these games has."""
-    return UnknownLabelError(_unknown(name, games))
-
-
-def _unknown(name: str, games: Sequence[Game]) -> str:
     known = list(dict.fromkeys(label for game in games for label in game.ram_labels))
     which = " and ".join(dict.fromkeys(game.id for game in games))
     if not known:
-        return f"there are no labels of {which}, so no {name!r}; give an index 0..127 or an address 0x80..0xFF"
+        return UnknownLabelError(
+            f"there are no labels of {which}, so no {name!r}; give an index 0..127 or an address 0x80..0xFF"
+        )
     near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
     hint = f"did you mean {near[0]!r}?" if near else f"it has {', '.join(known[:_MOST_LISTED])}"
-    return f"{which} has no label {name!r}; {hint}{', ...' if not near and len(known) > _MOST_LISTED else ''}"
+    more = ", ..." if not near and len(known) > _MOST_LISTED else ""
+    return UnknownLabelError(f"{which} has no label {name!r}; {hint}{more}")
 
 
 class Labels:
@@ -91,16 +75,22 @@ class Labels:
         hiding: the numbers of those that are not always visible.
 
     Raises:
-        KeyError: the game has no such label.
+        KeyError: the game has no such label; the message suggests the nearest.
+        TypeError: a name is no text.
         ValueError: an expression is too complex; the message has the game and the label.
     """
 
     def __init__(self, game: Game, names: Iterable[str] | None = None) -> None:
         self.game = game
         self.names = tuple(game.ram_labels if names is None else names)
-        self._labels = tuple(find_label(game, name) for name in self.names)
-        self.hiding = tuple(number for number, label in enumerate(self._labels) if label.visible is not None)
-        self._compiled = _emulator.Labels([_compile(game, label) for label in self._labels])
+        for name in self.names:
+            if not isinstance(name, str):
+                raise TypeError(f"the name of a label is a text, got {name!r}")
+            if name not in game.ram_labels:
+                raise unknown_label(name, (game,))
+        labels = [game.ram_labels[name] for name in self.names]
+        self.hiding = tuple(number for number, label in enumerate(labels) if label.visible is not None)
+        self._compiled = _emulator.Labels([_compile(game, label) for label in labels])
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copies compile the labels again."""
@@ -126,6 +116,12 @@ class Labels:
         values, visible = self._results(len(rams))
         self._compiled.evaluate(rams, values, visible)
         return values, visible
+
+    def values(self, ram: ByteArray) -> dict[str, int | None]:
+        """The values of the labels in one RAM, (128,) uint8, by name; None where a label is not visible."""
+        numbers, visible = self.evaluate(ram[None])
+        shown = zip(self.names, numbers[:, 0].tolist(), visible[:, 0].tolist(), strict=True)
+        return {name: number if seen else None for name, number, seen in shown}
 
     def evaluate_members(
         self, engine: _emulator.VectorEngine, members: IntArray, of: _emulator.RamOf

@@ -1,7 +1,7 @@
 """`GameObject`: a thing on the screen, from the labels of its position."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from atari.games.game import RamLabel
@@ -63,10 +63,9 @@ def visible_objects(found: Positions, values: Mapping[str, int | None]) -> list[
         place = {axis: values[label.name] for axis, label in axes.items()}
         if None not in place.values():
             kind = re.sub(r"_?\d+", "", name) or name
-            size = {key: _first(getattr(label, key) for label in axes.values()) for key in ("width", "height")}
-            objects.append(GameObject(name, kind, place.get("x"), place.get("y"), **size))
+            widths = (label.width for label in axes.values() if label.width is not None)
+            heights = (label.height for label in axes.values() if label.height is not None)
+            objects.append(
+                GameObject(name, kind, place.get("x"), place.get("y"), next(widths, None), next(heights, None))
+            )
     return objects
-
-
-def _first(sizes: Iterable[int | None]) -> int | None:
-    return next((size for size in sizes if size is not None), None)

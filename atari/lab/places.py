@@ -63,13 +63,11 @@ class Places:
     def __len__(self) -> int:
         return len(self._bytes)
 
-    def __iter__(self) -> Any:
-        """The different places, in the order of their first bytes."""
-        seen = {
-            Place(tuple(byte for byte in row if byte != _NONE), self.decimal, unit): None
-            for row, unit in zip(self._bytes.tolist(), self._units.tolist(), strict=True)
-        }
-        return iter(seen)
+    def columns(self) -> dict[Place, int]:
+        """The different places, in the order of their first bytes, each with one of its columns in `values`."""
+        rows = zip(self._bytes.tolist(), self._units.tolist(), strict=True)
+        places = [Place(tuple(byte for byte in row if byte != _NONE), self.decimal, unit) for row, unit in rows]
+        return {place: column for column, place in enumerate(places)}
 
     def indices(self) -> list[int]:
         """The indices of all their bytes, ascending."""
@@ -86,7 +84,11 @@ class Places:
     def long_enough(self, number: int) -> "Places":
         """The same numbers with as many bytes as `number` needs; those that do not fit into RAM are left out."""
         places = self
-        while len(places) and (short := self._too_short(places, number)).any():
+        while len(places):
+            lengths = (places._bytes != _NONE).sum(1)
+            short = (100**lengths * places._units <= number) & (places._strides != 0)
+            if not short.any():
+                break
             column = np.where(short, places._bytes[:, -1] + places._strides, _NONE)
             fits = ~short | ((column >= 0) & (column < RAM_BYTES))
             bytes = np.concatenate([places._bytes, column[:, None]], axis=1)
@@ -99,9 +101,3 @@ class Places:
         digits = np.concatenate([digits, np.zeros((*ram.shape[:-1], 1), np.int64)], axis=-1)[..., self._bytes]
         values: IntArray = (digits * 100 ** np.arange(self._bytes.shape[1])).sum(-1) * self._units
         return np.where((digits < 0).any(-1), -1, values)
-
-    @staticmethod
-    def _too_short(places: "Places", number: int) -> npt.NDArray[np.bool_]:
-        lengths = (places._bytes != _NONE).sum(1)
-        short: npt.NDArray[np.bool_] = (100**lengths * places._units <= number) & (places._strides != 0)
-        return short

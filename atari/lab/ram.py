@@ -155,13 +155,10 @@ class Ram:
             A list of `GameObject`; of a whole vector, a list of such lists.
         """
         rams = self._access.read()
-        each = []
-        for machine, game in enumerate(self._games):
-            labels = labels_of(game)
-            numbers, visible = labels.evaluate(rams[machine : machine + 1])
-            shown = zip(labels.names, numbers[:, 0].tolist(), visible[:, 0].tolist(), strict=True)
-            values = {name: number if seen else None for name, number, seen in shown}
-            each.append(visible_objects(positions(game.ram_labels), values))
+        each = [
+            visible_objects(positions(game.ram_labels), labels_of(game).values(ram))
+            for game, ram in zip(self._games, rams, strict=True)
+        ]
         return each[0] if self._access.single else each
 
     def table(self) -> Table:
@@ -173,16 +170,8 @@ class Ram:
         if not self._labels:
             rows = [(index, f"0x{0x80 + index:02X}", *_first(rams[:, index])) for index in range(128)]
             return Table.of(("index", "address", *self._titles("byte")), rows)
-        columns = (
-            "name",
-            "index",
-            "address",
-            *self._titles("byte"),
-            *self._titles("value"),
-            "kind",
-            "evidence",
-            "note",
-        )
+        titles = (*self._titles("byte"), *self._titles("value"))
+        columns = ("name", "index", "address", *titles, "kind", "evidence", "note")
         return Table.of(columns, [self._row(name, rams) for name in self._labels])
 
     def _row(self, name: str, rams: ByteArray) -> tuple[Any, ...]:

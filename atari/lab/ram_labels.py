@@ -91,13 +91,9 @@ class RamLabels(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
 
     def labels(self) -> LabelValues:
         """The values of the labels now."""
-        values, visible = self._labels.evaluate(self._atari.core.ram()[None])
-        names, numbers = self._labels.names, values[:, 0].tolist()
-        if visible.all():
-            return LabelValues(zip(names, numbers, strict=True))
-        shown = visible[:, 0].tolist()
-        items = [(name, number) for name, number, seen in zip(names, numbers, shown, strict=True) if seen]
-        return LabelValues(items, (name for name, seen in zip(names, shown, strict=True) if not seen))
+        values = self._labels.values(self._atari.core.ram())
+        items = [(name, value) for name, value in values.items() if value is not None]
+        return LabelValues(items, [name for name, value in values.items() if value is None])
 
 
 class VectorRamLabels(VectorWrapper):

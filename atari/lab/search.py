@@ -1,8 +1,9 @@
 """`Search`: find the bytes of RAM that behave as a value does, filter by filter, while a game is played."""
 
 import html
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -118,17 +119,17 @@ class Search:
     @property
     def places(self) -> list[Place]:
         """The places that are left."""
-        return list(self._places)
+        return list(self._places.columns())
 
     @property
     def emptied_by(self) -> str | None:
         """The filter that left nothing, or None if something is left."""
-        found = next(((number, each) for number, each in enumerate(self.filters) if not each.left), None)
-        if found is None:
-            return None
-        number, each = found
-        before = self.filters[number - 1].left if number else len(Places.all_bytes())
-        return f"{each.call}, filter {number + 1} of {len(self.filters)}, left none of {before}"
+        before = len(Places.all_bytes())
+        for number, each in enumerate(self.filters, 1):
+            if not each.left:
+                return f"{each.call}, filter {number} of {len(self.filters)}, left none of {before}"
+            before = each.left
+        return None
 
     @property
     def history(self) -> ByteArray:
@@ -247,12 +248,13 @@ class Search:
         del self.filters[step.filters :]
         return self
 
-    def table(self) -> "Candidates":
+    def table(self) -> Candidates:
         """The places that are left with their values in `history`, the last ones; it shows in notebooks."""
         if not len(self._places):
             return Candidates(("place",), (), f"no candidates: {self.emptied_by}")
         states = np.stack(self._kept) if self._states is None else self._states[: self._state + 1]
         values = self._places.values(states[-_COLUMNS:])
+        columns = self._places.columns()
         rows = tuple(
             (
                 str(each),
@@ -260,9 +262,9 @@ class Search:
                 ", ".join(self._labels[byte] for byte in reversed(each.bytes) if byte in self._labels),
                 *map(_joined, values[:, :, column]),
             )
-            for column, each in self._different(_ROWS)
+            for each, column in islice(columns.items(), _ROWS)
         )
-        left = len(self.places)
+        left = len(columns)
         note = f"{left} candidates" + (f", of which {_ROWS} are shown" if left > _ROWS else "")
         return Candidates(("place", "index", "label", *[""] * (len(values) - 1), "now"), rows, note)
 
@@ -273,17 +275,6 @@ class Search:
 
     def _repr_html_(self) -> str:
         return self.table()._repr_html_()
-
-    def _different(self, most: int) -> Iterator[tuple[int, Place]]:
-        """The first different places, with their positions among the values."""
-        seen: set[Place] = set()
-        for column in range(len(self._places)):
-            (each,) = self._places.pick(np.array([column]))
-            if each not in seen:
-                seen.add(each)
-                yield column, each
-            if len(seen) == most:
-                return
 
     def _read_recorded(self) -> ByteArray:
         assert self._states is not None

@@ -26,7 +26,8 @@ class Table:
     def __str__(self) -> str:
         texts = [self.columns, *(tuple(map(_text, row)) for row in self.rows)]
         widths = [max(map(len, column)) for column in zip(*texts, strict=True)]
-        numeric = [all(isinstance(cell, int) or cell is None for cell in column) for column in self._cells()]
+        columns = zip(*self.rows, strict=True) if self.rows else [()] * len(self.columns)
+        numeric = [all(isinstance(cell, int) or cell is None for cell in column) for column in columns]
         lines = []
         for row in texts:
             cells = zip(row, widths, numeric, strict=True)
@@ -43,9 +44,6 @@ class Table:
             "<tr>" + "".join(f"<td>{html.escape(_text(cell))}</td>" for cell in row) + "</tr>" for row in self.rows
         )
         return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-
-    def _cells(self) -> Iterable[tuple[Any, ...]]:
-        return zip(*self.rows, strict=True) if self.rows else ((),) * len(self.columns)
 
 
 def _text(cell: Any) -> str:

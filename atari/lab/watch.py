@@ -215,11 +215,9 @@ class _Log:
 
 
 def _same(before: Any, now: Any) -> bool:
-    if before is None or now is None or not np.ndim(now):
-        return bool(before is now or before == now)
-    before, now = np.ma.asarray(before), np.ma.asarray(now)
-    masks = np.array_equal(np.ma.getmaskarray(before), np.ma.getmaskarray(now))
-    return masks and bool(np.ma.allequal(before, now))
+    if not np.ndim(now):
+        return bool(before == now)
+    return bool(np.ma.asarray(before).tolist() == np.ma.asarray(now).tolist())  # a list has None where it is masked
 
 
 def _column(rows: list[Any]) -> Array:

@@ -16,10 +16,9 @@ import cv2
 import gymnasium
 
 from atari.lab.inspector import export, protocol
-from atari.lab.inspector.session import Session
+from atari.lab.inspector.session import FRAMES_PER_SECOND, Session
 
 _MODULES = ("dom.js", "screen.js", "bytes.js", "panels.js", "touch.js", "inspector.js", "widget.js")
-_SECONDS_A_FRAME = 1 / 60
 
 
 def show(env: gymnasium.Env[Any, Any], *, agent: Any = None) -> Any:
@@ -70,13 +69,11 @@ def export_all(session: Session, folder: Path) -> list[Path]:
     """
     folder.mkdir(parents=True, exist_ok=True)
     files = []
-    for name, text in (("labels.toml", export.labels_toml), ("interventions.toml", export.interventions_toml)):
+    for name in export.NAMES:
+        path = folder / (f"{session.game.id}.a26" if name == "replay.a26" else f"{session.game.id}-{name}")
         with contextlib.suppress(ValueError):  # there is none
-            path = folder / f"{session.game.id}-{name}"
-            path.write_text(text(session), encoding="utf-8")
+            export.write(session, name, path)
             files.append(path)
-    with contextlib.suppress(ValueError):
-        files.append(export.write_replay(session, folder / f"{session.game.id}.a26"))
     return files
 
 
@@ -136,7 +133,7 @@ def _widget_class() -> "Callable[[Session], Any] | None":
             super().__init__()
             self.session = session
             self._players: asyncio.Task[None] | None = None
-            self._sent: Any = None
+            self._known_state = ""  # that the front end has
             self.on_msg(self._receive)
 
         def export(self, folder: str | Path) -> list[Path]:
@@ -153,7 +150,8 @@ def _widget_class() -> "Callable[[Session], Any] | None":
             """Run a message of the front end: its first, or a command."""
             if isinstance(message, dict) and message.get("do") == "open":
                 self.send(protocol.hello(self.session))
-                self._show(complete=True)
+                self._known_state = ""
+                self._show()
                 return
             for answer in protocol.run(self.session, json.dumps(message)):
                 self.send(answer)
@@ -164,23 +162,16 @@ def _widget_class() -> "Callable[[Session], Any] | None":
         async def _play(self) -> None:
             before = time.perf_counter()
             while self.session.playing:
-                await asyncio.sleep(_SECONDS_A_FRAME)
+                await asyncio.sleep(1 / FRAMES_PER_SECOND)
                 now = time.perf_counter()
                 self.session.tick(now - before)
                 before = now
                 self._show()
 
-        def _show(self, complete: bool = False) -> None:
+        def _show(self) -> None:
             self.send({"frame": 1}, [protocol.frame(self.session)])
-            overlay = protocol.overlay(self.session)
-            if any(overlay.values()):
-                self.send(overlay)
-            state = json.dumps(protocol.state(self.session))
-            if complete or state != self._sent:
-                self.send(json.loads(state))
-                self._sent = state
-            if self.session.notice:
-                self.send({"notice": self.session.notice})
-                self.session.notice = ""
+            self._known_state, messages = protocol.news(self.session, self._known_state)
+            for message in messages:
+                self.send(message)
 
     return InspectorWidget

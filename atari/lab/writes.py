@@ -5,7 +5,7 @@ Both add writes to the native core, which applies them after every emulated fram
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from typing import Any, Protocol
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -19,24 +19,10 @@ from atari.vector.env import AtariVectorEnv
 from atari.vector.members import Member
 
 
-class _Target(Protocol):
-    """What has writes: an environment, a native core, or a member of a vector."""
-
-    @property
-    def game(self) -> Game: ...
-
-    @property
-    def slots(self) -> Sequence[_emulator.Write | None]:
-        """The writes; None where one has ended."""
-
-    def add_write(self, write: _emulator.Write, now: bool) -> int:
-        """Add a write and return its slot."""
-
-    def remove_write(self, write: _emulator.Write) -> None: ...
-
-
 class _Single:
-    """An environment or a core. An environment may replace its core by another one, so the core is read at each use."""
+    """An environment or a core, with the methods of `Member`. An environment may replace its core by another one, so
+    the core is read at each use.
+    """
 
     def __init__(self, env: Any) -> None:
         self._env = env
@@ -58,6 +44,9 @@ class _Single:
 
     def remove_write(self, write: _emulator.Write) -> None:
         self._core.remove_write(write)
+
+
+_Target: TypeAlias = _Single | Member
 
 
 class _Held:

@@ -152,7 +152,8 @@ _OLD_FLAGS = {
     "--obs": "RAM is learned from by an ID of RAM, as in `{prog} Pong-ram-v4`, or by `{prog} GAME --obs-type ram`",
     "--image-size": "the rows and columns are --img-height and --img-width, as in "
     "`{prog} GAME --img-height 42 --img-width 42`",
-    "--stack": "it is --stack-num for images, and --ram-stack for RAM, as in `{prog} GAME --stack-num 2`",
+    **dict.fromkeys(("--stack", "--ram-stack"), "it is --stack-num, as in `{prog} GAME --stack-num 2`"),
+    "--ram-padding": "it is --padding, as in `{prog} GAME --padding reset`",
 }
 """Flags of earlier releases, and the new calls."""
 

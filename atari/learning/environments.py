@@ -28,48 +28,30 @@ class TrainingEnvironments:
     """
 
     def __init__(self, options: TrainingOptions, num_envs: int, num_threads: int = 1, stacked: bool = True) -> None:
-        self._task = played = options.task
-        if not stacked and not options.from_ram:
-            played = played.replace(stack_num=1)
+        played = options.task
+        if not stacked:
+            played = played.replace(stack_num=None if options.from_ram else 1)
         self._envs = AtariVectorEnv(played, num_envs, autoreset_mode="SameStep", num_threads=num_threads)
         self.actions = tuple(action.name for action in options.task.action_set)
-        stacks_ram = options.from_ram and stacked
-        self._ram = RamStack(num_envs, options.stack, options.padding) if stacks_ram else None
         space: Any = self._envs.single_observation_space
-        self.shape: tuple[int, ...] = space.shape if self._ram is None else self._ram.shape
+        self.shape: tuple[int, ...] = space.shape
         self.num_envs = num_envs
         self.games: list[tuple[float, int]] = []
 
     def reset(self, seed: int | npt.NDArray[np.int64]) -> ByteArray:
         """Begin new games; environment i is seeded with seed + i, or with its own of several."""
+        observations: ByteArray
         observations, info = self._envs.reset(seed=seed)
         self._count_games(info)
-        return observations if self._ram is None else self._ram.push(observations, np.ones(self.num_envs, np.bool_))
+        return observations
 
     def step(
         self, actions: npt.NDArray[np.int64], out: Any = None
     ) -> tuple[ByteArray, Any, Any, Any, Mapping[str, Any]]:
         """Play one step; rewards are clipped. See `AtariVectorEnv.step`."""
-        observations, rewards, terminations, truncations, info = self._envs.step(actions, out=out)
-        self._count_games(info.get("final_info", {}))
-        if self._ram is not None:
-            observations = self._ram.push(observations, self._begun(terminations, truncations, info))
-        return observations, rewards, terminations, truncations, info
-
-    def _begun(self, terminations: Any, truncations: Any, info: Mapping[str, Any]) -> npt.NDArray[np.bool_]:
-        """Where a stack begins anew: as that of images, it goes on after a lost life that does not clear it."""
-        ended: npt.NDArray[np.bool_] = terminations | truncations
-        goes_on = self._task.life_loss_info or (self._task.seamless_lives and self._task.on_reset != "new_game")
-        if not goes_on or not ended.any():
-            return ended
-        over: npt.NDArray[np.bool_] = info["final_info"].get("_episode", np.zeros_like(ended))
-        begun: npt.NDArray[np.bool_] = (over & ended) | truncations
-        return begun
-
-    def final_observations(self, info: Mapping[str, Any]) -> ByteArray:
-        """The last observations of the episodes that have ended in a step with this `info`; zero elsewhere."""
-        final: ByteArray = info["final_obs"]
-        return final if self._ram is None else self._ram.final(final)
+        results = self._envs.step(actions, out=out)
+        self._count_games(results[4].get("final_info", {}))
+        return results
 
     def _count_games(self, info: Mapping[str, Any]) -> None:
         if "episode" in info:
@@ -83,56 +65,14 @@ class TrainingEnvironments:
 
     def state(self) -> dict[str, Any]:
         """The positions in all games, as `restore` takes them."""
-        return {
-            "snapshots": pickle.dumps(self._envs.snapshot()),
-            "ram": None if self._ram is None else self._ram.rows.copy(),
-        }
+        return {"snapshots": pickle.dumps(self._envs.snapshot())}
 
     def restore(self, state: dict[str, Any]) -> None:
         """Continue from the positions of `state`."""
         self._envs.reset(seed=0)
         self._envs.restore(None, pickle.loads(state["snapshots"]))
-        if self._ram is not None:
-            self._ram.rows = state["ram"]
         self.games = []
 
     def close(self) -> None:
         """Close the environments."""
         self._envs.close()
-
-
-class RamStack:
-    """The last RAM vectors of some environments, (environments, size, 128) uint8, the oldest first.
-
-    At the beginning of an episode the others are zero, or with the padding "reset" the first one.
-    """
-
-    def __init__(self, num_envs: int, size: int, padding: str = "reset") -> None:
-        self.shape = (size, 128)
-        self._pads_zero = padding == "zero"
-        self.rows = self._before = np.zeros((num_envs, size, 128), np.uint8)
-
-    def push(
-        self, ram: ByteArray, started: npt.NDArray[np.bool_], lanes: npt.NDArray[np.int64] | None = None
-    ) -> ByteArray:
-        """Add a vector to all environments, or to some `lanes`, and return their stacks, a new array.
-
-        In those that have `started`, the vector is the first.
-        """
-        self._before = self.rows if lanes is None else self.rows[lanes]
-        rows = self.final(ram)
-        rows[started, :-1] = 0 if self._pads_zero else ram[started, None]
-        if lanes is None:
-            self.rows = rows
-        else:
-            self.rows[lanes] = rows
-        return rows
-
-    def final(self, ram: ByteArray) -> ByteArray:
-        """The stacks that the last `push` would have given with these vectors, had nothing started."""
-        return np.concatenate([self._before[:, 1:], ram[:, None]], 1)
-
-    def resize(self, num_envs: int) -> None:
-        """Make room for more environments."""
-        missing = max(0, num_envs - len(self.rows))
-        self.rows = np.concatenate([self.rows, np.zeros((missing, *self.shape), np.uint8)])

@@ -56,6 +56,8 @@ class FrameAgent:
         return self._task_of(needs_of(self._policy, game), game)
 
     def _task_of(self, needs: Needs, game: Game) -> Task:
+        if "rom" in needs.options:
+            raise ValueError(f"{self.name} has rom={needs.options['rom']!r}, and the core has its ROM; leave it out")
         task = needs.task or self._unsaid(game)
         if task.continuous:
             raise ValueError(f"{self.name} has continuous=True, and an agent chooses one of the actions; leave it out")

@@ -27,13 +27,21 @@ def migrated(config: Mapping[str, Any]) -> dict[str, Any]:
     obs, size, stack = options.pop("obs"), options.pop("image_size"), options.pop("stack")
     if obs == "ram":
         task["obs_type"] = "ram"
-        options["ram_stack"] = stack
-        options["ram_padding"] = preset["image"]["padding"] if config["agent"] == "dqn" else "reset"
+        padding = preset["image"]["padding"] if config["agent"] == "dqn" else "reset"
+        task |= {"stack_num": stack, "padding": padding}
     else:
         task |= {"obs_type": "grayscale", "img_height": size, "img_width": size, "stack_num": stack, "maxpool": True}
         task |= preset["image"]
     rest = {name: value for name, value in config.items() if name not in ("format", "policy")}
     return {**rest, "format": 2, "task": task, "options": options}
+
+
+def with_stacks_in_task(config: Mapping[str, Any]) -> dict[str, Any]:
+    """The configuration with the stack of RAM in the task, where the first ones of format 2 have it in the options."""
+    options = dict(config["options"])
+    stack, padding = options.pop("ram_stack", None), options.pop("ram_padding", None)
+    own = {} if stack is None else {"stack_num": stack, "padding": padding}
+    return {**config, "task": {**config["task"], **own}, "options": options}
 
 
 def _game(game: str) -> dict[str, Any]:

@@ -5,6 +5,7 @@ import types
 import typing
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, ClassVar, Literal, TypeVar
 
 import numpy as np
@@ -36,8 +37,8 @@ FAST_RAM: Mapping[str, Any] = {
     "img_height": None,
     "img_width": None,
     "network": "bits",
-    "ram_stack": 2,
-    "ram_padding": "reset",
+    "stack_num": 2,
+    "padding": "reset",
 }
 """Options for RAM, which replace those of the same name."""
 
@@ -50,9 +51,6 @@ class TrainingOptions:
 
     Attributes:
         task: what the agent plays, sees and is paid.
-        ram_stack: successive RAM vectors that the network sees together, 4 by default; only for a task of RAM.
-        ram_padding: what fills the stack of RAM vectors at the start of an episode: zero, or reset, the first one; only
-            for a task of RAM.
         seed: of environments, weights and actions, 0..2**32-1; equal seeds give equal weights, to the bit, on one
             machine. Weights and actions are drawn from the seed itself. Environment i is seeded with
             seed * num_envs + i, with DQN seed + i; where these are not all below 2**32, with words of NumPy's
@@ -84,11 +82,10 @@ class TrainingOptions:
 
     default_preset: ClassVar[str] = "baselines"
     """The preset of a game or an ID, unless the user names another one."""
-    default_ram_padding: ClassVar[str] = "reset"
+    ram_padding: ClassVar[str] = "reset"
+    """The padding of stacks of RAM, unless the user gives another one."""
 
     task: Task
-    ram_stack: int | None = None
-    ram_padding: Literal["zero", "reset"] | None = None
     seed: int = 0
     total_steps: int = 10_000_000
     stop_score: float | None = None
@@ -111,8 +108,9 @@ class TrainingOptions:
     def of(cls: type[_Options], game: GameLike, *, preset: str | None = None, **options: Any) -> _Options:
         """The options of a training in a game.
 
-        Rewards are clipped, and a lost life that ends an episode clears the stack, unless `options` say otherwise: so
-        the task has `reward_clipping=True` and `seamless_lives=False`. A `Task` is played as it is.
+        Rewards are clipped, a lost life that ends an episode clears the stack, and a stack has four RAM vectors if the
+        agent sees RAM, unless `options` say otherwise: so the task has `reward_clipping=True`, `seamless_lives=False`
+        and, for RAM, `stack_num=4`. A `Task` is played as it is.
 
         Args:
             game: a game's name, the path of a game file or a `Game`; an environment ID, which decides sticky actions,
@@ -134,17 +132,21 @@ class TrainingOptions:
             given.setdefault("seamless_lives", False)  # the stack begins anew where the learner's episode does
             if "clip_reward" not in given:
                 given.setdefault("reward_clipping", True)
-        task = resolve_for_agent(game, preset, given, default=cls.default_preset, owner=cls.__name__)
+        resolve = partial(resolve_for_agent, game, preset, default=cls.default_preset, owner=cls.__name__)
         rest = {name: value for name, value in options.items() if name in own}
-        if task.obs_type == "ram":
+        unstacked = {name: value for name, value in given.items() if name not in ("stack_num", "padding")}
+        if resolve(unstacked).obs_type == "ram":
             rest.setdefault("network", "mlp")
-        return cls(task=task, **rest)
+            if not (isinstance(game, Task) and preset is None):
+                given.setdefault("stack_num", 4)
+                if given["stack_num"] is not None:
+                    given.setdefault("padding", cls.ram_padding)
+        return cls(task=resolve(given), **rest)
 
     def __post_init__(self) -> None:
         if not isinstance(self.task, Task):
             raise TypeError(f"task must be an atari.Task, got {self.task!r}; {type(self).__name__}.of(GAME) makes one")
         check_task(self.task)
-        self._settle_ram()
         check_integer("seed", self.seed, 0, SEEDS - 1)
         for name in ("total_steps", "num_envs", "workers"):
             if getattr(self, name) < 1:
@@ -162,39 +164,13 @@ class TrainingOptions:
             raise ValueError(f"gamma must be above 0 and at most 1, got {self.gamma}")
         for field in dataclasses.fields(self):
             kind = members(type(self), field.name)[0]
-            if typing.get_origin(kind) is Literal and getattr(self, field.name) is not None:
+            if typing.get_origin(kind) is Literal:
                 check_choice(field.name, getattr(self, field.name), typing.get_args(kind))
-
-    def _settle_ram(self) -> None:
-        """Fill in the defaults of the options for RAM.
-
-        Raises:
-            TypeError, ValueError: one is of the wrong kind, or the task has images.
-        """
-        defaults = {"ram_stack": (4, "stack_num"), "ram_padding": (self.default_ram_padding, "padding")}
-        for name, (default, of_images) in defaults.items():
-            value = getattr(self, name)
-            if not self.from_ram and value is not None:
-                raise ValueError(f"{name}={value!r} is for a task of RAM, this has images; use {of_images}={value!r}")
-            if self.from_ram and value is None:
-                object.__setattr__(self, name, default)
-        if self.from_ram:
-            check_integer("ram_stack", self.ram_stack, 1, 10_000)
 
     @property
     def from_ram(self) -> bool:
         """Whether the network sees RAM, not images."""
         return self.task.obs_type == "ram"
-
-    @property
-    def stack(self) -> int:
-        """How many images or RAM vectors the network sees together."""
-        return self.ram_stack or self.task.stack_num or 1
-
-    @property
-    def padding(self) -> str:
-        """What fills this stack at the start of an episode, "zero" or "reset"."""
-        return self.ram_padding or self.task.padding
 
     def environment_seeds(self, first: int, count: int) -> npt.NDArray[np.int64]:
         """The seeds of `count` environments: `first`, `first + 1`, ..., if all are below 2**32.
@@ -210,7 +186,9 @@ _OLD: Mapping[str, str] = {
     "protocol": "preset={0!r}",
     "obs": "obs_type='ram' for RAM, and nothing for images,",
     "image_size": "img_height={0}, img_width={0}",
-    "stack": "stack_num={0}, or ram_stack={0} for RAM",
+    "stack": "stack_num={0}",
+    "ram_stack": "stack_num={0}",
+    "ram_padding": "padding={0!r}",
     "sticky": "repeat_action_probability={0}",
 }
 """Options of earlier releases, and what replaces them; {0} is the value."""
@@ -240,8 +218,10 @@ def check_task(task: Task) -> None:
             f"an agent learns from obs_type='grayscale' or 'ram', and the task has {task.obs_type!r}; "
             "add obs_type='grayscale', or a preset such as preset='baselines'"
         )
-    if task.obs_type == "grayscale" and task.stack_num is None:
-        raise ValueError("an agent sees stacks of images, and the task has stack_num=None; add stack_num=4, or 1")
+    if task.stack_num is None:
+        raise ValueError(
+            "an agent sees stacks of images or RAM, and the task has stack_num=None; add stack_num=4, or 1"
+        )
     if task.continuous:
         raise ValueError("an agent chooses one of the actions, and the task has continuous=True; leave it out")
     if task.players > 1:

@@ -19,6 +19,7 @@ from atari.validation import check_file, import_extra
 
 __all__ = ["LoadedPolicy", "Policy", "ScoresPolicy", "load_policy"]
 
+_KINDS = "a run folder, an SB3 zip, a TorchScript or ONNX file, or module:name"
 _SB3_VERSION = "_stable_baselines3_version"
 
 
@@ -124,21 +125,27 @@ class _Random(ScoresPolicy):
         super().__init__(np.asarray, name="random")
 
     def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Array:
+        generators = [self.generator(lane) for lane in lanes.tolist()]
         count = len(self._begun[1]) if self._begun else 0
-        return np.array([self._generators[lane].integers(count) for lane in lanes.tolist()], np.int64)
+        return np.array([generator.integers(count) for generator in generators], np.int64)
 
 
 class _Noop:
     """NOOP, always."""
 
     name = "noop"
+    _noop: int | None = None
 
     def begin(self, game: str, actions: Sequence[str], lanes: Array, seeds: Array) -> None:
         if "NOOP" not in actions:
-            raise ValueError(f"{game} has no NOOP; its actions are {', '.join(actions)}")
+            raise ValueError(
+                f"{game} has no NOOP; its actions are {', '.join(actions)}; actions='full' (--actions full) adds it"
+            )
         self._noop = actions.index("NOOP")
 
     def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Array:
+        if self._noop is None:
+            raise ValueError("noop does not know its action; call begin(game, actions, lanes, seeds) before")
         return np.full(len(lanes), self._noop)
 
 
@@ -148,13 +155,13 @@ def _file(file: Path, sample: bool) -> Policy:
     Raises:
         FileNotFoundError, ValueError, gymnasium.error.DependencyNotInstalled: as `load_policy`.
     """
+    if not file.exists():
+        raise FileNotFoundError(f"there is no file {file}; a policy is random, noop, {_KINDS}")
     check_file(file)
     if file.suffix == ".onnx":
         return _onnx(file, sample)
     if not zipfile.is_zipfile(file):
-        raise ValueError(
-            f"{file} is no policy: give a run folder, an SB3 zip, a TorchScript or ONNX file, or module:name"
-        )
+        raise ValueError(f"{file} is no policy: give {_KINDS}")
     try:
         with zipfile.ZipFile(file) as archive:
             names = archive.namelist()

@@ -111,7 +111,8 @@ class LoadedPolicy:
             got = f"{actions!r:.60}" if actions.dtype.kind == "O" else f"{actions.dtype} {actions.shape}"
             raise ValueError(
                 f"policy {self.name} must return integers of shape ({len(lanes)},), one for each observation, got "
-                f"{got}; wrap a function that returns scores in atari.learning.ScoresPolicy"
+                f"{got}; a policy is a function of observations (n, ...), and returns n actions; wrap a function that "
+                "returns scores in atari.learning.ScoresPolicy"
             )
         if self._names is not None and ((actions < 0) | (actions >= len(self._names))).any():
             wrong = actions[(actions < 0) | (actions >= len(self._names))][0]
@@ -222,6 +223,19 @@ class ScoresPolicy:
         for lane, seed in zip(lanes.tolist(), seeds.tolist(), strict=True):
             self._generators[lane] = np.random.default_rng(seed)
 
+    def generator(self, lane: int) -> np.random.Generator:
+        """The generator of a lane.
+
+        Raises:
+            ValueError: no game has begun in the lane.
+        """
+        if lane not in self._generators:
+            raise ValueError(
+                f"{self.name or 'the policy'} draws numbers, and no game has begun in lane {lane}; call "
+                "begin(game, actions, lanes, seeds) before the first observations"
+            )
+        return self._generators[lane]
+
     def state(self) -> Any:
         """The generators."""
         return self._generators
@@ -254,6 +268,6 @@ class ScoresPolicy:
                 "environment={'actions': [...]}, or a task"
             )
         if self._sample:  # the highest of scores with Gumbel noise is a draw of softmax
-            scores = scores + np.stack([self._generators[lane].gumbel(size=scores.shape[1]) for lane in lanes.tolist()])
+            scores = scores + np.stack([self.generator(lane).gumbel(size=scores.shape[1]) for lane in lanes.tolist()])
         best: Array = scores.argmax(1)
         return best

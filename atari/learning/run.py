@@ -16,7 +16,7 @@ import numpy as np
 import torch
 
 from atari.learning.evaluation.results import versions
-from atari.learning.old_runs import migrated
+from atari.learning.old_runs import migrated, with_stacks_in_task
 from atari.learning.options import TrainingOptions
 from atari.task import Task
 
@@ -101,7 +101,7 @@ class RunFolder:
                 f"{file} has format {version!r}, and this atari-envs reads 1 to {FORMAT}; install a newer release"
             )
         try:
-            config = migrated(config) if version == 1 else config
+            config = migrated(config) if version == 1 else with_stacks_in_task(config)
             config["agent"], config["task"], config["options"].items(), config["versions"]
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise ValueError(f"{file} is damaged: {error!r}") from None

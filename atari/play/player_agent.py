@@ -49,4 +49,5 @@ class PlayerAgent(FrameAgent):
         return Task.of(game, players=self._players, obs_type=self._obs_type)
 
     def _frame(self) -> Frame:
-        return np.ascontiguousarray(self._core.screen()[:, ::-1]) if self._mirrored else self._core
+        mirrored = self._mirrored and self._task.obs_type != "ram"
+        return np.ascontiguousarray(self._core.screen()[:, ::-1]) if mirrored else self._core

@@ -73,7 +73,12 @@ def _observation(task: Task) -> str:
     rows, columns = task.definition.screen.shape
     shape: tuple[int, ...] = (task.img_height or rows, task.img_width or columns)
     if task.obs_type == "ram":
-        return "the 128 bytes of RAM, uint8"
+        stack = (
+            ""
+            if task.stack_num is None
+            else f"; a stack of {task.stack_num}, which begins with {_PADDING_OF_RAM[task.padding]}"
+        )
+        return f"the 128 bytes of RAM, uint8{stack}"
     if task.obs_type in ("rgb", "rgb_dict"):
         shape = (*shape, 3)
     colours = "RGB" if len(shape) == 3 else "gray"
@@ -95,6 +100,7 @@ def _observation(task: Task) -> str:
 
 
 _PADDING: Mapping[str, str] = {"zero": "black images", "reset": "copies of the first image"}
+_PADDING_OF_RAM: Mapping[str, str] = {"zero": "zeros", "reset": "copies of the first RAM"}
 
 
 def skip_text(frameskip: int | tuple[int, int]) -> str:

@@ -58,11 +58,14 @@ def resolve_task(
         game, options = games[environment.game], options_of(environment, options)
     given, names = translate(options, owner, others)
     fields = {**DEFAULTS, **_start(game, {} if preset is not None or base is None else base, given)}
+    ram_stack = fields["stack_num"] if fields["obs_type"] == "ram" else None
     if preset is not None:
         chosen = find_preset(preset)
         _require(preset, chosen, {"players": fields["players"], **given}, names, fields["game"])
         fields |= _fitting(chosen, fields)
     fields |= given
+    if fields["obs_type"] == "ram":  # other stacks are of images
+        fields["stack_num"] = given.get("stack_num", ram_stack)
     settle(fields, DEFAULTS, given)
     return Task(**fields)
 
@@ -248,7 +251,7 @@ def _within(game: Game, players: int, actions: Any, wanted: str) -> bool:
 
 
 def _fitting(preset: Preset, fields: Mapping[str, Any]) -> dict[str, Any]:
-    """The fields of a preset for a game or task: an ID of RAM keeps RAM, because a preset says how images are made."""
+    """The fields of a preset for a game or task: one of RAM keeps RAM, because a preset says how images are made."""
     chosen = dict(preset.fields)
     if fields["obs_type"] == "ram":
         del chosen["obs_type"]

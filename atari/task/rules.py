@@ -23,7 +23,7 @@ class _Need:
     because: str
 
 
-_IMAGE = ("img_height", "img_width", "stack_num", "maxpool", "pool_rgb", "padding", "end_frames")
+_IMAGE = ("img_height", "img_width", "maxpool", "pool_rgb", "end_frames")
 
 
 def _has_image(task: Fields) -> bool:

@@ -71,10 +71,11 @@ class Task:
         obs_type: rgb, grayscale, ram (128 bytes), dict (gray image and RAM) or rgb_dict.
         img_height: rows of the image, None for those of the screen.
         img_width: columns of the image, None for those of the screen.
-        stack_num: images in an observation, the oldest first; None is one, without an axis for it.
+        stack_num: images or RAM vectors in an observation, the oldest first; None is one, without an axis for it. In
+            dicts of both, images are stacked, RAM is not. The stacks of presets are of images.
         maxpool: the image is the maximum of the last two frames of a skip.
         pool_rgb: colours are pooled and then made gray, as in OpenAI's Baselines, instead of ALE's gray values.
-        padding: what fills the stack at the start of an episode: zero, or reset, the first image.
+        padding: what fills the stack at the start of an episode: zero, or reset, the first image or RAM.
         end_frames: what is observed when an episode ends inside a skip; see `atari.wrappers.DqnPreprocessing`.
         sound_obs: observations are image and sound: 512 samples of the step's last frame.
         agent_indicator: each of several players sees more channels, which say which player it is.

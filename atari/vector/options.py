@@ -217,13 +217,15 @@ class VectorOptions:
         ram = spaces.Box(0, 255, (128,), np.uint8)
         if self.is_dict:
             return spaces.Dict({"image": image, "ram": ram})
-        return ram if self.task.obs_type == "ram" else image
+        if self.task.obs_type != "ram":
+            return image
+        return ram if self.task.stack_num is None else batch_space(ram, self.task.stack_num)
 
     def part_names(self) -> tuple[str, str]:
-        """The keys of image and RAM in observations: "" if an observation is no dict, "none" for an absent part."""
+        """The keys of stack and RAM in observations: "" if an observation is no dict, "none" for an absent part."""
         if self.is_dict:
             return "image", "ram"
-        return ("none", "") if self.task.obs_type == "ram" else ("", "none")
+        return ("none", "") if self.task.obs_type == "ram" and self.task.stack_num is None else ("", "none")
 
     def moves(
         self, actions: Any, rows: int | None = None

@@ -4,6 +4,7 @@ Observations are lent to the user without a copy: each array that a user gets ow
 of these arrays has gone, and with it their views and tensors, the memory can be written again.
 """
 
+from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
@@ -13,7 +14,10 @@ from gymnasium import spaces
 
 from atari import _emulator
 from atari._gymnasium import AutoresetMode
+from atari.task import Task
 from atari.vector.options import VectorOptions
+
+Bools = npt.NDArray[np.bool_]
 
 _UINT8, _ndarray = np.dtype(np.uint8), np.ndarray  # found once: they are used at every step
 _FINAL_INFO = ("lives", "frame_number", "episode_frame_number")
@@ -224,3 +228,18 @@ def _checked(out: Any, shapes: dict[str, tuple[int, ...]]) -> dict[str, npt.NDAr
         if not (good and (flags := array.flags).c_contiguous and flags.writeable):
             raise ValueError(f"out must be a writable C-contiguous uint8 array of shape {shape}")
     return parts
+
+
+def ends_of_stacks(task: Task, terminations: Bools, truncations: Bools, info: Mapping[str, Any]) -> Bools:
+    """The lanes in which a step ended a stack of images. It goes on after a lost life that does not clear it.
+
+    Args:
+        task: with `seamless_lives` or `life_loss_info`, the vector must have `game_info`.
+        terminations, truncations: of the step, (num_envs,).
+        info: of the step; with SAME_STEP its "final_info".
+    """
+    ended: Bools = terminations | truncations
+    if not task.life_loss_info and (not task.seamless_lives or task.on_reset == "new_game"):
+        return ended
+    over: Bools = truncations | (ended & info.get("_episode", False))
+    return over

@@ -45,7 +45,7 @@ def episode_settings(task: Task) -> _emulator.EpisodeSettings:
 
 
 def observation_settings(task: Task) -> _emulator.ObservationSettings:
-    """The settings of how the engine pools, resizes and stacks frames."""
+    """The settings of how the engine pools, resizes and stacks frames, or stacks RAM."""
     height, width = image_shape(task)
     size = {"img_height": height, "img_width": width, "stack_num": task.stack_num or 1}
     return filled_by_name(_emulator.ObservationSettings(), task, pixels=_pixels(task), **size)
@@ -59,7 +59,7 @@ def image_shape(task: Task) -> tuple[int, int]:
 
 def _pixels(task: Task) -> _emulator.PixelFormat:
     if task.obs_type == "ram":
-        return _emulator.PixelFormat.NONE
+        return _emulator.PixelFormat.NONE if task.stack_num is None else _emulator.PixelFormat.RAM
     if task.pool_rgb:
         return _emulator.PixelFormat.GRAY_OF_RGB
     return _emulator.PixelFormat.GRAY if task.obs_type in ("grayscale", "dict") else _emulator.PixelFormat.RGB

@@ -16,16 +16,44 @@ from atari.cli import main
 from atari.recording import Replay
 
 POLICIES = """
-def right(observation):
-    assert observation.shape == (210, 160, 3)
-    return 2
+import atari
 
-def stacked(observation):
-    assert observation.shape == (4, 84, 84)
-    return 1
+def right(observations):
+    assert observations.shape == (1, 210, 160, 3)
+    return [2]
 
-def wrong(observation):
-    return 99
+def stacked(observations, lanes):
+    assert observations.shape == (1, 4, 84, 84)
+    assert lanes.tolist() == [0]
+    return [1]
+
+def both(observations):
+    assert {key: value.shape for key, value in observations.items()} == {"image": (1, 210, 160, 3), "sound": (1, 512)}
+    return [0]
+
+def wrong(observations):
+    return [99]
+
+def of_one_observation(observation):
+    return 0
+
+def of_ram(observations):
+    assert observations.shape == (1, 128)
+    return [2]
+
+of_ram.task = atari.Task.of("pong", preset="dqn2015", obs_type="ram")
+
+class Listens:
+    begun = []
+
+    def begin(self, game, actions, lanes, seeds):
+        self.begun.append((game, len(actions), lanes.tolist(), seeds.tolist()))
+
+    def begin_episodes(self, lanes):
+        self.begun.append(lanes.tolist())
+
+    def __call__(self, observations, lanes):
+        return [1]
 
 constant = 1
 """
@@ -35,6 +63,7 @@ constant = 1
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "policies_of_a_test.py").write_text(POLICIES)
+    monkeypatch.delitem(sys.modules, "policies_of_a_test", raising=False)
     return tmp_path
 
 
@@ -83,7 +112,37 @@ def test_functions_are_policies(capsys: pytest.CaptureFixture[str]) -> None:
     record_json(capsys, "breakout", "--policy", "policies_of_a_test:right", *words)
     assert {frame.action for frame in Replay.load("a.a26").frames()} == {3}
     record_json(capsys, "breakout", "--policy", "policies_of_a_test:stacked", "--preset", "dqn2015", *words)
+    record_json(capsys, "breakout", "--policy", "policies_of_a_test:both", "--sound-obs", *words)
     assert "" not in sys.path
+
+
+def test_a_function_with_a_task_plays_it(capsys: pytest.CaptureFixture[str]) -> None:
+    record_json(capsys, "pong", "--policy", "policies_of_a_test:of_ram", "-o", "a.a26")
+    assert Replay.load("a.a26").task.obs_type == "ram"
+
+
+@pytest.mark.parametrize("seamless", [False, True])
+def test_policies_hear_of_games_and_episodes(seamless: bool, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["breakout", "--policy", "policies_of_a_test:Listens", "-o", "a.a26", "--episodic-life"]
+    words += ["--on-reset", "continue", *(["--seamless-lives"] if seamless else [])]
+    result = record_json(capsys, *words, "--episodes", "2", "--seed", str(2**32 - 1))
+    begun = sys.modules["policies_of_a_test"].Listens.begun
+    lives = [] if seamless else [[0]] * 4
+    assert begun == [("breakout", 4, [0], [2**32 - 1]), *lives, ("breakout", 4, [0], [0]), *lives]
+    other = record_json(capsys, *words)
+    assert result["scores"][1] == other["scores"][0]  # the second game has the next seed
+
+
+def test_a_lost_life_that_begins_a_new_game_ends_the_one_before(capsys: pytest.CaptureFixture[str]) -> None:
+    record_json(capsys, "breakout", "--episodic-life", "--episodes", "2", "-o", "a.a26")
+    assert len(Replay.load("a.a26").episodes) == 2
+
+
+def test_random_games_are_those_of_their_seeds(capsys: pytest.CaptureFixture[str]) -> None:
+    both = record_json(capsys, "breakout", "--episodes", "2", "--seed", "3", "-o", "a.a26")
+    ones = [record_json(capsys, "breakout", "--seed", seed, "-o", "b.a26") for seed in ("3", "4")]
+    assert both["scores"] == [one["scores"][0] for one in ones]
+    assert both["frames"] == sum(one["frames"] for one in ones)
 
 
 def test_a_replay_is_a_policy(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -99,16 +158,29 @@ def test_a_replay_is_a_policy(folder: Path, capsys: pytest.CaptureFixture[str]) 
     ("words", "text"),
     [
         (["breakuot"], "did you mean 'breakout'?"),
-        (["pong", "--policy", "clever"], "--policy must be random, noop, MODULE:FUNCTION or a replay (.a26)"),
+        (["pong", "--policy", "clever"], "there is no file clever; a policy is random, noop, a run folder, an SB3 zip"),
         (["pong", "--policy", "no_such_module:f"], "cannot be imported: No module named 'no_such_module'"),
         (["pong", "--policy", "policies_of_a_test:f"], "has no attribute 'f'"),
-        (["pong", "--policy", "policies_of_a_test:constant"], "must be a function of an observation, got 1"),
-        (["pong", "--policy", "policies_of_a_test:wrong"], "action 99 is not within 0..5 (pong)"),
+        (
+            ["pong", "--policy", "policies_of_a_test:constant"],
+            "a policy is a function of observations and lanes, got 1",
+        ),
+        (["pong", "--policy", "policies_of_a_test:wrong"], "returned action 99; in pong it has 6 actions, 0..5"),
+        (
+            ["pong", "--policy", "policies_of_a_test:of_one_observation"],
+            "integers of shape (1,), one for each observat",
+        ),
+        (
+            ["pong", "--policy", "policies_of_a_test:of_one_observation"],
+            "a policy is a function of observations (n, ..",
+        ),
+        (["pong", "--policy", "policies_of_a_test:of_ram", "--steps", "9"], "plays whole games, with the ROM that is"),
+        (["pong", "--continuous"], "continuous=True has no numbered actions, and a policy chooses one; leave it out"),
         (["pong", "--policy", "none.a26"], "there is no file none.a26"),
         (["pong", "--policy", "seaquest.a26"], "seaquest.a26 is a replay of seaquest, not of pong"),
         (["seaquest", "--policy", "seaquest.a26", "-o", "b.a26"], "a replay of a replay is its copy"),
         (["pong", "-o", "a.avi"], "-o is a file that ends in one of .mp4, .mkv, .webm, .gif, .png, .a26, got 'a.avi'"),
-        (["backgammon", "--policy", "noop"], "backgammon has no NOOP among its actions; add --actions full"),
+        (["backgammon", "--policy", "noop"], "(--actions full) adds it"),
         (["pong", "--policy", "a.a26", "--sticky", "0"], "what was played is in the replay a.a26; name the game alone"),
         (["pong", "--policy", "noop", "--policy", "noop"], "a second --policy needs --players"),
     ],
@@ -136,8 +208,8 @@ def test_without_pyav_the_extra_is_named(monkeypatch: pytest.MonkeyPatch, capsys
 def test_ctrl_c_keeps_what_was_recorded(folder: Path, options: list[str]) -> None:
     words = [sys.executable, "-m", "atari", "record", "pong", "--policy", "slow:policy", *options]
     (folder / "slow.py").write_text(
-        "import time\ncount = 0\ndef policy(_):\n    global count\n    count += 1\n"
-        "    if count == 100:\n        print('playing', flush=True)\n    time.sleep(0.001)\n    return 0\n"
+        "import time\ncount = 0\ndef policy(observations):\n    global count\n    count += 1\n"
+        "    if count == 100:\n        print('playing', flush=True)\n    time.sleep(0.001)\n    return [0]\n"
     )
     with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None

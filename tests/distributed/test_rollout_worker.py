@@ -155,7 +155,12 @@ def test_a_worker_plays_what_load_policy_loads(source: Any) -> None:
             None,
             "needs frameskip=3, and the environments have 4",
         ),
-        ({"environment": {"preset": "dqn2015", "channels_last": True}}, None, "mine needs channels_last or dtype"),
+        (
+            {"environment": {"preset": "dqn2015", "channels_last": True}},
+            None,
+            "mine needs channels_last, which rollouts do not",
+        ),
+        ({"environment": {"preset": "dqn2015", "rom": "pong.bin"}}, None, "mine needs rom, which rollouts do not have"),
         ({}, 1, r"policy mine has no load\(weights\), which set_weights needs"),
         ({"environment": {"preset": "dqn2015"}}, None, "mine gives scores of 3 actions, and in breakout it has 4"),
     ],
@@ -166,21 +171,24 @@ def test_a_policy_of_other_environments_is_refused(attributes: Any, weights: Any
         RolloutWorker(settings(), 0, policy, Position()).play(weights, 0, False)
 
 
-def test_a_policy_hears_of_episodes() -> None:
+@pytest.mark.parametrize("seamless", [False, True])
+def test_a_policy_hears_of_new_stacks(seamless: bool) -> None:
     class Listens(Drawn):
         def __init__(self) -> None:
             super().__init__()
-            self.begun: list[tuple[int, list[int]]] = []
+            self.begun: list[tuple[int, int]] = []
 
         def begin_episodes(self, lanes: Any) -> None:
-            self.begun.append((self.count, lanes.tolist()))
+            self.begun += [(self.count - 1, lane) for lane in lanes.tolist()]
 
     made: list[Listens] = []
-    worker = RolloutWorker(settings(steps=300), 0, lambda: made.append(Listens()) or made[0], Position())
-    valid = worker.play(None, 0, False).rollout.valid
-    began = [(row + 1, np.flatnonzero(~valid[row]).tolist()) for row in range(300) if not valid[row].all()]
-    assert made[0].begun == began
-    assert began
+    played = settings(steps=900, options={"episodic_life": True, "on_reset": "continue", "seamless_lives": seamless})
+    worker = RolloutWorker(played, 0, lambda: made.append(Listens()) or made[0], Position())
+    rollout = worker.play(None, 0, False).rollout
+    episodes = [tuple(place) for place in np.argwhere(~rollout.valid).tolist()]
+    assert len(episodes) > len(rollout.scores) > 0
+    assert set(made[0].begun) <= set(episodes)
+    assert len(made[0].begun) == (len(rollout.scores) if seamless else len(episodes))
 
 
 class Ordered(Drawn):

@@ -105,6 +105,23 @@ def test_another_core_is_not_taken_for_the_last_one() -> None:
         np.testing.assert_array_equal(stack.observation()[0], image)
 
 
+@pytest.mark.parametrize("core", CORES)
+def test_ram_of_cores_and_arrays(core: str) -> None:
+    played, stacks = started(core), [make(pixels=_emulator.PixelFormat.RAM) for _ in range(2)]
+    rams = [np.zeros(128, np.uint8)] * 2
+    for step in range(5):
+        rams.append(played.ram())
+        for stack, given in zip(stacks, (played, played.ram()), strict=True):
+            stack.begin(given) if step == 0 else stack.skip_ended(given, 0, False)
+            assert np.array_equal(stack.observation(), rams[-3:])
+        played.act(2)
+    (copied := pickle.loads(pickle.dumps(stacks[0]))).repeat()
+    assert np.array_equal(copied.observation(), [*rams[-2:], rams[-1]])
+    for wrong in (np.zeros(127, np.uint8), np.zeros(128, np.int64), played.screen()):
+        with pytest.raises(TypeError, match=r"RAM is that of a core, or a uint8 array \(128,\)"):
+            copied.begin(wrong)
+
+
 def test_averaged_colours() -> None:
     fields = {"color_averaging": True}
     expected = play(make(), started(**fields), "array", 20)
@@ -184,7 +201,8 @@ def test_calls_in_any_order_with_any_core_crash_nothing() -> None:
                     if core is None or random.random() < 0.05:
                         core = NativeCore("pong", seed=0)
                         core.reset()
-                    frame = [core, core.screen(), core][random.integers(3)]
+                    array = core.ram() if pixels == _emulator.PixelFormat.RAM else core.screen()
+                    frame = [core, array, core][random.integers(3)]
                     left, ended = int(random.integers(-1, 3)), bool(random.integers(2))
                     match random.integers(8):
                         case 0: stack.begin(frame, ended)

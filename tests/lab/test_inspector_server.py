@@ -268,3 +268,30 @@ def test_a_frame_with_a_fork() -> None:
     frame = protocol.frame(session)
     assert frame[1] == 16 | 32
     assert (frame[32 + 57], frame[160 + 210 * 160 + 57]) == (5, 2)
+
+
+def test_the_version_counts_frames_and_the_commands_that_change_something() -> None:
+    session = new_session("pong")
+    versions = [session.version]
+    for command in (
+        {"do": "poke", "index": 60, "value": 7},
+        {"do": "step", "frames": 1},
+        {"do": "pixels", "index": 60},
+    ):
+        protocol.run(session, json.dumps(command))
+        versions.append(session.version)
+    assert versions[0] < versions[1] < versions[2] == versions[3]  # a page asks for pixels at each new version
+
+
+def test_the_news_have_a_state_only_if_it_is_new() -> None:
+    session = new_session("pong")
+    known, messages = protocol.news(session, "")
+    assert any("state" in message for message in messages)
+    protocol.run(session, json.dumps({"do": "pause"}))
+    assert not any("state" in message for message in protocol.news(session, known)[1])
+    session.notice = "something"
+    protocol.run(session, json.dumps({"do": "poke", "index": 60, "value": 7}))
+    messages = protocol.news(session, known)[1]
+    assert {"notice": "something"} in messages
+    assert any("state" in message for message in messages)
+    assert session.notice == ""

@@ -11,6 +11,7 @@ import pytest
 import atari
 from atari.lab.probes import Episode, ProbeData, majority, play_episodes, probe, split_episodes
 from atari.lab.probes.probe import weighted_f1
+from atari.learning import load_policy
 
 LABELS = {"player_x": 3, "ball_x": 4, "score": 0x85, "never": 6}
 
@@ -139,6 +140,37 @@ def test_an_id_or_a_task_says_what_is_seen(game: Any, shape: tuple[int, ...]) ->
     task = atari.Task.of(game)
     assert episode.task == task.replace(obs_type="rgb_dict" if task.obs_type == "rgb" else "dict")
     assert episode.observations.shape[1:] == shape
+
+
+@pytest.mark.parametrize("seamless", [False, True])
+def test_policies_hear_of_games_and_new_stacks(seamless: bool) -> None:
+    class Listens:
+        begun: list[Any]
+
+        def begin(self, *arguments: Any) -> None:
+            self.begun = [arguments]
+
+        def begin_episodes(self, lanes: Any) -> None:
+            self.begun.append(lanes.tolist())
+
+        def __call__(self, observations: Any, lanes: Any) -> Any:
+            return np.ones(len(lanes), np.int64)
+
+    policy = Listens()
+    task = atari.Task.of("breakout", episodic_life=True, on_reset="continue", seamless_lives=seamless)
+    episodes = play_episodes(task, 1200, policy, num_envs=2)
+    (game, actions, lanes, seeds), *begun = policy.begun
+    assert (game, actions, lanes.tolist()) == ("breakout", ["NOOP", "FIRE", "RIGHT", "LEFT"], [0, 1])
+    assert (seeds.shape, seeds.dtype) == ((2,), np.int64)
+    games = sum(int(episode.ram[0, 57] == 5) for episode in episodes)
+    assert 2 < games < len(episodes)
+    assert sum(map(len, begun)) == (games if seamless else len(episodes)) - 2  # the first are begun by `begin`
+
+
+def test_what_load_policy_loads_plays() -> None:
+    chosen = [play_episodes("pong", 64, load_policy("random"), num_envs=2, epsilon=0.0) for _ in range(2)]
+    assert all(np.array_equal(one.ram, other.ram) for one, other in zip(*chosen, strict=True))
+    assert not np.array_equal(chosen[0][0].ram, chosen[0][1].ram)
 
 
 def test_states_without_images_are_refused() -> None:

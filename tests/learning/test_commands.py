@@ -142,7 +142,7 @@ def test_without_torch(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFi
 PRINTED: dict[tuple[str, ...], dict[str, Any]] = {
     ("pong",): {"preset": "baselines"},
     ("ALE/Pong-v5",): {"preset": "baselines", "repeat_action_probability": 0.25},
-    ("Pong-ram-v4",): {"preset": "baselines", "obs_type": "ram"},
+    ("Pong-ram-v4",): {"preset": "baselines", "obs_type": "ram", "stack_num": 4, "padding": "reset"},
     ("pong", "--preset", "envpool", "--episodic-life"): {"preset": "envpool", "episodic_life": True},
     ("pong", "--frameskip", "2,5", "--no-maxpool", "--noops", "1,9"): {
         "preset": "baselines", "frameskip": (2, 5), "maxpool": False, "noops": (1, 9)
@@ -160,7 +160,8 @@ PRINTED: dict[tuple[str, ...], dict[str, Any]] = {
         "preset": "envpool", "episodic_life": True, "img_height": 42, "img_width": 42
     },
     ("Breakout-ram-v0", "--fast"): {
-        "preset": "envpool", "episodic_life": True, "obs_type": "ram", "repeat_action_probability": 0.25
+        "preset": "envpool", "episodic_life": True, "obs_type": "ram", "repeat_action_probability": 0.25,
+        "stack_num": 2, "padding": "reset"
     },
 }  # fmt: skip
 

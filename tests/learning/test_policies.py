@@ -107,6 +107,15 @@ def test_random_and_noop():
         noop.begin("mine", ("FIRE",), lanes, lanes)
 
 
+@pytest.mark.parametrize(
+    "policy",
+    ["random", "noop", ScoresPolicy(lambda observations: np.zeros((len(observations), 6), np.float32), sample=True)],
+)
+def test_what_has_not_begun_says_so(policy):
+    with pytest.raises(ValueError, match=r"call begin\(game, actions, lanes, seeds\) before"):
+        load_policy(policy)(np.zeros((3, 128)), np.arange(3))
+
+
 def test_objects_are_loaded_as_they_are():
     class Mine:
         game = "pong"

@@ -15,7 +15,7 @@ torch = pytest.importorskip("torch")
 
 from small_trainings import SUPPORT, make_options  # noqa: E402
 
-from atari.learning import ScoresPolicy, load_policy, record_games  # noqa: E402
+from atari.learning import load_policy, record_games  # noqa: E402
 from atari.learning.report import draw_levels, finish  # noqa: E402
 from atari.learning.run import RunFolder  # noqa: E402
 from atari.learning.training import Training  # noqa: E402
@@ -91,7 +91,7 @@ PLAYED: dict[str, dict[str, Any]] = {
     "other frames": {"preset": "envpool", "frameskip": (2, 5), "noops": (7, 40), "maxpool": False},
     "mode": {"preset": "envpool", "mode": 8, "difficulty": 1},
     "ram": {"preset": "envpool", "obs_type": "ram"},
-    "zeros of ram": {"preset": "baselines", "obs_type": "ram", "ram_padding": "zero", "ram_stack": 3},
+    "zeros of ram": {"preset": "baselines", "obs_type": "ram", "padding": "zero", "stack_num": 3},
     "names": {"preset": "envpool", "actions": ("LEFT", "NOOP", "RIGHT")},
 }
 
@@ -114,34 +114,9 @@ def test_games_of_the_evaluation_are_those_of_the_training(tmp_path: Path, name:
     images, lane = envs.reset(seed=result.seeds[0]), np.arange(1)
     policy.begin("breakout", envs.actions, lane, np.array(result.seeds))
     while not (ended := envs.take_games()):
-        images, *_ = envs.step(ScoresPolicy.__call__(policy, images, lane))  # stacks, also of RAM
+        images, *_ = envs.step(policy(images, lane))
     envs.close()
     assert ended[0] == (result.scores[0], result.frames[0])
-
-
-def test_a_policy_of_ram_sees_the_stacks_of_its_training(tmp_path: Path) -> None:
-    from atari.learning.environments import TrainingEnvironments
-    from atari.learning.run_policy import run_policy
-    from atari.learning.training import read_options
-
-    folder = make_run(tmp_path / "run", obs_type="ram", steps=128)
-    policy = run_policy(folder.path, sample=False)
-    seen: list[Any] = []
-    policy._scores = lambda stacks: seen.append(stacks.copy()) or np.zeros((len(stacks), 6), np.float32)
-    envs = TrainingEnvironments(read_options(folder), 3)
-    stacks = envs.reset(seed=5)
-    lanes = np.arange(3)
-    policy.begin("pong", envs.actions, lanes, lanes)
-    for step in range(20):
-        if step == 10:  # a game begins in one lane
-            policy.begin("pong", envs.actions, lanes[1:2], lanes[1:2])
-            stacks = stacks.copy()
-            stacks[1] = stacks[1, -1]
-        policy(stacks[:, -1], lanes)
-        if step != 11:  # the stack of lane 1 has an older vector here
-            assert np.array_equal(seen[-1], stacks)
-        stacks, *_ = envs.step(np.full(3, step % 6))
-    envs.close()
 
 
 def test_report(run: RunFolder) -> None:
@@ -195,8 +170,14 @@ def test_a_folder_of_format_1_opens_and_goes_on(run: RunFolder, tmp_path: Path) 
 
     copy = tmp_path / "copy"
     shutil.copytree(run.path, copy)
-    options = {name: value for name, value in run.config["options"].items() if not name.startswith("ram_")}
-    options |= {"game": "pong", "obs": "pixels", "protocol": "envpool", "sticky": None, "episodic_life": True}
+    options = {
+        **run.config["options"],
+        "game": "pong",
+        "obs": "pixels",
+        "protocol": "envpool",
+        "sticky": None,
+        "episodic_life": True,
+    }
     options |= {"actions": None, "image_size": 42, "stack": 2, "total_steps": 320}
     old = {"format": 1, "agent": "ppo", "options": options, "policy": {"actions": []}, "versions": {}}
     (copy / "config.json").write_text(json.dumps(old))
@@ -207,6 +188,19 @@ def test_a_folder_of_format_1_opens_and_goes_on(run: RunFolder, tmp_path: Path) 
     (copy / "config.json").write_text(json.dumps({**old, "options": {**options, "protocol": "mine"}}))
     with pytest.raises(ValueError, match=r"config.json is damaged: KeyError\('mine'\)"):
         RunFolder.open(copy)
+
+
+def test_a_folder_with_the_stack_of_ram_in_its_options_opens(tmp_path: Path) -> None:
+    run = make_run(tmp_path / "run", obs_type="ram", stack_num=3, steps=64)
+    config = json.loads(json.dumps(run.config))
+    old = {name: config["task"].pop(name) for name in ("stack_num", "padding")}
+    config["options"] |= {"ram_stack": old["stack_num"], "ram_padding": old["padding"]}
+    (run.path / "config.json").write_text(json.dumps(config))
+    assert (old["stack_num"], RunFolder.open(run.path).task) == (3, run.task)
+    Training.resume(run.path).close()
+    of_images = {**run.config, "options": {**run.config["options"], "ram_stack": None, "ram_padding": None}}
+    (run.path / "config.json").write_text(json.dumps(of_images))
+    assert RunFolder.open(run.path).task == run.task
 
 
 def test_a_folder_has_the_task(run: RunFolder) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from atari.learning.environments import RamStack, TrainingEnvironments
+from atari.learning.environments import TrainingEnvironments
 from atari.learning.old_runs import migrated
 from atari.learning.options import TrainingOptions
 from atari.task import PRESETS, Task
@@ -63,9 +63,9 @@ def of_format_1(agent: str = "ppo", **options: Any) -> TrainingOptions:
 def now(game: str, protocol: str, **old: Any) -> TrainingOptions:
     """The options of today that play what those of format 1 did."""
     size, stack = old.pop("image_size", 84), old.pop("stack", 4)
-    sees: dict[str, Any] = {"img_height": size, "img_width": size, "stack_num": stack}
-    if old.pop("obs", "pixels") == "ram":
-        sees = {"obs_type": "ram", "ram_stack": stack}
+    ram = old.pop("obs", "pixels") == "ram"
+    sees: dict[str, Any] = {"obs_type": "ram"} if ram else {"img_height": size, "img_width": size}
+    sees["stack_num"] = stack
     renamed = {{"sticky": "repeat_action_probability"}.get(name, name): value for name, value in old.items()}
     return TrainingOptions.of(game, preset=protocol, num_envs=3, **sees, **renamed)
 
@@ -74,14 +74,20 @@ def digest(options: TrainingOptions, stacked: bool, steps: int = 400) -> str:
     """A check sum of all that a learner gets in some steps."""
     envs = TrainingEnvironments(options, 3, stacked=stacked)
     total, random = hashlib.sha256(), np.random.default_rng(7)
-    total.update(np.ascontiguousarray(envs.reset(seed=3)).tobytes())
+    observations = envs.reset(seed=3)
+    total.update(np.ascontiguousarray(observations).tobytes())
     for _ in range(steps):
+        before = observations
         chosen = random.integers(len(envs.actions), size=3)
         observations, rewards, terminations, truncations, info = envs.step(chosen)
         for array in (observations, rewards.astype(np.int64), terminations, truncations):
             total.update(np.ascontiguousarray(array).tobytes())
         if (terminations | truncations).any():
-            total.update(np.ascontiguousarray(envs.final_observations(info)).tobytes())
+            final = info["final_obs"].copy()
+            if options.from_ram:  # 0.2 had these in the rows of environments that go on
+                others = ~(terminations | truncations)
+                final[others, :-1] = before[others, 1:]
+            total.update(np.ascontiguousarray(final).tobytes())
     total.update(json.dumps([[score, length] for score, length in envs.take_games()]).encode())
     envs.close()
     return total.hexdigest()[:16]
@@ -101,21 +107,12 @@ def test_options_of_format_1_are_a_task(preset: str, episodic_life: bool | None,
     new = now("pong", preset, episodic_life=episodic_life, obs=obs)
     differing = {"max_num_frames_per_episode": (None, 108_000)} if preset == "gymnasium" else {}
     assert old.task.differences(new.task) == differing
-    assert (old.stack, old.padding) == (new.stack, new.padding)
 
 
 def test_format_1_had_combinations_that_presets_refuse() -> None:
     assert of_format_1(protocol="dqn2015", sticky=0.25).task.repeat_action_probability == 0.25
-    assert of_format_1(protocol="dqn2015", obs="ram", agent="dqn").ram_padding == "zero"
-    assert of_format_1(protocol="envpool", obs="ram", agent="dqn").ram_padding == "reset"
-
-
-def test_stacks_of_ram_begin_with_zeros_or_the_first_vector() -> None:
-    first, second = np.full((2, 128), 7, np.uint8), np.full((2, 128), 8, np.uint8)
-    for padding, before in (("reset", 7), ("zero", 0)):
-        stack = RamStack(2, 3, padding)
-        assert stack.push(first, np.array([True, True]))[:, :, 0].tolist() == [[before, before, 7]] * 2
-        assert stack.push(second, np.array([False, True]))[:, :, 0].tolist()[0] == [before, 7, 8]
+    assert of_format_1(protocol="dqn2015", obs="ram", agent="dqn").task.padding == "zero"
+    assert of_format_1(protocol="envpool", obs="ram", agent="dqn").task.padding == "reset"
 
 
 def test_a_stack_of_ram_goes_on_where_that_of_images_does() -> None:

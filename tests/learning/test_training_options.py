@@ -20,8 +20,6 @@ from atari.task.arguments import descriptions
         ("total_steps", "1e6", 1_000_000),
         ("stop_score", "18", 18.0),
         ("stop_score", "none", None),
-        ("ram_stack", "none", None),
-        ("ram_padding", "zero", "zero"),
         ("normalize", "true", True),
         ("network", "small", "small"),
     ],
@@ -50,11 +48,9 @@ def test_parse_refuses(name: str, text: str) -> None:
         ({"continuous": True, "third_action": False}, "continuous=True; leave it out"),
         ({"network": "resnet"}, "network must be one of nature, small"),
         ({"gamma": 1.5}, "gamma must be"),
-        ({"ram_stack": 3}, "ram_stack=3 is for a task of RAM, this has images; use stack_num=3"),
-        ({"ram_padding": "zero"}, "use padding='zero'"),
-        ({"obs_type": "ram", "ram_stack": 0}, "ram_stack must be within 1"),
-        ({"obs_type": "ram", "ram_padding": "one"}, "ram_padding must be one of zero, reset"),
-        ({"obs_type": "ram", "stack_num": 3}, "stack_num=3 has no effect"),
+        ({"obs_type": "ram", "stack_num": None}, "add stack_num=4, or 1"),
+        ({"obs_type": "ram", "stack_num": 0}, "stack_num must be"),
+        ({"obs_type": "ram", "padding": "one"}, "padding must be one of"),
         ({"seed": 2**32}, "seed must be within 0..4294967295, got 4294967296"),
         ({"seed": -1}, "seed must be within"),
         (
@@ -79,7 +75,9 @@ def test_wrong_options(given: dict[str, Any], text: str) -> None:
         ({"protocol": "dqn2015"}, "has no option 'protocol' any more; give preset='dqn2015' to TrainingOptions.of("),
         ({"obs": "ram"}, "obs_type='ram' for RAM"),
         ({"image_size": 42}, "img_height=42, img_width=42"),
-        ({"stack": 2}, "stack_num=2, or ram_stack=2 for RAM"),
+        ({"stack": 2}, "stack_num=2"),
+        ({"ram_stack": 2}, "stack_num=2"),
+        ({"ram_padding": "zero"}, "padding='zero'"),
         ({"sticky": 0.25}, "repeat_action_probability=0.25"),
     ],
 )
@@ -135,7 +133,7 @@ def test_an_id_decides_sticky_actions_and_ram(env_id: str, expected: dict[str, A
     played = options.task
     assert {name: getattr(played, name) for name in expected} == expected
     assert (played.frameskip, played.fire, played.noops) == (4, "after_noops", (1, 30))
-    assert (options.network, options.stack) == (("mlp", 4) if options.from_ram else ("nature", 4))
+    assert (options.network, options.task.stack_num) == (("mlp", 4) if options.from_ram else ("nature", 4))
 
 
 def test_an_id_of_other_sticky_actions_than_a_preset_requires_is_refused() -> None:
@@ -153,9 +151,12 @@ def test_names_of_actions_go_with_any_preset() -> None:
 
 def test_ram() -> None:
     options = TrainingOptions.of("pong", obs_type="ram")
-    assert (options.ram_stack, options.ram_padding, options.padding) == (4, "reset", "reset")
-    images = TrainingOptions.of("pong", preset="envpool", stack_num=3)
-    assert (images.ram_stack, images.stack, images.padding) == (None, 3, "reset")
+    assert (options.task.stack_num, options.task.padding) == (4, "reset")
+    given = TrainingOptions.of("Pong-ram-v4", stack_num=3, padding="zero").task
+    assert (given.stack_num, given.padding) == (3, "zero")
+    assert TrainingOptions.of(given, network="mlp").task == given
+    with pytest.raises(ValueError, match="the task has stack_num=None; add stack_num=4"):
+        TrainingOptions.of(given.replace(stack_num=None))
     assert pickle.loads(pickle.dumps(options)) == replace(options) == options
 
 

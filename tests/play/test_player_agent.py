@@ -34,6 +34,7 @@ def player(scores: Any, **options: Any) -> PlayerAgent:
         {"preset": "machado2018"},
         {"preset": "dqn2015", "frameskip": 3, "img_height": 42, "img_width": 40, "stack_num": 2},
         {"preset": "gymnasium", "maxpool": False, "padding": "zero"},
+        {"preset": "dqn2015", "obs_type": "ram", "stack_num": 3, "padding": "reset"},
     ],
 )
 def test_a_player_observes_what_its_training_did(options: dict[str, Any]) -> None:
@@ -87,8 +88,22 @@ def test_a_player_of_ram_acts_every_fourth_frame_and_begins_anew() -> None:
         if frame != before + 1:
             agent.begin(core)
         assert agent.act(core) == Action.RIGHT
-    assert [rams[0, 0] for rams in seen] == [0, 4, 2, 6, 0]
-    assert {rams.shape for rams in seen} == {(1, 128)}
+    stacks = [[0, 0, 0, 0], [0, 0, 0, 4], [2, 2, 2, 2], [2, 2, 2, 6], [0, 0, 0, 0]]
+    assert [rams[0, :, 0].tolist() for rams in seen] == stacks
+    assert {rams.shape for rams in seen} == {(1, 4, 128)}
+
+
+def test_stacks_of_ram_have_no_mirror() -> None:
+    core = MultiplayerCore("pong")
+    core.reset()
+    seen: list[Any] = []
+    task = TrainingOptions.of("pong", obs_type="ram").task
+    agent = PlayerAgent(ScoresPolicy(lambda rams: seen.append(rams) or np.array([2]), task=task), 1, core, "rgb")
+    agent.begin(core)
+    for _ in range(5):
+        ram = core.ram()
+        core.act_players([0, int(agent.act(core))])
+    assert np.array_equal(seen[-1][0, -1], ram)
 
 
 def court(core: MultiplayerCore) -> Any:

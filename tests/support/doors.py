@@ -198,7 +198,8 @@ _OF_POLICIES = of_fields(
     ),
     "policies play whole games of one player, with the game's own scores",
 )
-_OF_DEMO = of_fields(
+_NO_CHOICE = of_fields(("continuous", "continuous_action_threshold"), "a policy chooses one of the actions")
+_OF_DEMO = _NO_CHOICE | of_fields(
     (
         *("players", "agent_indicator", "zero_sum", "sound_obs"),
         *("actions", "repeat_action_probability", "life_loss_info"),  # dqn2015 prescribes or contradicts these
@@ -233,7 +234,11 @@ DOORS: tuple[Door, ...] = (
     ),
     Door("atari explain", _command("explain")),
     Door("atari play", _command("play"), _OF_PLAY),
-    Door("atari record", _command("record"), of_fields(("agent_indicator", "zero_sum"), _SEEN_BY_A_PERSON)),
+    Door(
+        "atari record",
+        _command("record"),
+        {**of_fields(("agent_indicator", "zero_sum"), _SEEN_BY_A_PERSON), **_NO_CHOICE},
+    ),
     Door("atari demo", _command("demo"), _OF_DEMO),
     Door("atari lab", _command("lab"), all_but(_FRAMES, _BY_FRAME)),
     Door("atari lab map", _command("lab", "map"), all_but(("mode", "difficulty"), _BY_FRAME)),

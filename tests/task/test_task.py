@@ -131,6 +131,16 @@ class TestPresets:
         task = Task.of("Breakout-ram-v4", preset="dqn2015")
         assert (task.obs_type, task.frameskip, task.stack_num, task.noops) == ("ram", 4, None, (1, 30))
 
+    def test_have_stacks_of_images(self) -> None:
+        """RAM is stacked only where a user says so, or a task of RAM has a stack."""
+        images = Task.of("breakout", preset="envpool")
+        for changed in (images.replace(obs_type="ram"), Task.of("breakout", preset="envpool", obs_type="ram")):
+            assert (changed.stack_num, changed.padding) == (None, "zero")
+        stacks = Task.of("Breakout-ram-v4", preset="envpool", stack_num=2)
+        assert (stacks.stack_num, stacks.padding) == (2, "reset")
+        assert Task.of(stacks, preset="dqn2015").stack_num == stacks.replace(noops=(0, 3)).stack_num == 2
+        assert "a stack of 2, which begins with copies of the first RAM" in str(stacks)
+
     def test_give_way_to_options(self) -> None:
         task = Task.of("breakout", preset="dqn2015", frameskip=3, episodic_life=False)
         assert (task.frameskip, task.episodic_life, task.on_reset) == (3, False, "new_game")
@@ -201,7 +211,8 @@ WITHOUT_EFFECT: list[tuple[dict[str, Any], dict[str, Any]]] = [
     ({"max_frames": 300, "max_num_frames_per_episode": 200}, {"max_num_frames_per_episode": None}),
     ({"pool_rgb": True}, {"obs_type": "grayscale", "maxpool": True}),
     ({"padding": "reset"}, {"stack_num": 4}),
-    ({"obs_type": "ram", "stack_num": 4}, {"obs_type": "dict"}),
+    ({"obs_type": "ram", "maxpool": True}, {"obs_type": "dict"}),
+    ({"obs_type": "ram", "padding": "reset"}, {"stack_num": 4}),
     ({"zero_sum": True}, {"players": 2}),
     ({"agent_indicator": True}, {"players": 2}),
 ]

@@ -146,8 +146,8 @@ def composed(task: Task) -> Any:
     Raises:
         hypothesis.errors.UnsatisfiedAssumption: they cannot express it.
     """
-    images = task.obs_type in ("grayscale", "rgb")
-    assume(images and isinstance(task.frameskip, int) and task.max_frames is None and not task.seamless_lives)
+    arrays = task.obs_type in ("grayscale", "rgb", "ram")
+    assume(arrays and isinstance(task.frameskip, int) and task.max_frames is None and not task.seamless_lives)
     assume(task.end_frames == "last")
     # `FrameSkip` pools two frames of a skip that was cut, and a lost life shows the last frame, not the last image.
     assume(not task.maxpool or (task.frameskip <= 2 and (task.on_reset != "continue" or task.lives_unit == "skip")))
@@ -161,7 +161,8 @@ def composed(task: Task) -> Any:
         env = wrappers.FrameSkip(env, task.frameskip, task.maxpool)
         env = wrappers.Grayscale(env) if task.pool_rgb else env
         rows, columns = task.definition.screen.shape
-        env = wrappers.Resize(env, (task.img_height or rows, task.img_width or columns))
+        if task.obs_type != "ram":
+            env = wrappers.Resize(env, (task.img_height or rows, task.img_width or columns))
         if arguments["stack_size"] is not None:
             env = wrappers.FrameStack(env, task.stack_num, task.padding)
     outside = any(wrapper is wrappers.FrameStack for wrapper, _ in layers_of(task))
@@ -223,6 +224,16 @@ ACTING: dict[str, tuple[dict[str, Any], Any]] = {
 }
 """By field, the others with which it acts, and a value other than the default."""
 
+OF_RAM: dict[str, tuple[dict[str, Any], Any]] = {
+    "stack_num of RAM": ({"obs_type": "ram"}, 2),
+    "padding of RAM": ({"obs_type": "ram", "stack_num": 4}, "reset"),
+    "seamless_lives of RAM": (
+        {**LIVES, "fire": "after_noops", "on_reset": "continue", "stack_num": 4, "obs_type": "ram"},
+        True,
+    ),
+}
+"""What acts on RAM as on images."""
+
 STEPS = {"frogger": 1000}
 """By game, how many steps a trace has; Frogger goes on for a while after the last life."""
 
@@ -260,9 +271,10 @@ def _bytes(observation: Any) -> bytes:
 
 
 @pytest.mark.parametrize("vector", [False, True])
-@pytest.mark.parametrize("field", ACTING)
-def test_every_field_acts(field: str, vector: bool) -> None:
-    others, value = ACTING[field]
+@pytest.mark.parametrize("case", [*ACTING, *OF_RAM])
+def test_every_field_acts(case: str, vector: bool) -> None:
+    others, value = {**ACTING, **OF_RAM}[case]
+    field = case.removesuffix(" of RAM")
     base = Task(**{"game": "breakout", **others})
     changed = Task(**{"game": "breakout", **others, field: value})
     assert set(base.differences(changed)) >= {field}

@@ -8,7 +8,7 @@ from env_tools import data_equivalence
 from gymnasium.wrappers import RecordEpisodeStatistics, TimeLimit
 
 from atari import AtariEnv, wrappers
-from atari.wrappers import DqnPreprocessing, EpisodicLife, FireReset, NoopReset
+from atari.wrappers import DqnPreprocessing, EpisodicLife, FireReset, FrameStack, NoopReset
 
 ACTIONS = [1, 2, 3, 0, 2, 2, 1, 3, 3, 0, 1, 2] * 3
 
@@ -206,7 +206,7 @@ def test_without_pooling_a_first_skip_that_is_cut_shows_the_reset_or_the_end(gam
 @pytest.mark.parametrize("layer", [lambda env: env, Through], ids=["direct", "through"])
 def test_ram(game_env, layer, obs_type):
     inner = FireReset(EpisodicLife(layer(game_env("breakout", obs_type=obs_type)), "continue"))
-    env = DqnPreprocessing(inner, (2, 5), obs_type="ram", max_frames=150)
+    env = DqnPreprocessing(inner, (2, 5), stack_size=None, obs_type="ram", max_frames=150)
     images = DqnPreprocessing(FireReset(EpisodicLife(game_env("breakout"), "continue")), (2, 5), max_frames=150)
     assert env.observation_space == game_env("breakout", obs_type="ram").observation_space
     ends = 0
@@ -224,8 +224,45 @@ def test_ram(game_env, layer, obs_type):
     assert ends == 3
 
 
-def test_ram_has_no_images(game_env):
-    assert DqnPreprocessing(game_env("breakout", obs_type="ram"), obs_type="ram")._images is None
+@pytest.mark.parametrize("core", ["native", "ale"])
+@pytest.mark.parametrize("padding", ["zero", "reset"])
+@pytest.mark.parametrize("layer", [lambda env: env, Through], ids=["direct", "through"])
+def test_stacks_of_ram(game_env, layer, padding, core):
+    """They are those of `FrameStack` around single RAM vectors; with `seamless_lives` they go on."""
+
+    def made(**arguments):
+        inner = FireReset(EpisodicLife(layer(game_env("breakout", core=core)), "continue"))
+        return DqnPreprocessing(inner, obs_type="ram", **arguments)
+
+    env = made(stack_size=3, padding_type=padding)
+    seamless = made(stack_size=3, padding_type=padding, seamless_lives=True)
+    expected = FrameStack(made(stack_size=None), 3, padding)
+    assert env.observation_space == expected.observation_space
+    ends = 0
+    observation, _ = env.reset(seed=3)
+    np.testing.assert_array_equal(observation, expected.reset(seed=3)[0])
+    seamless.reset(seed=3)
+    for step in range(200):
+        observation, _, terminated, _, _ = env.step(1 if step % 20 == 0 else 2)
+        np.testing.assert_array_equal(observation, expected.step(1 if step % 20 == 0 else 2)[0])
+        if terminated:
+            ends += 1
+            np.testing.assert_array_equal(env.reset()[0], expected.reset()[0])
+    while not (result := seamless.step(2))[2]:
+        pass
+    np.testing.assert_array_equal(seamless.reset()[0][:2], result[0][1:])
+    assert ends > 1
+
+
+def test_a_snapshot_has_the_stack_of_ram(game_env):
+    env = DqnPreprocessing(game_env("breakout"), stack_size=3, obs_type="ram")
+    env.reset(seed=3)
+    env.step(1)
+    taken = env.snapshot()
+    expected = env.step(2)[0]
+    env.reset(seed=4)
+    env.restore(taken)
+    np.testing.assert_array_equal(env.step(2)[0], expected)
 
 
 @pytest.mark.parametrize("name", wrappers.PRESETS)
@@ -366,7 +403,8 @@ def test_step_needs_a_reset_and_an_action_of_the_space(game_env):
         ({}, {"frame_skip": 2.5}, TypeError, "frame_skip must be an integer"),
         ({}, {"obs_type": "rgb"}, ValueError, "obs_type must be one of 'image', 'ram', got 'rgb'"),
         ({"sound_obs": True}, {"obs_type": "ram"}, ValueError, "has no sound; make .* sound_obs=False"),
-        ({}, {"obs_type": "ram", "stack_size": 2}, ValueError, "stack_size=2 is about images and has no effect with"),
+        ({}, {"obs_type": "ram", "grayscale": False}, ValueError, "grayscale=False is about images and has no effect"),
+        ({}, {"obs_type": "ram", "stack_size": 0}, ValueError, "stack_size must be within 1"),
         ({}, {"obs_type": "ram", "screen_size": None}, ValueError, "screen_size=None is about images"),
         ({}, {"obs_type": "ram", "end_frames": "envpool"}, ValueError, "end_frames='envpool' is about images"),
         ({"frameskip": 4}, {"obs_type": "ram"}, ValueError, "AtariEnv inside it already plays 4 a step"),

@@ -78,7 +78,7 @@ class TestNesting:
         ),
         (
             {"fire": "after_noops", "fire_unit": "skip", "obs_type": "ram"},
-            "DqnPreprocessing FireReset GameStatistics",
+            "DqnPreprocessing FireReset FrameStack GameStatistics",
         ),
         (
             {"fire": "after_noops", "fire_unit": "skip", "stack_num": None},
@@ -112,14 +112,12 @@ def test_arguments() -> None:
         "end_frames": "envpool",
     }
     played = {"frameskip": (2, 5), "episodic_life": True, "seamless_lives": True, "max_frames": 99}
-    skip = {"frame_skip": (2, 5), "seamless_lives": True, "max_frames": 99}
+    skip = {"frame_skip": (2, 5), "seamless_lives": True, "max_frames": 99, "stack_size": 3, "padding_type": "reset"}
     image = {
         "screen_size": (80, 60),
-        "stack_size": 3,
         "grayscale": False,
         "max_pool": False,
         "pool_rgb": False,
-        "padding_type": "reset",
         "end_frames": "envpool",
     }
     assert arguments("DqnPreprocessing", **shown, **played) == {**skip, **image}
@@ -147,7 +145,8 @@ RAM = spaces.Box(0, 255, (128,), np.uint8)
         ({"stack_num": 1, "img_height": None, "img_width": None}, spaces.Box(0, 255, (1, 210, 160), np.uint8)),
         ({"obs_type": "rgb", "stack_num": None}, spaces.Box(0, 255, (84, 84, 3), np.uint8)),
         ({"obs_type": "rgb", "img_height": 60}, spaces.Box(0, 255, (4, 60, 84, 3), np.uint8)),
-        ({"obs_type": "ram"}, RAM),
+        ({"obs_type": "ram"}, spaces.Box(0, 255, (4, 128), np.uint8)),
+        ({"obs_type": "ram", "stack_num": None}, RAM),
         ({"obs_type": "dict"}, spaces.Dict({"image": GRAY, "ram": RAM})),
         ({"obs_type": "rgb_dict", "stack_num": 2}, spaces.Dict({"image": spaces.Box(0, 255, (2, 84, 84, 3), np.uint8), "ram": RAM})),
     ],

@@ -46,6 +46,9 @@ class FrameSource {
         return {pixels, console.looks(), console.machine().tia.current};
     }
 
+    // The present RAM: that of the environment, or what the caller gave in place of a frame.
+    const uint8_t* ram() const { return environment_ ? environment_->ram() : pixels_; }
+
     // Notes the present frame; `noted` returns it after the next frame. A console renders the next frame into its other
     // framebuffer. It continues a partial frame in place, so a partial frame is copied.
     void note() {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "ale/colour_conversion.hpp"
+#include "ale/labels.hpp"
 #include "gray_of_pairs.hpp"
 #include "pooling.hpp"
 
@@ -26,9 +27,9 @@ void release(std::vector<uint8_t>& values) { std::vector<uint8_t>().swap(values)
 ObservationStack::ObservationStack(const FrameSource& source, const ObservationSettings& settings,
                                    std::shared_ptr<const Resizer> resizer)
     : source_(source), settings_(settings), resizer_(std::move(resizer)),
-      planes_(settings.pixels == PixelFormat::kNone  ? 0
-              : settings.pixels == PixelFormat::kRgb ? 3
-                                                     : 1),
+      planes_(settings.pixels == PixelFormat::kNone || settings.pixels == PixelFormat::kRam ? 0
+              : settings.pixels == PixelFormat::kRgb                                        ? 3
+                                                                                            : 1),
       pools_last_again_(settings.maxpool && settings.end_frames == EndFrames::kGymnasium && !is_screen_rgb()) {
     const Palette& palette = source_.palette();
     tables_[0] = settings_.pixels == PixelFormat::kGrayOfRgb ? gray_of_pairs(palette) : palette.gray;
@@ -40,20 +41,21 @@ ObservationStack::ObservationStack(const FrameSource& source, const ObservationS
     const auto planes = static_cast<size_t>(planes_);
     if (planes && settings_.end_frames == EndFrames::kBaselines) late_.resize(plane_size());
     frame_size_ = planes * static_cast<size_t>(settings_.img_height) * static_cast<size_t>(settings_.img_width);
+    if (settings.pixels == PixelFormat::kRam) frame_size_ = kRamSize;
     ring_.resize(frame_size_ * static_cast<size_t>(settings_.stack_num));
 }
 
 void ObservationStack::begin(bool new_stack) {
-    if (!planes_) return;
+    if (!frame_size_) return;
     early_noted_ = false;
-    drop_last();
+    if (planes_) drop_last();
     std::fill(late_.begin(), late_.end(), uint8_t{0});
-    add(source_.current(), source_.current());
+    add_now();
     if (new_stack) repeat(true);
 }
 
 void ObservationStack::repeat(bool new_stack) {
-    if (!planes_) return;
+    if (!frame_size_) return;
     if (!new_stack) {
         const uint8_t* const last = newest_slot();
         uint8_t* const slot = next_slot();
@@ -76,6 +78,7 @@ void ObservationStack::frame_played(int left, bool ended) {
 }
 
 void ObservationStack::skip_ended(int left, bool ended) {
+    if (settings_.pixels == PixelFormat::kRam) return add_now();
     if (!planes_) return;
     const bool pools = std::exchange(early_noted_, false);
     if (left == 0 && !(ended && settings_.end_frames == EndFrames::kGymnasium)) {
@@ -87,7 +90,7 @@ void ObservationStack::skip_ended(int left, bool ended) {
         return add(first, last);
     }
     switch (settings_.end_frames) {
-        case EndFrames::kLast: return add(source_.current(), source_.current());
+        case EndFrames::kLast: return add_now();
         case EndFrames::kGymnasium:  // without the frame that ended the episode; with the frame before, if it was noted
             if (!pools) break;
             return add_pooled_with_last();
@@ -96,9 +99,15 @@ void ObservationStack::skip_ended(int left, bool ended) {
             return add(source_.current(), {late_.data(), nullptr});
         case EndFrames::kEnvpool:
             if (!pools) break;
-            return add(source_.current(), source_.current());
+            return add_now();
     }
     repeat(false);
+}
+
+// Adds the present frame, or the present RAM.
+void ObservationStack::add_now() {
+    if (planes_) return add(source_.current(), source_.current());
+    std::memcpy(next_slot(), source_.ram(), kRamSize);
 }
 
 void ObservationStack::add(Frame early, Frame late) {

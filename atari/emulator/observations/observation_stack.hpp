@@ -14,8 +14,9 @@
 
 namespace atari {
 
-// kGrayOfRgb pools the colours of two frames and converts the result to gray, by a table of pairs of colours.
-enum class PixelFormat { kNone, kGray, kRgb, kGrayOfRgb };
+// kGrayOfRgb pools the colours of two frames and converts the result to gray, by a table of pairs of colours. kRam is
+// not of pixels: a stack holds RAM as it is at the beginning of an episode and after each skip.
+enum class PixelFormat { kNone, kGray, kRgb, kGrayOfRgb, kRam };
 enum class EndFrames { kLast, kGymnasium, kBaselines, kEnvpool };
 enum class Padding { kZero, kReset };  // what a new stack is filled with: zeros, or the first frame of the episode
 
@@ -30,7 +31,7 @@ struct ObservationSettings {
 // Owns a ring of resized frames.
 class ObservationStack {
   public:
-    // `resizer` is needed for all formats but kNone.
+    // `resizer` is needed for all formats of pixels.
     ObservationStack(const FrameSource& source, const ObservationSettings& settings,
                      std::shared_ptr<const Resizer> resizer);
 
@@ -49,9 +50,10 @@ class ObservationStack {
     void skip_ended(int left, bool ended);
 
     const ObservationSettings& settings() const { return settings_; }
-    size_t planes() const { return static_cast<size_t>(planes_); }  // 0 for kNone
+    size_t planes() const { return static_cast<size_t>(planes_); }  // 0 for kNone and kRam
     size_t size() const { return ring_.size(); }
-    void write(uint8_t* out) const;  // (stack, height, width), for kRgb (stack, height, width, 3); the oldest first
+    void write(uint8_t* out)
+        const;  // (stack, height, width), for kRgb (stack, height, width, 3), for kRam (stack, 128); the oldest first
 
     size_t state_size() const;
     // Returns the end of the written bytes; `load` returns the end of the bytes read.
@@ -62,6 +64,7 @@ class ObservationStack {
     void add(Frame early, Frame late);
     void find_changed_rows(Frame early, Frame late, uint8_t* changed);
     void add_changed_rows(Frame early, Frame late, const AreaResize& resize);
+    void add_now();
     void add_rgb(Frame early, Frame late);
     void pool_rgb(Frame frame, uint8_t* colours) const;
     void add_pooled_with_last();

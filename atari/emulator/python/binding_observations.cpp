@@ -11,6 +11,7 @@
 #include <tuple>
 #include <vector>
 
+#include "ale/labels.hpp"
 #include "bound_emulator.hpp"
 #include "observations/observation_stack.hpp"
 
@@ -31,8 +32,9 @@ class BoundStack : Exclusive {
         if (settings.stack_num < 1 || settings.stack_num > 10'000)
             throw std::invalid_argument("stack_num must be within 1..10000");
         if (settings.pixels == PixelFormat::kNone)
-            throw std::invalid_argument("a stack is of images; pixels must not be NONE");
-        auto resizer = std::make_shared<const Resizer>(rows, settings.img_height, settings.img_width);
+            throw std::invalid_argument("a stack is of images or of RAM; pixels must not be NONE");
+        std::shared_ptr<const Resizer> resizer;
+        if (!of_ram(settings)) resizer = std::make_shared<const Resizer>(rows, settings.img_height, settings.img_width);
         stack_ = std::make_unique<ObservationStack>(FrameSource(rows, palette_of(format)), settings, resizer);
     }
 
@@ -43,7 +45,8 @@ class BoundStack : Exclusive {
         briefly([&] { stack_->repeat(new_stack); });
     }
     void frame_played(nb::handle frame, int left, bool ended) {
-        if (left == 1 && stack_->settings().maxpool) with(frame, [&] { stack_->frame_played(left, ended); });
+        if (left == 1 && stack_->planes() && stack_->settings().maxpool)
+            with(frame, [&] { stack_->frame_played(left, ended); });
     }
     void skip_ended(nb::handle frame, int left, bool ended) {
         with(frame, [&] { stack_->skip_ended(left, ended); });
@@ -51,12 +54,15 @@ class BoundStack : Exclusive {
 
     Array observation() {
         const ObservationSettings& settings = stack_->settings();
-        const size_t shape[] = {static_cast<size_t>(settings.stack_num), static_cast<size_t>(settings.img_height),
-                                static_cast<size_t>(settings.img_width), 3};
+        const auto stack = static_cast<size_t>(settings.stack_num);
+        const size_t rams[] = {stack, kRamSize};
+        const size_t images[] = {stack, static_cast<size_t>(settings.img_height),
+                                 static_cast<size_t>(settings.img_width), 3};
         auto* const bytes = new uint8_t[stack_->size()];
         const nb::capsule owner(bytes, [](void* memory) noexcept { delete[] static_cast<uint8_t*>(memory); });
         briefly([&] { stack_->write(bytes); });
-        return Array(bytes, stack_->planes() == 3 ? 4 : 3, shape, owner);
+        if (!stack_->planes()) return Array(bytes, 2, rams, owner);
+        return Array(bytes, stack_->planes() == 3 ? 4 : 3, images, owner);
     }
 
     nb::bytes save() {
@@ -87,8 +93,10 @@ class BoundStack : Exclusive {
     }
 
   private:
+    static bool of_ram(const ObservationSettings& settings) { return settings.pixels == PixelFormat::kRam; }
+
     // Calls `work` without the GIL, with the source on `frame`: an emulator, an array, or another core, whose `screen`
-    // is called. Throws if the frame is not of this stack's size and TV format.
+    // or `ram` is called. Throws if the frame is not of this stack's size and TV format.
     template <typename Work>
     void with(nb::handle frame, Work&& work) {
         Emulator* emulator = nullptr;
@@ -101,8 +109,8 @@ class BoundStack : Exclusive {
             });
             return;
         }
-        std::vector<uint8_t> copy =
-            pixels_of(nb::hasattr(frame, "screen") ? frame.attr("screen")() : nb::borrow(frame));
+        const char* const read = of_ram(stack_->settings()) ? "ram" : "screen";
+        std::vector<uint8_t> copy = bytes_of(nb::hasattr(frame, read) ? frame.attr(read)() : nb::borrow(frame));
         locked([&] {
             stack_->source().read(copy.data());
             work();
@@ -116,6 +124,7 @@ class BoundStack : Exclusive {
                 "the core's frames have another size or TV format than this stack's, which "
                 "are " +
                 std::to_string(source.rows()) + " x 160 in " + format_);
+        if (of_ram(stack_->settings())) return source.read(environment);
         if (number != emulator_) stack_->forget_looks();
         emulator_ = number;
         if (environment.averages_colours()) {
@@ -127,7 +136,12 @@ class BoundStack : Exclusive {
         }
     }
 
-    std::vector<uint8_t> pixels_of(const nb::object& frame) {
+    std::vector<uint8_t> bytes_of(const nb::object& frame) {
+        if (of_ram(stack_->settings())) {
+            nb::ndarray<const uint8_t, nb::shape<kRamSize>, nb::c_contig, nb::device::cpu> ram;
+            if (nb::try_cast(frame, ram, false)) return {ram.data(), ram.data() + kRamSize};
+            throw nb::type_error("RAM is that of a core, or a uint8 array (128,)");
+        }
         nb::ndarray<const uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu> array;
         const int rows = stack_->source().rows();
         if (!nb::try_cast(frame, array, false) || static_cast<int>(array.shape(0)) != rows ||
@@ -165,10 +179,11 @@ void unpickle(BoundStack* self, const Pickled& state) {
 void register_observations(nb::module_& m) {
     nb::class_<BoundStack>(
         m, "ObservationStack",
-        "The pooled, resized and stacked frames that an agent observes, as a lane of `VectorEngine` makes them.\n\n"
+        "The pooled, resized and stacked frames that an agent observes, or the RAM with PixelFormat.RAM, as a lane of\n"
+        "`VectorEngine` makes them.\n\n"
         "A frame is a core, which is read, or a C-contiguous uint8 array of palette indices, (rows, 160). Frames of a\n"
         "core are rendered only where an image needs them. Raises ValueError if a size is not served or a core has\n"
-        "other rows or another TV format, TypeError for another frame.")
+        "other rows or another TV format, TypeError for another frame. RAM is that of a core, or an array (128,).")
         .def(nb::init<const ObservationSettings&, int, const std::string&>(), "settings"_a, "rows"_a, "format"_a)
         .def("begin", &BoundStack::begin, "frame"_a, "new_stack"_a = true,
              nb::sig("def begin(self, frame: object, new_stack: bool = True) -> None"),
@@ -181,8 +196,10 @@ void register_observations(nb::module_& m) {
         .def("skip_ended", &BoundStack::skip_ended, "frame"_a, "left"_a, "ended"_a,
              nb::sig("def skip_ended(self, frame: object, left: int, ended: bool) -> None"),
              "Add the image of a skip, `left` frames before its end.")
-        .def("observation", &BoundStack::observation, nb::sig("def observation(self) -> " ARRAY),
-             "A new array, (stack_num, img_height, img_width), of colours with a last axis of 3; the oldest first.")
+        .def(
+            "observation", &BoundStack::observation, nb::sig("def observation(self) -> " ARRAY),
+            "A new array, (stack_num, img_height, img_width), of colours with a last axis of 3, of RAM (stack_num, 128);\n"
+            "the oldest first.")
         .def("save", &BoundStack::save, "The images, and what the next may need of the last ones, as bytes.")
         .def("load", &BoundStack::load, "state"_a,
              "Continue from `save` of a stack with the same settings; ValueError if the bytes have another length.")

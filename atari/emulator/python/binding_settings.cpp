@@ -30,11 +30,13 @@ void register_settings(nb::module_& m) {
     nb::enum_<Seeding>(m, "Seeding", "How generators are seeded: as by AtariEnv.reset, or as by ale-py's vector.")
         .value("GYMNASIUM", Seeding::kGymnasium)
         .value("ALE", Seeding::kAle);
-    nb::enum_<PixelFormat>(m, "PixelFormat", "Of observations; GRAY_OF_RGB pools colours and makes the result gray.")
+    nb::enum_<PixelFormat>(m, "PixelFormat",
+                           "Of observations; GRAY_OF_RGB pools colours and makes the result gray; RAM has no pixels.")
         .value("NONE", PixelFormat::kNone)
         .value("GRAY", PixelFormat::kGray)
         .value("RGB", PixelFormat::kRgb)
-        .value("GRAY_OF_RGB", PixelFormat::kGrayOfRgb);
+        .value("GRAY_OF_RGB", PixelFormat::kGrayOfRgb)
+        .value("RAM", PixelFormat::kRam);
     nb::enum_<EndFrames>(m, "EndFrames", "What is observed when an episode ends inside a skip.")
         .value("LAST", EndFrames::kLast)
         .value("GYMNASIUM", EndFrames::kGymnasium)

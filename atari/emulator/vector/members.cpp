@@ -47,7 +47,7 @@ std::vector<VectorEngine::Member> make_members(const std::vector<MemberSpec>& sp
         if (spec.mode) environment->set_mode(*spec.mode);
         if (spec.difficulty) environment->set_difficulty(*spec.difficulty);
         auto& resizer = resizers[environment->height()];
-        if (!resizer && observation.pixels != PixelFormat::kNone)
+        if (!resizer && observation.pixels != PixelFormat::kNone && observation.pixels != PixelFormat::kRam)
             resizer =
                 std::make_shared<const Resizer>(environment->height(), observation.img_height, observation.img_width);
         auto stack = std::make_unique<ObservationStack>(FrameSource(*environment), observation, resizer);

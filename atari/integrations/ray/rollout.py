@@ -31,7 +31,7 @@ class Rollout:
             transition.
         extras: what the policy returned beside actions, by name, (steps, num_envs, ...) each.
         scores, lengths: of the whole games that ended, in order: the sum of the rewards, not clipped, float64 (n,), and
-            emulated frames, int64 (n,). Only with a preset.
+            emulated frames, int64 (n,).
 
     Example:
         >>> for rollout in actors:  # doctest: +SKIP

@@ -16,6 +16,7 @@ from atari.learning.needs import needs_of
 from atari.learning.policies import load_policy
 from atari.task.fields import GROUPS
 from atari.vector import AtariVectorEnv
+from atari.vector.results import ends_of_stacks
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ class WorkerSettings:
             TypeError, ValueError, FileNotFoundError: as `AtariVectorEnv`; or observations would not be written straight
                 into a rollout.
         """
-        envs = AtariVectorEnv(self.game, self.num_envs, **{"num_threads": 1, **self.options})
+        envs = AtariVectorEnv(self.game, self.num_envs, **{"num_threads": 1, "game_info": True, **self.options})
         refused = {
             "channels_last=True, dtype='float32' or stack_num=None": not envs.options.layout.is_engines,
             "obs_type='dict'": envs.options.is_dict,
@@ -53,6 +54,7 @@ class WorkerSettings:
             f"batch_size={envs.batch_size}": envs.batch_size != envs.num_envs,
             f"players={envs.options.players}": envs.options.players > 1,
             "life_loss_info=True": envs.task.life_loss_info,
+            "game_info=False": not envs.options.game_info,
         }
         for what, is_so in refused.items():
             if is_so:
@@ -112,6 +114,7 @@ class RolloutWorker:
         self._number = position.number
         self._observations, _ = self._envs.reset(seed=(settings.seed + index * settings.num_envs) % SEED_LIMIT)
         self._ended = np.zeros(settings.num_envs, np.bool_)  # whose next step begins an episode
+        self._renewed = self._ended  # and a new stack of images
         shape = self._observations.shape
         stacked = settings.unstacked and len(shape) > 3 and shape[1] > 1
         self._frames = Frames(settings.steps, shape) if stacked else None
@@ -148,9 +151,9 @@ class RolloutWorker:
             self._observations, rewards, terminations, truncations, info = self._envs.step(actions, out=out)
             if self._frames:
                 self._frames.add(step + 1, self._observations, self._ended)
-            if not valid.all():
-                self._policy.begin_episodes(self._lanes[~valid])
-            self._ended = terminations | truncations
+            if self._renewed.any():
+                self._policy.begin_episodes(self._lanes[self._renewed])
+            self._note_ends(terminations, truncations, info)
             rows.add(step, actions, rewards, terminations, truncations, valid, extras)
             rows.add_games(info)
         index = self._frames.index if self._frames else None
@@ -169,8 +172,13 @@ class RolloutWorker:
         self._table[0] = self._observations
         return self._table
 
+    def _note_ends(self, terminations: Any, truncations: Any, info: Mapping[str, Any]) -> None:
+        """Note in which lanes the next step begins an episode, and a new stack of images."""
+        self._ended = terminations | truncations
+        self._renewed = ends_of_stacks(self._envs.task, terminations, truncations, info)
+
     def _snapshot(self) -> bytes:
-        return zlib.compress(pickle.dumps((self._envs.snapshot(), self._ended), 5), 1)
+        return zlib.compress(pickle.dumps((self._envs.snapshot(), self._ended, self._renewed), 5), 1)
 
     def _policy_state(self) -> bytes:
         state = self._policy.state() if hasattr(self._policy, "state") else None
@@ -192,20 +200,21 @@ class RolloutWorker:
                         f"policy {self._policy.name} needs {name}={theirs!r}, and the environments have {ours!r}; make "
                         "them with the policy's task as the game"
                     )
-            if not needs.layout(needs.task).is_engines:
-                raise ValueError(f"policy {self._policy.name} needs channels_last or dtype, which rollouts do not have")
+            if "rom" in needs.options or not needs.layout(needs.task).is_engines:
+                needed = ", ".join(needs.options)
+                raise ValueError(f"policy {self._policy.name} needs {needed}, which rollouts do not have; leave it out")
         names = [action.name for action in self._envs.options.actions[0]]
         self._policy.begin(played.game, names, self._lanes, self._seeds)
 
     def _continue(self, position: Position) -> None:
         if position.environments is not None:
-            snapshots, self._ended = pickle.loads(zlib.decompress(position.environments))
+            snapshots, self._ended, self._renewed = pickle.loads(zlib.decompress(position.environments))
             self._envs.restore(None, snapshots)
             self._observations, _ = self._envs.observe()
         for actions in position.actions:
             for row in actions:
-                self._observations, _, terminations, truncations, _ = self._envs.step(row)
-                self._ended = terminations | truncations
+                self._observations, _, terminations, truncations, info = self._envs.step(row)
+                self._note_ends(terminations, truncations, info)
         if position.policy is not None:
             state = pickle.loads(position.policy)
             if state is not None:

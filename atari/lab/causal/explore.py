@@ -82,7 +82,7 @@ def causes(
         engine.explore(part, actions[first : first + step], first)
         if progress is not None:
             progress(len(part))
-    counts, effects = engine.counts().astype(np.int64), engine.effects()
+    counts, effects, pixels = engine.counts().astype(np.int64), engine.effects(), engine.pixels()
     return CausalMap(
         game=core.game.id,
         height=len(screen),
@@ -91,9 +91,9 @@ def causes(
             **{name: value for name, value in chosen.items() if value is not None},
         },
         task=task,
-        bytes=_bytes(engine),
+        bytes=tuple(map(_byte, range(128), counts, pixels)),
         suggestions=suggest(effects, counts[:, 0], counts[:, 4]),
-        pixel_counts=engine.pixels(),
+        pixel_counts=pixels,
         effects=effects,
         ram=ram,
         screen=screen,
@@ -130,13 +130,8 @@ def _play(
     return saved, actions, ram, screen
 
 
-def _bytes(engine: _emulator.Causes) -> tuple[ByteCauses, ...]:
-    """What each byte causes, by the engine's counts (`ByteCauses` in emulator/lab/causes.hpp)."""
-    pixels = engine.pixels()
-    return tuple(_byte(index, counts, pixels[index]) for index, counts in enumerate(engine.counts().astype(np.int64)))
-
-
 def _byte(index: int, counts: NDArray[np.int64], pixels: NDArray[np.uint16]) -> ByteCauses:
+    """The effects of a byte, by the engine's counts (`ByteCauses` in emulator/lab/causes.hpp)."""
     forks, vanished, inert, rewritten, seen, rewarded, lives, over = (int(count) for count in counts[:8])
     seen_at, later_writes = counts[8:-256], counts[-128:]
     least = max(forks * _SOME, 2)

@@ -1,7 +1,6 @@
 """Suggestions from the effects of forks: positions with their transforms, score bytes, lives bytes."""
 
-from collections.abc import Callable, Iterator
-from functools import partial
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,51 +44,28 @@ def _fine_odd(v: Integers) -> Integers:
     return np.where(v == 0, 64, np.where(v == 1, 4, far))
 
 
-_Transform = tuple[float, Callable[[Integers], Integers], Callable[[int], str]]
-
-
-def _candidates(axis: str) -> Iterator[_Transform]:
-    """Yield the transforms that are tried: a cost, the function without its constant, and its text with the constant.
+def _candidates(axis: str, v: Integers) -> Iterator[tuple[float, Integers, str]]:
+    """Yield the transforms that are tried: a cost, the values of `v` without a constant, and the text of this part.
 
     The cost is the part of forks by which a transform must be better than the plainest one.
     """
     for slope in _SLOPES:
-        cost = 0.01 * (abs(slope) - 1)
-        yield cost, partial(_times, slope), partial(_linear, slope)
+        text = {1: "v", -1: "-v"}.get(slope, f"{slope} * v")
+        yield 0.01 * (abs(slope) - 1), slope * v, text
     for divisor in (2, 4, 16):
-        yield 0.12, partial(_over, divisor), partial(_plus, f"v // {divisor}")
-    yield 0.05, _by_half, partial(_plus, "(v * 3) // 2")
+        yield 0.12, v // divisor, f"v // {divisor}"
+    yield 0.05, v * 3 // 2, "(v * 3) // 2"
     for bits in (15, 31, 63, 127):
-        yield 0.12, partial(_masked, bits), partial(_plus, f"(v & {bits})")
+        yield 0.12, v & bits, f"(v & {bits})"
     if axis == "x":
-        yield 0.1, _fine, partial(_plus, _FINE)
-        yield 0.1, _fine_odd, partial(_plus, _FINE_ODD)
-
-
-def _times(slope: int, v: Integers) -> Integers:
-    return slope * v
-
-
-def _over(divisor: int, v: Integers) -> Integers:
-    return v // divisor
-
-
-def _by_half(v: Integers) -> Integers:
-    return v * 3 // 2
-
-
-def _masked(bits: int, v: Integers) -> Integers:
-    return v & bits
+        yield 0.1, _fine(v), _FINE
+        yield 0.1, _fine_odd(v), _FINE_ODD
 
 
 def _plus(text: str, k: int) -> str:
+    if text.startswith("-"):
+        return f"{k} - {text[1:]}"
     return f"{text} + {k}" if k > 0 else f"{text} - {-k}" if k < 0 else text
-
-
-def _linear(slope: int, k: int) -> str:
-    if slope < 0:
-        return f"{k} - v" if slope == -1 else f"{k} - {-slope} * v"
-    return _plus("v" if slope == 1 else f"{slope} * v", k)
 
 
 def table(effects: Integers) -> dict[str, Integers]:
@@ -105,20 +81,12 @@ def suggest(effects: Integers, forks: NDArray[np.int64], seen: NDArray[np.int64]
         forks: (128,), the forks of each byte.
         seen: (128,), those in which pixels differed.
     """
-    found = []
+    found: list[Suggestion | None] = []
     for byte in range(128):
         own = table(effects[effects[:, 1] == byte])
-        for axis in "xy":
-            position = _position(own, axis, int(seen[byte]))
-            if position:
-                found.append(position)
-        score = _score(own, int(forks[byte]))
-        if score:
-            found.append(score)
-        lives = _lives(own, int(forks[byte]))
-        if lives:
-            found.append(lives)
-    return tuple(found)
+        found += [_position(own, axis, int(seen[byte])) for axis in "xy"]
+        found += [_score(own, int(forks[byte])), _lives(own, int(forks[byte]))]
+    return tuple(each for each in found if each is not None)
 
 
 def samples(own: dict[str, Integers], axis: str) -> tuple[Integers, Integers, NDArray[np.bool_]]:
@@ -153,8 +121,7 @@ def _position(own: dict[str, Integers], axis: str, seen: int) -> Suggestion | No
     if (change > 3).any() and (steps_of[change > 3] <= TOLERANCE).mean() > 0.5:
         return None  # it moves something a little, whatever its value
     best, value, text = 0.0, _LEAST_SHARE, ""
-    for cost, function, wording in _candidates(axis):
-        expected = function(values)
+    for cost, expected, term in _candidates(axis, values):
         moved = places[:, 1] - places[:, 0] - (expected[:, 1] - expected[:, 0])
         if axis == "x":
             moved = (moved + 80) % 160 - 80  # positions wrap
@@ -165,7 +132,7 @@ def _position(own: dict[str, Integers], axis: str, seen: int) -> Suggestion | No
         if share - cost <= value:
             continue
         k = _constant((places - expected)[steps].ravel(), axis, expected[steps])
-        best, value, text = share, share - cost, wording(k)
+        best, value, text = share, share - cost, _plus(term, k)
     if not text:
         return None
     widths = own["right"][moves] - own["left"][moves] + 1 - (np.abs(own["dx"][moves]) if axis == "x" else 0)
@@ -188,18 +155,15 @@ def byte_of(own: dict[str, Integers]) -> int:
 
 def _constant(rest: Integers, axis: str, expected: Integers) -> int:
     """The constant that most places agree on within a pixel. Columns wrap; of equal ones, the one on the screen."""
-    wrap = 160 if axis == "x" else 0
-    if wrap:
-        rest = rest % wrap
-    numbers, counts = np.unique(rest, return_counts=True)
+    wraps = axis == "x"
+    numbers, counts = np.unique(rest % 160 if wraps else rest, return_counts=True)
     apart = np.abs(numbers[:, None] - numbers[None, :])
-    if wrap:
-        apart = np.minimum(apart, wrap - apart)
+    if wraps:
+        apart = np.minimum(apart, 160 - apart)
     weight = ((apart <= 1) * counts[None, :]).sum(1) + counts / (counts.sum() + 1)
     k = int(numbers[weight.argmax()])
-    if wrap:
-        centre = int(np.median(expected))
-        k += wrap * round((80 - centre - k) / wrap)
+    if wraps:
+        k += 160 * round((80 - int(np.median(expected)) - k) / 160)
     return k
 
 

@@ -41,16 +41,12 @@ def draw(causal_map: CausalMap, game: Game | None = None) -> Picture:
     screen = causal_map.screen
     if screen is None:
         screen = np.full((causal_map.height, _WIDTH, 3), 40, np.uint8)
-    names: dict[int, list[str]] = {}
-    for label in game.ram_labels.values() if game is not None else ():
-        names.setdefault(label.index, []).append(label.name)
-    suggested: dict[int, list[Suggestion]] = {}
-    for each in causal_map.suggestions:
-        suggested.setdefault(each.index, []).append(each)
+    labels = [] if game is None else list(game.ram_labels.values())
     cells = []
     for byte in causal_map.bytes:
-        ours = suggested.get(byte.index, [])
-        cells.append(_cell(causal_map, byte, screen, names.get(byte.index, []), ours))
+        names = [label.name for label in labels if label.index == byte.index]
+        suggestions = [each for each in causal_map.suggestions if each.index == byte.index]
+        cells.append(_cell(causal_map, byte, screen, names, suggestions))
     rows = [np.concatenate(cells[first : first + 16], 1) for first in range(0, 128, 16)]
     grid = np.concatenate(rows, 0)
     return np.concatenate([_header(causal_map, game, screen, grid.shape[1]), grid], 0)
@@ -85,8 +81,7 @@ def _cell(
     _write(cell, f"${0x80 + byte.index:02X} {byte.index}", 0, 12, _FAINT)
     _write(cell, ", ".join(names)[:17], 52, 12, _PALE)
     _write(cell, _remark(byte, kind, suggestions)[:27], 0, 25, colour)
-    image = _lit(causal_map, byte, screen, kind)
-    cell[_TEXT : _TEXT + height, :_WIDTH] = image
+    cell[_TEXT : _TEXT + height, :_WIDTH] = _lit(causal_map, byte, screen, kind)
     cv2.rectangle(cell, (0, _TEXT), (_WIDTH - 1, _TEXT + height - 1), colour, 1)
     return cell
 
@@ -129,10 +124,6 @@ def _lit(causal_map: CausalMap, byte: ByteCauses, screen: Picture, kind: str) ->
     return lit
 
 
-def _shorter(each: Suggestion) -> str:
-    return str(each).replace(each.transform, _short(each.transform)) if each.transform else str(each)
-
-
 def _header(causal_map: CausalMap, game: Game | None, screen: Picture, width: int) -> Picture:
     """The title, the screen, the categories, and the suggestions."""
     doubled = screen.repeat(2, 1)
@@ -151,7 +142,8 @@ def _header(causal_map: CausalMap, game: Game | None, screen: Picture, width: in
     for place, each in enumerate(causal_map.suggestions[: 4 * lines]):
         column, line = divmod(place, lines)
         colour = _CATEGORIES[each.kind.split("_")[0]][0]
-        _write(header, _shorter(each), left + 440 * column, 22 + 17 * line, colour, 0.42)
+        text = str(each).replace(each.transform, _short(each.transform)) if each.transform else str(each)
+        _write(header, text, left + 440 * column, 22 + 17 * line, colour, 0.42)
     return header
 
 

@@ -8,11 +8,12 @@ from atari.cores import ByteArray, Core
 _CHANGES = (1, 255, 8, 248, 128)
 """Added to a byte, modulo 256."""
 _FRAMES = 2
+_MOST_BYTES = 12
 
 Mask = npt.NDArray[np.bool_]
 
 
-def changed_pixels(core: Core, index: int, frames: int = _FRAMES) -> Mask:
+def changed_pixels(core: Core, index: int) -> Mask:
     """The pixels that another value of a byte changes within the next frames, (height, 160) bool.
 
     The core plays and is restored; its state does not change. A write that the game overwrites before it draws changes
@@ -21,18 +22,18 @@ def changed_pixels(core: Core, index: int, frames: int = _FRAMES) -> Mask:
     state = core.clone_state(include_rng=True)
     value = int(core.ram()[index])
     try:
-        twin = _screens(core, frames)
+        twin = _screens(core)
         changed = np.zeros(core.game.screen.shape, np.bool_)
         for change in _CHANGES:
             core.restore_state(state)
             core.set_ram(index, (value + change) % 256)
-            changed |= (_screens(core, frames) != twin).any(axis=0)
+            changed |= (_screens(core) != twin).any(axis=0)
         return changed
     finally:
         core.restore_state(state)
 
 
-def causes_of(core: Core, x: int, y: int, most: int = 12) -> list[int]:
+def causes_of(core: Core, x: int, y: int) -> list[int]:
     """The bytes that change a pixel or its nearest neighbours within the next frames, the most specific first.
 
     Specific is a byte that changes few other pixels.
@@ -44,7 +45,7 @@ def causes_of(core: Core, x: int, y: int, most: int = 12) -> list[int]:
         changed = changed_pixels(core, index)
         if changed[rows, columns].any():
             found.append((not changed[y, x], int(changed.sum()), index))
-    return [index for *_, index in sorted(found)][:most]
+    return [index for *_, index in sorted(found)][:_MOST_BYTES]
 
 
 def ahead(core: Core) -> ByteArray:
@@ -57,9 +58,9 @@ def ahead(core: Core) -> ByteArray:
         core.restore_state(state)
 
 
-def _screens(core: Core, frames: int) -> ByteArray:
+def _screens(core: Core) -> ByteArray:
     screens = []
-    for _ in range(frames):
+    for _ in range(_FRAMES):
         core.act(0)
         screens.append(core.screen())
     return np.stack(screens)

@@ -7,6 +7,9 @@ from atari.lab.inspector.session import Session
 from atari.lab.inspector.timeline import Timeline
 from atari.recording import RecordReplay, VideoWriter, frame_rate
 
+NAMES = ("labels.toml", "interventions.toml", "replay.a26")
+"""The exports of `write`."""
+
 MOST_CLIP_FRAMES = 3600
 """A minute."""
 
@@ -87,7 +90,7 @@ def write_replay(session: Session, path: Path) -> Path:
     return path
 
 
-def write_clip(session: Session, path: Path, start: int, stop: int, scale: int = 2) -> Path:
+def write_clip(session: Session, path: Path, start: int, stop: int) -> None:
     """Write the frames after `start`, up to `stop`, as a video with sound.
 
     Raises:
@@ -105,14 +108,27 @@ def write_clip(session: Session, path: Path, start: int, stop: int, scale: int =
     rate = frame_rate(session.game)
     try:
         again = Timeline(env.core, timeline.first)
-        with VideoWriter(path, session.game.screen.shape, rate, scale=scale, sound=True) as video:
+        with VideoWriter(path, session.game.screen.shape, rate, scale=2, sound=True) as video:
             for frame in timeline.frames(timeline.first, stop):
                 again.play(frame)
                 if again.at > start:
                     video.write(env.core.screen_rgb(), env.core.audio())
     finally:
         env.close()
-    return path
+
+
+def write(session: Session, name: str, path: Path) -> None:
+    """Write one of `NAMES`.
+
+    Raises:
+        ValueError: there is nothing to export.
+        OSError: the file cannot be written.
+    """
+    if name == "replay.a26":
+        write_replay(session, path)
+    else:
+        text = labels_toml(session) if name == "labels.toml" else interventions_toml(session)
+        path.write_text(text, encoding="utf-8")
 
 
 def _at_first_frame(session: Session) -> AtariEnv:

@@ -116,6 +116,18 @@ def overlay(session: Session) -> dict[str, Any]:
     return {"objects": objects, "values": values}
 
 
+def news(session: Session, known: str) -> tuple[str, list[dict[str, Any]]]:
+    """The state as JSON, and the messages after a frame to a page that has the state `known`. Clears the notice."""
+    shown, present = overlay(session), json.dumps(state(session))
+    messages = [shown] if any(shown.values()) else []
+    if present != known:
+        messages.append(json.loads(present))
+    if session.notice:
+        messages.append({"notice": session.notice})
+        session.notice = ""
+    return present, messages
+
+
 _INTEGER, _TEXT, _BOOL, _NUMBER, _BYTE = (int,), (str,), (bool,), (int, float), (int, type(None))
 
 _COMMANDS: dict[str, tuple[Callable[..., Any], dict[str, tuple[type, ...]]]] = {
@@ -150,6 +162,8 @@ def run(session: Session, text: str) -> list[dict[str, Any]]:
     """Run a command of the page, and return the answers."""
     try:
         name, arguments = _parse(text)
+        if name not in ("pixels", "bytes"):  # which change nothing that the page shows
+            session.version += 1
         result = _COMMANDS[name][0](session, **arguments)
     except (TypeError, ValueError, RuntimeError) as error:
         return [{"error": str(error)}]

@@ -11,11 +11,7 @@ from atari.lab.objects import positions, visible_objects
 
 
 class Readings:
-    """What the labels of a game say about a state.
-
-    Args:
-        game: that is played.
-    """
+    """What the labels of a game say about a state."""
 
     def __init__(self, game: Game) -> None:
         self.names: dict[int, list[str]] = {}
@@ -34,9 +30,7 @@ class Readings:
 
         An object is its name, x, y, width and height in pixels, None where they are not known.
         """
-        numbers, visible = self._labels.evaluate(ram[None])
-        shown = zip(self._labels.names, numbers[:, 0].tolist(), visible[:, 0].tolist(), strict=True)
-        values = {name: number if seen else None for name, number, seen in shown}
+        values = self._labels.values(ram)
         objects = visible_objects(self._positions, values)
         return values, [[each.name, each.x, each.y, each.width, each.height] for each in objects]
 

@@ -9,7 +9,6 @@ import asyncio
 import contextlib
 import errno
 import hmac
-import json
 import secrets
 import tempfile
 import time
@@ -46,18 +45,14 @@ _CLOSE_TAKEN = 4001  # the session went on in another tab
 
 
 class Inspector:
-    """The server of one session.
+    """The server of one session. Its `token` is the secret in the address."""
 
-    Args:
-        session: that is shown.
-        token: the secret in the address; by default a new one.
-    """
-
-    def __init__(self, session: Session, token: str | None = None) -> None:
+    def __init__(self, session: Session) -> None:
         self.session = session
-        self.token = token or secrets.token_urlsafe(24)
+        self.token = secrets.token_urlsafe(24)
         self.port = 0
         self._tab: web.WebSocketResponse | None = None
+        self._state = ""  # that the tab has
         self._runner: web.AppRunner | None = None
         self._loop: asyncio.Task[None] | None = None
 
@@ -147,12 +142,8 @@ class Inspector:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, f"{session.game.id}-{name}")
             try:
-                if name == "labels.toml":
-                    path.write_text(export.labels_toml(session), encoding="utf-8")
-                elif name == "interventions.toml":
-                    path.write_text(export.interventions_toml(session), encoding="utf-8")
-                elif name == "replay.a26":
-                    export.write_replay(session, path)
+                if name in export.NAMES:
+                    export.write(session, name, path)
                 elif name == "clip.mp4":
                     start, stop = (int(request.query.get(key, "-1")) for key in ("start", "stop"))
                     await asyncio.to_thread(export.write_clip, session, path, start, stop)
@@ -176,7 +167,7 @@ class Inspector:
             with contextlib.suppress(ConnectionError):
                 await old.send_json({"refused": "This session went on in another tab."})
                 await old.close(code=_CLOSE_TAKEN)
-        self._tab = socket
+        self._tab, self._state = socket, ""
         try:
             await socket.send_json(protocol.hello(self.session))
             await socket.send_json(protocol.state(self.session))
@@ -220,18 +211,10 @@ class Inspector:
             sent, last = key, now
 
     async def _send(self, tab: web.WebSocketResponse) -> None:
-        session = self.session
-        await tab.send_bytes(protocol.frame(session))
-        overlay = protocol.overlay(session)
-        if any(overlay.values()):
-            await tab.send_json(overlay)
-        state = json.dumps(protocol.state(session))
-        if getattr(tab, "_atari_state", None) != state:
-            tab._atari_state = state  # type: ignore[attr-defined]
-            await tab.send_str(state)
-        if session.notice:
-            notice, session.notice = session.notice, ""
-            await tab.send_json({"notice": notice})
+        await tab.send_bytes(protocol.frame(self.session))
+        self._state, messages = protocol.news(self.session, self._state)
+        for message in messages:
+            await tab.send_json(message)
 
 
 def serve(

@@ -1,7 +1,6 @@
 """`Session`: everything that can be done in the inspector, without a page."""
 
 import copy
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -88,21 +87,13 @@ class Session:
         env: an `AtariEnv` in any wrappers. The session plays its core directly; the wrappers do not see it.
         agent: plays instead of a person.
         seed: of the first game, if the environment was not reset before.
-        recorded: called with the new timeline, to fill in what was recorded.
 
     Raises:
         TypeError: it is no `AtariEnv`.
         ValueError: its core is ale-py's.
     """
 
-    def __init__(
-        self,
-        env: gymnasium.Env[Any, Any],
-        *,
-        agent: Agent | None = None,
-        seed: int | None = None,
-        recorded: Callable[[Timeline], None] | None = None,
-    ) -> None:
+    def __init__(self, env: gymnasium.Env[Any, Any], *, agent: Agent | None = None, seed: int | None = None) -> None:
         atari = env.unwrapped
         if not isinstance(atari, AtariEnv):
             raise TypeError(f"the inspector shows an atari.AtariEnv, got {type(atari).__name__}")
@@ -114,9 +105,6 @@ class Session:
         self.game = atari.game
         self.agent = agent
         self.main = Timeline(atari.core)
-        if recorded is not None:
-            recorded(self.main)
-            self.main.seek(self.main.first)
         self.fork: Timeline | None = None
         self.playing = False
         self.by_agent = agent is not None
@@ -128,14 +116,10 @@ class Session:
         """Names that the user has given to bytes."""
         self.changes: list[Change] = []
         """The changes that can be undone."""
-        self.search = Search(_Shown(self))
-        self.search_scores = [0]
-        """The score at the start of the search and at each filter."""
-        self.searched = self.ram()
-        """The RAM at the last filter."""
+        self.new_search()
         self.readings = Readings(self.game)
         self.version = 0
-        """Differs after everything that the page shows has changed."""
+        """Counts the frames that were played and the commands that `protocol.run` has run."""
         self.notice = ""
         self._debt = 0.0
         self._agent_is_new = True
@@ -196,13 +180,11 @@ class Session:
         if self.over and self.at == self.main.end and not self.by_agent:
             raise ValueError("the game is over; begin a new one (R), or go back in time")
         self.playing = True
-        self.version += 1
 
     def pause(self) -> None:
         """Pause."""
         self.playing = False
         self.action = Action.NOOP
-        self.version += 1
 
     def step(self, frames: int = 1) -> None:
         """Pause, and play frames, or go back if negative."""
@@ -243,17 +225,14 @@ class Session:
         if isinstance(speed, bool) or speed not in SPEEDS:
             raise ValueError(f"speed is one of {', '.join(map(str, SPEEDS))}, got {speed!r}")
         self.speed = float(speed)
-        self.version += 1
 
     def hold(self, vertical: int, horizontal: int, fire: bool) -> None:
         """Set the position of the stick: 1 is up and right. An illegal one becomes the nearest that is legal.
 
         The first press drops what was recorded after the present frame.
         """
-        vertical, horizontal = (
-            check_integer("vertical", vertical, -1, 1),
-            check_integer("horizontal", horizontal, -1, 1),
-        )
+        vertical = check_integer("vertical", vertical, -1, 1)
+        horizontal = check_integer("horizontal", horizontal, -1, 1)
         wanted = [(vertical, horizontal, bool(fire)), (vertical, horizontal, False), (0, horizontal, bool(fire))]
         wanted += [(vertical, 0, bool(fire)), (0, 0, bool(fire)), (0, horizontal, False), (vertical, 0, False)]
         legal = self.game.legal_actions
@@ -274,7 +253,6 @@ class Session:
             raise ValueError("there is no agent; start with `atari lab GAME --agent MODULE:NAME`")
         self.by_agent = bool(on)
         self._agent_is_new = True
-        self.version += 1
 
     # --- changing RAM
 
@@ -287,7 +265,6 @@ class Session:
             timeline.freeze({**timeline.frozen, index: value})
         self.changes.append(Change(timeline.at, index, old, value, "poke", since))
         timeline.write(index, value)
-        self.version += 1
 
     def freeze(self, index: int, value: int | None = None) -> None:
         """Hold a byte at a value, by default its present one, at every emulated frame.
@@ -302,7 +279,6 @@ class Session:
         timeline.freeze({**timeline.frozen, index: value})
         self.changes.append(Change(timeline.at, index, held, value, "freeze"))
         timeline.write(index, value)
-        self.version += 1
 
     def release(self, index: int) -> None:
         """Hold a byte no longer."""
@@ -311,17 +287,16 @@ class Session:
         if index in timeline.frozen:
             timeline.cut()
             self.changes.append(Change(self.at, index, timeline.frozen[index], None, "freeze"))
-            timeline.freeze(_with(timeline.frozen, index, None))
-            self.version += 1
+            timeline.freeze({other: held for other, held in timeline.frozen.items() if other != index})
 
     def undo(self) -> None:
         """Undo the last change: a poke before which nothing was played is taken back, another is written back."""
         if not self.changes:
             raise ValueError("there is no change of RAM to undo")
         change, timeline = self.changes.pop(), self.shown
-        self.version += 1
         if change.kind == "freeze":
-            timeline.freeze(_with(timeline.frozen, change.index, change.old))
+            held = {**timeline.frozen, change.index: change.old}
+            timeline.freeze({index: value for index, value in held.items() if value is not None})
         if timeline.at == timeline.end == change.frame and change.index in timeline.pending:
             timeline.forget_write(change.index)
             if change.kind == "poke" and int(timeline.core.ram()[change.index]) != change.old:
@@ -340,14 +315,13 @@ class Session:
         index = self._byte(index)
         if not isinstance(name, str) or len(name) > 40 or (name and not name.isidentifier()) or not name.isascii():
             raise ValueError("a name has letters, digits and underscores, begins with no digit, and at most 40 of them")
-        taken = {**{label: at for at, labels in self.readings.names.items() for label in labels}}
+        taken = {label: at for at, labels in self.readings.names.items() for label in labels}
         taken |= {given: at for at, given in self.names.items()}
         if name and taken.get(name, index) != index:
             raise ValueError(f"{name} is the name of byte {taken[name]}")
         self.names.pop(index, None)
         if name:
             self.names[index] = name
-        self.version += 1
 
     def copied_env(self) -> AtariEnv:
         """A copy of the environment, without the bytes that the session holds; frames say which they hold."""
@@ -368,7 +342,6 @@ class Session:
         self.fork = Timeline(twin.core, self.main.at, self.main.score)
         self.fork.freeze(self.main.frozen)
         self._changes_of_main = len(self.changes)
-        self.version += 1
 
     def close_fork(self, keep: bool = False) -> None:
         """Close the fork, and go on with it (`keep`) or with the main timeline."""
@@ -393,7 +366,6 @@ class Session:
     def select(self, index: int | None) -> None:
         """Choose the byte whose history is shown."""
         self.selected = None if index is None else self._byte(index)
-        self.version += 1
 
     def watch(self, index: int, on: bool = True) -> None:
         """Put a byte on the watch list, or take it off."""
@@ -404,13 +376,14 @@ class Session:
             self.watched.append(index)
         elif not on and index in self.watched:
             self.watched.remove(index)
-        self.version += 1
 
     def new_search(self) -> None:
         """Begin a search over all bytes."""
-        self.search, self.searched = Search(_Shown(self)), self.ram()
+        self.search = Search(_Shown(self))
         self.search_scores = [self.shown.score]
-        self.version += 1
+        """The score at the start of the search and at each filter."""
+        self.searched = self.ram()
+        """The RAM at the last filter."""
 
     def filter(self, name: str, low: int = 0, high: int = 0) -> None:
         """Narrow the search down by a method of `atari.lab.Search`; `low` and `high` are its numbers.
@@ -430,7 +403,6 @@ class Session:
             getattr(self.search, name)(*numbers[:count])
         self.search_scores.append(self.shown.score)
         self.searched = self.ram()
-        self.version += 1
 
     def undo_filter(self) -> None:
         """Take the last filter back.
@@ -440,7 +412,6 @@ class Session:
         """
         self.search.undo()
         del self.search_scores[len(self.search.history) :]
-        self.version += 1
 
     def pixels_of(self, index: int) -> tuple[np.ndarray[Any, Any], str]:
         """The pixels that a byte causes, (height, 160) bool, and where this is known from.
@@ -505,15 +476,7 @@ class Session:
         """The present state is another one than the frame before's next."""
         self._agent_is_new = True
         self._debt = 0.0
-        self.version += 1
 
     def _byte(self, index: int) -> int:
         """The index of a place in RAM: an index 0..127, or an address 0x80..0xFF."""
-        number = check_integer("a byte", index, 0, 255)
-        return number - 128 if number >= 128 else number
-
-
-def _with(values: dict[int, int], index: int, value: int | None) -> dict[int, int]:
-    """A copy with this value, or without it if None."""
-    rest = {other: held for other, held in values.items() if other != index}
-    return rest if value is None else {**rest, index: value}
+        return check_integer("a byte", index, 0, 255) & 127

@@ -1,6 +1,5 @@
 """Sessions of replays and of saved states."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -24,42 +23,38 @@ def session_of_replay(path: Path, *, rom: Path | None = None, agent: Agent | Non
         ValueError, OSError: see `Replay.load`.
     """
     replay = Replay.load(path, rom=rom)
-    session = Session(
-        replay.make_env(frameskip=1, obs_type="rgb", render_mode=None), agent=agent, recorded=_frames_of(replay)
-    )
+    session = Session(replay.make_env(frameskip=1, obs_type="rgb", render_mode=None), agent=agent)
+    _fill(session.main, replay)
+    session.main.seek(session.main.first)
     session.let_agent_play(agent is not None)
     if replay.frames_total > MOST_FRAMES:
         session.notice = f"the replay has {replay.frames_total:,} frames; the first {MOST_FRAMES:,} are shown"
     return session
 
 
-def _frames_of(replay: Replay) -> Callable[[Timeline], None]:
-    """A function that fills a timeline with the frames of a replay."""
-
-    def fill(timeline: Timeline) -> None:
-        core = timeline.core
-        writes: dict[int, int] = {}
-        state: Any = None
-        slots: tuple[Any, ...] | None = None
-        for event, calls in replay.walk(core):
-            for call in calls:
-                if event.kind == Kind.POKE:
-                    index, value = event.numbers
-                    writes[index] = value
-                elif event.kind in (Kind.ADD_WRITE, Kind.REMOVE_WRITE):
-                    slots = tuple(core.writes)  # type: ignore[attr-defined]
-                    writes, state = {}, core.clone_state(include_rng=True)
-                elif event.kind in (Kind.SEED, Kind.RESTORE, Kind.LOAD, Kind.MODE, Kind.DIFFICULTY):
-                    writes, state = {}, core.clone_state(include_rng=True)
-                elif event.kind == Kind.RESET or (event.kind == Kind.ACT and call.played):
-                    action = NEW_GAME if event.kind == Kind.RESET else event.numbers[0]
-                    strength = event.floats[0] if event.floats else 1.0
-                    frame = Frame(action, tuple(writes.items()), (), strength, state, slots)
-                    writes, state = {}, None
-                    if not timeline.append(frame, call.reward):
-                        return
-
-    return fill
+def _fill(timeline: Timeline, replay: Replay) -> None:
+    """Append the frames of a replay, which are played on the core of the timeline."""
+    core: Any = timeline.core
+    writes: dict[int, int] = {}
+    state: Any = None
+    slots: tuple[Any, ...] | None = None
+    for event, calls in replay.walk(core):
+        for call in calls:
+            if event.kind == Kind.POKE:
+                index, value = event.numbers
+                writes[index] = value
+            elif event.kind in (Kind.ADD_WRITE, Kind.REMOVE_WRITE):
+                slots = tuple(core.writes)
+                writes, state = {}, core.clone_state(include_rng=True)
+            elif event.kind in (Kind.SEED, Kind.RESTORE, Kind.LOAD, Kind.MODE, Kind.DIFFICULTY):
+                writes, state = {}, core.clone_state(include_rng=True)
+            elif event.kind == Kind.RESET or (event.kind == Kind.ACT and call.played):
+                action = NEW_GAME if event.kind == Kind.RESET else event.numbers[0]
+                strength = event.floats[0] if event.floats else 1.0
+                frame = Frame(action, tuple(writes.items()), (), strength, state, slots)
+                writes, state = {}, None
+                if not timeline.append(frame, call.reward):
+                    return
 
 
 def session_of_snapshot(path: Path, *, rom: Path | None = None, agent: Agent | None = None) -> Session:

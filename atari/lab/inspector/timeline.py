@@ -88,7 +88,11 @@ class Timeline:
             frame = frame._replace(before=(*self.pending.items(), *frame.before))
             self.pending = {}
         if len(self._frames) >= MOST_FRAMES:
-            self._drop_oldest()
+            count = _FRAMES_DROPPED
+            del self._frames[:count], self._states[: count // FRAMES_PER_SNAPSHOT]
+            self._ram[:-count] = self._ram[count:]
+            self._scores[:-count] = self._scores[count:]
+            self.first += count
         self._frames.append(frame)
         self._make(frame)
 
@@ -102,12 +106,10 @@ class Timeline:
         self._keep()
         return True
 
-    def play_again(self) -> bool:
+    def play_again(self) -> None:
         """Play the next recorded frame, if there is one."""
-        if self.at == self.end:
-            return False
-        self._make(self._frames[self.at - self.first])
-        return True
+        if self.at < self.end:
+            self._make(self._frames[self.at - self.first])
 
     def seek(self, frame: int) -> None:
         """Return to a frame; one that is not kept becomes the nearest."""
@@ -159,13 +161,11 @@ class Timeline:
     def history(self, index: int, count: int) -> ByteArray:
         """The last values of a byte up to the present, (at most `count`,) uint8."""
         here = self.at - self.first
-        values: ByteArray = self._ram[max(0, here + 1 - count) : here + 1, index].copy()
-        return values
+        return np.array(self._ram[max(0, here + 1 - count) : here + 1, index])
 
     def ram_at(self, frame: int) -> ByteArray:
         """The RAM after a frame that is kept, (128,) uint8."""
-        ram: ByteArray = self._ram[frame - self.first].copy()
-        return ram
+        return np.array(self._ram[frame - self.first])
 
     def _make(self, frame: Frame) -> None:
         """Play a frame and keep its results."""
@@ -216,10 +216,3 @@ class Timeline:
         self._scores[here] = np.clip(self.score, -(2**31), 2**31 - 1)
         if here == len(self._states) * FRAMES_PER_SNAPSHOT:
             self._states.append(self.core.clone_state(include_rng=True))
-
-    def _drop_oldest(self) -> None:
-        count = _FRAMES_DROPPED
-        del self._frames[:count], self._states[: count // FRAMES_PER_SNAPSHOT]
-        self._ram[:-count] = self._ram[count:]
-        self._scores[:-count] = self._scores[count:]
-        self.first += count

@@ -14,14 +14,12 @@ from atari.games.game import Game
 from atari.games.interventions import Check, Intervention, resolve
 from atari.games.interventions.file import CHECK_NAMES, split_calls
 from atari.games.interventions.writes import parse_expression
-from atari.lab.interventions.series import evaluate_series
+from atari.lab.interventions.series import Series, evaluate_series
 from atari.task import Task
 from atari.task.resolution import GameLike, resolve_frames
 
 _FRAMES_PER_ACTION = 4
 """Frames that a random action is held."""
-
-Series = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -63,13 +61,11 @@ class CheckResult:
 
     def __str__(self) -> str:
         what = "true on" if self.kind == "holds" else "mean of"
-        numbers = [
-            f"{number:.1%}" if self.kind == "holds" else f"{number:.4g}" for number in (self.with_it, self.without)
-        ]
+        form = ".1%" if self.kind == "holds" else ".4g"
         failed = "" if self.first_failure is None else f"; first false at frame {self.first_failure}"
         return (
             f"{self.game} {self.name}: {'passed' if self.passed else 'FAILED'}: {what} {self.expression!r} "
-            f"{numbers[0]} with it, {numbers[1]} without{failed}"
+            f"{self.with_it:{form}} with it, {self.without:{form}} without{failed}"
         )
 
 

@@ -16,6 +16,7 @@ from atari.task import Task
 from atari.task.resolution import GameLike, is_id
 from atari.validation import check_integer, check_probability
 from atari.vector import AtariVectorEnv
+from atari.vector.results import ends_of_stacks
 
 Policy = Callable[[Any, npt.NDArray[np.int64]], Any]
 
@@ -97,8 +98,9 @@ def play_episodes(
     Args:
         game: an ID, a game's name, the path of a game file, a `Game` or an `atari.Task`.
         steps: of all environments together; each is a state.
-        policy: a function of observations (num_envs, ...) and the numbers of the environments that returns actions
-            (num_envs,); None is random.
+        policy: a function of images (num_envs, ...) and the numbers of the environments that returns actions
+            (num_envs,), such as what `atari.learning.load_policy` returns; None is random. Its methods `begin` and
+            `begin_episodes`, if it has them, are called as of `atari.learning.Policy`.
         seed: of the environments and the random actions.
         epsilon: probability of a random action instead of the policy's.
         num_envs: environments that are played together.
@@ -121,7 +123,7 @@ def play_episodes(
         kind = "rgb_dict" if Task.of(game).obs_type in ("rgb", "rgb_dict") else "dict"
     elif not options:
         options = {"img_height": None, "img_width": None, "stack_num": 1}
-    envs = AtariVectorEnv(game, num_envs, **{"num_threads": 1, "obs_type": kind, **options})
+    envs = AtariVectorEnv(game, num_envs, **{"num_threads": 1, "game_info": True, "obs_type": kind, **options})
     if envs.task.obs_type not in ("dict", "rgb_dict"):
         raise ValueError(f"the states of a probe are images and RAM, 'dict' or 'rgb_dict', not {envs.task.obs_type!r}")
     generator = np.random.default_rng(seed)
@@ -130,8 +132,16 @@ def play_episodes(
     episodes: list[Episode] = []
     try:
         observation, _ = envs.reset(seed=seed)
-        begins = ended = np.zeros(num_envs, np.bool_)  # NEXT_STEP: the step after an end begins the next episode
+        # NEXT_STEP: the step after an end begins the next episode, and perhaps a new stack.
+        begins = ended = renewed = stacks_ended = np.zeros(num_envs, np.bool_)
+        begin, begin_episodes = getattr(policy, "begin", None), getattr(policy, "begin_episodes", None)
+        if begin is not None:
+            names = [action.name for action in envs.task.action_set]
+            seeds = np.random.SeedSequence(seed).generate_state(num_envs).astype(np.int64)
+            begin(envs.task.game, names, lanes, seeds)
         for step in range(0, steps, num_envs):
+            if begin_episodes is not None and renewed.any():
+                begin_episodes(lanes[renewed])
             for lane in lanes[: steps - step]:
                 if begins[lane]:
                     episodes.append(_stacked(parts[lane], envs.task))
@@ -141,8 +151,9 @@ def play_episodes(
             if policy is not None:
                 chosen = np.asarray(policy(observation["image"], lanes))
                 actions = np.where(generator.random(num_envs) < epsilon, actions, chosen)
-            observation, _, terminated, truncated, _ = envs.step(actions)
+            observation, _, terminated, truncated, info = envs.step(actions)
             begins, ended = ended, terminated | truncated
+            renewed, stacks_ended = stacks_ended, ends_of_stacks(envs.task, terminated, truncated, info)
     finally:
         envs.close()
     return episodes + [_stacked(part, envs.task) for part in parts if part]

@@ -47,7 +47,7 @@ class DQNOptions(TrainingOptions):
     """
 
     default_preset: ClassVar[str] = "dqn2015"
-    default_ram_padding: ClassVar[str] = "zero"
+    ram_padding: ClassVar[str] = "zero"
 
     total_steps: int = 50_000_000
     num_envs: int = 1
@@ -138,8 +138,8 @@ class DQN(Agent):
             options.memory,
             options.num_envs,
             self.envs.shape,
-            stack_num=options.stack,
-            padding=options.padding,
+            stack_num=options.task.stack_num or 1,
+            padding=options.task.padding,
             autoreset_mode="same_step",
             priority_exponent=options.priority,
             compress=options.compress,

@@ -134,7 +134,7 @@ class Worker:
             self.rewards[step] = torch.from_numpy(rewards)
             self.ends[step] = torch.from_numpy(terminations | truncations)
             if truncations.any():  # the game goes on unseen: add the value of what was not played
-                _, values = self._evaluate(torch.from_numpy(self.environments.final_observations(info)))
+                _, values = self._evaluate(torch.from_numpy(info["final_obs"]))
                 values = values * returns.deviation + returns.mean
                 self.rewards[step] += self.options.gamma * values * torch.from_numpy(truncations & ~terminations)
         self.values[-1] = self._evaluate(torch.from_numpy(self.observations))[1]

@@ -100,7 +100,7 @@ class Worker:
             self.rewards[step] = torch.from_numpy(rewards)
             self.ends[step] = torch.from_numpy(terminations | truncations)
             if truncations.any():  # the game goes on unseen: add the value of what was not played
-                values = self._values(torch.from_numpy(self.environments.final_observations(info))).amax(1)
+                values = self._values(torch.from_numpy(info["final_obs"])).amax(1)
                 self.rewards[step] += self.options.gamma * values * torch.from_numpy(truncations & ~terminations)
         self.greatest[-1] = self._values(torch.from_numpy(self.observations)).amax(1)
         self._estimate()

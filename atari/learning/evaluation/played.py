@@ -82,12 +82,16 @@ def usual_protocol(policy: Any, entry: Entry) -> EvaluationProtocol:
     own = getattr(policy, "protocol", None)
     if own is not None:
         return find_protocol(own)
-    says_nothing = not getattr(policy, "task", None) and not getattr(policy, "environment", None)
-    if says_nothing and (entry.env_id is not None or isinstance(entry.given, Task)):
+    if says_nothing(policy) and (entry.env_id is not None or isinstance(entry.given, Task)):
         name = entry.env_id or "task"
         facts: dict[str, Any] = {"name": name, "source": f"whole games of {name}", "epsilon": 0.0, "episodes": 1}
         return EvaluationProtocol.of_task(entry.task, **facts)
     return PROTOCOLS["baselines"]
+
+
+def says_nothing(policy: Any) -> bool:
+    """Whether a policy says nothing of what it needs."""
+    return not any(getattr(policy, name, None) for name in ("task", "environment", "protocol"))
 
 
 def played_task(entry: Entry, protocol: EvaluationProtocol, needs: Needs) -> Task:
@@ -206,7 +210,7 @@ def _check_given(task: Task, played: Task, protocol: EvaluationProtocol) -> None
 
 def game_of(task: Task) -> Task:
     """The task of a policy as the game of an evaluation: its game, mode, difficulty and interventions alone."""
-    return Task.of(task.definition, **{name: getattr(task, name) for name in _OF_GAME})  # type: ignore[arg-type]
+    return Task.of(task.definition, **{name: getattr(task, name) for name in _OF_GAME})
 
 
 def _check_same_game(entry: Entry, task: Task) -> None:

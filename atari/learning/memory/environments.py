@@ -17,10 +17,11 @@ def options_for(envs: Any, num_envs: int | None = None) -> dict[str, Any]:
         TypeError, ValueError: see `ReplayMemory.for_env`.
     """
     made = vector_of(envs, num_envs, {})
-    stack_num = 4
-    if made is not envs and made.task.obs_type != "ram":
-        stack_num = made.task.stack_num or 1
-        made = made.task.replace(stack_num=1).make_vec(made.num_envs)
+    stack_num, of_ram, padding = 4, False, {}
+    if made is not envs:
+        stack_num, of_ram = made.task.stack_num or 1, made.task.obs_type == "ram"
+        padding = {"padding": made.task.padding}
+        made = made.task.replace(stack_num=None if of_ram else 1).make_vec(made.num_envs)
     envs = made
     observation, action = envs.single_observation_space, envs.single_action_space
     parts = observation.spaces if isinstance(observation, spaces.Dict) else {"": observation}
@@ -30,8 +31,7 @@ def options_for(envs: Any, num_envs: int | None = None) -> dict[str, Any]:
     if not isinstance(action, (spaces.Discrete, spaces.Box, spaces.MultiDiscrete, spaces.MultiBinary)):
         raise TypeError(f"a ReplayMemory stores actions that are arrays, and these are {action}")
     shapes = {name: tuple(part.shape or ()) for name, part in parts.items()}
-    images = {name: len(shape) >= 2 for name, shape in shapes.items()}
-    stacks = {name: stack_num if image else 1 for name, image in images.items()}
+    stacks = {name: stack_num if of_ram or len(shape) >= 2 else 1 for name, shape in shapes.items()}
     options = {
         "num_envs": envs.num_envs,
         "observation_shape": shapes if isinstance(observation, spaces.Dict) else shapes[""],
@@ -41,14 +41,15 @@ def options_for(envs: Any, num_envs: int | None = None) -> dict[str, Any]:
         "action_dtype": action.dtype,
     }
     unwrapped = getattr(envs, "unwrapped", envs)
-    return {**options, **_atari_options(unwrapped)} if isinstance(unwrapped, AtariVectorEnv) else options
+    return {**options, **_atari_options(unwrapped), **padding} if isinstance(unwrapped, AtariVectorEnv) else options
 
 
 def _atari_options(envs: AtariVectorEnv) -> dict[str, Any]:
     task = envs.task
-    if task.stack_num != 1 and task.obs_type != "ram":
+    single = None if task.obs_type == "ram" else 1
+    if task.stack_num != single:
         raise ValueError(
-            f"a ReplayMemory makes the stacks: make the environments with stack_num=1, not {task.stack_num}"
+            f"a ReplayMemory makes the stacks: make the environments with stack_num={single}, not {task.stack_num}"
         )
     if not envs.options.layout.is_engines:
         raise ValueError("a ReplayMemory stores what the engine writes: leave channels_last and dtype out")

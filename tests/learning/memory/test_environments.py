@@ -113,11 +113,19 @@ def test_a_dict_of_image_and_ram() -> None:
         assert np.array_equal(batch.next_observations["ram"][i], rams[index // 2 + 1][index % 2])
 
 
-@pytest.mark.parametrize("game", ["pong", "ALE/Pong-v5", Task.of("pong", preset="dqn2015", stack_num=3)])
+@pytest.mark.parametrize(
+    "game",
+    [
+        "pong",
+        "ALE/Pong-v5",
+        Task.of("pong", preset="dqn2015", stack_num=3),
+        Task.of("pong", preset="envpool", obs_type="ram", stack_num=3),
+    ],
+)
 def test_a_game_instead_of_environments(game: Any) -> None:
     memory = ReplayMemory.for_env(game, 200, num_envs=2, seed=0)
     task = atari.AtariVectorEnv(game, 2).task
-    envs = task.replace(stack_num=1).make_vec(2)
+    envs = task.replace(stack_num=None if task.obs_type == "ram" else 1).make_vec(2)
     memory.reset(envs.reset(seed=0)[0])
     for _ in range(30):
         actions = np.zeros(2, np.int64)
@@ -141,6 +149,7 @@ def test_environments_that_do_not_fit() -> None:
         ({"stack_num": 1, "life_loss_info": True}, "life_loss_info"),
         ({"stack_num": 1, "preset": "envpool", "episodic_life": True}, "episodic_life"),
         ({"stack_num": 1, "batch_size": 1}, "batch_size"),
+        ({"stack_num": 2, "obs_type": "ram"}, "stack_num=None, not 2"),
     ):
         with pytest.raises(ValueError, match=text):
             ReplayMemory.for_env(atari.AtariVectorEnv("pong", 2, **options), 100)

@@ -1,4 +1,4 @@
-"""`record_game` writes each frame of a game, with its sound."""
+"""Videos of replays of several players have each frame of the game, with its sound."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from atari.multiplayer import MultiplayerCore
-from atari.multiplayer.video import record_game
+from atari.recording import RecordMatch, Replay
 
 av = pytest.importorskip("av")
 
@@ -14,10 +14,11 @@ av = pytest.importorskip("av")
 def test_a_video_has_the_frames_and_the_sound_of_the_game(tmp_path: Path) -> None:
     source = np.random.default_rng(0)
     actions = source.integers(0, 18, (120, 2)).tolist()
-    core = MultiplayerCore("combat", sound=True)
-    moves = iter(actions)
-    totals = record_game(tmp_path / "match.mkv", core, lambda _: next(moves), frames=120)
-    assert len(totals) == 2
+    with RecordMatch(MultiplayerCore("combat"), tmp_path / "match.a26") as match:
+        match.reset()
+        for action in actions:
+            match.act_players(action)
+    Replay.load(tmp_path / "match.a26").render(tmp_path / "match.mkv")
 
     again = MultiplayerCore("combat", sound=True)
     again.reset()
@@ -36,7 +37,6 @@ def test_a_video_has_the_frames_and_the_sound_of_the_game(tmp_path: Path) -> Non
     assert np.array_equal(heard, (np.concatenate(samples).astype(np.int32) - 128) * 128)
 
 
-def test_a_frame_skip_is_refused_before_a_file_exists(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="frameskip=1, got 4"):
-        record_game(tmp_path / "match.mkv", MultiplayerCore("combat", frameskip=4), lambda _: [0, 0])
-    assert not list(tmp_path.iterdir())
+def test_the_name_before_says_the_new_one() -> None:
+    with pytest.raises(ImportError, match=r"record_game is now atari\.recording\.RecordMatch, whose replay"):
+        from atari.multiplayer.video import record_game  # noqa: F401
