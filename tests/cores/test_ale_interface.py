@@ -136,7 +136,9 @@ def test_modes_and_difficulties_are_set_as_in_ale_py() -> None:
                 assert data_equivalence(ours.step(action), theirs.step(action))
             assert data_equivalence(ours.reset(**reset), theirs.reset(**reset))
         theirs.close()
-        again = AtariEnv("breakout", core=core)
+        with pytest.raises(ValueError, match="with mode = 8, but this environment has 0; difficulty = 1, not 0"):
+            AtariEnv("breakout", core=core).restore(saved)
+        again = AtariEnv("breakout", mode=8, difficulty=1, core=core)
         again.restore(saved)
         assert again.clone_state().getDifficulty() == 1
         assert again.clone_state().getCurrentMode() == 8
