@@ -130,7 +130,16 @@ class EnvState(gymnasium.Env[Any, Any]):
         own, own_blobs = self._ale_seeding()
         snapshot.require(facts, {"of": "AtariEnv", "seeding": own.get("seeding", "gymnasium")})
         require_same(facts.get("task"), self._as_set(self._task), leave_out=GROUPS["observation"])
+        if facts.get("task") is not None:
+            blobs = {**blobs, "core": self._as_made(blobs.get("core", b""))}
         self._continue(facts, blobs, own_blobs)
+
+    def _as_made(self, data: bytes) -> bytes:
+        """A core's snapshot as if its core was made with this environment's mode and difficulty, which `ale` may have
+        set there."""
+        facts, blobs = snapshot.unpack(data)
+        made = {"mode": self._task.set_mode, "difficulty": self._task.set_difficulty}
+        return data if facts.items() >= made.items() else snapshot.pack({**facts, **made}, blobs)
 
     def _continue(self, facts: Mapping[str, Any], blobs: Mapping[str, bytes], own_blobs: Mapping[str, bytes]) -> None:
         """Continue from the facts and blobs of a snapshot of the same task."""
