@@ -5,6 +5,8 @@ from documents import page
 from door_cells import VALUES, check_cell
 from doors import TRAIN, row
 
+pytest.importorskip("torch")
+
 
 @pytest.mark.parametrize("field", VALUES)
 def test_a_training_takes_or_refuses_a_field(field: str) -> None:
