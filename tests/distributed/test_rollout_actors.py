@@ -180,7 +180,7 @@ def test_arguments_are_checked_before_anything_starts(cluster: Any) -> None:
         ({"steps": 0}, ValueError),
         ({"in_flight": 0}, ValueError),
         ({"snapshot_every": 0}, ValueError),
-        ({"seed": 2**31 - 7}, ValueError),
+        ({"seed": 2**32}, ValueError),
         ({"presett": "dqn2015"}, TypeError),
         ({"game": "no_such_game"}, ValueError),
     ):
