@@ -157,6 +157,8 @@ def make_AtariEnv(  # other programs find Atari games by this word in the entry 
         chosen = Task.from_json(task) if isinstance(task, str) else task
         found = resolve_task(chosen, preset, options, owner=f"{chosen.game}'s spec")
     else:
+        if not options.get("continuous", False):  # Dopamine gives a threshold to every environment, as ale-py allows
+            options.pop("continuous_action_threshold", None)
         found = resolve_task(base or options.pop("game"), preset, given_beside(base, options), owner="AtariEnv")
     return make_env(found, render_mode, core, rom)
 

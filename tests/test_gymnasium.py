@@ -11,6 +11,7 @@ from env_tools import needs_gymnasium_1, needs_new_ale_py
 from gymnasium import wrappers
 from gymnasium.utils.env_checker import data_equivalence
 
+import atari
 from atari import AtariEnv
 
 pytestmark = [needs_gymnasium_1, needs_new_ale_py]
@@ -105,3 +106,11 @@ def test_play(ids: tuple[str, str], monkeypatch: pytest.MonkeyPatch, wrapped: bo
     assert len(played[0]) == 12
     assert {action for action, _ in played[0]} > {0}
     assert data_equivalence(*played)
+
+
+def test_a_threshold_without_continuous_actions_is_accepted_as_by_ale_py() -> None:
+    """Dopamine gives one to every environment; `atari.make` refuses it."""
+    env = gymnasium.make("ALE/Pong-v5", continuous=False, continuous_action_threshold=0.0)
+    assert env.unwrapped.task == atari.Task.of("ALE/Pong-v5")
+    with pytest.raises(ValueError, match=r"continuous_action_threshold=0\.0 has no effect"):
+        atari.make("pong", continuous_action_threshold=0.0)
