@@ -28,7 +28,7 @@ class ResultParts:
         self._rows, self._players = rows, players
         self._observation = [(f"obs.{name}", (rows, *names[name].shape), np.uint8) for name in self._names]
         self._same_step = options.autoreset_mode == AutoresetMode.SAME_STEP
-        self._layout, self._preset, self._masks = options.layout, options.preset, options.action_masks()
+        self._layout, self._game_info, self._masks = options.layout, options.game_info, options.action_masks()
         self.as_written = self._layout.is_engines and not self._named
 
     def declared(self) -> list[tuple[str, tuple[int, ...], Any]]:
@@ -62,7 +62,7 @@ class ResultParts:
         """Observations, rewards, terminations, truncations and info, from JAX arrays in the order of `declared`."""
         parts = dict(zip((name for name, *_ in self.declared()), arrays, strict=True))
         info = {name: parts[name] for name in ("env_id", "lives", "frame_number", "episode_frame_number")}
-        if self._preset:
+        if self._game_info:
             info |= {
                 "reward": parts["game_reward"],
                 "elapsed_step": parts["elapsed_step"],
