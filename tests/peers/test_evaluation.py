@@ -73,7 +73,7 @@ def test_sampled_actions_have_the_models_probabilities(tmp_path):
     tensor, _ = model.policy.obs_to_tensor(observations)
     with torch.no_grad():
         expected = model.policy.get_distribution(tensor).distribution.probs.numpy()[0]
-    policy.begin("breakout", (), np.arange(1), np.array([3]))
+    policy.begin("breakout", ("NOOP", "FIRE", "RIGHT", "LEFT"), np.arange(1), np.array([3]))
     drawn = [int(policy(observations, np.arange(1))[0]) for _ in range(2000)]
     np.testing.assert_allclose(np.bincount(drawn, minlength=4) / 2000, expected, atol=0.05)
 
