@@ -21,7 +21,7 @@ Phase = Literal["new", "playing", "over", "warned"]
 
 @dataclass(slots=True)
 class Played:
-    """What was played of a game since the emulator's reset."""
+    """The score and the counters of a game since the emulator's reset."""
 
     score: float = 0.0
     steps: int = 0  # counted by wrappers, for which a step is several frames
@@ -44,7 +44,7 @@ class EnvState(gymnasium.Env[Any, Any]):
     game: Game
 
     whole_task: Task
-    """What is played together with the wrappers that `atari.make` has put around this; `task` also has what was set
+    """The task played together with the wrappers that `atari.make` has put around this; `task` also has what was set
     since."""
 
     ale_settings: AleSettings
@@ -65,7 +65,7 @@ class EnvState(gymnasium.Env[Any, Any]):
 
     @property
     def task(self) -> Task:
-        """What is played, with the wrappers that `atari.make` has put around this, and with what `ale` has set."""
+        """The task played with the wrappers that `atari.make` has put around this, and with what `ale` has set."""
         return self._as_set(self.whole_task)
 
     def _as_set(self, task: Task) -> Task:

@@ -38,7 +38,7 @@ def _explain(args: argparse.Namespace) -> int:
 
 
 def _facts(env_id: str, task: Task) -> dict[str, Any]:
-    """What `registration.explain` prints, as data."""
+    """The facts that `registration.explain` prints, as data."""
     known = {other.id(task.game): other.options(task.game) for other in env_ids.FAMILIES if task.game in other.games()}
     return {"id": env_id, "options": known.pop(env_id), **_described(task), "siblings": known}
 

@@ -37,8 +37,8 @@ def register(commands: "Commands") -> None:
     parser.add_argument(
         "-o", "--output", type=Path, default=Path("maps"), metavar="FOLDER", help="for GAME.npz and GAME.png"
     )
-    aside = {**SCREEN, **BY_FRAME}  # forks are played frame by frame beside a twin with the same random words
-    add_task(parser, ("mode", "difficulty"), aside=aside, preset=False)
+    fixed = {**SCREEN, **BY_FRAME}  # forks are played frame by frame beside a twin with the same random words
+    add_task(parser, ("mode", "difficulty"), fixed=fixed, preset=False)
 
 
 def _map(args: argparse.Namespace) -> int:
@@ -78,7 +78,7 @@ def _map(args: argparse.Namespace) -> int:
 
 
 def _facts(found: "CausalMap") -> dict[str, Any]:
-    """What the map says, for JSON."""
+    """The findings of the map, for JSON."""
     return {
         "game": found.game,
         "suggestions": [asdict(each) for each in found.suggestions],

@@ -26,7 +26,7 @@ def is_match(args: argparse.Namespace) -> bool:
 
 
 def match_task(args: argparse.Namespace) -> Task:
-    """What several players play. A name of PettingZoo's chooses the mode, unless there is a flag.
+    """The task of several players. A name of PettingZoo's chooses the mode, unless there is a flag.
 
     Raises:
         ValueError: there is no such game or mode, the number of players is wrong, or there is a field that sessions of
@@ -46,7 +46,7 @@ def match_task(args: argparse.Namespace) -> Task:
     if "players" not in given and not name.endswith(".json"):
         modes = rules_of(find_game(name, playable=False)).modes
         args.players = next((count for count in modes if getattr(args, "mode", None) in modes[count]), min(modes))
-    args.aside = {}
+    args.fixed = {}
     task = task_of(args, game=name, base=BY_FRAME)
     fields = {field: getattr(task, field) for field in _OBEYED}
     for field, (value, _) in task.differences(Task.of(task.definition, **{**BY_FRAME, **fields})).items():
@@ -57,7 +57,9 @@ def match_task(args: argparse.Namespace) -> Task:
 def make_match(
     args: argparse.Namespace, task: Task, option: str, names: list[str]
 ) -> Callable[..., MultiplayerSession]:
-    """What makes the session of a task with its files; `names` are the policies, with --policy from player 1 on.
+    """A function that makes the session of a task with its files.
+
+    `names` are the policies, with --policy from player 1 on.
 
     Raises:
         ValueError: there is no such policy, or their number is wrong.

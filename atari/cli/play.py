@@ -52,7 +52,7 @@ def register(commands: "Commands") -> None:
         parser,
         ("game", "play", "begin", "lives", "limits", "obs_type"),
         leave_out=("continuous", "continuous_action_threshold"),
-        aside=SCREEN,
+        fixed=SCREEN,
     )
     add_former(parser, FORMER_FLAGS)
 

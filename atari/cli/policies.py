@@ -104,7 +104,7 @@ def find_played(args: argparse.Namespace, names: Sequence[str], policy: Any = No
 
 
 def games_of(policy: Any, entry: Entry, protocol: str | None = None) -> tuple[Task, RecordGames]:
-    """What a policy plays in a game, and the function that records games of it.
+    """The task that a policy plays in a game, and the function that records games of it.
 
     Args:
         policy, entry: as of `record_games`.

@@ -125,7 +125,7 @@ def record(args: argparse.Namespace) -> int:
 
 
 def _alone(args: argparse.Namespace, policy: str) -> tuple[Task, Callable[[], Play]]:
-    """What one player plays, and what prepares the play."""
+    """The task of one player, and the function that prepares the play."""
     if policy.endswith(SUFFIX):
         if args.steps is not None or (args.best and args.seconds is not None):
             raise ValueError("a replay is filmed whole, up to --seconds, or its --best game; leave the others out")
@@ -171,7 +171,7 @@ class _Ends:
 
 
 def _match(args: argparse.Namespace, names: list[str]) -> tuple[Task, Callable[[], Play]]:
-    """What several players play, and what prepares the play."""
+    """The task of several players, and the function that prepares the play."""
     if args.steps is not None:
         raise ValueError("--steps is for one player; give --seconds or --episodes")
     task = match_task(args)

@@ -59,7 +59,7 @@ def register(commands: "Commands") -> None:
     add_task(
         parser,
         ("mode", "difficulty", "repeat_action_probability", "max_num_frames_per_episode"),
-        aside={**SCREEN, "frameskip": 1, "actions": "full"},
+        fixed={**SCREEN, "frameskip": 1, "actions": "full"},
         preset=False,
     )
 

@@ -90,7 +90,7 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
 
     @property
     def task(self) -> Task:
-        """What the first environment plays."""
+        """The task of the first environment."""
         return self._atari.task
 
     def reset(self) -> Any:

@@ -123,7 +123,7 @@ class LoadedPolicy:
         return actions.astype(np.int64)
 
     def choose(self, observations: Any, lanes: npt.NDArray[np.int64]) -> tuple[Array, Mapping[str, Any]]:
-        """What the policy returns, unchecked: actions, and extras by name.
+        """The values that the policy returns, unchecked: actions, and extras by name.
 
         Raises:
             ValueError: it returns no array.

@@ -131,7 +131,7 @@ class MultiplayerCore(EmulatorCore):
             "repeat_action_probability": probabilities,
             "seed": operator.index(seed),
         }
-        """What `OPTIONS` names, with the defaults filled in, in types of JSON."""
+        """The options named by `OPTIONS`, with the defaults filled in, in types of JSON."""
         image = rom_image.read_image(find(self.game, rom))
         self._rom_md5 = rom_image.md5(image)
         super().__init__(

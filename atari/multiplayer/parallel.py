@@ -34,7 +34,7 @@ _BASE = {
     "max_episode_steps": 100_000,
     "seeding": "ale",
 }
-"""What a name alone has instead of ALE's v5: PettingZoo's environments."""
+"""The fields that a name alone has instead of those of ALE's v5: PettingZoo's environments."""
 
 _NO_OP = 0
 

@@ -82,7 +82,7 @@ class BaseSession(ABC):
 
     @property
     def _facts(self) -> dict[str, Any]:
-        """What a video says about itself, see `video_facts`."""
+        """The facts that a video of the session carries, see `video_facts`."""
         return {"game": self.game.id, "players": len(self.scores), "package": PACKAGE}
 
     @abstractmethod

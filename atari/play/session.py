@@ -173,7 +173,7 @@ class Session(BaseSession):
 
 
 def _task(game: Any, options: dict[str, Any]) -> Task:
-    """What is played, without what an agent would see.
+    """The task of the session, without the fields of an agent's observations.
 
     Raises:
         TypeError, ValueError: as `atari.Task.of`; or a field has no meaning for a person who plays.

@@ -68,7 +68,7 @@ def _difference(first: Replay, other: Replay) -> str:
 
 
 def facts_of_replays(replays: list[Replay]) -> dict[str, Any]:
-    """What a data set of replays says about them: as `Replay.facts`, with the seeds of all."""
+    """The metadata of a data set of replays: as `Replay.facts`, with the seeds of all."""
     return {**replays[0].facts, "core_seeds": [seed for replay in replays for seed in replay.seeds]}
 
 

@@ -50,7 +50,7 @@ def add_task(
     groups: Collection[str] = tuple(GROUPS),
     leave_out: Collection[str] = (),
     *,
-    aside: Mapping[str, Any] = MappingProxyType({}),
+    fixed: Mapping[str, Any] = MappingProxyType({}),
     preset: bool = True,
 ) -> None:
     """Add `--preset`, a flag of each option of a task that a command obeys, and `--print-task`.
@@ -60,7 +60,7 @@ def add_task(
             `preset`, which is None.
         groups: the groups of fields that the command obeys, see `atari.task.fields.GROUPS`, and names of options.
         leave_out: options of these groups that the command does not obey.
-        aside: options that do not matter for the command, such as those of observations where a screen is shown, with
+        fixed: options that do not matter for the command, such as those of observations where a screen is shown, with
             the values that it plays. They have no flags; where GAME has other values, the first line says so.
         preset: whether the command has `--preset`.
     """
@@ -78,7 +78,7 @@ def add_task(
                 help="another name of --actions full",
             )
     own.add_argument("--print-task", action="store_true", help="print what would be played, and end")
-    parser.set_defaults(obeyed=tuple(obeyed), aside=aside, command=parser.prog)
+    parser.set_defaults(obeyed=tuple(obeyed), fixed=fixed, command=parser.prog)
 
 
 def _options_of(groups: Collection[str]) -> tuple[str, ...]:
@@ -155,12 +155,12 @@ def _obeyed(args: argparse.Namespace, task: Task, text: str) -> Task:
         ValueError: it has a field that the command does not obey.
     """
     played = {
-        name: {**DEFAULTS, **args.aside}[name] for name in OPTIONS if name in args.aside or name not in args.obeyed
+        name: {**DEFAULTS, **args.fixed}[name] for name in OPTIONS if name in args.fixed or name not in args.obeyed
     }
     fields = task.plain()  # in which a mode that the game has anyway is None
     changed = {name: fields[name] for name, value in played.items() if fields[name] != value}
     for name, value in changed.items():
-        if name not in args.aside:
+        if name not in args.fixed:
             raise ValueError(
                 f"`{args.command}` has no place for {name}={value!r}, which {text} has; name the game alone, "
                 f"{task.game!r}, or a task without it"

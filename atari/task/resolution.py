@@ -108,7 +108,7 @@ def resolve_for_agent(
 def resolve_frames(game: GameLike, mode: int | None, difficulty: int | None, *, owner: str) -> Task:
     """The task of a function that plays single frames with actions of its own, without sticky actions and limits.
 
-    What an agent sees and may do, and how it is paid, is left aside where `game` has it.
+    What an agent sees and may do, and how it is paid, is left out where `game` has it.
 
     Args:
         game, owner: as of `resolve_task`.

@@ -44,7 +44,7 @@ def to_short_json(task: Task) -> str:
 
 @lru_cache(maxsize=256)
 def identity(task: Task) -> str:
-    """What a snapshot stores of a task: `to_short_json` without the ROM, which the snapshot of the core has."""
+    """The text of a task in a snapshot: `to_short_json` without the ROM, which the snapshot of the core has."""
     return to_short_json(task.with_set(rom_md5=None))
 
 

@@ -49,12 +49,12 @@ class VectorState:
 
     @property
     def task(self) -> Task:
-        """What the first environment plays; all play it, but for the game, its mode and interventions (added)."""
+        """The task of the first environment; all play it, but for the game, its mode and interventions (added)."""
         return self.tasks[0]
 
     @property
     def tasks(self) -> tuple[Task, ...]:
-        """What each environment plays, with modes and difficulties that were set since (added)."""
+        """The task of each environment, with modes and difficulties that were set since (added)."""
         return self._options.tasks
 
     def snapshot(self, indices: Iterable[int] | None = None) -> list[LaneSnapshot]:

@@ -103,7 +103,7 @@ def _parallel(game: Any, **options: Any) -> Task:
 
 
 def _evaluation(game: Any) -> Task:
-    """What `evaluate` plays by protocol machado2018; it makes a `Player` of each game."""
+    """The task that `evaluate` plays by protocol machado2018; it makes a `Player` of each game."""
     (entry,) = find_entries(game)
     return Player(load_policy("noop"), find_protocol("machado2018"), entry).task
 

@@ -186,7 +186,7 @@ def test_files_without_a_task(content: bytes, text: str, tmp_path: Path, monkeyp
 def by_frame(*words: str) -> argparse.Namespace:
     parser = Parser(prog="atari test", allow_abbrev=False)
     parser.add_argument("game")
-    add_task(parser, ("mode", "repeat_action_probability"), aside={**SCREEN, "frameskip": 1})
+    add_task(parser, ("mode", "repeat_action_probability"), fixed={**SCREEN, "frameskip": 1})
     return parser.parse_args(words)
 
 

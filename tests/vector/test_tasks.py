@@ -232,7 +232,7 @@ OF_RAM: dict[str, tuple[dict[str, Any], Any]] = {
         True,
     ),
 }
-"""What acts on RAM as on images."""
+"""The fields that act on RAM as on images."""
 
 STEPS = {"frogger": 1000}
 """By game, how many steps a trace has; Frogger goes on for a while after the last life."""

@@ -8,7 +8,7 @@
 
 namespace atari {
 
-// A frame of palette indices. `looks` are those of its rows (LineCache::looks), or null. `framebuffer` is the number of
+// A frame of palette indices. `looks` has the looks of its rows (LineCache::looks), or null. `framebuffer` is the number of
 // the console's framebuffer that holds it, or -1.
 struct Frame {
     const uint8_t* pixels;
@@ -16,7 +16,7 @@ struct Frame {
     int framebuffer = -1;
 };
 
-// What it reads must exist while frames are read. Owns a copy of the noted frame where the next frame overwrites it.
+// The memory that it reads must exist while frames are read. Owns a copy of the noted frame where the next frame overwrites it.
 class FrameSource {
   public:
     // Reads an environment without averaged colours, for which no other source holds frames.

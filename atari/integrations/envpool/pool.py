@@ -65,7 +65,7 @@ class EnvPool:
 
     @property
     def task(self) -> Task:
-        """What is played."""
+        """The task that is played."""
         return self.vector.task
 
     def reset(self, env_id: Any = None, *, seed: Any = None, options: Any = None) -> Any:

@@ -11,7 +11,7 @@ from atari.lab.objects import positions, visible_objects
 
 
 class Readings:
-    """What the labels of a game say about a state."""
+    """The values of a game's labels in a state."""
 
     def __init__(self, game: Game) -> None:
         self.names: dict[int, list[str]] = {}

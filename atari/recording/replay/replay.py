@@ -357,7 +357,7 @@ class Replay:
 
     @property
     def facts(self) -> dict[str, Any]:
-        """What videos and data sets that are made of the replay carry; see `video_facts`."""
+        """The facts that videos and data sets made of the replay carry; see `video_facts`."""
         text = self.header.get("task")
         options = {"game": self.game.id, "players": self.players, "options": dict(self.header["options"])}
         of_task = options if text is None else {"task": json.loads(text)}

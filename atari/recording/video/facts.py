@@ -1,4 +1,4 @@
-"""What a video says about itself: the task that was played, seeds and versions, as JSON in the comment of the file."""
+"""The facts in the comment of a video: the task that was played, seeds and versions, as JSON."""
 
 import json
 from os import PathLike
@@ -15,12 +15,12 @@ PACKAGE = f"atari-envs {atari.__version__}"
 
 
 def facts_of(task: Task) -> dict[str, Any]:
-    """What recordings of a task carry: `task`, its fields that do not have their defaults, and `package`."""
+    """The facts that recordings of a task carry: `task`, its fields that do not have their defaults, and `package`."""
     return {"task": json.loads(to_short_json(task)), "package": PACKAGE}
 
 
 def video_facts(path: str | PathLike[str]) -> dict[str, Any]:
-    """What a video of this package says about itself: `task` and `package`; if a replay was rendered, `core_seeds`.
+    """The facts that a video of this package carries: `task` and `package`; if a replay was rendered, `core_seeds`.
 
     Without a task, in a game of several players or of an old replay, there are `game`, `players` and `options`.
     `atari.Task.from_json(json.dumps(facts["task"]))` is the task of a game that is not your own.
