@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 
 pytest.importorskip("pettingzoo")
-from hypothesis import HealthCheck, given, reject, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from task_strategies import VALUES
+from task_strategies import VALUES, accepted
 
 import atari
 from atari import Task
 from atari.multiplayer.parallel import MultiplayerEnv
-from atari.task.rules import settle
 from atari.task.task import DEFAULTS, FIELDS
 
 OF_ONE_PLAYER = (
@@ -30,13 +29,7 @@ def tasks(draw: st.DrawFn) -> Task:
     fields: dict[str, Any] = {**DEFAULTS, **drawn}
     fields["game"], fields["players"] = draw(st.sampled_from(GAMES))
     fields["agent_indicator"], fields["zero_sum"] = draw(st.booleans()), draw(st.booleans())
-    if fields["img_height"] is None or fields["img_width"] is None:
-        fields["img_height"] = fields["img_width"] = None
-    settle(fields, DEFAULTS, given=())
-    try:
-        return Task(**fields)
-    except ValueError:
-        reject()
+    return accepted(fields)
 
 
 def vector(task: Task) -> atari.AtariVectorEnv:

@@ -47,11 +47,8 @@ VALUES: dict[str, tuple[Any, ...]] = {
 """By field, values that are drawn. Several players and sound have tests of their own."""
 
 
-@st.composite
-def tasks(draw: st.DrawFn, games: tuple[str, ...]) -> Task:
-    """A random task of one of these games."""
-    fields: dict[str, Any] = {**DEFAULTS, **{name: draw(st.sampled_from(values)) for name, values in VALUES.items()}}
-    fields["game"] = draw(st.sampled_from(games))
+def accepted(fields: dict[str, Any]) -> Task:
+    """The task of drawn fields, without those that have no effect; fields that contradict each other are rejected."""
     if fields["img_height"] is None or fields["img_width"] is None:
         fields["img_height"] = fields["img_width"] = None
     settle(fields, DEFAULTS, given=())
@@ -59,3 +56,11 @@ def tasks(draw: st.DrawFn, games: tuple[str, ...]) -> Task:
         return Task(**fields)
     except ValueError:
         reject()
+
+
+@st.composite
+def tasks(draw: st.DrawFn, games: tuple[str, ...]) -> Task:
+    """A random task of one of these games."""
+    fields: dict[str, Any] = {**DEFAULTS, **{name: draw(st.sampled_from(values)) for name, values in VALUES.items()}}
+    fields["game"] = draw(st.sampled_from(games))
+    return accepted(fields)
