@@ -14,7 +14,7 @@ import pytest
 
 import atari
 from atari.cores import AleCore, NativeCore, PlainCore
-from atari.games.interventions import load_file, resolve
+from atari.games.interventions import resolve
 from atari.lab.interventions import check, load
 from atari.recording.replay.record_replay import RecordReplay
 from atari.recording.replay.record_vector_replay import RecordVectorReplay
@@ -299,7 +299,7 @@ def test_a_file_of_ones_own(tmp_path: Path) -> None:
     assert env.step(0)[0][49] == 52
     assert check("pong", f"{path}#one")
     path.write_text(GOOD.replace("value = 3", "value = 5"))
-    assert load_file(path, "pong")["one"].writes[0].value == 5
+    assert load("pong", path)["one"].writes[0].value == 5
 
 
 @pytest.mark.parametrize(

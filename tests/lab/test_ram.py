@@ -167,7 +167,7 @@ def test_a_whole_vector(envs):
     assert ram[49].tolist() == [60, rams[1, 49], 61]
     ram[49] = [0, 50, 51]
     assert ram["ball_x"].mask.tolist() == [True, False, False]
-    assert repr(ram) == "Ram(pong, 8 labels, 3 environments)"
+    assert repr(ram) == "Ram(pong, 8 labels, 3 lanes)"
 
 
 @pytest.mark.parametrize(
@@ -225,7 +225,7 @@ def test_a_vector_of_several_games():
 def test_what_has_no_ram_is_refused(pong):
     with pytest.raises(TypeError, match="RAM is read from an AtariEnv"):
         Ram(3)
-    with pytest.raises(TypeError, match="index is the number of an environment of an AtariVectorEnv"):
+    with pytest.raises(TypeError, match="index is the number of a lane of an AtariVectorEnv"):
         Ram(pong, index=0)
 
 
