@@ -10,8 +10,8 @@ import atari
 from atari import AtariEnv, AtariVectorEnv
 from atari.cores import NativeCore
 from atari.games.frozen import FrozenDict
-from atari.lab import GameObject, Ram
-from atari.lab.objects import positions, visible_objects
+from atari.lab import Ram
+from atari.lab.objects import GameObject, positions, visible_objects
 from atari.lab.table import Table
 from atari.wrappers import DqnPreprocessing
 
