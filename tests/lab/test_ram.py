@@ -173,7 +173,7 @@ def test_a_whole_vector(envs):
 @pytest.mark.parametrize(
     ("value", "error", "message"),
     [
-        ([1, 2], ValueError, r"a value for each of the 3 environments, got the shape \(2,\)"),
+        ([1, 2], ValueError, r"a value for each of the 3 lanes, got the shape \(2,\)"),
         ([1.0, 2.0, 3.0], TypeError, "values must be integers, got float64"),
         ([1, 2, 300], ValueError, "cannot be 300"),
     ],
