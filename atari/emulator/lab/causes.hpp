@@ -1,4 +1,4 @@
-// `Causes` counts the effects of each byte of RAM. From given states of a game, every byte is changed to several values.
+// `Causes` counts the effects of each byte of RAM. In given states of a game, every byte is changed to several values.
 // A fork with the changed byte is played for some frames beside an unchanged twin with the same actions and the same
 // random words. Differences of screen, RAM, reward, lives and game over are effects of the change.
 #pragma once
