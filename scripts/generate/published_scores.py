@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Pack published Atari results into atari/learning/evaluation/data: one compressed JSON file for each source.
+"""Write published Atari results to atari/learning/evaluation/data: one JSON file for each source, one line a game.
 
-usage: scripts/generate/pack_published.py FOLDER
+usage: scripts/generate/published_scores.py FOLDER
 
 FOLDER has `published/` (curves and tables of other projects, `sources.json` with their licences) and `benchmarks.json`
 (sets of games, scores of papers). Scores, frames and seeds are taken over as they are. The protocols, which the sources
@@ -10,7 +10,6 @@ describe in words, are entered in the table PROTOCOLS below. Files are equal to 
 
 import argparse
 import csv
-import gzip
 import json
 from collections import defaultdict
 from pathlib import Path
@@ -71,6 +70,10 @@ PAPERS = {
 }
 
 
+CURVES = ("mean", "std", "marks", "final")
+"""The numbers of a game in a file with learning curves."""
+
+
 def main() -> None:
     """Write the files and print their sizes."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -112,11 +115,21 @@ def read(file: Path) -> Any:
 
 
 def write(name: str, content: Any) -> None:
-    """Write a file without a time in it, so that equal content gives equal bytes."""
-    data = json.dumps(content, separators=(",", ":"), ensure_ascii=False, sort_keys=True).encode()
-    packed = gzip.compress(data, 9, mtime=0)
-    (OUTPUT / f"{name}.json.gz").write_bytes(packed)
-    print(f"{name}: {len(packed):,} bytes")
+    """Write a file: names in alphabetical order, and the numbers of a game on one line, so that a change is one line."""
+    text = laid_out(content)
+    (OUTPUT / f"{name}.json").write_text(f"{text}\n", encoding="utf-8")
+    print(f"{name}: {len(text):,} characters")
+
+
+def laid_out(content: Any, margin: str = "") -> str:
+    """JSON with an item of each mapping, and of each list of texts, on a line of its own; all else is on one line."""
+    inner = f"{margin} "
+    if isinstance(content, dict) and not content.keys() <= {"score", *CURVES}:
+        lines = [f"{inner}{json.dumps(key)}: {laid_out(content[key], inner)}" for key in sorted(content)]
+        return "{\n" + ",\n".join(lines) + f"\n{margin}}}"
+    if isinstance(content, list) and content and all(isinstance(item, str) for item in content):
+        return "[\n" + ",\n".join(f"{inner}{laid_out(item)}" for item in content) + f"\n{margin}]"
+    return json.dumps(content, separators=(",", ":"), ensure_ascii=False, sort_keys=True)
 
 
 def curves(file: Path) -> dict[str, Any]:
@@ -129,7 +142,7 @@ def curves(file: Path) -> dict[str, Any]:
         if any("marks" in game for game in games.values()):
             entry["marks"] = content["marks"]
         for game, data in games.items():
-            entry["games"][game] = {key: data[key] for key in ("mean", "std", "marks", "final") if data.get(key)}
+            entry["games"][game] = {key: data[key] for key in CURVES if data.get(key)}
         agents[agent] = entry
     return agents
 
