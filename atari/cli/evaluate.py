@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 from tqdm import tqdm
 
 from atari.cli.arguments import add_command, number
-from atari.cli.output import print_json, print_table
 from atari.cli.policies import OF_GAME, find_played, games_of
+from atari.cli.printing import print_json, print_table
 from atari.learning import (
     GAME_SETS,
     PROTOCOLS,
@@ -55,14 +55,14 @@ def register(commands: "Commands") -> None:
     parser.add_argument(
         "--episodes", type=number(int, 1), metavar="N", help="whole games of each game (default: as the protocol says)"
     )
-    parser.add_argument("--seed", type=seed, default=0, metavar="N", help="of the games, below 2**32 (default: 0)")
+    parser.add_argument("--seed", type=seed, default=0, metavar="N", help="seed of the games, below 2**32 (default: 0)")
     parser.add_argument("--num-envs", type=number(int, 1), metavar="N", help="games at a time (default: up to 64)")
     parser.add_argument("--sample", action="store_true", help="draw the actions of stochastic policies")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="save the result, JSON")
     parser.add_argument(
         "--compare", action="append", default=[], metavar="NAME", help="a published agent, such as dopamine/rainbow"
     )
-    parser.add_argument("--frames", type=number(int, 1), metavar="N", help="compare at so many frames of training")
+    parser.add_argument("--frames", type=number(int, 1), metavar="N", help="compare at N frames of training")
     parser.add_argument("--human", default="noop57", metavar="TABLE", help="human scores (default: noop57)")
     parser.add_argument("--mixed", action="store_true", help="compare although protocols or budgets differ")
     parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the comparison: .svg, .png, .pdf")

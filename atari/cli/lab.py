@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import gymnasium
 
 from atari.cli.arguments import GAME_HELP, add_command, add_rom, find_game, number
-from atari.play.base import BY_FRAME
 from atari.task import Task
 from atari.task.arguments import SCREEN, add_task, given_options, seed, show_task, task_of
+from atari.task.resolution import BY_FRAME
 
 if TYPE_CHECKING:
     from atari.cli.arguments import Commands
@@ -23,9 +23,9 @@ _HIGHEST_PORT = 65535
 
 
 def register(commands: "Commands") -> None:
-    """Add `atari lab`. Its subcommands are in lab_map.py and lab_collect.py."""
+    """Add `atari lab`."""
     parser = add_command(commands, "lab", _lab, "see, search and change the RAM of a game, on a local page")
-    parser.epilog = "`atari lab map GAME` writes a causal map, `atari lab collect GAME` a data set."
+    parser.epilog = "`atari causes GAME` writes a causal map, `atari collect GAME` a data set."
     parser.add_argument(
         "source",
         metavar="SOURCE",
@@ -62,7 +62,7 @@ def _lab(args: argparse.Namespace) -> int:
         return 0
     browser = None if args.no_browser else _open_browser
     if args.json:
-        from atari.cli.output import print_json
+        from atari.cli.printing import print_json
 
         serve(session, port=args.port, browser=browser, ready=lambda url: print_json({"url": url}))
     else:
@@ -84,7 +84,7 @@ def _open_browser(url: str) -> None:
 
 
 def _session(args: argparse.Namespace) -> "Session":
-    """The session of a command line: of a game, a replay, a run folder or a saved state."""
+    """The session of a command line: a game, a replay, a run folder or a saved state."""
     from atari.env import AtariEnv
     from atari.lab.inspector.session import Session
     from atari.lab.inspector.sources import session_of_replay, session_of_snapshot

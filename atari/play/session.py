@@ -8,12 +8,12 @@ from typing import Any, ClassVar
 from atari.actions import Action
 from atari.cores import ByteArray
 from atari.games.game import Game
-from atari.play.base import BY_FRAME, BaseSession
+from atari.play.base import BaseSession
 from atari.recording import RecordReplay
 from atari.recording.video.facts import facts_of
 from atari.task import Task
 from atari.task.arguments import SCREEN
-from atari.task.resolution import resolve_task
+from atari.task.resolution import BY_FRAME, resolve_task
 from atari.task.task import DEFAULTS
 
 

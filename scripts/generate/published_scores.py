@@ -19,7 +19,7 @@ OUTPUT = Path(__file__).parents[2] / "atari" / "learning" / "evaluation" / "data
 
 
 def facts(sticky: float, noops: int, actions: str, max_frames: int | None, phase: str) -> dict[str, Any]:
-    """What must be equal to compare scores; None is not stated. All sources play four frames an action."""
+    """The facts that must be equal to compare scores; None is not stated. All sources play four frames an action."""
     return {
         "repeat_action_probability": sticky,
         "noop_max": noops,
@@ -115,7 +115,7 @@ def read(file: Path) -> Any:
 
 
 def write(name: str, content: Any) -> None:
-    """Write a file: names in alphabetical order, and the numbers of a game on one line, so that a change is one line."""
+    """Write a file, sorted, with the numbers of a game on one line, so that a change of a score is one line."""
     text = laid_out(content)
     (OUTPUT / f"{name}.json").write_text(f"{text}\n", encoding="utf-8")
     print(f"{name}: {len(text):,} characters")
@@ -193,7 +193,7 @@ def papers_source(benchmarks: dict[str, Any]) -> dict[str, Any]:
 
 
 def provenance(entry: dict[str, Any]) -> dict[str, Any]:
-    """What is kept of a source: where it is from, under which licence, and what its scores are."""
+    """The part of a source that is kept: its place, its licence, and the meaning of its scores."""
     kept = {key: entry[key] for key in ("repo", "commit", "licence", "copyright", "paths", "notes") if key in entry}
     protocol = entry.get("protocol") or {}
     return kept | {

@@ -1,4 +1,4 @@
-"""The tables in `data`: published results, sets of games, human scores. Made by scripts/generate/published_scores.py."""
+"""The tables in `data`: published results, sets of games, human scores; scripts/generate/published_scores.py writes."""
 
 import difflib
 import json
