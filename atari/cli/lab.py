@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import gymnasium
 
 from atari.cli.arguments import GAME_HELP, add_command, add_rom, find_game, number
-from atari.task import Task
 from atari.task.arguments import SCREEN, add_task, given_options, seed, show_task, task_of
 from atari.task.resolution import BY_FRAME
 
@@ -105,18 +104,14 @@ def _session(args: argparse.Namespace) -> "Session":
         game: Any = getattr(player, "game", None)
         if game is None:
             raise ValueError(f"{source} does not say which game it plays")
-        return Session(AtariEnv(_frames_of(player.task_in(find_game(game)))), agent=player, seed=seed_)
+        task = player.task_in(find_game(game)).of_emulator().replace(actions="full", obs_type="rgb")
+        return Session(AtariEnv(task), agent=player, seed=seed_)
     player = _agent(args.agent)
     if of_game:
         sticky = 0.0 if player is None else player.task_in(find_game(source)).repeat_action_probability
         task = task_of(args, game=source, base={**BY_FRAME, "repeat_action_probability": sticky})
         return Session(AtariEnv(task, rom=args.rom), agent=player, seed=seed_)
     return (session_of_replay if path.suffix == ".a26" else session_of_snapshot)(path, rom=args.rom, agent=player)
-
-
-def _frames_of(task: Task) -> Task:
-    """The frames of a task, one by one, with all actions."""
-    return task.of_emulator().replace(actions="full", obs_type="rgb")
 
 
 def _agent(source: str | None) -> Any:

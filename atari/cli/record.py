@@ -96,7 +96,7 @@ def record(args: argparse.Namespace) -> int:
     if len(policies) > 1 and not match:
         raise ValueError("a second --policy needs --players; see `atari record --help`")
     recorded = not match and policies[0].endswith(SUFFIX)
-    task, prepare = _match(args, policies) if match else _alone(args, policies[0])
+    task, play = _match(args, policies) if match else _alone(args, policies[0])
     if show_task(args, task):
         return 0
     stem = Path(policies[0]).stem if Path(policies[0]).exists() and not match else str(args.seed)
@@ -104,8 +104,8 @@ def record(args: argparse.Namespace) -> int:
     outputs = _Outputs(files, args.scale, not args.no_sound, args.overlay, args.best)
     if recorded and outputs.replays:
         raise ValueError("a replay of a replay is its copy; name a video with -o")
-    play, start = prepare(), time.perf_counter()
     outputs.check(task.definition)
+    start = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder:
         path = Path(policies[0]) if recorded else outputs.replay(folder)
         done = play(path)
@@ -127,43 +127,38 @@ def record(args: argparse.Namespace) -> int:
     return 0
 
 
-def _alone(args: argparse.Namespace, policy: str) -> tuple[Task, Callable[[], Play]]:
-    """The task of one player, and the function that prepares the play."""
+def _alone(args: argparse.Namespace, policy: str) -> tuple[Task, Play]:
+    """The task of one player, and the function that plays it."""
     if policy.endswith(SUFFIX):
         if args.steps is not None or (args.best and args.seconds is not None):
             raise ValueError("a replay is filmed whole, up to --seconds, or its --best game; leave the others out")
-        return replay_of(args, policy).task, lambda: lambda path: True
+        return replay_of(args, policy).task, lambda path: True
     loaded = load_policy(policy)
     if not Path(policy).exists() and says_nothing(loaded):
         task = task_of(args)
         if task.continuous:
             raise ValueError("continuous=True has no numbered actions, and a policy chooses one; leave it out")
-        return task, partial(_prepare, args, task, loaded)
+        return task, partial(_play_alone, args, task, loaded)
     for option in ("seconds", "steps", "rom"):
         if getattr(args, option) is not None:
             raise ValueError(f"{policy} plays whole games, with the ROM that is found; leave --{option} out")
     (entry,) = find_played(args, [args.game], loaded)
     task, record = games_of(loaded, entry)
     seeds = range(args.seed, args.seed + args.episodes)
-    return task, lambda: lambda path: bool(record(seeds, path))
+    return task, lambda path: bool(record(seeds, path))
 
 
-def _prepare(args: argparse.Namespace, task: Task, policy: LoadedPolicy) -> Play:
+def _play_alone(args: argparse.Namespace, task: Task, policy: LoadedPolicy, path: Path) -> bool:
     env = atari.make(game_of(args.game), preset=args.preset, rom=args.rom, **given_options(args))
-    return lambda path: _play(args, PolicySession(RecordReplay(env, path), task, policy, args.seed))
+    return _play(args, PolicySession(RecordReplay(env, path), task, policy, args.seed))
 
 
-def _match(args: argparse.Namespace, names: list[str]) -> tuple[Task, Callable[[], Play]]:
-    """The task of several players, and the function that prepares the play."""
+def _match(args: argparse.Namespace, names: list[str]) -> tuple[Task, Play]:
+    """The task of several players, and the function that plays it."""
     if args.steps is not None:
         raise ValueError("--steps is for one player; give --seconds or --episodes")
     task = match_task(args)
-
-    def prepare() -> Play:
-        make = make_match(args, task, "--policy", names)
-        return lambda path: _play(args, make(replay=path))
-
-    return task, prepare
+    return task, lambda path: _play(args, make_match(args, task, "--policy", names)(replay=path))
 
 
 def _play(args: argparse.Namespace, session: PolicySession | MultiplayerSession) -> bool:
