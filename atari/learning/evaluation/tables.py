@@ -1,4 +1,4 @@
-"""The tables in `data`: published results, sets of games, human scores; scripts/generate/published_scores.py writes."""
+"""The tables in `data`, which scripts/generate/published_scores.py writes: published results, sets, human scores."""
 
 import difflib
 import json
