@@ -25,7 +25,7 @@ class HelpFormatter(argparse.HelpFormatter):
     def add_usage(
         self, usage: str | None, actions: Iterable[argparse.Action], groups: Any, prefix: str | None = None
     ) -> None:
-        """Add the usage; that of a parser with subcommands stays as it is."""
+        """Add the usage; a parser with subcommands keeps its own."""
         actions = list(actions)
         shown = [action for action in actions if action.required or not action.option_strings]
         if shown != actions and not any(isinstance(action, argparse._SubParsersAction) for action in actions):
@@ -41,7 +41,7 @@ class Parser(argparse.ArgumentParser):
         self._intermixed = False
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Parse; an option may stand between two positional arguments, of which the second may be left out."""
+        """Parse; an option may stand before an argument that may be left out, such as the games of `evaluate`."""
         if self._intermixed or any(action.nargs in (argparse.PARSER, argparse.REMAINDER) for action in self._actions):
             return super().parse_known_args(args, namespace)
         self._intermixed = True  # for the calls of this method by the next one

@@ -1,4 +1,4 @@
-"""`atari record`: policies play a game to a replay, of which videos are rendered."""
+"""`atari record`: policies play a game to a replay, and videos are rendered from it."""
 
 import argparse
 import math
@@ -245,7 +245,7 @@ class _Outputs:
         return self.replays[0] if self.replays else Path(folder, "games.a26")
 
     def write(self, replay: Replay, seconds: float | None = None) -> int:
-        """Write all files but the one that the replay was loaded from; returns the number of frames of a video.
+        """Write all files except the loaded replay itself, and return the number of frames of a video.
 
         Args:
             replay: what was played.

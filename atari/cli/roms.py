@@ -22,7 +22,7 @@ def register(commands: "Commands") -> None:
     group = commands.add_parser(
         "roms",
         help="list, check, identify and add ROM files",
-        description="ROM files: ale-py's wheel carries those of every game, so nothing needs to be set up.",
+        description="ROM files: ale-py's wheel carries one for every game, so nothing needs to be set up.",
         epilog="They are searched for in the folders that ATARI_ROMS names, in your own, and in ale-py's.",
     )
     subcommands = group.add_subparsers(metavar="COMMAND", required=True)

@@ -143,7 +143,7 @@ def _parser(agent: Any, prog: str, output: argparse.ArgumentParser | None) -> ar
         "game",
         metavar="GAME",
         help="a game, such as pong; an ID, which decides sticky actions, actions, and RAM or images; a game file; or a "
-        "task (.json), which is played as it is. "
+        "task (.json), which is played unchanged. "
         f"All else is as preset {kind.default_preset} has it, with clipped rewards, unless --preset or --fast name "
         "another one",
     )

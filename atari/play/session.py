@@ -31,7 +31,7 @@ class Session(BaseSession):
         videos: the folder of the videos.
         seed: the game's seed; None is a random one.
         scale: a pixel becomes `2 * scale` x `scale` pixels of a video.
-        **options: `preset`, and fields of `atari.Task` but those of what an agent sees.
+        **options: `preset`, and fields of `atari.Task`, except observations.
 
     Raises:
         TypeError, ValueError, OSError: see `atari.Task.of`, `AtariEnv` and `RecordReplay`.

@@ -60,7 +60,7 @@ def add_task(
             namespace, but `preset`, which is None.
         groups: the groups of fields that the command obeys, see `atari.task.fields.GROUPS`, and names of options.
         leave_out: options of these groups that the command does not obey.
-        fixed: options that do not matter for the command, such as those of observations where a screen is shown, with
+        fixed: options that do not matter for the command, such as observations where a screen is shown, with
             the values that it plays. They have no flags; where GAME has other values, the first line says so.
         preset: whether the command has `--preset`.
     """

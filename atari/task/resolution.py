@@ -23,12 +23,12 @@ OPTIONS: tuple[str, ...] = tuple(name for name in FIELDS if name not in ("game",
 """The options of a task: its fields that a user may give beside the game."""
 
 ALIASES: Mapping[str, str] = {"full_action_space": "actions", "clip_reward": "reward_clipping"}
-"""Other names of options, those of Gymnasium and ale-py."""
+"""Other names of options, from Gymnasium and ale-py."""
 
 _NONE_IS_NOT_GIVEN = frozenset(
     ("repeat_action_probability", "actions", "episodic_life", "reward_clipping", "obs_type", "players", "interventions")
 )
-"""Options of which None is as if they were not given, as functions of ale-py and of this package have them."""
+"""Options that count as not given if they are None, as in functions of ale-py and of this package."""
 
 GameLike = str | PathLike[str] | Game | Task
 
@@ -48,7 +48,7 @@ def resolve_task(
         game: an ID, a game or a task.
         preset: name of a preset.
         options: what a user gave.
-        base: fields that a bare name, a file or a `Game` has instead of those of ALE's v5, unless there is a preset.
+        base: fields that a bare name, a file or a `Game` has instead of ALE's v5, unless there is a preset.
         owner: the function that the user called, for errors.
         others: names of the other options of `owner`, for the suggestion in an error.
 
@@ -76,7 +76,7 @@ def resolve_for_agent(
 ) -> Task:
     """The task of an agent, which needs preprocessing: as `resolve_task`, but an ID decides how the game is played.
 
-    An ID keeps its sticky actions, its actions, and RAM; the preset decides the rest. A `Task` is played as it is
+    An ID keeps its sticky actions, its actions, and RAM; the preset decides the rest. A `Task` is played unchanged
     unless a preset is named.
 
     Args:
@@ -202,7 +202,7 @@ def is_id(game: str) -> bool:
 
 
 def spelled(game: Any) -> Any:
-    """A game's name as the catalogue has it: "MsPacman" is "ms_pacman". Anything else as it is."""
+    """A game's name as the catalogue has it: "MsPacman" is "ms_pacman". Anything else is returned unchanged."""
     if not isinstance(game, str) or game in games or game.endswith(".toml"):
         return game
     wanted = game.replace("_", "").lower()
@@ -238,7 +238,7 @@ def is_ours(entry_point: Any) -> bool:
 
 
 def known_ids() -> tuple[str, ...]:
-    """Every ID that `atari.make` accepts: those of `ids`, of the algorithmic tasks, and of registered games."""
+    """Every ID that `atari.make` accepts: `ids`, the algorithmic tasks, and registered games."""
     others = (env_id for env_id, spec in gymnasium.registry.items() if str(spec.entry_point).startswith("atari."))
     return tuple(dict.fromkeys([*env_ids.ids(), *others]))
 

@@ -61,7 +61,7 @@ ALIASES = {
 
 PFRL_FRAMES = {"a3c": 320_000_000}
 SEEDS = {"cleanba": 3, "cleanrl": 3, "sb3_zoo": 1, "iqn": 3, "a3c": 3}
-"""By source, by the first word of an agent, or by agent; those of others are not stated, or in two ways."""
+"""By source, by the first word of an agent, or by agent; other sources do not state them, or state two numbers."""
 
 PAPERS = {
     "dqn2015": ("DQN (Mnih et al. 2015)", "dqn_nature_2015", 200_000_000),
@@ -148,7 +148,7 @@ def curves(file: Path) -> dict[str, Any]:
 
 
 def table(file: Path, frames: int) -> dict[str, Any]:
-    """The agents of a file with final scores, of which each is a mean over seeds."""
+    """The agents of a file with final scores; each score is a mean over seeds."""
     agents: dict[str, Any] = defaultdict(lambda: {"games": {}})
     with file.open(encoding="utf-8", newline="") as rows:
         for row in csv.DictReader(rows):

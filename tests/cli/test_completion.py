@@ -44,7 +44,7 @@ BEGINNINGS = {
     "causes pong --stat": "--state",
     "info catc": "catch.",
 }
-"""What words of tcsh have in common, whose rules have the options of all commands, and files of every suffix."""
+"""Common beginnings of the words of tcsh: its rules have the options of all commands, and files of every suffix."""
 
 
 @pytest.fixture(scope="module")

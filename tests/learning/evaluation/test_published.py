@@ -69,7 +69,7 @@ def test_a_score_is_on_a_line_of_its_game(name):
     ("name", "median"), [("dopamine/rainbow", 1.48), ("pfrl/rainbow", 2.47), ("papers/dqn2015", 0.793)]
 )
 def test_known_medians(name, median):
-    """Of the provenance table in docs/evaluation.md: medians that were computed from the sources."""
+    """The medians in docs/evaluation.md, which were computed from the sources."""
     agent, human = published(name), human_scores()
     scores = [
         (agent.final(game).mean() - human[game][0]) / (human[game][1] - human[game][0])
