@@ -120,7 +120,7 @@ def make_env(task: Task, render_mode: Any = None, core: str = "native", rom: str
         limit = task.max_episode_steps
         env: Env = AtariEnv(task.replace(max_episode_steps=None), render_mode=render_mode, core=core, rom=rom)
         if limit is not None:
-            from atari.wrappers._step_limit import StepLimit  # it imports OpenCV
+            from atari.wrappers.step_limit import StepLimit  # it imports OpenCV
 
             env = StepLimit(env, limit)
     else:

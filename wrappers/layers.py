@@ -23,7 +23,7 @@ import gymnasium
 from atari.wrappers._ale_seeding import AleSeeding
 from atari.wrappers._checks import Environment
 from atari.wrappers._game_statistics import GameStatistics
-from atari.wrappers._step_limit import StepLimit
+from atari.wrappers.step_limit import StepLimit
 from atari.wrappers.clip_reward import ClipReward
 from atari.wrappers.dqn_preprocessing import DqnPreprocessing
 from atari.wrappers.episodic_life import EpisodicLife

@@ -128,7 +128,7 @@ class NativeCore(EmulatorCore):
         self.sound = self._options.sound
         self._rom = find(self.game, rom)
         image = rom_image.read_image(self._rom)
-        self._rom_md5 = rom_image.md5(image)
+        self.rom_md5 = rom_image.md5(image)
         super().__init__(
             game=compiled(self.game, image),
             repeat_action_probability=as_ale_reads(self._options.repeat_action_probability),
@@ -186,7 +186,7 @@ class NativeCore(EmulatorCore):
         return {
             "core": NativeCore.name,  # `PlainCore` has it too: its state is the same to the byte
             "game": self.game.id,
-            "rom": self._rom_md5,
+            "rom": self.rom_md5,
             "state version": STATE_VERSION,
             "interventions": writes.fact(self.interventions),
             **asdict(self._options),

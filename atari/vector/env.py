@@ -208,7 +208,7 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         if self._engine is None and (options or {}).get("reset_mask") is None:
             self._reopen()
         engine = self._open()
-        mask = self._reset_mask(options)
+        mask = self.reset_mask(options)
         seeded, seeds = seed_words(seed, mask, ale=self._options.task.seeding == "ale")
         self._phase = "new"  # until it has succeeded
         results = self._take_buffer(engine, None)
@@ -434,7 +434,17 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         self._buffers = [older, newer]
         return newer
 
-    def _reset_mask(self, options: dict[str, Any] | None) -> npt.NDArray[np.bool_]:
+    @property
+    def started(self) -> bool:
+        """Whether the environments have been reset, and none has failed since (added)."""
+        return self._phase != "new"
+
+    def reset_mask(self, options: dict[str, Any] | None) -> npt.NDArray[np.bool_]:
+        """The environments that a `reset` with these options resets, (num_envs,) bool (added).
+
+        Raises:
+            TypeError, ValueError: the mask among the options is of the wrong kind or length.
+        """
         mask = (options or {}).get("reset_mask")
         if mask is None:
             return np.ones(self.num_envs, np.bool_)

@@ -17,9 +17,11 @@ from atari import _emulator
 from atari._gymnasium import AutoresetMode
 from atari.actions import PLAYER_ACTIONS, Action, in_continuous_space, joystick_action, make_action_space
 from atari.cores.native import compiled
+from atari.cores.players import compiled_for_players
 from atari.cores.writes import make_writes
 from atari.games.game import Game
-from atari.multiplayer.core import compiled_for_players
+from atari.observations.layout import Layout
+from atari.observations.settings import filled, filled_by_name, image_shape, observation_settings
 from atari.roms import find
 from atari.roms.image import read_image
 from atari.task import Task
@@ -28,8 +30,6 @@ from atari.task.resolution import ALIASES, OPTIONS, is_id, is_versioned, resolve
 from atari.task.storage import identity
 from atari.validation import check_integer, check_known
 from atari.vector import ale_names
-from atari.vector.layout import Layout
-from atari.vector.settings import episode_settings, filled, image_shape, observation_settings
 
 _INT64, _ndarray = np.dtype(np.int64), np.ndarray  # found once: they are used at every step
 
@@ -160,7 +160,7 @@ class VectorOptions:
         )
         engine = _emulator.VectorEngine(
             members,
-            episode_settings(self.task),
+            _episode_settings(self.task),
             observation_settings(self.task),
             threads,
         )
@@ -273,6 +273,12 @@ class VectorOptions:
                 f"a continuous action is radius 0..1, angle -pi..pi, fire 0..1, got {actions[row]} in row {row}"
             )
         return joystick_action(radius, angle, fire, self.threshold), radius
+
+
+def _episode_settings(task: Task) -> _emulator.EpisodeSettings:
+    """The settings of how the engine begins, plays and ends episodes."""
+    alone = task.players == 1 and not task.preprocessed
+    return filled_by_name(_emulator.EpisodeSettings(), task, acts_after_end=alone)
 
 
 def _listed(game: Any, num_envs: Any) -> list[Any]:

@@ -194,11 +194,11 @@ def test_a_snapshot_of_a_single_environment_has_the_score() -> None:
     env.reset(seed=0)
     for _ in range(100):
         env.step(2)
-    state, score = env.snapshot(), env._game.score
+    state, score = env.snapshot(), env.driver.played.score
     assert score < 0
     other = atari.AtariEnv("pong", frameskip=4)
     other.restore(state)
-    assert (other._game.score, other._game.first_frame) == (score, env._game.first_frame)
+    assert (other.driver.played.score, other.driver.played.first_frame) == (score, env.driver.played.first_frame)
 
 
 @pytest.mark.parametrize(

@@ -83,7 +83,7 @@ def test_frames_stacks_and_rewards(game_env, game, name):
         gray, rgb, rewards = play(raw, action, env.frame_skip)
         stack = [*stack[1:], preprocessed(gray, rgb)]
         np.testing.assert_array_equal(observation, stack)
-        assert (reward, terminated, truncated, info) == (sum(rewards), False, False, raw._info())
+        assert (reward, terminated, truncated, info) == (sum(rewards), False, False, raw.driver.info())
 
 
 def test_zero_padding(game_env):
@@ -177,7 +177,7 @@ def test_random_skips(game_env, frame_skip, mode, layer):
             frames = play(raw, 3, skip)[0]
             observation, *_, truncated, info = env.step(3)
             assert truncated == raw.core.truncated
-            assert info == raw._info()
+            assert info == raw.driver.info()
             np.testing.assert_array_equal(observation[-1], shown.after(frames, skip, truncated))
         assert env.np_random.bit_generator.state == raw.np_random.bit_generator.state
         ends.append((len(frames), skip))
