@@ -1,4 +1,4 @@
-"""The HTML that environments, games and replays show in a notebook, with their pictures in it.
+"""Views of environments, games and replays in a notebook: HTML that contains its pictures.
 
 An animation is an animated PNG, which every browser plays. Its frames are put together here: OpenCV encodes animations
 in memory since version 4.12, which needs NumPy 2, and takes all frames at once, where a long replay is cut at a size.

@@ -107,7 +107,7 @@ def record(args: argparse.Namespace) -> int:
     outputs.check(task.definition)
     start = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(policies[0]) if recorded else outputs.replay(folder)
+        path = Path(policies[0]) if recorded else next(iter(outputs.replays), Path(folder, "games.a26"))
         done = play(path)
         replay = Replay.load(path, game=task.definition, rom=args.rom)
         filmed = outputs.write(replay, args.seconds if recorded else None)
@@ -214,12 +214,10 @@ class _Outputs:
 
     @property
     def replays(self) -> list[Path]:
-        """The replays."""
         return [path for path in self.files if path.suffix.lower() == SUFFIX]
 
     @property
     def videos(self) -> list[Path]:
-        """The videos."""
         return [path for path in self.files if path.suffix.lower() != SUFFIX]
 
     def check(self, game: Game) -> None:
@@ -239,10 +237,6 @@ class _Outputs:
             VideoWriter(
                 path, size, frame_rate(game), scale=self.scale, sound=sound, caption_lines=lines
             ).close()  # without frames it leaves no file
-
-    def replay(self, folder: str) -> Path:
-        """The replay that is played to: the first one, or one in a folder of temporary files."""
-        return self.replays[0] if self.replays else Path(folder, "games.a26")
 
     def write(self, replay: Replay, seconds: float | None = None) -> int:
         """Write all files except the loaded replay itself, and return the number of frames of a video.

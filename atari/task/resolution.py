@@ -23,12 +23,12 @@ OPTIONS: tuple[str, ...] = tuple(name for name in FIELDS if name not in ("game",
 """The options of a task: its fields that a user may give beside the game."""
 
 ALIASES: Mapping[str, str] = {"full_action_space": "actions", "clip_reward": "reward_clipping"}
-"""Other names of options, from Gymnasium and ale-py."""
+"""Gymnasium's and ale-py's names of options, and ours."""
 
 _NONE_IS_NOT_GIVEN = frozenset(
     ("repeat_action_probability", "actions", "episodic_life", "reward_clipping", "obs_type", "players", "interventions")
 )
-"""Options that count as not given if they are None, as in functions of ale-py and of this package."""
+"""Options whose value None counts as not given, as in ale-py."""
 
 GameLike = str | PathLike[str] | Game | Task
 
@@ -238,7 +238,7 @@ def is_ours(entry_point: Any) -> bool:
 
 
 def known_ids() -> tuple[str, ...]:
-    """Every ID that `atari.make` accepts: `ids`, the algorithmic tasks, and registered games."""
+    """Every ID that `atari.make` accepts: of `ids`, of the algorithmic tasks, and of registered games."""
     others = (env_id for env_id, spec in gymnasium.registry.items() if str(spec.entry_point).startswith("atari."))
     return tuple(dict.fromkeys([*env_ids.ids(), *others]))
 
