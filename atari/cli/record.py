@@ -23,8 +23,8 @@ from atari.cli.policies import find_played, games_of, play_alone, replay_of
 from atari.games.game import Game
 from atari.learning import load_policy
 from atari.learning.evaluation.played import says_nothing
-from atari.learning.policy import LoadedPolicy
 from atari.play.multiplayer_session import MultiplayerSession
+from atari.policy import LoadedPolicy
 from atari.recording import FORMATS, RecordReplay, Replay, frame_rate
 from atari.recording.replay.file_format import SUFFIX
 from atari.task import Task
