@@ -41,26 +41,29 @@ ALLOWED = {
     "wrappers": "_emulator _renamed cores env games restorable task validation vector",
     # Its views for JAX and PyTorch are of `integrations`, in modules that do not import `vector`.
     "vector": "_emulator _gymnasium actions cores games integrations multiplayer notebook rendering roms task validation",
+    "policy": "task",
+    "policy_needs": "games task validation vector",
     "observations": "_emulator cores task vector",
+    "testing": "_emulator _gymnasium cores env games policy policy_needs task vector",
     "making": "env env_ids task validation vector wrappers",
     "registration": "cores env_ids games making roms task",
     "algorithmic": "validation",
     "recording": "_gymnasium atari actions cores env env_ids games making multiplayer notebook rendering restorable roms task "
     "validation vector wrappers",
     "multiplayer": "_emulator _renamed actions cores env games observations recording rendering roms task validation vector",
-    "integrations": "_emulator _gymnasium _script classic cores env_ids games lab learning recording task validation vector wrappers",
+    "integrations": "_emulator _gymnasium _script classic cores env_ids games lab learning recording task validation vector wrappers policy policy_needs",
     "sb3": "integrations",
     "learning": "_emulator _gymnasium _interrupt actions cores env env_ids games making observations recording registration rendering "
-    "restorable task validation vector wrappers",
+    "restorable task validation vector wrappers policy policy_needs",
     "lab": "_emulator _gymnasium actions cores env games recording registration rendering restorable roms task validation vector "
     "wrappers",
     # The package itself exports the parts above, and `atari.__version__` to the parts below and to recordings.
     "atari": "_renamed actions algorithmic cores env games integrations making registration roms task vector wrappers",
     # Programs and old interfaces, which no part above imports; they may import `recording`.
-    "play": "actions cores env games learning multiplayer observations recording registration rendering task validation",
+    "play": "actions cores env games learning multiplayer observations recording registration rendering task validation policy policy_needs",
     "classic": "_script atari cores env env_ids games recording registration rendering validation wrappers",
     "cli": "_interrupt atari actions cores env env_ids games integrations lab learning making multiplayer observations play "
-    "recording registration rendering roms task validation vector wrappers",
+    "recording registration rendering roms task validation vector wrappers policy policy_needs",
     "__main__": "cli",
 }
 """By part, the parts that it may import."""

@@ -65,6 +65,9 @@ def check_core(make: MakeCore, *, reference: MakeCore | None = None, steps: int 
 
 def _check_new(make: MakeCore) -> None:
     core = new(make)
+    members = [name for name in (*Core.__annotations__, *vars(Core)) if not name.startswith("_")]
+    lacking = [name for name in members if not hasattr(core, name)]
+    require(not lacking, f"{type(core).__name__} has no {', '.join(lacking)}; see atari.cores.Core")
     require(isinstance(core.name, str) and core.name, f"name must be a text, got {core.name!r}")
     require(isinstance(core.game, Game), f"game must be an atari.games.Game, got {core.game!r}")
     require(core.sound is False, f"sound must be False unless requested, got {core.sound!r}")

@@ -124,8 +124,11 @@ def _played(
     else:
         fields = {name: getattr(needs.task, name) for name in FIELDS if name not in GROUPS["game"]}
         task = needs.task if needs.task.game == chosen.game else composed(chosen, **fields)
-    names = tuple(action.name for action in task.action_set)
-    return task, needs.options, needs.actions or names
+    every = [action.name for action in task.action_set]
+    names = needs.actions or tuple(every)
+    lacking = [name for name in names if name not in every]
+    require(not lacking, f"the policy has the actions {', '.join(lacking)}, and {task.game} has {', '.join(every)}")
+    return task, needs.options, names
 
 
 def _call(policy: LoadedPolicy, observations: Any, lanes: IntArray) -> _Call:
