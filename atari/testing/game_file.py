@@ -77,7 +77,8 @@ def _check_modes(game: Game, options: dict[str, Any]) -> None:
         len(game.modes) == 1 or game.rules.mode_select,
         f"[settings] has {len(game.modes)} modes, and [rules] needs mode_select, which selects them at a reset",
     )
-    chosen = [{"mode": mode} for mode in game.modes] + [{"difficulty": number} for number in game.difficulties]
+    chosen: list[dict[str, Any]] = [{"mode": mode} for mode in game.modes]
+    chosen += [{"difficulty": number} for number in game.difficulties]
     for choice in chosen:
         cores = []
         for core_type in (NativeCore, PlainCore):

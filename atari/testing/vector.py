@@ -110,7 +110,7 @@ def _check_spaces(envs: Any) -> None:
 def ended(result: tuple[Any, ...]) -> Bools:
     """The environments (n,) whose episode a step has ended; with several players, for all of them."""
     ends: Bools = result[2] | result[3]
-    return ends if ends.ndim == 1 else ends.all(axis=1)
+    return ends.reshape(len(ends), -1).all(axis=1)
 
 
 def _rollout(envs: Any, mode: AutoresetMode, actions: list[Any]) -> Results:
@@ -277,7 +277,7 @@ def _check_lane(results: Results, single: MakeEnv, lane: int, mode: AutoresetMod
 def _check_refusals(envs: Any, twin: Any, mode: AutoresetMode, actions: list[Any]) -> None:
     for each in (envs, twin):
         each.reset(seed=6)
-    wrong = [None, "NOOP"]
+    wrong: list[Any] = [None, "NOOP"]
     space = envs.single_action_space
     if isinstance(space, spaces.Discrete):
         last = space.start + space.n
@@ -291,10 +291,17 @@ def _check_refusals(envs: Any, twin: Any, mode: AutoresetMode, actions: list[Any
     require_same(expected, seen, "results", "a step or a reset that was refused must change nothing")
 
 
+def _pickled(envs: Any) -> Any:
+    return pickle.loads(pickle.dumps(envs))
+
+
 def _check_copies(envs: Any, mode: AutoresetMode, actions: list[Any]) -> None:
     envs.reset(seed=7)
     _rollout(envs, mode, actions[: len(actions) // 2])
-    copiers = {"copy.deepcopy": copy.deepcopy, "a pickle": lambda each: pickle.loads(pickle.dumps(each))}
+    copiers: dict[str, Callable[[Any], Any]] = {
+        "copy.deepcopy": copy.deepcopy,
+        "a pickle": _pickled,
+    }
     made = {}
     for name, copier in copiers.items():
         with broken_by(f"{name} of the vector (copies=False leaves this check out)"):

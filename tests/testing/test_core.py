@@ -174,7 +174,7 @@ FAULTS: dict[type[NativeCore], str] = {
     WidensOut: "audio(out) with an out that is of another shape must raise ValueError, but raised nothing",
     SignedSound: "audio() must return a contiguous uint8 array (512,), got int16 (512,)",
     Noisy: "each palette index of screen() must have one color and one luminance",
-    NoFrameSkip: "1 acts of frame_skip=3 must count 3 frames, got (1, 1)",
+    NoFrameSkip: "1 acts of frame_skip=3 must count 3 frames, got [1, 1]",
     NoSeed: "six seeds gave the same RAM",
     OwnSeed: "equal seeds must give equal games; play[",
     SeedsLater: "seed(0) must start over as a core made with it",
