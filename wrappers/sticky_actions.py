@@ -75,7 +75,7 @@ class StickyActions(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCon
             check_action_index(action, int(space.n), "StickyActions")
         elif np.shape(action) != space.shape:
             raise TypeError(f"an action is an array of shape {space.shape}, got {action!r}")
-        if self._atari is not None and self._atari._restored:
+        if self._atari is not None and self._atari.driver.restored:
             warn_of_restore(self.env, "StickyActions")
         if self.np_random.random() < self._probability:
             action = self._action

@@ -100,7 +100,7 @@ class TakesAnyAction(Faulty):
 
 class PlaysBeforeItChecks(atari.AtariEnv):
     def step(self, action: Any) -> Step:
-        if self._phase == "playing" and action not in self.action_space:
+        if self.driver.phase == "playing" and action not in self.action_space:
             super().step(0)
         return super().step(action)
 

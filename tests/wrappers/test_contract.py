@@ -7,6 +7,7 @@ import gymnasium
 import pytest
 from tasks import ALE, task
 
+import atari
 from atari import wrappers
 from atari.testing import check_env
 from atari.wrappers.layers import wrap
@@ -74,7 +75,7 @@ def test_wrapper(name):
     contract(partial(make, wrap=SINGLE[name]))
 
 
-@pytest.mark.parametrize("name", wrappers.PRESETS)
+@pytest.mark.parametrize("name", atari.PRESETS)
 def test_preset(name):
     options = wrappers.preset_options(name)
     contract(partial(make, wrap=lambda env: wrappers.preset(env, name), **options))
