@@ -263,7 +263,7 @@ VectorEngine::Snapshot VectorEngine::snapshot(int environment) {
     const Slot& source = slot(environment);
     if (source.pending_restore) return source.pending_restore;
     auto snapshot = std::make_shared<MemberSnapshot>();
-    snapshot->game = source.member.episode->environment().game();
+    snapshot->game = source.member.episode->environment().parts().game;
     source.member.episode->snapshot(snapshot->episode);
     snapshot->outcome = source.outcome;
     return snapshot;

@@ -100,7 +100,7 @@ class VectorEngine {
         if (of == RamOf::kFinal && slot(environment).has_final) return slot(environment).final_ram;
         return result_rams_.data() + 128 * static_cast<size_t>(environment);
     }
-    const Game& game(int environment) const { return *slot(environment).member.episode->environment().game(); }
+    const Game& game(int environment) const { return *slot(environment).member.episode->environment().parts().game; }
     int players() const { return players_; }                                        // of each environment
     size_t pixels() const { return slot(0).member.episode->observation().size(); }  // bytes of an observation
     // The state of a member as bytes. `load` returns false and changes nothing if no such member can have saved the
