@@ -489,7 +489,7 @@ class Batch:
     @property
     def arrays(self) -> dict[str, numpy.typing.NDArray[Any]]:
         """
-        The other arrays by their names (vector/batch.hpp): (rows,), and (rows, players) where several
+        The other arrays by their names (vector/batch.def): (rows,), and (rows, players) where several
         players have a value each. Final pixels and RAM are (rows, bytes).
         """
 

@@ -20,7 +20,7 @@ from atari.vector.options import VectorOptions
 Bools = npt.NDArray[np.bool_]
 
 _UINT8, _ndarray = np.dtype(np.uint8), np.ndarray  # found once: they are used at every step
-# The keys of `info`, and the names of the engine's arrays (emulator/vector/batch.hpp) that they show.
+# The keys of `info`, and the names of the engine's arrays (emulator/vector/batch.def) that they show.
 COUNTERS = ("lives", "frame_number", "episode_frame_number")
 GAME_INFO = {"reward": "game_reward", "elapsed_step": "elapsed_step", "terminated": "game_over"}
 

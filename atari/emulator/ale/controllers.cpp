@@ -9,34 +9,18 @@ namespace {
 constexpr double kPaddleStep = 23000.0;  // ohms, in a frame
 enum Stick : uint8_t { kUp = 1, kDown = 2, kLeft = 4, kRight = 8 };
 
-struct Motion {
-    uint8_t stick;
-    bool fire;
-};
+// The actions in ALE's order: nothing, FIRE, eight directions, and the same directions with FIRE.
+constexpr uint8_t kSticks[] = {
+    0, 0, kUp, kRight, kLeft, kDown, kUp | kRight, kUp | kLeft, kDown | kRight, kDown | kLeft};
+constexpr int kDirections = 8, kFirstWithFire = 10;
+static_assert(kFirstWithFire + kDirections == kActions);
 
-// The actions in ALE's order.
-constexpr Motion kMotions[kActions] = {
-    {0, false},
-    {0, true},
-    {kUp, false},
-    {kRight, false},
-    {kLeft, false},
-    {kDown, false},
-    {kUp | kRight, false},
-    {kUp | kLeft, false},
-    {kDown | kRight, false},
-    {kDown | kLeft, false},
-    {kUp, true},
-    {kRight, true},
-    {kLeft, true},
-    {kDown, true},
-    {kUp | kRight, true},
-    {kUp | kLeft, true},
-    {kDown | kRight, true},
-    {kDown | kLeft, true},
-};
+uint8_t stick_of(int action) {
+    if (action < 0 || action >= kActions) return 0;
+    return kSticks[action < kFirstWithFire ? action : action - kDirections];
+}
 
-Motion motion(int action) { return action >= 0 && action < kActions ? kMotions[action] : Motion{0, false}; }
+bool fires(int action) { return action == 1 || (action >= kFirstWithFire && action < kActions); }
 
 }  // namespace
 
@@ -51,16 +35,16 @@ void Controllers::release_all() const {
 void Controllers::hold(int player, int action, float strength) const {
     if (game.paddles()) {
         move_paddle(player, action, strength);
-        inputs.paddle_fire[player] = motion(action).fire;
+        inputs.paddle_fire[player] = fires(action);
     } else if (player < 2) {
-        inputs.stick[player] = motion(action).stick;
-        inputs.fire[player] = motion(action).fire;
+        inputs.stick[player] = stick_of(action);
+        inputs.fire[player] = fires(action);
     }
 }
 
 void Controllers::move_paddle(int player, int action, float strength) const {
     const int delta = static_cast<int>(kPaddleStep * std::abs(static_cast<double>(strength)));
-    const uint8_t stick = motion(action).stick;
+    const uint8_t stick = stick_of(action);
     const int direction = stick & kRight ? -1 : stick & kLeft ? 1 : 0;
     state.paddle[player] = std::clamp(state.paddle[player] + direction * delta, game.paddle_min, game.paddle_max);
 }

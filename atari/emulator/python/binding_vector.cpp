@@ -158,7 +158,7 @@ void register_vector(nb::module_& m) {
                   "uint8") " | None) -> None"),
               "`pixels` and `ram` are the arrays for observations; None where an observation has no such part.");
     batch.def_prop_ro("arrays", &arrays_of, nb::sig("def arrays(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"),
-                      "The other arrays by their names (vector/batch.hpp): (rows,), and (rows, players) where several\n"
+                      "The other arrays by their names (vector/batch.def): (rows,), and (rows, players) where several\n"
                       "players have a value each. Final pixels and RAM are (rows, bytes).");
     batch.def("aimed_at", &aimed_at, "pixels"_a.none(), "ram"_a.none(),
               nb::sig("def aimed_at(self, pixels: " ARRAY("uint8") " | None, ram: " ARRAY("uint8") " | None) -> Batch"),

@@ -1,5 +1,5 @@
-// `Batch`: the arrays that the results of a batch are written to. Their names are those of `_emulator.Batch.arrays`, of the
-// results in atari/vector/results.py, and of what functions compiled by JAX get.
+// `Batch`: the arrays that the results of a batch are written to. batch.def has their names, by which Python and functions
+// compiled by JAX get them.
 #pragma once
 
 #include <cstddef>
@@ -24,48 +24,18 @@ struct BatchShape {
 
 // An array has a row for each environment of the batch. Arrays that are null are not written.
 struct Batch {
-    uint8_t *pixels = nullptr, *ram = nullptr;
-    int32_t* env_id = nullptr;
-    int32_t *reward = nullptr, *game_reward = nullptr;  // `game_reward` is not clipped
-    bool *terminated = nullptr, *truncated = nullptr;
-    int32_t *lives = nullptr, *frame_number = nullptr, *episode_frame_number = nullptr;
-    int32_t* elapsed_step = nullptr;  // steps of the game
-    bool* game_over = nullptr;
-    // The game that ended in this step or reset; zero where none did.
-    bool* game_ended = nullptr;
-    double *score = nullptr, *frames = nullptr, *seconds = nullptr;
-    // The final observation, with Autoreset::kSameStep; zero where no episode ended.
-    bool* ended = nullptr;
-    uint8_t *final_pixels = nullptr, *final_ram = nullptr;
-    int32_t *final_lives = nullptr, *final_frame_number = nullptr, *final_episode_frame_number = nullptr;
+#define ARRAY(type, name, width) type* name = nullptr;
+#define FINAL(type, name, width) type* name = nullptr;
+#include "batch.def"
 
-    // Calls `visit(name, member, values in a row)` for each array.
+    // Calls `visit(name, member, values in a row)` for each array that batches of this shape have.
     template <typename Visit>
     static void for_each(const BatchShape& shape, Visit&& visit) {
-        const size_t players = shape.players;
-        if (shape.pixels) visit("pixels", &Batch::pixels, shape.pixels);
-        if (shape.ram) visit("ram", &Batch::ram, shape.ram);
-        visit("env_id", &Batch::env_id, size_t{1});
-        visit("reward", &Batch::reward, players);
-        visit("game_reward", &Batch::game_reward, players);
-        visit("terminated", &Batch::terminated, players);
-        visit("truncated", &Batch::truncated, players);
-        visit("lives", &Batch::lives, players);
-        visit("frame_number", &Batch::frame_number, size_t{1});
-        visit("episode_frame_number", &Batch::episode_frame_number, size_t{1});
-        visit("elapsed_step", &Batch::elapsed_step, size_t{1});
-        visit("game_over", &Batch::game_over, size_t{1});
-        visit("game_ended", &Batch::game_ended, size_t{1});
-        visit("score", &Batch::score, players);
-        visit("frames", &Batch::frames, size_t{1});
-        visit("seconds", &Batch::seconds, size_t{1});
-        if (!shape.has_final) return;
-        visit("ended", &Batch::ended, size_t{1});
-        if (shape.pixels) visit("final_pixels", &Batch::final_pixels, shape.pixels);
-        if (shape.ram) visit("final_ram", &Batch::final_ram, shape.ram);
-        visit("final_lives", &Batch::final_lives, players);
-        visit("final_frame_number", &Batch::final_frame_number, size_t{1});
-        visit("final_episode_frame_number", &Batch::final_episode_frame_number, size_t{1});
+#define ARRAY(type, name, width) \
+    if (width) visit(#name, &Batch::name, size_t{width});
+#define FINAL(type, name, width) \
+    if (shape.has_final && width) visit(#name, &Batch::name, size_t{width});
+#include "batch.def"
     }
 };
 
