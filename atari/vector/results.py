@@ -54,7 +54,7 @@ class Results:
         # Lost lives are shown as ends; players who are out are not.
         ends = ("terminated", "truncated") if options.players == 1 else ("ended",)
         self._ends = [arrays[name] for name in ends if self._final]
-        # Methods that copy an array, without those of ended episodes.
+        # Methods that copy an array, except of ended episodes.
         reward = arrays["reward"]
         copy_reward = reward.copy if options.players == 1 else partial(reward.astype, np.float64)
         if options.task.zero_sum:
@@ -178,7 +178,7 @@ def _lenders(parts: dict[str, npt.NDArray[np.uint8]]) -> dict[str, _emulator.Arr
 
 
 def zero_sum(reward: npt.NDArray[np.int32]) -> npt.NDArray[np.float64]:
-    """The rewards (rows, players), each minus the mean of those of the other players: one division of integers."""
+    """The rewards (rows, players), each minus the mean of the other players' rewards: one division of integers."""
     players = reward.shape[1]
     relative: npt.NDArray[np.float64] = (players * reward - reward.sum(axis=1, keepdims=True)) / (players - 1)
     return relative
