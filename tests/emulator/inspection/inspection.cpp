@@ -127,7 +127,7 @@ struct Processor {
     void spend(int cycles) { bus.attr("cycles") = nb::cast<int>(bus.attr("cycles")) + cycles; }
 };
 
-// Returns the registers and latches of the chips that programs cannot read, by their names in state.hpp.
+// Returns the registers and latches of the chips that programs cannot read, by their names in the chips' headers.
 nb::dict state(const Console& console) {
     const Machine& m = console.machine();
     const Tia& t = m.tia;
