@@ -27,7 +27,7 @@ void FastConsole::reset() {
     history_.clear();
 }
 
-void FastConsole::follow_segments() {
+void FastConsole::segments_changed() {
     bank_ = slot_.image + slot_.segment[12];
     map_pages();
     remapped_ = true;
@@ -95,7 +95,7 @@ bool FastConsole::run_deferred() {
     if (!ended) {
         m_ = machine_before_;
         std::copy(cart_ram_before_.begin(), cart_ram_before_.end(), slot_.ram.begin());
-        map_segments();
+        slot_.map_segments();
         history_.give_up_frame(marks_before);
         collision_cache_.forget();
         return false;

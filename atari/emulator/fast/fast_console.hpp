@@ -61,7 +61,7 @@ class FastConsole final : public Console {
     }
     void before_tia_read(int reg) override;
     void end_frame() override;
-    void follow_segments() override;
+    void segments_changed() override;
     const uint8_t* rendered(int buffer) override;
     const uint32_t* looks_of(int buffer) const override { return line_cache_.looks(buffer); }
 

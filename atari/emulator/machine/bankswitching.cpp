@@ -14,9 +14,9 @@ using Type = CartridgeType;
 // Writes to these addresses choose the ROM bank of 3F and 3E, and the RAM page of 3E.
 constexpr uint16_t kSelectRam = 0x3e, kSelectRom = 0x3f;
 
-CartridgeSlot::CartridgeSlot(std::shared_ptr<const Cartridge> cartridge, CartridgeState& state)
+CartridgeSlot::CartridgeSlot(std::shared_ptr<const Cartridge> cartridge, CartridgeState& state, Listener& heard)
     : image(cartridge->image()), plain(cartridge->plain_window()), watches_tia(cartridge->watches_tia()),
-      ram(cartridge->ram_size()), cart(state), inserted(std::move(cartridge)) {}
+      ram(cartridge->ram_size()), cart(state), listener(heard), inserted(std::move(cartridge)) {}
 
 // Bit 12 of the address selects the cartridge; by bit 13 FE chooses its bank.
 void CartridgeSlot::map_segments() {
@@ -45,7 +45,7 @@ void CartridgeSlot::map_segments() {
         segment[4 + i] = inserted->type() == Type::kFE ? 4096 + first[i] : first[i];
         segment[12 + i] = first[i];
     }
-    remapped = true;
+    listener.segments_changed();
 }
 
 uint8_t CartridgeSlot::read(uint16_t address, uint32_t cycles) {

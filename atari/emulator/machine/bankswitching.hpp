@@ -13,8 +13,13 @@
 namespace atari {
 
 struct CartridgeSlot {
-    // Keeps a reference to the cartridge's registers.
-    CartridgeSlot(std::shared_ptr<const Cartridge> cartridge, CartridgeState& state);
+    struct Listener {
+        virtual void segments_changed() {}
+        virtual ~Listener() = default;
+    };
+
+    // Keeps references to the cartridge's registers and to the listener, which is called when `segment` has changed.
+    CartridgeSlot(std::shared_ptr<const Cartridge> cartridge, CartridgeState& state, Listener& listener);
 
     // Returns whether an address of the window maps plain ROM, and the image byte there.
     bool is_plain(uint16_t address) const { return (address & 0xfffu) - plain.from < plain.size; }
@@ -42,9 +47,9 @@ struct CartridgeSlot {
     Window plain;               // of the cartridge
     uint32_t segment[16] = {};  // offsets in the image of the segments, by bits 10 to 13 of the address
     bool watches_tia;           // of the cartridge
-    bool remapped = false;      // `segment` has changed since this was last cleared
     std::vector<uint8_t> ram;
     CartridgeState& cart;
+    Listener& listener;
     std::shared_ptr<const Cartridge> inserted;
 
   private:

@@ -9,7 +9,7 @@ namespace atari {
 
 uint8_t Console::read_chip(uint16_t address) {
     if (!(address & 0x80)) {
-        if (slot_.watches_tia && cartridge_answers(address)) return read_cartridge(address);
+        if (slot_.watches_tia && slot_.answers(address)) return slot_.read(address, m_.cycles);
         const int reg = address & 0xf;
         before_tia_read(reg);
         return tia_.read(reg, m_.cycles, m_.bus, m_.inputs);
@@ -20,9 +20,9 @@ uint8_t Console::read_chip(uint16_t address) {
 
 void Console::write(uint16_t address, uint8_t value) {
     if (address & 0x1000) {
-        write_cartridge(address, value);
+        if (slot_.write(address, value)) write_tia(tia_register(address), value);
     } else if (!(address & 0x80)) {
-        if (slot_.watches_tia) cartridge_watches(address, value);
+        if (slot_.watches_tia) slot_.watch(address, value);
         write_tia(tia_register(address), value);
     } else if (!(address & 0x200)) {
         m_.riot.ram[address & 0x7f] = value;
@@ -31,29 +31,6 @@ void Console::write(uint16_t address, uint8_t value) {
     }
     m_.bus = value;
     m_.cpu.last_access_was_read = false;
-}
-
-uint8_t Console::read_cartridge(uint16_t address) {
-    const uint8_t value = slot_.read(address, m_.cycles);
-    check_segments();
-    return value;
-}
-
-void Console::write_cartridge(uint16_t address, uint8_t value) {
-    const bool reaches_tia = slot_.write(address, value);
-    check_segments();
-    if (reaches_tia) write_tia(tia_register(address), value);
-}
-
-bool Console::cartridge_answers(uint16_t address) {
-    const bool answers = slot_.answers(address);
-    check_segments();
-    return answers;
-}
-
-void Console::cartridge_watches(uint16_t address, uint8_t value) {
-    slot_.watch(address, value);
-    check_segments();
 }
 
 void Console::write_tia(uint8_t reg, uint8_t value) {

@@ -8,7 +8,7 @@
 namespace atari {
 
 Console::Console(std::shared_ptr<const Cartridge> cartridge, const ConsoleConfig& config)
-    : slot_(std::move(cartridge), m_.cart), config_(config) {}
+    : slot_(std::move(cartridge), m_.cart, *this), config_(config) {}
 
 void Console::construct(uint32_t seed) {
     m_ = Machine{};
@@ -28,7 +28,6 @@ void Console::reset() {
     framebuffers_.clear();
     slot_.reset(m_.cycles);
     for (size_t i = 0; i < cartridge().random_bytes(); ++i) slot_.ram[i] = static_cast<uint8_t>(machine_word());
-    check_segments();
     m_.cpu = Cpu{};
     m_.cpu.sp = 0xff;
     m_.cpu.last_access_was_read = true;
@@ -48,11 +47,6 @@ void Console::start_frame() {
     const int32_t begun = m_.tia.line_clock(m_.cycles);  // clocks of the unfinished line; the phase of lines continues
     rebase_cycles();
     tia_.start_frame(begun);
-}
-
-void Console::map_segments() {
-    slot_.map_segments();
-    check_segments();
 }
 
 void Console::run_frame() {
@@ -130,7 +124,7 @@ bool Console::load(const uint8_t* in) {
         in += kFrameBytes;
     }
     renderer_.touch(kAllObjects);
-    map_segments();
+    slot_.map_segments();
     return true;
 }
 
@@ -161,7 +155,7 @@ void Console::restore_from(const ConsoleSnapshot& snapshot, bool swapped) {
         framebuffers_.restore(buffer, snapshot.framebuffers[buffer ^ static_cast<int>(swapped)],
                               config_.framebuffer_bytes());
     renderer_.touch(kAllObjects);
-    map_segments();
+    slot_.map_segments();
 }
 
 }  // namespace atari

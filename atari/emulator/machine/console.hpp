@@ -28,10 +28,9 @@
 
 namespace atari {
 
-class Console {
+class Console : protected CartridgeSlot::Listener {
   public:
     Console(std::shared_ptr<const Cartridge> cartridge, const ConsoleConfig& config);
-    virtual ~Console() = default;
     Console(const Console&) = delete;
     Console& operator=(const Console&) = delete;
 
@@ -95,7 +94,7 @@ class Console {
         uint8_t value;
         if (!(address & 0x1000)) value = read_chip(address);
         else if (slot_.is_plain(address)) value = *slot_.image_at(address);
-        else value = read_cartridge(address);
+        else value = slot_.read(address, m_.cycles);
         m_.bus = value;
         m_.cpu.last_access_was_read = true;
         return value;
@@ -115,32 +114,19 @@ class Console {
     }
 
   protected:
-    // Overridden by `FastConsole`, which defers work. All but `write_tia`, `before_tia_read` and `follow_segments` are
+    // Overridden by `FastConsole`, which defers work. All but `write_tia`, `before_tia_read` and `segments_changed` are
     // called a few times a frame at most.
     virtual void emulate_frame(bool whole);  // to the frame's end; `whole`: from its start
     virtual void write_tia(uint8_t reg, uint8_t value);
     virtual void before_tia_read(int reg) { tia_.prepare_read(reg, m_.cycles); }
     virtual void end_frame();
-    virtual void follow_segments() {}  // after `slot_.segment` has changed
     virtual const uint8_t* rendered(int buffer) { return framebuffers_[buffer]; }
     virtual const uint32_t* looks_of(int) const { return nullptr; }
 
     // bus.cpp
     uint8_t read_chip(uint16_t address);
-    // Not inlined, so that the compiler inlines `read` and `write` into instructions.
-    [[gnu::noinline]] uint8_t read_cartridge(uint16_t address);
-    [[gnu::noinline]] void write_cartridge(uint16_t address, uint8_t value);
-    [[gnu::noinline]] bool cartridge_answers(uint16_t address);
-    [[gnu::noinline]] void cartridge_watches(uint16_t address, uint8_t value);
     void halt_until_line_start();
-    // To be called after an access that may have switched banks.
-    void check_segments() {
-        if (!slot_.remapped) return;
-        slot_.remapped = false;
-        follow_segments();
-    }
 
-    void map_segments();
     void rebase_cycles();
     uint32_t machine_word() { return random_.at(m_.random_words++); }
 
