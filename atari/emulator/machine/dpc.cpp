@@ -52,7 +52,7 @@ uint8_t music(CartridgeState& cart, uint32_t cycles) {
 
 void clock_dpc_random(CartridgeState& cart) { cart.random = kRandom[cart.random]; }
 
-uint8_t read_dpc(CartridgeState& cart, const uint8_t* image, unsigned offset, const uint32_t& cycles) {
+uint8_t read_dpc(CartridgeState& cart, const uint8_t* image, unsigned offset, uint32_t cycles) {
     clock_dpc_random(cart);
     const unsigned function = offset >> 3 & 7, i = offset & 7;
     const unsigned counter = cart.counter[i], low = counter & 0xff;

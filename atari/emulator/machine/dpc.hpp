@@ -12,8 +12,7 @@ namespace atari {
 // The generator advances at every access of the cartridge that is not plain ROM.
 void clock_dpc_random(CartridgeState& cart);
 // Reads a register, which also advances the generator. `image` is the cartridge's: the fetchers read its last 2 KiB.
-// Only the music needs `cycles`; it is a reference, so that the fast interpreter has a register more.
-uint8_t read_dpc(CartridgeState& cart, const uint8_t* image, unsigned offset, const uint32_t& cycles);
+uint8_t read_dpc(CartridgeState& cart, const uint8_t* image, unsigned offset, uint32_t cycles);
 void write_dpc(CartridgeState& cart, unsigned offset, uint8_t value);
 
 }  // namespace atari

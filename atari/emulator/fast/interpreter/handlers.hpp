@@ -181,8 +181,7 @@ struct Interpreter {
         } else if constexpr (operand == Operand::Input) {
             value = input(c, r.cycles, given, given);
         } else if constexpr (operand == Operand::Dpc) {
-            c.m_.cycles = r.cycles;
-            value = read_dpc(c.m_.cart, c.slot_.image, given & 0x3f, c.m_.cycles);
+            value = read_dpc(c.m_.cart, c.slot_.image, given & 0x3f, r.cycles);
         } else if constexpr (operand == Operand::RomX || operand == Operand::RomY) {
             const uint32_t index = operand == Operand::RomX ? r.x : r.y;
             r.cycles += page_crossed(given, index);
