@@ -9,10 +9,11 @@ from typing import Any
 from tqdm import tqdm
 
 from atari.games.game import Game
-from atari.recording import FORMATS, Replay, VideoWriter, frame_rate
+from atari.recording import Replay, VideoWriter
 from atari.recording.replay.file_format import SUFFIX
-from atari.recording.video.formats import has_sound
+from atari.recording.video.formats import FORMATS, has_sound
 from atari.recording.video.overlay import Overlay
+from atari.recording.video.writer import frame_rate
 
 
 @dataclass(frozen=True)

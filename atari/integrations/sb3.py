@@ -18,7 +18,8 @@ from gymnasium import logger, spaces
 
 from atari._gymnasium import AutoresetMode
 from atari.cores.options import SEED_LIMIT
-from atari.recording import RecordVectorReplay, RecordVectorVideo
+from atari.recording.replay.record_replay import RecordVectorReplay
+from atari.recording.video.record_vector_video import RecordVectorVideo
 from atari.task import Task
 from atari.task.resolution import GameLike
 from atari.vector.env import AtariVectorEnv
@@ -253,16 +254,16 @@ class _Recorder(VecEnvWrapper):  # type: ignore[misc]
 
 
 class RecordVideo(_Recorder):
-    """Record videos of an `AtariVecEnv`, as `atari.recording.RecordVectorVideo` does.
+    """Record videos of an `AtariVecEnv`, as `atari.recording.RecordVideo` does of a vector.
 
     It takes the place of Stable-Baselines3's `VecVideoRecorder`, and records every emulated frame, with its sound.
 
     Args:
         venv: an `AtariVecEnv`, in no other wrapper.
-        video_folder, options: of `RecordVectorVideo`.
+        video_folder, options: see `atari.recording.RecordVideo`.
 
     Raises:
-        TypeError, ValueError, OSError: as `RecordVectorVideo`, or `venv` is no `AtariVecEnv`.
+        TypeError, ValueError, OSError: as `atari.recording.RecordVideo`; or `venv` is no `AtariVecEnv`.
 
     Example:
         >>> from atari.sb3 import AtariVecEnv, RecordVideo
@@ -278,14 +279,14 @@ class RecordVideo(_Recorder):
 
 
 class RecordReplay(_Recorder):
-    """Record one environment of an `AtariVecEnv` in a replay, as `atari.recording.RecordVectorReplay` does.
+    """Record one environment of an `AtariVecEnv` in a replay, as `atari.recording.RecordReplay` does.
 
     Args:
         venv: an `AtariVecEnv`, in no other wrapper.
-        path, index: of `RecordVectorReplay`.
+        path, index: see `atari.recording.RecordReplay`.
 
     Raises:
-        TypeError, ValueError, OSError: as `RecordVectorReplay`, or `venv` is no `AtariVecEnv`.
+        TypeError, ValueError, OSError: as `atari.recording.RecordReplay`; or `venv` is no `AtariVecEnv`.
 
     Example:
         >>> from atari.sb3 import AtariVecEnv, RecordReplay

@@ -6,8 +6,14 @@ videos of both. `speaker` and `window` output sound and frames. Controls, sessio
 `loop` connects them.
 """
 
+from typing import Any
+
+from atari._renamed import missing
 from atari.play.loop import play
-from atari.play.multiplayer_session import MultiplayerSession
 from atari.play.session import Session
 
-__all__ = ["MultiplayerSession", "Session", "play"]
+__all__ = ["Session", "play"]
+
+
+def __getattr__(name: str) -> Any:
+    raise missing("atari.play", name)

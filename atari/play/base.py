@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from atari.actions import Action
 from atari.cores import ByteArray, snapshot
 from atari.games.game import Game
-from atari.recording import VideoWriter, frame_rate
+from atari.recording import VideoWriter
 from atari.recording.video.facts import PACKAGE
 from atari.validation import check_file
 
@@ -189,10 +189,8 @@ class BaseSession(ABC):
         number = 1
         while (path := self._videos / f"{self.game.id}-{number}.mp4").exists():
             number += 1
-        rate = frame_rate(self.game)
         comment = json.dumps(self._facts)
-        size = self.game.screen.shape
-        self._video = VideoWriter(path, size, rate, scale=self._scale, sound=True, comment=comment)
+        self._video = VideoWriter(path, self.game, scale=self._scale, sound=True, comment=comment)
         self.video_files.append(path)
         return path
 

@@ -10,7 +10,7 @@ from atari.play.base import BaseSession
 from atari.play.controls import Command, SharedControls
 from atari.play.speaker import Speaker
 from atari.play.window import GameWindow, start_pygame
-from atari.recording import frame_rate
+from atari.recording.video.writer import frame_rate
 
 _MESSAGE_SECONDS = 2.0
 _FRAMES_PER_REWIND = 6

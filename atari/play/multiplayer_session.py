@@ -12,7 +12,7 @@ from atari.cores.options import SEED_LIMIT
 from atari.multiplayer import MultiplayerCore
 from atari.play.base import BaseSession
 from atari.play.player_agent import PlayerAgent
-from atari.recording import RecordMatch
+from atari.recording.replay.players import RecordMatch
 from atari.task.resolution import GameLike
 from atari.validation import check_name
 

@@ -60,8 +60,8 @@ class ShadowCore:
         numbers = (core.frame_number, core.episode_frame_number)
         if numbers == (member.frame_number, member.episode_frame_number) and (core.ram() != member.ram()).any():
             raise RuntimeError(
-                f"environment {self.index} was given another action than the recorder; put RecordVectorVideo inside "
-                "the wrappers that change actions"
+                f"environment {self.index} was given another action than the recorder; put RecordVideo inside the "
+                "wrappers that change actions"
             )
 
     def action_repeat(self, actions: Any, was_reset: bool, info: dict[str, Any]) -> ActionRepeat:
