@@ -1,4 +1,4 @@
-"""`BaseSession`: what the sessions of one and of several players share: saved states, rewind points and videos."""
+"""`BaseSession`: the saved states, rewind points and videos of sessions of one and of several players."""
 
 import json
 from abc import ABC, abstractmethod
@@ -19,7 +19,7 @@ BY_FRAME = {
     "actions": "full",
     "max_num_frames_per_episode": None,
 }
-"""How a game is played of which only the name is given: frame by frame, with all legal actions, none of them sticky."""
+"""The fields of a task for a game that is given by its name alone: single frames, all actions, no sticky actions."""
 
 FRAMES_PER_REWIND_POINT = 20
 """Frames from one rewind point to the next."""
@@ -38,7 +38,7 @@ class BaseSession(ABC):
     """
 
     humans: tuple[int, ...] = (0,)
-    """The players that are no policies; 0 is the first."""
+    """The players that are people; 0 is the first."""
     _saved_as: ClassVar[str]
     _blob: ClassVar[str]
 
@@ -94,7 +94,7 @@ class BaseSession(ABC):
 
     @abstractmethod
     def _restore(self, data: bytes) -> None:
-        """Continue from a snapshot; raises ValueError, before anything changes, if it is of another game."""
+        """Continue from a snapshot; raise ValueError, before anything changes, if it is from another game."""
 
     @abstractmethod
     def _reset(self) -> None: ...
@@ -160,7 +160,7 @@ class BaseSession(ABC):
 
         Raises:
             FileNotFoundError: there is no saved state.
-            ValueError: the file is damaged, or of another game, mode or difficulty.
+            ValueError: the file is damaged, or from another game, mode or difficulty.
         """
         facts, blobs = snapshot.unpack(check_file(self._state).read_bytes())
         snapshot.require(facts, {"of": self._saved_as})
@@ -170,7 +170,7 @@ class BaseSession(ABC):
         if not all(type(one) is int for one in scores):
             raise ValueError(f"{self._state} is damaged: its score is no whole number")
         if len(scores) != len(self.scores):
-            raise ValueError(f"{self._state} is of a game of {len(scores)} players, not of {len(self.scores)}")
+            raise ValueError(f"{self._state} is from a game of {len(scores)} players, not of {len(self.scores)}")
         self._restore(blobs[self._blob])
         self.scores = scores
         self._rewind_points.clear()

@@ -133,7 +133,7 @@ class Loop:
             self._helping = not self._helping
 
     def _show_errors(self, work: Callable[[], None]) -> None:
-        """Call `work` and show its error, if any, as a message; play continues."""
+        """Call `work`, and show its error as a message; play continues."""
         try:
             work()
         except (OSError, ValueError, gymnasium.error.Error) as error:

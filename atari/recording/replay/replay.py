@@ -78,7 +78,7 @@ class Replay:
         self.players = int(self.header.get("players", 1))
         self._content = content
         self.rom = rom
-        self._uses: Counter[int] = Counter()  # by snapshot: how often it is restored
+        self._uses: Counter[int] = Counter()  # by snapshot: the number of times that it is restored
         seeds = [self.header["options"]["seed"]] if self.players > 1 else []
         for event in chain.from_iterable(map(self._events, range(len(content.plays)))):  # raises now if one is damaged
             if event.kind == Kind.RESTORE:
@@ -186,7 +186,7 @@ class Replay:
         return f"Replay({str(self.path)!r}, {self.game.id}, {self.frames_total} frames{cut})"
 
     def _repr_html_(self) -> str | None:
-        """The beginning as a moving picture, for a notebook; None if the ROM is not there any more."""
+        """The first seconds as an animation, for a notebook; None without the ROM or without frames."""
         try:
             screens = (frame.screen for frame in self.frames(0, _SECONDS_SHOWN * 60))
             data, shown = animation(pooled(screens, 2), round(frame_rate(self.game) / 2))

@@ -88,7 +88,7 @@ class AleShadow:
 
 
 class PresetShadow:
-    """Repeats an environment with a preset, by the preset's wrappers. Arguments are those of `AleShadow`."""
+    """Repeats an environment with a preset, by the preset's wrappers. `AleShadow` documents the arguments."""
 
     def __init__(self, vector: AtariVectorEnv, member: Member, env: Any) -> None:
         self.env, self.member = env, member

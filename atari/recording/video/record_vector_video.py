@@ -29,7 +29,7 @@ from atari.validation import check_integer
 class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
     """Records videos of an `AtariVectorEnv`: `RecordVideo(envs, video_folder, ...)` makes it, and documents the rest.
 
-    The arguments, the file names and the recorded episodes are those of `gymnasium.wrappers.vector.RecordVideo`. In a
+    The arguments, the file names and the recorded episodes equal those of `gymnasium.wrappers.vector.RecordVideo`. In a
     mosaic, an environment whose episode ends inside a frame skip shows its last frame until the skip is over.
 
     Args:

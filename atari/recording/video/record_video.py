@@ -20,11 +20,11 @@ from atari.restorable import Restorable
 class RecordVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """Records videos of chosen episodes.
 
-    The arguments, the file names and the recorded episodes are those of `gymnasium.wrappers.RecordVideo`; of a vector,
-    those of `gymnasium.wrappers.vector.RecordVideo`. The videos differ: they have every emulated frame, including those
-    inside a frame skip and the no-ops of a reset, whichever wrapper plays them. They have the console's frame rate, its
-    2:1 pixels and its sound. Frames are written while they are played, and `render_mode` has no effect. `video_facts`
-    reads the task that was played from a file.
+    The arguments, the file names and the recorded episodes equal those of `gymnasium.wrappers.RecordVideo`, and for a
+    vector those of `gymnasium.wrappers.vector.RecordVideo`. The videos differ: they have every emulated frame, also the
+    frames inside a frame skip and the no-ops of a reset, whichever wrapper plays them. They have the console's frame
+    rate, its 2:1 pixels and its sound. Frames are written while they are played, and `render_mode` has no effect.
+    `video_facts` reads the task that was played from a file.
 
     The environment's results do not change. For sound, the environment's core is replaced by a core with sound. A
     snapshot of an environment with sound fits only environments with sound: call `unwrapped.driver.make_sound()` of

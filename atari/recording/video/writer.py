@@ -1,6 +1,6 @@
 """`VideoWriter`: writes frames and their sound to a video file, frame by frame.
 
-A video shows what the console showed on a television. The console's pixels are about twice as wide as high, so each
+A video looks as the console did on a television. The console's pixels are about twice as wide as high, so each
 becomes a block of 2 x 1 times an integer scale, without blur. The frame rate is exact: it follows from the console's
 colour clock. A frame's sound lasts exactly as long as the frame.
 

@@ -80,7 +80,7 @@ def test_videos_without_facts(tmp_path: Path) -> None:
     with VideoWriter(tmp_path / "a.gif", (210, 160), 60, comment="{}") as video:
         video.write(np.zeros((210, 160, 3), np.uint8))
     (tmp_path / "b.mp4").write_bytes(b"no video")
-    for name, text in (("a.mp4", "says nothing about"), ("a.gif", "says nothing about"), ("b.mp4", "has no facts")):
+    for name, text in (("a.mp4", "has no facts about"), ("a.gif", "has no facts about"), ("b.mp4", "has no facts")):
         with pytest.raises(ValueError, match=text):
             video_facts(tmp_path / name)
     with pytest.raises(FileNotFoundError):
