@@ -38,13 +38,13 @@ Indices = int | Sequence[int] | None
 class AtariVecEnv(VecEnv):  # type: ignore[misc]
     """Many Atari games for Stable-Baselines3, played in C++.
 
-    With `preset="baselines"` and equal seeds, its results equal those of `make_atari_env` with `VecFrameStack(..., 4)` to
-    the byte. Observations are uint8: (num_envs, stack_num, img_height, img_width), in RGB with 3 * stack_num channels
-    in place of stack_num, RAM (num_envs, 128), or a dict of both; rewards are float32.
+    With `preset="baselines"` and equal seeds, its results equal those of `make_atari_env` with `VecFrameStack(..., 4)`
+    to the byte. Observations are uint8: (num_envs, stack_num, img_height, img_width), in RGB with 3 * stack_num
+    channels in place of stack_num, RAM (num_envs, 128), or a dict of both; rewards are float32.
 
     The `info` of each environment has `lives`, `frame_number`, `episode_frame_number`, `TimeLimit.truncated`, and when
     its episode ends `terminal_observation`. When a whole game ends, with all its lives, it also has `episode`: `r`, the
-    sum of its rewards as the game gives them, not clipped; `l`, its length in frames; `t`, the seconds since the
+    sum of its rewards without clipping; `l`, its length in frames; `t`, the seconds since the
     environments were made. So a `VecMonitor` is not needed, and would record clipped rewards of single lives. As
     `Monitor` does, `r` includes the rewards during the no-ops and the FIRE of a reset, which no step returns.
 

@@ -139,7 +139,9 @@ def _spec(replay: Replay, obs_type: DatasetObsType | None, image: ObsType | None
 def check_new_dataset(minari: Any, dataset_id: str) -> None:
     """Raise ValueError if a dataset has this name."""
     if dataset_id in minari.list_local_datasets():
-        raise ValueError(f"there is a dataset {dataset_id!r} already; delete it with minari.delete_dataset, or choose another name")
+        raise ValueError(
+            f"there is a dataset {dataset_id!r} already; delete it with minari.delete_dataset, or choose another name"
+        )
 
 
 def import_minari() -> Any:

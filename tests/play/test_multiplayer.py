@@ -130,7 +130,7 @@ def test_a_policy_says_what_it_observes() -> None:
     [
         ({"environment": {"obs_type": "colours"}}, "obs_type must be one of"),
         ({"task": Task.of("pong", players=4)}, "has players=4, and the game is played by 2"),
-        ({"task": Task.of("breakout")}, "mine is a policy of breakout, not of pong"),
+        ({"task": Task.of("breakout")}, "mine is a policy for breakout, not for pong"),
         ({"task": Task.of("pong", continuous=True)}, "mine has continuous=True"),
     ],
 )

@@ -1,4 +1,4 @@
-"""What `step` and `recv` return inside compiled functions, which have the same arrays in every step."""
+"""`ResultParts`: the results of `step` and `recv` inside compiled functions: the same arrays in every step."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ class ResultParts:
     """The arrays of a batch, and how they become the results of a step.
 
     Args:
-        options: of the vector environment.
+        options: the options of the vector environment.
 
     Attributes:
         pixels, ram: whether an observation has this part.

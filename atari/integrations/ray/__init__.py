@@ -1,8 +1,8 @@
 """Atari on a cluster, with Ray: `pip install 'atari-envs[ray]'`.
 
 RLlib: `config` makes an algorithm's configuration, `register` and `env_creator` the environment alone (`rllib.py`).
-Learners of your own: `RolloutActors` plays environments in actors and returns batches of steps (`rollout_actors.py`).
-Data sets: `collect` has many workers play games and writes them (`collection.py`).
+Other learners: `RolloutActors` plays environments in actors and returns batches of steps (`rollout_actors.py`).
+Data sets: `collect` lets many workers play games, and writes them (`collection.py`).
 Each name is imported when it is first used.
 """
 
