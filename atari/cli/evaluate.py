@@ -13,17 +13,14 @@ from atari.cli.policies import OF_GAME, find_played, games_of
 from atari.learning import (
     GAME_SETS,
     PROTOCOLS,
-    Comparison,
     Policy,
+    Published,
     Result,
     compare,
     evaluate,
-    human_scores,
     load_policy,
-    published,
-    published_names,
 )
-from atari.learning.evaluation.compare import budget_faults, protocol_faults
+from atari.learning.evaluation.compare import Comparison, budget_faults, protocol_faults
 from atari.learning.evaluation.played import Entry
 from atari.learning.evaluation.protocols import find_protocol
 from atari.task.arguments import add_task, seed, show_task
@@ -99,9 +96,9 @@ def _evaluate(args: argparse.Namespace) -> int:
 def _check_before_playing(args: argparse.Namespace) -> None:
     """Refuse what would be refused after the games, which may take hours."""
     protocol = find_protocol(args.protocol)
-    human_scores(args.human)
+    Published.human_scores(args.human)
     for name in args.compare:
-        faults = protocol_faults(protocol, published(name))
+        faults = protocol_faults(protocol, Published(name))
         if faults and not args.mixed:
             raise ValueError(f"{name} is not comparable: {'; '.join(faults)}; --mixed compares it, and says so")
     if args.plot:
@@ -118,7 +115,7 @@ def _check_budgets(args: argparse.Namespace, policies: dict[str, Policy]) -> Non
     trained = {getattr(policy, "training_frames", None) for policy in policies.values()}
     frames = args.frames or (trained.pop() if len(trained) == 1 else None)
     for name in args.compare:
-        faults = budget_faults(published(name), frames)
+        faults = budget_faults(Published(name), frames)
         if faults and not args.mixed:
             raise ValueError(f"{name} is not comparable: {'; '.join(faults)}; --mixed compares it, and says so")
 
@@ -174,7 +171,7 @@ def _print(args: argparse.Namespace, result: Result, comparison: Comparison | No
 
 
 def _list(args: argparse.Namespace) -> int:
-    agents = [published(name) for name in published_names()]
+    agents = [Published(name) for name in Published.names()]
     if args.json:
         print_json({"protocols": PROTOCOLS, "sets": GAME_SETS, "published": [agent.name for agent in agents]})
         return 0

@@ -16,9 +16,6 @@ import numpy.typing as npt
 
 from atari.learning.policy import Array, LoadedPolicy, Policy, ScoresPolicy, is_network, makes_policy, show, takes_lanes
 from atari.validation import check_file, import_extra
-
-__all__ = ["LoadedPolicy", "Policy", "ScoresPolicy", "load_policy"]
-
 _KINDS = "a run folder, an SB3 zip, a TorchScript or ONNX file, or module:name"
 _SB3_VERSION = "_stable_baselines3_version"
 

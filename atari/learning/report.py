@@ -9,7 +9,7 @@ from string import Template
 from typing import Any
 
 from atari.learning.evaluation.evaluate import evaluate, record_games
-from atari.learning.evaluation.published import human_scores, published, published_names
+from atari.learning.evaluation.published import Published
 from atari.learning.evaluation.results import Result
 from atari.learning.policies import load_policy
 from atari.learning.run import RunFolder, replacing
@@ -97,8 +97,8 @@ def learning_curve(rows: Sequence[Mapping[str, float]], game: str) -> str:
 def draw_published(axes: Any, game: str, most: float) -> None:
     """Draw published curves of a game until `most` frames, in Matplotlib's axes."""
     for name in CURVES:
-        if name in published_names() and game in published(name).games:
-            curve = published(name).curve(game)
+        if name in Published.names() and game in Published(name).games:
+            curve = Published(name).curve(game)
             known = curve.frames <= most
             if known.sum() > 1:
                 axes.plot(curve.frames[known] / 1e6, curve.mean[known], label=name, linewidth=1)
@@ -107,7 +107,7 @@ def draw_published(axes: Any, game: str, most: float) -> None:
 def draw_levels(axes: Any, game: str) -> None:
     """Draw the scores of random play and of a human, but one far above the curves, which would flatten them."""
     low, high = axes.get_ylim()
-    for name, score in zip(("random", "human"), human_scores().get(game, ()), strict=False):
+    for name, score in zip(("random", "human"), Published.human_scores().get(game, ()), strict=False):
         if score <= high + (high - low):
             axes.axhline(score, color="gray", linewidth=0.8, linestyle=":" if name == "random" else "--", label=name)
     axes.grid(alpha=0.3)

@@ -4,7 +4,8 @@ import json
 
 import pytest
 
-from atari.learning import PROTOCOLS, GameResult, Result
+from atari.learning import PROTOCOLS, Result
+from atari.learning.evaluation.results import GameResult
 
 
 def result():
