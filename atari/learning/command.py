@@ -29,14 +29,14 @@ _ALONE = (
     "agent_indicator",
     "zero_sum",
 )
-"""Options of a task for which trainings have no place."""
+"""Options of a task that no agent can play."""
 
 
 def train(agent: str, argv: Sequence[str], prog: str, as_json: bool = False) -> Path | None:
     """Train an agent as a command line says, and return the run folder.
 
-    With `--print-task` nothing is trained, and there is no folder. With `as_json`, the task is printed as JSON, and
-    before a training not at all.
+    With `--print-task` nothing is trained, and the result is None. With `as_json`, the task is printed as JSON, and
+    not before a training.
     """
     found = find_agent(agent)
     parser = _parser(found, prog)
@@ -58,12 +58,12 @@ def train(agent: str, argv: Sequence[str], prog: str, as_json: bool = False) -> 
 
 
 def _options(agent: Any, args: argparse.Namespace) -> Any:
-    """The options of a training of the arguments.
+    """The options of the training that a command line describes.
 
     Raises:
-        TypeError, ValueError, gymnasium.error.NameNotFound: as `TrainingOptions.of`.
+        TypeError, ValueError, gymnasium.error.NameNotFound: see `TrainingOptions.of`.
     """
-    game, kind, of_task = game_of(args.game), agent.options_class, given_options(args)
+    game, kind, fields_of_task = game_of(args.game), agent.options_class, given_options(args)
     names = {field.name for field in fields(kind)}
     own = {name: value for name, value in vars(args).items() if name in names}
     measured: dict[str, Any] = {}
@@ -73,11 +73,11 @@ def _options(agent: Any, args: argparse.Namespace) -> Any:
         ram = task_of(args, agent=True, default=agent.fast["preset"]).obs_type == "ram"
         measured = {**agent.fast, **(FAST_RAM if ram else {})}
     named = {} if args.preset is None else {"preset": args.preset}
-    return kind.of(game, **{**measured, **named, **of_task, **own})
+    return kind.of(game, **{**measured, **named, **fields_of_task, **own})
 
 
 def resume(folder: Path, as_json: bool = False) -> None:
-    """Continue a training; without `as_json`, the first line that is printed says what is played."""
+    """Continue a training. Without `as_json`, the first printed line is a summary of its task."""
     training = Training.resume(folder)
     if not as_json:
         print(summary(training.options.task), flush=True)
@@ -103,7 +103,7 @@ def _run(training: Training) -> None:
     """Train with a progress bar.
 
     Raises:
-        KeyboardInterrupt: after Ctrl-C, when all is saved.
+        KeyboardInterrupt: after Ctrl-C, when the training is saved.
     """
     agent, options, folder = training.agent, training.options, training.folder.path
     bar = tqdm(total=options.total_steps, initial=agent.steps, unit="step", unit_scale=True, disable=None)
@@ -155,7 +155,7 @@ _OLD_FLAGS = {
     **dict.fromkeys(("--stack", "--ram-stack"), "it is --stack-num, as in `{prog} GAME --stack-num 2`"),
     "--ram-padding": "it is --padding, as in `{prog} GAME --padding reset`",
 }
-"""Flags of earlier releases, and the new calls."""
+"""Flags of earlier releases, and the calls that replace them."""
 
 
 def _option_type(options: type[TrainingOptions], name: str) -> Any:

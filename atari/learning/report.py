@@ -1,4 +1,4 @@
-"""What a run folder shows when the training has ended: an evaluation, the best game, and a page about both."""
+"""The end of a training: an evaluation, the best game, and a page about both, in the run folder."""
 
 import html
 import io
@@ -18,7 +18,7 @@ from atari.learning.training import WINDOW
 from atari.recording import Replay
 
 CURVES = ("dopamine/dqn", "dopamine/rainbow", "dreamerv3/atari57/ppo")
-"""Published learning curves that are drawn beside one's own."""
+"""Published learning curves that are drawn beside the training's."""
 
 
 def finish(folder: RunFolder, episodes: int = 30, progress: Callable[[int, int], Any] | None = None) -> Result:
@@ -38,7 +38,7 @@ def finish(folder: RunFolder, episodes: int = 30, progress: Callable[[int, int],
     replay = Replay.load(folder.path / "best.a26")
     try:
         replay.render(folder.path / "best.mp4")
-    except ImportError:  # without the extra `video` there is the replay alone
+    except ImportError:  # PyAV is not installed: the replay is enough
         (folder.path / "best.mp4").unlink(missing_ok=True)
     write_report(folder, result)
     return result
@@ -105,7 +105,7 @@ def draw_published(axes: Any, game: str, most: float) -> None:
 
 
 def draw_levels(axes: Any, game: str) -> None:
-    """Draw the scores of random play and of a human, but one far above the curves, which would flatten them."""
+    """Draw the scores of random play and of a human, unless they are so far above the curves that these look flat."""
     low, high = axes.get_ylim()
     for name, score in zip(("random", "human"), Published.human_scores().get(game, ()), strict=False):
         if score <= high + (high - low):

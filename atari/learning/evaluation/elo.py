@@ -57,7 +57,7 @@ def elo_ratings(wins: npt.ArrayLike, prior: float = 0.5, iterations: int = 100) 
     games = won + won.T
     strengths = np.zeros(len(won))
     for _ in range(iterations):
-        expected = 1 / (1 + np.exp(strengths - strengths[:, None]))  # the probability that i beats j, (players, players)
+        expected = 1 / (1 + np.exp(strengths - strengths[:, None]))  # probability that i beats j, (players, players)
         information = -games * expected * expected.T
         np.fill_diagonal(information, -information.sum(1))
         # A constant added to all strengths changes nothing; the mean of the step is 0.

@@ -128,7 +128,9 @@ def test_wrong_arguments():
 
 
 def test_human_tables():
-    assert {name: len(Published.human_scores(name)) for name in ("noop57", "nature2015", "human_starts", "dqn2013")} == {
+    assert {
+        name: len(Published.human_scores(name)) for name in ("noop57", "nature2015", "human_starts", "dqn2013")
+    } == {
         "noop57": 57,
         "nature2015": 49,
         "human_starts": 57,
