@@ -141,7 +141,9 @@ class _Noop:
 
     def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Array:
         if self._noop is None:
-            raise ValueError("noop needs the names of the actions; call begin(game, actions, lanes, seeds) before the first observations")
+            raise ValueError(
+                "noop needs the names of the actions; call begin(game, actions, lanes, seeds) before the first observations"
+            )
         return np.full(len(lanes), self._noop)
 
 

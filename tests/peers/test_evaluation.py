@@ -38,7 +38,7 @@ def trained(name, folder, obs_type="grayscale"):
 
 
 def scores_of_sb3(model, game):
-    """What Stable-Baselines3's own wrappers on ale-py and its `evaluate_policy` give, for the same seeds."""
+    """The scores of Stable-Baselines3's own wrappers on ale-py and its `evaluate_policy`, for the same seeds."""
     from stable_baselines3.common.atari_wrappers import AtariWrapper
     from stable_baselines3.common.evaluation import evaluate_policy
     from stable_baselines3.common.monitor import Monitor

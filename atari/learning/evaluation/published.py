@@ -52,6 +52,14 @@ class Published:
         ('Rainbow', 60, True)
         >>> rainbow.at("pong", 10_000_000).shape, rainbow.budgets[0]
         ((5,), 1000000)
+        >>> curve = rainbow.curve("pong")
+        >>> int(curve.frames[-1]), round(float(curve.mean[-1]), 1)
+        (199000000, 20.2)
+        >>> Published.names("rainbow")[:2]
+        ('cleanrl/rainbow_atari', 'dopamine/rainbow')
+        >>> random, human = Published.human_scores()["breakout"]
+        >>> random, human
+        (1.7, 30.5)
     """
 
     def __init__(self, name: str) -> None:
@@ -70,13 +78,7 @@ class Published:
 
     @staticmethod
     def names(part: str = "") -> tuple[str, ...]:
-        """The names of all published agents, or of those that contain a text.
-
-        Example:
-            >>> from atari.learning import Published
-            >>> Published.names("rainbow")[:2]
-            ('cleanrl/rainbow_atari', 'dopamine/rainbow')
-        """
+        """The names of all published agents that contain a text."""
         agents = read_table("index")["agents"]
         names = (f"{source}/{agent}" for source in agents for agent in agents[source])
         return tuple(name for name in names if part in name)
@@ -88,12 +90,6 @@ class Published:
         Raises:
             TypeError: the name is no string.
             ValueError: no table has this name; the nearest is suggested.
-
-        Example:
-            >>> from atari.learning import Published
-            >>> random, human = Published.human_scores()["breakout"]
-            >>> random, human
-            (1.7, 30.5)
         """
         tables = read_table("human")["tables"]
         # Some tables have random scores only.
@@ -150,12 +146,6 @@ class Published:
 
         Raises:
             ValueError: no score of the game was published, or the source has final scores only.
-
-        Example:
-            >>> from atari.learning import Published
-            >>> curve = Published("dopamine/rainbow").curve("pong")
-            >>> int(curve.frames[-1]), round(float(curve.mean[-1]), 1)
-            (199000000, 20.2)
         """
         data = self._game(game)
         if not self.has_curves:

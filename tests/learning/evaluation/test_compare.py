@@ -1,4 +1,4 @@
-"""`compare`: normalised scores, intervals, and what it refuses to put beside each other."""
+"""`compare`: normalised scores, intervals, and the comparisons that it refuses."""
 
 import json
 import sys
@@ -71,7 +71,7 @@ def test_equal_frames():
     assert [row.frames for row in comparison.rows] == [10_000_000] * 3
     assert comparison.rows[1].scores["pong"] == tuple(Published("dopamine/rainbow").at("pong", 10_000_000))
     at_mean = compare(result(), "dopamine/rainbow", frames=30_000_000).rows[1]
-    assert (at_mean.runs, at_mean.iqm.low) == (None, None)  # only the mean over seeds is kept there
+    assert (at_mean.runs, at_mean.iqm.low) == (None, None)  # the source has only the mean over seeds there
 
 
 def test_between_two_points_of_a_curve_a_note_names_the_interval():
@@ -167,7 +167,7 @@ def test_games_that_not_all_have_are_left_out():
 
 
 def test_the_estimate_of_atari_5():
-    """By hand, from the coefficients of the paper's code; of Rainbow's final scores it is 1.19, where their median is 1.48."""
+    """The estimate, computed by hand from the coefficients of the paper's code. Rainbow has 1.19, and a median of 1.48."""
     comparison = compare(result(games=GAME_SETS["atari5"]), "dopamine/rainbow")
     weights = {
         "battle_zone": 0.3819751237831753,
@@ -203,7 +203,7 @@ def test_iqm_is_the_trimmed_mean():
 
 
 def test_intervals_cover():
-    """Of 200 samples, about 95 % of the intervals contain the mean of the distribution."""
+    """About 95 % of the intervals of 200 samples contain the mean of the distribution."""
     generator = np.random.default_rng(0)
     inside = 0
     for number in range(200):

@@ -1,4 +1,4 @@
-"""Published results: what is packed, where it is from, and that known figures come out of it."""
+"""Published results: the packed data, its sources, and known figures that it gives."""
 
 import numpy as np
 import pytest
