@@ -15,11 +15,12 @@ from atari import algorithmic, cores
 from atari._renamed import missing
 from atari._version import __version__ as __version__
 from atari.actions import Action
+from atari.algorithmic.registration import register_all as register_algorithmic
 from atari.env import AtariEnv
 from atari.games.game import Game
 from atari.making import make
 from atari.registration import explain, register_all, register_game
-from atari.task import PRESETS, Preset, Task
+from atari.task import PRESETS, Task
 from atari.vector import AtariVectorEnv
 
 if TYPE_CHECKING:
@@ -33,7 +34,6 @@ __all__ = [
     "AtariEnv",
     "AtariVectorEnv",
     "Game",
-    "Preset",
     "Task",
     "algorithmic",
     "classic",
@@ -57,7 +57,7 @@ _LATER = ("classic", "integrations", "lab", "learning", "multiplayer", "recordin
 """Packages that are imported when they are first used, to keep `import atari` quick."""
 
 register_all()
-algorithmic.register_all()
+register_algorithmic()
 
 
 def __getattr__(name: str) -> Any:

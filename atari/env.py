@@ -126,7 +126,7 @@ class AtariEnv(EnvState):
         self._frames = []
 
     def ale_options(self) -> dict[str, Any]:
-        """What this plays without wrappers, as options by ale-py's names."""
+        """The task without wrappers, as options by ale-py's names."""
         task = self._as_set(self._task)
         names = ("obs_type", "frameskip", "repeat_action_probability", "continuous", "continuous_action_threshold")
         return {
@@ -301,7 +301,7 @@ class AtariEnv(EnvState):
 
 
 _BASE = {"max_num_frames_per_episode": None}
-"""What a game's name alone plays other than ALE's v5, as in ale-py."""
+"""The fields in which a game's name alone differs from ALE's v5, as in ale-py."""
 
 ALE_OPTIONS = frozenset(inspect.signature(AtariEnv.__init__).parameters) - {
     "self",

@@ -23,7 +23,7 @@ class EnvState(gymnasium.Env[Any, Any]):
     game: Game
 
     driver: Driver
-    """What plays the frames, for wrappers and recorders."""
+    """The object that plays the frames, for wrappers and recorders."""
 
     whole_task: Task
     """The task played together with the wrappers that `atari.make` has put around this; `task` also has what was set

@@ -53,7 +53,7 @@ class Restorable:
 
         Raises:
             TypeError: the innermost environment is no `AtariEnv`, or a wrapper in between has a state that cannot be
-                saved (of Gymnasium's, that of `TimeLimit` can); the text names it.
+                saved (Gymnasium's `TimeLimit` can be); the text names it.
         """
         env = _env(self)
         atari = _unwrapped(env)

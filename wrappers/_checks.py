@@ -77,7 +77,7 @@ def action_meanings(env: Environment) -> list[str]:
 
 
 def begin_meanings(env: Environment) -> list[str]:
-    """The names of the actions of which episodes begin: the game's if an agent of an `AtariEnv` has only some."""
+    """The names of the actions that begin episodes: the game's if an agent of an `AtariEnv` has only some."""
     meanings, inner = action_meanings(env), env.unwrapped
     if isinstance(inner, AtariEnv) and meanings == inner.get_action_meanings():
         return [action.name for action in inner.task.begin_actions]

@@ -198,7 +198,7 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         total = 0.0
         ended = False
         while left and not ended:
-            frames = left - 1 or 1  # up to the last but one, of which `images` takes note
+            frames = left - 1 or 1  # up to the last but one, which `images` reads
             if most is not None:
                 frames = min(frames, max(most - self._frames_played, 1))
             reward, played, terminated, truncated = play(move, frames)

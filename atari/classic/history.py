@@ -57,7 +57,7 @@ _FATES = {
 
 
 def fate(env_id: str) -> str | None:
-    """What became of an environment of Gym or of a package of its time, for an error message; None if unknown."""
+    """The fate of an environment of Gym or of a package of its time, for an error message; None if unknown."""
     for pattern, text in _FATES.items():
         match = re.match(pattern, env_id)
         if match:

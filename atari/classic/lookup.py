@@ -70,7 +70,7 @@ def _newest(env_id: str) -> str | None:
 
 
 def _cure(env_id: str) -> str:
-    """What to do about an unknown ID, for the error message."""
+    """The advice for an unknown ID, for the error message."""
     gone = history.fate(env_id)
     if gone is not None:
         return gone

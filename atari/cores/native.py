@@ -25,7 +25,7 @@ from atari.roms import image as rom_image
 from atari.validation import check_integer, check_poke
 
 STATE_VERSION: int = _emulator.STATE_VERSION
-"""Of the layout of the emulator's state: `Machine` and `EnvironmentState` in the C++ headers, as laid out in memory."""
+"""The version of the layout of saved states: `Machine` and `EnvironmentState` of the C++ headers, as in memory."""
 
 _F8_SWAPPED = {"bc24440b59092559a1ec26055fd1270e", "75ee371ccfc4f43e7d9b8f24e1266b55"}
 _NO_RULES = CompiledRules(

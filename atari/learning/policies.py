@@ -142,7 +142,7 @@ class _Noop:
     def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Array:
         if self._noop is None:
             raise ValueError(
-                "noop needs the names of the actions; call begin(game, actions, lanes, seeds) before the first observations"
+                "noop needs the names of the actions; call begin(game, actions, lanes, seeds) before it plays"
             )
         return np.full(len(lanes), self._noop)
 

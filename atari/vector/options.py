@@ -259,7 +259,7 @@ class VectorOptions:
 
     @cached_property
     def _index_shape(self) -> tuple[int, ...]:
-        """Of a batch of actions that are indices, of one player; none has the shape (-1,)."""
+        """The shape of a batch of actions of one player that are indices; (-1,) if actions are no indices."""
         return (-1,) if self.continuous or self.players > 1 else (self.batch_size,)
 
     def _motions(self, actions: npt.NDArray[Any]) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float32]]:
@@ -282,7 +282,7 @@ def _episode_settings(task: Task) -> _emulator.EpisodeSettings:
 
 
 def _listed(game: Any, num_envs: Any) -> list[Any]:
-    """What a user gave as the game of each environment."""
+    """The game of each environment, as a user gave it."""
     many = isinstance(game, Sequence) and not isinstance(game, str)
     if num_envs is None and not many:
         raise TypeError("num_envs is needed: how many environments of the game to make")

@@ -7,6 +7,7 @@ import pytest
 from env_tools import data_equivalence
 from gymnasium.wrappers import RecordEpisodeStatistics, TimeLimit
 
+import atari
 from atari import AtariEnv, wrappers
 from atari.wrappers import DqnPreprocessing, EpisodicLife, FireReset, FrameStack, NoopReset
 
@@ -265,7 +266,7 @@ def test_a_snapshot_has_the_stack_of_ram(game_env):
     np.testing.assert_array_equal(env.step(2)[0], expected)
 
 
-@pytest.mark.parametrize("name", wrappers.PRESETS)
+@pytest.mark.parametrize("name", atari.PRESETS)
 def test_driving_the_emulator_and_going_through_wrappers_give_the_same(game_env, name):
     for game, limit in (("breakout", None), ("bank_heist", 403)):
         options = {**wrappers.preset_options(name), "max_num_frames_per_episode": limit}

@@ -161,7 +161,7 @@ class Counter:
         self.frames += 1
 
 
-@pytest.mark.parametrize("preset", [None, *atari.wrappers.PRESETS])
+@pytest.mark.parametrize("preset", [None, *atari.PRESETS])
 def test_under_every_preset_the_video_has_the_frames_that_were_played(tmp_path: Path, preset: str | None) -> None:
     env = record_video(atari.make("pong", preset=preset), tmp_path, scale=1)
     counter = Counter()
