@@ -47,7 +47,7 @@ def train(
         agent: the agent's name.
         argv: the command line without the agent.
         prog: the command, for help and errors.
-        output: a parser of the caller's flags and of `--json`, which prints the task as JSON, or nothing before a training.
+        output: a parser of the caller's flags and of `--json`, with which the task is printed as JSON.
         args: the values of these flags so far, to which the values of the command line are added.
     """
     found = find_agent(agent)
