@@ -15,7 +15,7 @@ from atari.learning.evaluation.played import Entry, find_entries, says_nothing, 
 from atari.learning.evaluation.played import game_of as game_of_policy
 from atari.learning.evaluation.player import Player
 from atari.learning.evaluation.protocols import find_protocol
-from atari.learning.policy import LoadedPolicy
+from atari.policy import LoadedPolicy
 from atari.recording import RecordReplay, Replay
 from atari.task import Task
 from atari.task.arguments import game_of, given_options, task_of

@@ -24,8 +24,8 @@ from atari.cli.printing import print_json
 from atari.games.game import Game
 from atari.learning import load_policy
 from atari.learning.evaluation.played import says_nothing
-from atari.learning.policy import LoadedPolicy
 from atari.play.multiplayer_session import MultiplayerSession
+from atari.policy import LoadedPolicy
 from atari.recording import FORMATS, RecordReplay, Replay, VideoWriter, frame_rate
 from atari.recording.replay.file_format import SUFFIX
 from atari.recording.video.formats import has_sound

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from atari.learning.policy import Array, LoadedPolicy, Policy, ScoresPolicy, is_network, makes_policy, show, takes_lanes
+from atari.policy import Array, LoadedPolicy, Policy, ScoresPolicy, is_network, makes_policy, show, takes_lanes
 from atari.validation import check_file, import_extra
 
 _KINDS = "a run folder, an SB3 zip, a TorchScript or ONNX file, or module:name"

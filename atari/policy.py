@@ -105,7 +105,14 @@ class LoadedPolicy:
         Raises:
             ValueError: the policy returns no such actions.
         """
-        actions, _ = self.choose(observations, lanes)
+        return self.checked(self.choose(observations, lanes)[0], lanes)
+
+    def checked(self, actions: Array, lanes: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+        """What `choose` has returned as actions, if it is one action of the game for each lane.
+
+        Raises:
+            ValueError: it is anything else.
+        """
         if actions.dtype.kind not in "iu" or actions.shape != (len(lanes),):
             got = f"{actions!r:.60}" if actions.dtype.kind == "O" else f"{actions.dtype} {actions.shape}"
             raise ValueError(
