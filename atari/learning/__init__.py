@@ -14,7 +14,7 @@ from atari.learning.evaluation.published import Published
 from atari.learning.evaluation.results import Result
 from atari.learning.memory import ReplayMemory
 from atari.learning.policies import load_policy
-from atari.learning.policy import Policy, ScoresPolicy
+from atari.policy import Policy, ScoresPolicy
 
 __all__ = [
     "GAME_SETS",
