@@ -54,6 +54,7 @@ RENAMED: Mapping[str, str] = {
     "atari.learning.human_scores": "atari.learning.Published.human_scores",
     "atari.learning.published": "atari.learning.Published",
     "atari.learning.published_names": "atari.learning.Published.names",
+    "AtariVectorEnv.members": "AtariVectorEnv.lanes",
     "AtariEnv.make_sound": "AtariEnv.driver.make_sound",
     "AtariEnv.observers": "AtariEnv.driver.observers",
     "AtariEnv.play_frames": "AtariEnv.driver.play_frames(action, frames=n)",
