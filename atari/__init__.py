@@ -13,33 +13,39 @@ if find_spec("atari._emulator") is None:  # the source folder, which Python find
 
 from atari import algorithmic, cores
 from atari._renamed import missing
+from atari._version import __version__ as __version__
 from atari.actions import Action
+from atari.algorithmic.registration import register_all as register_algorithmic
 from atari.env import AtariEnv
 from atari.games.game import Game
-from atari.integrations.arrays import to_jax, to_torch
 from atari.making import make
 from atari.registration import explain, register_all, register_game
-from atari.task import PRESETS, Preset, Task
+from atari.task import PRESETS, Task
 from atari.vector import AtariVectorEnv
 
 if TYPE_CHECKING:
-    from atari import roms, wrappers
+    from atari import classic, integrations, lab, learning, multiplayer, recording, roms, wrappers
     from atari.games.catalog import games  # the type of the package `atari.games`, which is a mapping
+    from atari.integrations.arrays import to_jax, to_torch
 
-__version__ = "0.2.0"
 __all__ = [
     "PRESETS",
     "Action",
     "AtariEnv",
     "AtariVectorEnv",
     "Game",
-    "Preset",
     "Task",
     "algorithmic",
+    "classic",
     "cores",
     "explain",
     "games",
+    "integrations",
+    "lab",
+    "learning",
     "make",
+    "multiplayer",
+    "recording",
     "register_game",
     "roms",
     "to_jax",
@@ -47,12 +53,20 @@ __all__ = [
     "wrappers",
 ]
 
+_LATER = ("classic", "integrations", "lab", "learning", "multiplayer", "recording", "roms", "wrappers")
+"""Packages that are imported when they are first used, to keep `import atari` quick."""
+
 register_all()
-algorithmic.register_all()
+register_algorithmic()
 
 
 def __getattr__(name: str) -> Any:
-    """Import `atari.wrappers` and `atari.roms` when they are first used, to keep `import atari` quick."""
-    if name in ("roms", "wrappers"):
+    if name in _LATER:
         return import_module(f"atari.{name}")
+    if name in ("to_jax", "to_torch"):
+        return getattr(import_module("atari.integrations.arrays"), name)
     raise missing("atari", name)
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]

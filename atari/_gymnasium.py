@@ -41,7 +41,7 @@ else:
 if not TYPE_CHECKING and hasattr(VectorWrapper, "__del__"):
 
     class VectorWrapper(VectorWrapper):
-        """Gymnasium's, which leaves its environment open when it is deleted, as that of the newest release does."""
+        """Gymnasium's destructor; it leaves the environment open, as the newest release does."""
 
         def __del__(self):
             """Do nothing."""

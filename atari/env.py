@@ -5,19 +5,20 @@ Options, defaults, observations, rewards and random streams are those of ale-py'
 """
 
 import inspect
-from contextlib import suppress
 from os import PathLike
-from typing import Any, Literal, Protocol, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import gymnasium
 import numpy as np
-from gymnasium import logger, spaces
+from gymnasium import spaces
 from typing_extensions import Unpack
 
-from atari.actions import PLAYER_ACTIONS, Action, in_continuous_space, joystick_action, make_action_space
-from atari.cores import CORES, Core, NativeCore
-from atari.cores.ale_interface import AleInterface, AleSettings
-from atari.env_state import EnvState, Played, slots
+from atari._renamed import missing_attribute
+from atari.actions import PLAYER_ACTIONS, Action, make_action_space
+from atari.cores import CORES
+from atari.cores.ale_interface import AleInterface
+from atari.driver import Driver
+from atari.env_state import EnvState
 from atari.games.interventions import Intervention
 from atari.notebook import picture, png
 from atari.rendering import Window
@@ -25,20 +26,10 @@ from atari.task import Task
 from atari.task.fields import UNSET
 from atari.task.options import AddedOptions, Interventions
 from atari.task.resolution import GameLike, resolve_task
-from atari.validation import check_action_index, check_name
+from atari.validation import check_name
 
 ObsType = Literal["rgb", "grayscale", "ram"]
 RenderMode = Literal["human", "rgb_array", "rgb_array_list"]
-
-
-class FrameObserver(Protocol):
-    """Receives every emulated frame, those inside a frame skip too; see `AtariEnv.observers`."""
-
-    def game_begun(self) -> None:
-        """The emulator was reset."""
-
-    def frame_played(self, action: int, reward: int) -> None:
-        """The core has played a frame with this ALE action. Must not raise."""
 
 
 class AtariEnv(EnvState):
@@ -84,15 +75,8 @@ class AtariEnv(EnvState):
     metadata: dict[str, Any] = {"render_modes": list(get_args(RenderMode)), "render_fps": 15}  # noqa: RUF012
     """Gymnasium's facts about the class. Each environment has its own copy, with the rate of its steps, rounded."""
 
-    observers: list[FrameObserver]
-    """The receivers of every frame, such as recorders. An observer may read the core, but not change it. Copies of the
-    environment have no observers."""
-
     interventions: tuple[Intervention, ...]
     """The interventions of the game, of the option of this name."""
-
-    _closed_state: Any = None
-    """The state at `close`, from which `reset` continues."""
 
     def __init__(
         self,
@@ -130,35 +114,19 @@ class AtariEnv(EnvState):
         self.game = task.definition
         self.interventions = task.interventions
         self.render_mode = render_mode
-        self._threshold = np.float32(task.continuous_action_threshold)
         self.continuous, self.sound_obs = task.continuous, task.sound_obs
         self.continuous_action_threshold = task.continuous_action_threshold
-        self.ale_settings = AleSettings(
-            repeat_action_probability=task.repeat_action_probability,
-            max_num_frames_per_episode=task.max_num_frames_per_episode or 0,
-            sound_obs=task.sound_obs,
-        )
-        self._core_options = self.ale_settings.core_options()
-        self._ale_random = None
-        self.seed_game()
+        self.driver = Driver(task, core, rom)
         self._np_random_seed = -1
-        self.core = self._make_core()
-        self.observers = []
-        self._action_set: tuple[Action, ...] = task.action_set
         self._obs_type, self._frameskip = task.obs_type, task.frameskip  # read at every step
-        self.action_space = make_action_space(self._action_set, self.continuous)
+        self.action_space = make_action_space(task.action_set, self.continuous)
         self.observation_space = self._make_observation_space()
         self.metadata = {**self.metadata, "render_fps": max(1, round(self._steps_per_second()))}
         self._window = self._make_window()
         self._frames = []
-        self._phase = "new"
-        self._game = Played()
-        self._ended_game = None
-        self._restored = False
-        self._instead: str | None = None  # an action that replaces any, see `step_named` of the wrappers
 
     def ale_options(self) -> dict[str, Any]:
-        """What this plays without wrappers, as options by ale-py's names."""
+        """The task without wrappers, as options by ale-py's names."""
         task = self._as_set(self._task)
         names = ("obs_type", "frameskip", "repeat_action_probability", "continuous", "continuous_action_threshold")
         return {
@@ -172,7 +140,7 @@ class AtariEnv(EnvState):
     @property
     def ale(self) -> AleInterface:
         """The core under the method names of ale-py's `ALEInterface`, which many wrappers expect."""
-        return AleInterface(self)
+        return AleInterface(self.driver)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Start a new episode; with `seed`, also restart all generators. `options` are ignored. Reopens after `close`.
@@ -181,21 +149,17 @@ class AtariEnv(EnvState):
             gymnasium.error.Error: the seed is no integer of 0 or more.
         """
         super().reset(seed=seed)
-        if self._closed_state is not None:
-            self._reopen()
+        if self.driver.closed:
+            self.driver.reopen()
+            self._window = self._make_window()
         seeds: dict[str, Any] = {}
         if seed is not None:
             seeds = {"seeds": self.seed_game(seed)}
             self.load_game()
-        self.core.reset()
-        self._phase = "playing"
-        self._game = Played(first_frame=self.core.episode_frame_number)
-        self._restored = False
+        self.driver.reset()
         self._frames.clear()
-        for observer in self.observers:
-            observer.game_begun()
         self._show()
-        return self._get_obs(), {**self._info(), **seeds}
+        return self.observe(), {**self.driver.info(), **seeds}
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Play `frameskip` frames.
@@ -207,71 +171,39 @@ class AtariEnv(EnvState):
             gymnasium.error.ResetNeeded: before the first reset.
             TypeError, ValueError: the action is not in the action space.
         """
-        number, strength = self._ale_action(action)
-        reward = self.play_frames(number, self._draw_frameskip(), strength)
+        driver = self.driver
+        number, strength = driver.ale_action(action)
+        reward = driver.play_frames(number, strength, frames=self._draw_frameskip())
         self._show()
-        return self._get_obs(), reward, self.core.game_over, self.core.truncated, self._info()
+        core = driver.core
+        return self.observe(), reward, core.game_over, core.truncated, driver.info()
 
-    def play_frames(self, action: int, frames: int, strength: float = 1.0) -> float:
-        """Play frames with an ALE action number and return the reward, without making an observation.
-
-        Raises:
-            gymnasium.error.ResetNeeded: before the first reset.
-            TypeError, ValueError: no ALE action (0..17), or a strength that is not finite.
-        """
-        if self._phase != "playing":
-            self._check_phase()
-        act = self._act_observed if self.observers else self.core.act
-        reward = 0.0
-        for _ in range(frames):
-            reward += act(action, strength)
-        self._count(reward)
-        return reward
-
-    def play_until(self, action: int, frames: int, strength: float = 1.0) -> tuple[float, int]:
-        """Play up to `frames` frames, and return the reward and how many were played.
-
-        The last one ends the game, or changes the number of lives, or is the last of `frames`; cores that play single
-        frames alone, and observers, end it after one. Wrappers that read only some of the frames
-        (`atari.wrappers.DqnPreprocessing`) call it instead of `step`.
-
-        Raises:
-            gymnasium.error.ResetNeeded, TypeError, ValueError: as `play_frames`.
-        """
-        if self._phase != "playing":
-            self._check_phase()
+    def observe(self) -> Any:
+        """The observation of the present frame, a new array."""
         core = self.core
-        if self.observers or not isinstance(core, NativeCore):
-            return self.play_frames(action, 1, strength), 1
-        reward, played = core.act_until(action, frames, strength)
-        self._count(reward)
-        return float(reward), played
+        if self._obs_type == "rgb":
+            image = core.screen_rgb()
+        elif self._obs_type == "ram":
+            image = core.ram()
+        else:
+            image = core.screen_grayscale()
+        return {"image": image, "sound": core.audio()} if self.sound_obs else image
 
-    def _count(self, reward: float) -> None:
-        """Count a reward, and find out whether the game has ended."""
-        if reward:
-            self._game.score += reward
-            self._game.rewards += 1
-        if (self.core.game_over or self.core.truncated) and self._phase == "playing":
-            self._phase = "over"
-            self._ended_game = self._game.statistics(self.core)
+    _get_obs = observe  # ale-py's names, which programs read
 
-    def make_sound(self) -> None:
-        """Switch the emulator's sound on; observations stay what they are.
-
-        `core` becomes another object, in the same state.
-        """
-        self.core = self.core.with_sound()
+    @property
+    def _action_set(self) -> list[Action]:
+        return list(self.driver.actions)
 
     def _repr_html_(self) -> str | None:
         """The screen, for a notebook; None after `close`."""
-        if self._closed_state is not None:
+        if self.driver.closed:
             return None
         height, width = self.game.screen.shape
         caption = f"{self.game.title}: not reset yet"
-        if self._phase != "new":
+        if self.driver.phase != "new":
             frame, lives = self.core.episode_frame_number, self.core.lives
-            caption = f"{self.game.title}: frame {frame:,}, score {self._game.score:,.0f}, lives {lives}"
+            caption = f"{self.game.title}: frame {frame:,}, score {self.driver.played.score:,.0f}, lives {lives}"
         return picture(png(self.core.screen_rgb()), caption, width=2 * width, height=height)
 
     def render(self) -> Any:
@@ -296,46 +228,19 @@ class AtariEnv(EnvState):
         if self._window is not None:
             self._window.close()
             self._window = None
-        if self._closed_state is None:
-            with suppress(RuntimeError):  # the core itself was closed
-                self._closed_state = self.core.clone_state(include_rng=True)
-        self.core.close()
+        self.driver.close()
 
     def seed_game(self, seed: int | None = None) -> tuple[np.uint32, np.uint32]:
-        """Seed `np_random`, and the emulator from the next `load_game` on; None draws a new seed.
-
-        Returns:
-            The two words drawn from the seed: of `np_random`, and of the emulator.
-
-        Raises:
-            TypeError, ValueError: the seed is no integer of 0 or more.
-        """
-        words = np.random.SeedSequence(seed).generate_state(2)
-        if self._ale_random is not None:
-            words[1] = self._ale_random.seed(seed)
-        self._np_random = np.random.Generator(np.random.PCG64(np.random.SeedSequence(int(words[0]))))
-        self.ale_settings.set_seed(int(words[1]))
-        return words[0], words[1]
-
-    def _draw(self, low: int, high: int) -> int:
-        """A number within low..high-1 from the generator of episodes, which draws no-ops and frame skips."""
-        if self._ale_random is None:
-            return int(self.np_random.integers(low, high))
-        return low + self._ale_random.below(high - low)
+        """Seed all generators, the emulator's from the next `load_game` on, as ale-py's; see `Driver.seed_game`."""
+        return self.driver.seed_game(seed)
 
     def load_game(self) -> None:
-        """Load the game again: with the seed of `seed_game`, what was set by `ale`, and the environment's mode.
-
-        Raises:
-            RuntimeError: a setting was changed by `ale` while a replay is recorded.
-        """
-        if self.ale_settings.stale:
-            self._apply_settings()
-        self.core.seed(self.ale_settings.seed())
+        """Load the game again, as ale-py's; see `AleGame.load_game`."""
+        self.driver.load_game()
 
     def get_action_meanings(self) -> list[str]:
         """The names of the actions, in the order of the action space."""
-        return [action.name for action in self._action_set]
+        return [action.name for action in self.driver.actions]
 
     @staticmethod
     def map_action_idx(left_center_right: int, down_center_up: int, fire: bool) -> Action:
@@ -361,58 +266,15 @@ class AtariEnv(EnvState):
         """
         if self.continuous:
             raise AttributeError("keys stand for discrete actions; this environment was made with continuous=True")
-        return {_keys(action): index for index, action in enumerate(self._action_set)}
+        return {_keys(action): index for index, action in enumerate(self.driver.actions)}
 
-    def _make_core(self) -> Core:
-        return CORES[self._made_with["core"]](
-            self.game,
-            seed=self.ale_settings.seed(),
-            mode=self._task.set_mode,
-            difficulty=self._task.set_difficulty,
-            rom=self._made_with["rom"],
-            interventions=self.interventions,
-            **self._core_options,
-        )
+    if not TYPE_CHECKING:
 
-    def _replace_core(self) -> None:
-        if type(self.core) is not CORES[self._made_with["core"]]:
-            raise RuntimeError("a replay of this environment is being recorded; close the recorder first")
-        self.core.close()
-        self.core = self._make_core()
-
-    def _apply_settings(self) -> None:
-        """Apply what was set by `ale`, and the environment's mode and difficulty."""
-        options, before = self.ale_settings.core_options(), self._core_options
-        difficulty = self._task.difficulty
-        if options != before or difficulty not in self.game.difficulties:  # backgammon's default is none of its own
-            self._core_options = options
-            added = slots(self.core)
-            state = self.core.save() if added else None  # type: ignore[attr-defined]  # with which writes are done
-            try:
-                self._replace_core()
-            except RuntimeError:
-                self._core_options = before
-                raise
-            if added:
-                self.core.writes = added  # type: ignore[attr-defined]
-                self.core.load(state)  # type: ignore[attr-defined]
-        else:
-            self.core.set_mode(self._task.mode)  # type: ignore[arg-type]  # a task has found it
-            self.core.set_difficulty(difficulty)
-        self.ale_settings.stale = False
+        def __getattr__(self, name: str) -> Any:
+            raise missing_attribute(self, name)
 
     def _make_window(self) -> Window | None:
         return Window(self.game, self._steps_per_second()) if self.render_mode == "human" else None
-
-    def _reopen(self) -> None:
-        """Continue after `close`."""
-        sound = self.core.sound
-        self._replace_core()
-        if sound:
-            self.make_sound()
-        self.core.restore_state(self._closed_state)
-        self._closed_state = None
-        self._window = self._make_window()
 
     def _make_observation_space(self) -> spaces.Space[Any]:
         rows, columns = self.game.screen.shape
@@ -429,57 +291,7 @@ class AtariEnv(EnvState):
     def _draw_frameskip(self) -> int:
         if isinstance(self._frameskip, int):
             return self._frameskip
-        return self._draw(*self._frameskip)
-
-    def _ale_action(self, action: Any) -> tuple[int, float]:
-        """The ALE action number and the strength of an action of the action space."""
-        if self._instead is not None:
-            return int(Action[self._instead]), 1.0
-        if self.continuous:
-            return self._continuous_action(action)
-        index = check_action_index(action, len(self._action_set), self.game.id)
-        return int(self._action_set[index]), 1.0
-
-    def _continuous_action(self, action: Any) -> tuple[int, float]:
-        """The ALE action and the strength of (radius, angle, fire), computed in float32 as in CALE."""
-        try:
-            with np.errstate(over="ignore"):
-                motion = np.asarray(action, dtype=np.float32)
-        except (TypeError, ValueError):
-            motion = None
-        if motion is None or motion.shape != (3,):
-            raise TypeError(f"a continuous action is three floats (radius, angle, fire), got {action!r}")
-        radius, angle, fire = motion
-        if not in_continuous_space(radius, angle, fire):
-            raise ValueError(
-                f"a continuous action is radius 0..1, angle -pi..pi, fire 0..1, got ({radius}, {angle}, {fire})"
-            )
-        return int(joystick_action(radius, angle, fire, self._threshold)), float(radius)
-
-    def _get_obs(self) -> Any:
-        if self._obs_type == "rgb":
-            image = self.core.screen_rgb()
-        elif self._obs_type == "ram":
-            image = self.core.ram()
-        else:
-            image = self.core.screen_grayscale()
-        return {"image": image, "sound": self.core.audio()} if self.sound_obs else image
-
-    def _info(self) -> dict[str, Any]:
-        core = self.core
-        return {
-            "lives": core.lives,
-            "episode_frame_number": core.episode_frame_number,
-            "frame_number": core.frame_number,
-        }
-
-    def _act_observed(self, action: int, strength: float) -> int:
-        before = self.core.frame_number
-        reward = self.core.act(action, strength)
-        if self.core.frame_number != before:  # after the end of a game, `act` plays no frame
-            for observer in self.observers:
-                observer.frame_played(action, reward)
-        return reward
+        return self.driver.draw(*self._frameskip)
 
     def _show(self) -> None:
         if self._window is not None:
@@ -487,19 +299,9 @@ class AtariEnv(EnvState):
         elif self.render_mode == "rgb_array_list":
             self._frames.append(self.core.screen_rgb())
 
-    def _check_phase(self) -> None:
-        """Refuse a step before the first reset, and warn once about a step after the end."""
-        if self._phase == "new":
-            raise gymnasium.error.ResetNeeded("call env.reset() before the first env.step()")
-        if not (self.core.game_over or self.core.truncated):
-            self._phase = "playing"  # it was reset through `ale` or `core`
-        elif self._phase == "over":
-            self._phase = "warned"
-            logger.warn("env.step() was called after the episode had ended; nothing happens until env.reset()")
-
 
 _BASE = {"max_num_frames_per_episode": None}
-"""What a game's name alone plays other than ALE's v5, as in ale-py."""
+"""The fields in which a game's name alone differs from ALE's v5, as in ale-py."""
 
 ALE_OPTIONS = frozenset(inspect.signature(AtariEnv.__init__).parameters) - {
     "self",

@@ -30,7 +30,7 @@ MAX_FRAMES = 108_000
 
 
 MODULE_PREFIX = "atari:"
-"""Of "atari:ALE/Pong-v5", with which Gymnasium imports this package first."""
+"""The prefix in "atari:ALE/Pong-v5", by which Gymnasium imports this package first."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ def not_found(env_id: str, known: Iterable[str]) -> gymnasium.error.NameNotFound
 
 
 def _suggestion(env_id: str, known: Iterable[str]) -> str:
-    """What to do about an unknown ID: its prefix, version, case or spelling may be wrong."""
+    """The advice for an unknown ID: its prefix, version, case or spelling may be wrong."""
     wanted, skeletons = skeleton(env_id), {one: skeleton(one) for one in known}
     if wanted not in skeletons.values():
         near = difflib.get_close_matches(wanted, set(skeletons.values()), n=1, cutoff=0.7)

@@ -1,67 +1,58 @@
 """`EnvState`: the state of an `AtariEnv`, its snapshots and pickles."""
 
 import copy
-import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any, Literal, get_args
+from typing import Any, get_args
 
 import gymnasium
+import numpy as np
 
-from atari.cores import ByteArray, Core, snapshot, writes
+from atari.cores import ByteArray, Core, snapshot
 from atari.cores.ale_interface import AleSettings
 from atari.cores.ale_random import AleRandom
+from atari.driver import Driver, Phase, Played
 from atari.games.game import Game
 from atari.task import Task
 from atari.task.fields import GROUPS
 from atari.task.storage import identity, require_same
 
-Phase = Literal["new", "playing", "over", "warned"]
-
-
-@dataclass(slots=True)
-class Played:
-    """The score and the counters of a game since the emulator's reset."""
-
-    score: float = 0.0
-    steps: int = 0  # counted by wrappers, for which a step is several frames
-    first_frame: int = 0  # the episode frame number after the reset
-    began: float = field(default_factory=time.perf_counter)
-    rewards: int = 0  # other than zero; counted again from a restored snapshot
-
-    def statistics(self, core: Core) -> dict[str, Any]:
-        """The sum of the rewards, the frames and the seconds of the game, as `RecordEpisodeStatistics` names them."""
-        seconds = round(time.perf_counter() - self.began, 6)
-        return {"r": self.score, "l": core.episode_frame_number - self.first_frame, "t": seconds}
-
 
 class EnvState(gymnasium.Env[Any, Any]):
     """The methods of `AtariEnv` that save and restore it."""
 
-    core: Core
-    """The emulator core."""
-
     game: Game
+
+    driver: Driver
+    """The object that plays the frames, for wrappers and recorders."""
 
     whole_task: Task
     """The task played together with the wrappers that `atari.make` has put around this; `task` also has what was set
     since."""
 
-    ale_settings: AleSettings
-    """The settings of `ale`, as `ale.setFloat` and the other setters change them."""
-
     _task: Task  # what is played without wrappers, as it was made
-    _phase: Phase
-    _game: Played
-    _ended_game: dict[str, Any] | None  # until `GameStatistics` takes it
-    _restored: bool  # since the last reset, without the wrappers
-    _ale_random: AleRandom | None  # of episodes that are seeded as by ale-py's vector environment
-    _core_options: dict[str, Any]
     _frames: list[ByteArray]
     _begin: Any
     _made_with: dict[str, Any]  # the arguments of `_begin`
-    _make_core: Any
-    make_sound: Any
+
+    @property
+    def core(self) -> Core:
+        """The emulator core."""
+        return self.driver.core
+
+    @property
+    def ale_settings(self) -> AleSettings:
+        """The settings of `ale`, as `ale.setFloat` and the other setters change them."""
+        return self.driver.ale_settings
+
+    @property
+    def np_random(self) -> np.random.Generator:
+        """The generator of no-ops and frame skips."""
+        return self.driver.np_random
+
+    @np_random.setter
+    def np_random(self, generator: np.random.Generator) -> None:
+        self.driver.np_random = generator
+        self._np_random_seed = -1
 
     @property
     def task(self) -> Task:
@@ -70,12 +61,12 @@ class EnvState(gymnasium.Env[Any, Any]):
 
     def _as_set(self, task: Task) -> Task:
         """A task with what `ale` has set since."""
-        own, settings = self._task, self._core_options
+        own, settings, core = self._task, self.driver.core_options, self.core
         fields = {
             "repeat_action_probability": settings["repeat_action_probability"],
             "max_num_frames_per_episode": settings["max_num_frames_per_episode"] or None,
-            "mode": self.core.mode,
-            "difficulty": self.core.difficulty,
+            "mode": core.mode,
+            "difficulty": core.difficulty,
         }
         return task.with_set(**{name: value for name, value in fields.items() if value != getattr(own, name)})
 
@@ -89,9 +80,7 @@ class EnvState(gymnasium.Env[Any, Any]):
         Raises:
             TypeError, ValueError: not such a state, or of another game or kind of core.
         """
-        self.core.restore_state(state)
-        self._phase = "playing"
-        self._restored = True
+        self.driver.restore_state(state)
 
     def snapshot(self) -> bytes:
         """The whole environment as portable bytes: task, game, framebuffer, sound, held action, all generators.
@@ -100,11 +89,12 @@ class EnvState(gymnasium.Env[Any, Any]):
         such as stacked frames, is in the `snapshot` of the wrappers of `atari.wrappers`. The writes of `Freeze` and
         `Poke` belong to an environment, and not to its snapshots.
         """
+        played = self.driver.played
         facts = {
             "of": "AtariEnv",
-            "phase": self._phase,
+            "phase": self.driver.phase,
             "np_random": self.np_random.bit_generator.state,
-            "game": [self._game.score, self._game.steps, self._game.first_frame],
+            "game": [played.score, played.steps, played.first_frame],
             "task": identity(self._as_set(self._task)),
         }
         more_facts, more_blobs = self._ale_seeding()
@@ -151,12 +141,13 @@ class EnvState(gymnasium.Env[Any, Any]):
         state = snapshot.check_generator(facts.get("np_random"), type(generator))
         game = _read_game(facts.get("game", [0.0, 0, 0]))
         ale_random = AleRandom.of_state(blobs["ale_random"]) if own_blobs else None
-        self.core.restore(blobs["core"])
+        driver = self.driver
+        driver.core.restore(blobs["core"])
         generator.state = state
-        self._ale_random = ale_random
-        self._phase = phase
-        self._game, self._ended_game = game, None
-        self._restored = True
+        driver.ale_random = ale_random
+        driver.phase = phase
+        driver.played, driver.ended = game, None
+        driver.restored = True
         self._frames.clear()
 
     def _of_play(self, blobs: Mapping[str, bytes]) -> tuple[dict[str, Any], dict[str, bytes]]:
@@ -170,24 +161,18 @@ class EnvState(gymnasium.Env[Any, Any]):
 
     def _ale_seeding(self) -> tuple[dict[str, Any], dict[str, bytes]]:
         """The fact and the blob of a snapshot that say how episodes are seeded; none where they are as Gymnasium's."""
-        if self._ale_random is None:
-            return {}, {}
-        return {"seeding": "ale"}, {"ale_random": self._ale_random.state()}
+        generator = self.driver.ale_random
+        return ({}, {}) if generator is None else ({"seeding": "ale"}, {"ale_random": generator.state()})
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickling and copying keep the position in the game, and the writes of `Freeze` and `Poke`."""
         return {
             "made_with": self._made_with,
             "whole_task": self.whole_task,
-            "ale_settings": copy.deepcopy(self.ale_settings),
-            "core_options": self._core_options,
-            "sound": self.core.sound,
-            "mode": self.core.mode,
-            "difficulty": self.core.difficulty,
+            **self.driver.settings_state(),
             "spec": copy.deepcopy(self.spec),
-            "restored": self._restored,
-            "ale_random": self._ale_random,
-            "writes": writes.definitions(slots(self.core)),
+            "restored": self.driver.restored,
+            "ale_random": self.driver.ale_random,
             "np_random_seed": self._np_random_seed,
             "snapshot": self.snapshot(),
         }
@@ -195,28 +180,12 @@ class EnvState(gymnasium.Env[Any, Any]):
     def __setstate__(self, state: dict[str, Any]) -> None:
         self._begin(**state["made_with"])
         self.whole_task = state["whole_task"]
-        self.ale_settings = state["ale_settings"]
-        if self._core_options != state["core_options"]:
-            self._core_options = state["core_options"]
-            self.core = self._make_core()
-        if state["sound"]:
-            self.make_sound()
-        if state["mode"] != self.core.mode:
-            self.core.set_mode(state["mode"])
-        if state["difficulty"] != self.core.difficulty:
-            self.core.set_difficulty(state["difficulty"])
-        if writes.definitions(slots(self.core)) != state["writes"]:
-            self.core.writes = writes.writes_of(self.game, state["writes"])  # type: ignore[attr-defined]
-        self._ale_random = state["ale_random"]
+        self.driver.restore_settings(state)
+        self.driver.ale_random = state["ale_random"]
         self._continue(*snapshot.unpack(state["snapshot"]), self._ale_seeding()[1])
         self._np_random_seed = state["np_random_seed"]
-        self._restored = state["restored"]
+        self.driver.restored = state["restored"]
         self.spec = state["spec"]
-
-
-def slots(core: Core) -> list[Any]:
-    """The writes of a core by slot; ale-py's has none."""
-    return getattr(core, "writes", [])
 
 
 def _read_game(values: Any) -> Played:

@@ -1,4 +1,4 @@
-"""`make`, and what Gymnasium calls to make an environment of a registered ID."""
+"""`make`, and the functions that Gymnasium calls to make an environment of a registered ID."""
 
 import inspect
 from collections.abc import Mapping
@@ -76,7 +76,7 @@ def _make_plain(game: GameLike, task: Task, options: dict[str, Any]) -> Env:
     Args:
         game: as a user gave it.
         task: what is played.
-        options: those of `gymnasium.make`, and those that do not change what is played.
+        options: options of `gymnasium.make`, and options that do not change the task.
     """
     limit = task.max_episode_steps
     limited: dict[str, Any] = {} if limit is None else {"max_episode_steps": limit}
@@ -120,7 +120,7 @@ def make_env(task: Task, render_mode: Any = None, core: str = "native", rom: str
         limit = task.max_episode_steps
         env: Env = AtariEnv(task.replace(max_episode_steps=None), render_mode=render_mode, core=core, rom=rom)
         if limit is not None:
-            from atari.wrappers._step_limit import StepLimit  # it imports OpenCV
+            from atari.wrappers.step_limit import StepLimit  # it imports OpenCV
 
             env = StepLimit(env, limit)
     else:
@@ -191,10 +191,10 @@ VECTOR_ENTRY_POINT = "atari.making:make_AtariVectorEnv"
 
 
 def given_beside(env_id: str | None, options: Mapping[str, Any]) -> dict[str, Any]:
-    """The options that a user gave, from those of an ID with the user's.
+    """The options that a user gave, without the ID's own.
 
     Raises:
-        ValueError: the user gave another game than that of the ID.
+        ValueError: the user gave another game than the ID's.
     """
     if env_id is None:
         return dict(options)

@@ -1,4 +1,4 @@
-"""What environments, games and replays show in a notebook: HTML with pictures in it, which needs no other file.
+"""Views of environments, games and replays in a notebook: HTML that contains its pictures.
 
 Pictures are written with the standard library alone. An animation is an animated PNG, which every browser plays.
 """

@@ -53,7 +53,7 @@ class Restorable:
 
         Raises:
             TypeError: the innermost environment is no `AtariEnv`, or a wrapper in between has a state that cannot be
-                saved (of Gymnasium's, that of `TimeLimit` can); the text names it.
+                saved (Gymnasium's `TimeLimit` can be); the text names it.
         """
         env = _env(self)
         atari = _unwrapped(env)
@@ -85,7 +85,7 @@ class Restorable:
         ]
         snapshot.require_blobs(blobs, "env")
         atari.restore(blobs["env"])
-        atari._restored = False
+        atari.driver.restored = False
         for layer, values in zip(stateful, attributes, strict=True):
             vars(layer).update(values)
         for layer in layers(env):
@@ -114,7 +114,7 @@ def layers(env: Environment) -> Iterator[Environment]:
 
 def warn_of_restore(env: Environment, wrapper: str) -> None:
     """Warn that the `AtariEnv` was restored, but not the wrapper around it."""
-    env.unwrapped._restored = False  # type: ignore[attr-defined]  # an AtariEnv's
+    env.unwrapped.driver.restored = False  # type: ignore[attr-defined]  # an AtariEnv's
     logger.warn(
         f"the AtariEnv in {wrapper} was restored without its wrappers, whose frames, lives and counters may be of "
         "another state; use snapshot() and restore() of the outermost wrapper, or call reset()"

@@ -362,14 +362,14 @@ def test_what_is_no_continuous_action_is_refused(action: Any, error: type[Except
 def test_play_frames_is_step_without_observation() -> None:
     first, second = started("seaquest", seed=1), started("seaquest", seed=1)
     for action in (1, 2, 17, 5):
-        assert first.play_frames(action, 4) == second.step(action)[1]
+        assert first.driver.play_frames(action, frames=4) == second.step(action)[1]
     assert first.snapshot() == second.snapshot()
 
 
 # The order of calls.
 
 
-@pytest.mark.parametrize("call", [lambda env: env.step(0), lambda env: env.play_frames(0, 4)])
+@pytest.mark.parametrize("call", [lambda env: env.step(0), lambda env: env.driver.play_frames(0, frames=4)])
 def test_a_step_before_the_first_reset_raises(call: Any) -> None:
     env = AtariEnv("pong")
     with unchanged(env), pytest.raises(gymnasium.error.ResetNeeded, match=r"call env\.reset\(\) before the first"):

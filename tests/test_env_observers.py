@@ -24,12 +24,12 @@ class Watcher:
 def test_observers_receive_every_frame() -> None:
     env = AtariEnv("breakout", frameskip=3, repeat_action_probability=0.0)
     watcher = Watcher(env)
-    env.observers.append(watcher)
+    env.driver.observers.append(watcher)
     env.reset(seed=0)
     first = env.core.frame_number
     env.core.set_ram(0x4D, 0x25)
     env.step(1)
-    env.play_frames(Action.LEFT, 2)
+    env.driver.play_frames(Action.LEFT, frames=2)
     assert watcher.received == [
         ("begun", first),
         (1, 25, first + 1),
@@ -43,10 +43,10 @@ def test_observers_receive_every_frame() -> None:
 def test_observers_receive_only_played_frames() -> None:
     env = started(frameskip=4)
     watcher = Watcher(env)
-    env.observers.append(watcher)
+    env.driver.observers.append(watcher)
     over(env)
     assert len(watcher.received) == 1
-    env.observers.clear()
+    env.driver.observers.clear()
     env.reset()
     env.step(0)
     assert len(watcher.received) == 1
@@ -54,7 +54,7 @@ def test_observers_receive_only_played_frames() -> None:
 
 def test_making_sound_changes_nothing_else() -> None:
     env, silent = started("seaquest"), started("seaquest")
-    env.make_sound()
+    env.driver.make_sound()
     assert play(env, 30) == play(silent, 30)
     assert env.core.audio().min() >= 128
     for other in (copy.deepcopy(env), pickle.loads(pickle.dumps(env))):

@@ -79,8 +79,19 @@ def test_games_is_a_package_too(imports: str, tmp_path: Path) -> None:
 
 
 def test_lazy_attributes_are_imported_at_first_use(tmp_path: Path) -> None:
-    program = "import atari\nprint(atari.wrappers.__name__, atari.roms.__name__, atari.cores.__name__)"
-    assert run(program, tmp_path) == "atari.wrappers atari.roms atari.cores\n"
+    program = (
+        "import sys, atari\n"
+        "names = 'classic integrations lab learning multiplayer recording roms wrappers'.split()\n"
+        "print([name for name in ('lab', 'learning', 'recording', 'wrappers') if f'atari.{name}' in sys.modules])\n"
+        "print([name for name in names if getattr(atari, name).__name__ != f'atari.{name}'])\n"
+        "print(atari.recording.Replay.__name__, atari.lab.Ram.__name__, atari.learning.evaluate.__name__)"
+    )
+    assert run(program, tmp_path) == "[]\n[]\nReplay Ram evaluate\n"
+
+
+def test_dir_shows_the_public_names_alone(tmp_path: Path) -> None:
+    program = "import atari\nimport atari.lab, atari.play\nprint(set(dir(atari)) ^ {*atari.__all__, '__version__'})"
+    assert run(program, tmp_path) == "set()\n"
 
 
 def test_a_name_that_is_not_there_raises(tmp_path: Path) -> None:
@@ -175,6 +186,14 @@ def test_an_old_name_says_the_new_one(imports: str, new: str) -> None:
         exec(imports, {})
 
 
+@pytest.mark.parametrize("name", ["play_frames", "play_until", "observers", "make_sound"])
+def test_an_old_attribute_of_an_environment_says_the_new_one(name: str) -> None:
+    with pytest.raises(AttributeError, match=rf"AtariEnv\.{name} is now AtariEnv\.driver\.{name}"):
+        getattr(atari.AtariEnv("pong"), name)
+
+
 def test_an_unknown_name_is_an_attribute_error() -> None:
     assert not hasattr(atari, "Protocols")
     assert not hasattr(atari.wrappers, "preset_protocols")
+    with pytest.raises(AttributeError, match="'AtariEnv' object has no attribute 'observer'"):
+        getattr(atari.AtariEnv("pong"), "observer")  # noqa: B009

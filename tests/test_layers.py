@@ -1,7 +1,7 @@
-"""Which part of the package may import which: the table below, without cycles between modules.
+"""The order of the parts of the package: each imports only parts that stand before it in the list below.
 
 A part is a module or a package directly in `atari`. Every import counts, those in functions and for type checkers too,
-but for the few of `UPWARD`.
+but for the few of `UPWARD`. No module imports itself through others.
 """
 
 import ast
@@ -15,64 +15,53 @@ import atari
 import atari.roms
 import atari.wrappers
 
-ALLOWED = {
-    # The foundation imports no other part.
-    "_emulator": "",
-    "_gymnasium": "",
-    "_interrupt": "",
-    "_renamed": "",
-    "protocols": "_renamed",
-    "_sources": "",
-    "actions": "",
-    "_script": "",
-    "validation": "",
-    "notebook": "",
-    "games": "actions notebook validation",
-    "roms": "actions games validation",
-    # The emulators, and the environments on them.
-    "cores": "_emulator actions games roms validation",
-    "rendering": "cores games validation",
-    # What is played, and the environments that play it.
-    "env_ids": "games",
-    "task": "actions cores env_ids games validation",
-    "env_state": "cores games task",
-    "env": "actions cores env_state games notebook rendering task validation",
-    "restorable": "cores env task",
-    "wrappers": "_emulator _renamed cores env games restorable task validation vector",
-    # Its views for JAX and PyTorch are of `integrations`, in modules that do not import `vector`.
-    "vector": "_emulator _gymnasium actions cores games integrations multiplayer notebook rendering roms task validation",
-    "observations": "_emulator cores task vector",
-    "making": "env env_ids task validation vector wrappers",
-    "registration": "cores env_ids games making roms task",
-    "algorithmic": "validation",
-    "recording": "_gymnasium atari actions cores env env_ids games making multiplayer notebook rendering restorable roms task "
-    "validation vector wrappers",
-    "multiplayer": "_emulator _renamed actions cores env games observations recording rendering roms task validation vector",
-    "integrations": "_emulator _gymnasium _script classic cores env_ids games lab learning recording task validation vector wrappers",
-    "sb3": "integrations",
-    "learning": "_emulator _gymnasium _interrupt actions cores env env_ids games making observations recording registration rendering "
-    "restorable task validation vector wrappers",
-    "lab": "_emulator _gymnasium actions cores env games recording registration rendering restorable roms task validation vector "
-    "wrappers",
-    # The package itself exports the parts above, and `atari.__version__` to the parts below and to recordings.
-    "atari": "_renamed actions algorithmic cores env games integrations making registration roms task vector wrappers",
-    # Programs and old interfaces, which no part above imports; they may import `recording`.
-    "play": "actions cores env games learning multiplayer observations recording registration rendering task validation",
-    "classic": "_script atari cores env env_ids games recording registration rendering validation wrappers",
-    "cli": "_interrupt atari actions cores env env_ids games integrations lab learning making multiplayer observations play "
-    "recording registration rendering roms task validation vector wrappers",
-    "__main__": "cli",
-}
-"""By part, the parts that it may import."""
+ORDER = """
+    algorithmic
+    _version _renamed protocols _sources _interrupt _gymnasium validation notebook
+    actions games roms _emulator cores
+    env_ids task rendering observations
+    driver env_state env restorable wrappers
+    vector multiplayer making registration
+    atari
+    recording lab learning
+    classic integrations sb3
+    play cli __main__
+""".split()
+"""The parts, from the bottom to the top.
+
+- `algorithmic` imports no other part. `classic` imports the public API alone, which a test below keeps; it stands before
+  `integrations`, because EnvPool's runner gives old scripts its `gym`.
+- `atari` is the module `atari/__init__.py`; the parts after it are its lazy attributes, or no attributes.
+"""
 
 UPWARD = {
-    # `Task.of`, `to_json`, `from_json` and `str` need modules that make tasks themselves.
-    "atari.task.task": "atari.task.resolution atari.task.storage atari.task.description atari.making atari.vector",
-    # `TorchEnvs` makes the vector of a game; `AtariVectorEnv.torch` makes a `TorchEnvs`.
-    "atari.integrations.torch": "atari.vector.env",
+    "atari.task.task": {
+        "atari.making": "`Task.make` makes an environment",
+        "atari.vector": "`Task.make_vec` makes a vector environment",
+    },
+    "atari.vector.views": {
+        "atari.integrations.jax": "`AtariVectorEnv.xla` is a door to it",
+        "atari.integrations.torch": "`AtariVectorEnv.torch` is a door to it",
+    },
+    "atari": {
+        "atari.classic": "a lazy attribute",
+        "atari.integrations": "a lazy attribute",
+        "atari.integrations.arrays": "the home of the lazy attributes `to_jax` and `to_torch`",
+        "atari.lab": "a lazy attribute",
+        "atari.learning": "a lazy attribute",
+        "atari.recording": "a lazy attribute",
+    },
 }
-"""By module, what methods of its classes import when they are called: modules that import this one. `Task.make` and
-`Task.make_vec` are the others. These imports are in functions or for type checkers only."""
+"""By module, the modules of later parts that it imports, and why. These imports are in functions or for type checkers."""
+
+LATER = {
+    "atari.task.task": {
+        "atari.task.resolution": "`Task.of` makes tasks",
+        "atari.task.storage": "`Task.from_json` makes tasks",
+        "atari.task.description": "`str(task)` describes tasks",
+    },
+}
+"""By module, the modules of its own part that its methods import: these import the module itself."""
 
 
 def sources() -> dict[str, Path]:
@@ -106,19 +95,45 @@ def imports(tree: ast.AST, module: str) -> Iterator[str]:
 
 
 TREES = {module: ast.parse(file.read_text(encoding="utf-8")) for module, file in SOURCES.items()}
-GRAPH = {module: {*imports(tree, module)} - {module, *UPWARD.get(module, "").split()} for module, tree in TREES.items()}
+GRAPH = {
+    module: {*imports(tree, module)} - {module, *UPWARD.get(module, {}), *LATER.get(module, {})}
+    for module, tree in TREES.items()
+}
 
 
 def part(module: str) -> str:
     return module.split(".")[1] if "." in module else module
 
 
-@pytest.mark.parametrize("module", sorted(SOURCES))
-def test_a_part_imports_only_what_it_may(module: str) -> None:
+def against_the_order(module: str, imported: set[str]) -> list[str]:
+    """The imports of a module that the order does not allow."""
     own = part(module)
-    assert own in ALLOWED, f"enter the new part {own!r} into the table"
-    for imported in sorted(GRAPH[module]):
-        assert part(imported) in {own, *ALLOWED[own].split()}, f"{own!r} may not import {imported}"
+    assert own in ORDER, f"enter the new part {own!r} into the list"
+    below = ORDER[: ORDER.index(own) + 1]
+    return sorted(name for name in imported if part(name) not in below)
+
+
+@pytest.mark.parametrize("module", sorted(SOURCES))
+def test_a_part_imports_only_parts_before_it(module: str) -> None:
+    assert not against_the_order(module, GRAPH[module])
+
+
+def test_every_part_of_the_list_exists() -> None:
+    assert sorted(ORDER) == sorted({part(module) for module in SOURCES} | {"_emulator"})
+
+
+@pytest.mark.parametrize(
+    ("module", "line"),
+    [
+        ("atari.task.rules", "from atari.vector import AtariVectorEnv"),
+        ("atari.recording.episodes", "import atari.lab"),
+        ("atari.cores.native", "def late():\n    from atari.task import Task"),
+        ("atari.games.game", "from atari import _emulator"),
+        ("atari.algorithmic.tape", "from atari import validation"),
+    ],
+)
+def test_an_import_against_the_order_is_found(module: str, line: str) -> None:
+    assert against_the_order(module, {*imports(ast.parse(line), module)})
 
 
 def test_no_module_imports_itself_through_others() -> None:
@@ -128,10 +143,71 @@ def test_no_module_imports_itself_through_others() -> None:
         pytest.fail(f"a circle of imports, each by the next: {', '.join(error.args[1])}")
 
 
-@pytest.mark.parametrize("module", UPWARD)
-def test_imports_upwards_are_made_when_a_function_is_called(module: str) -> None:
+@pytest.mark.parametrize("module", [*UPWARD, *LATER])
+def test_imports_of_later_modules_are_made_when_a_function_is_called(module: str) -> None:
     later = (ast.FunctionDef, ast.ClassDef, ast.If)  # a method, or `if TYPE_CHECKING`
     at_once = {name for node in TREES[module].body if not isinstance(node, later) for name in imports(node, module)}
-    upward = {*UPWARD[module].split()}
-    assert not upward & at_once
-    assert upward <= {*imports(TREES[module], module)}, "take what is not imported any more out of the table"
+    named = {*UPWARD.get(module, {}), *LATER.get(module, {})}
+    assert not named & at_once
+    assert named <= {*imports(TREES[module], module)}, "take what is not imported any more out of the table"
+
+
+def _private(name: str) -> bool:
+    return name.startswith("_") and not name.startswith("__")
+
+
+def _own_names(trees: list[ast.Module]) -> set[str]:
+    """The names that modules define: of functions, classes, variables, and attributes that they set."""
+    found = set()
+    for node in (node for tree in trees for node in ast.walk(tree)):
+        if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
+            found.add(node.name)
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            found.add(node.id)
+        elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+            found.add(node.attr)
+    return found
+
+
+OWN = {
+    name: _own_names([tree for module, tree in TREES.items() if part(module) == name])
+    for name in ORDER
+    if name != "_emulator"
+}
+OF_OTHERS = {
+    "_SubParsersAction",  # argparse names no public type
+    "_asdict",  # a named tuple's, public in spite of its name
+    "_elapsed_steps",  # of Gymnasium's TimeLimit, which has no other access to its state
+    "_getframe",  # of sys
+    "_has_reset",  # of Gymnasium's OrderEnforcing
+    "_replace",  # a named tuple's
+    "_saved_kwargs",  # of Gymnasium's RecordConstructorArgs
+}
+"""Private names of other libraries."""
+
+
+@pytest.mark.parametrize("module", sorted(SOURCES))
+def test_a_part_uses_no_private_name_of_another(module: str) -> None:
+    own = part(module)
+    for node in ast.walk(TREES[module]):
+        if isinstance(node, ast.Attribute) and _private(node.attr) and node.attr not in OF_OTHERS:
+            by_itself = isinstance(node.value, ast.Name) and node.value.id in ("self", "cls")
+            assert by_itself or node.attr in OWN[own], f"{module}:{node.lineno}: {ast.unparse(node)}"
+        if isinstance(node, ast.ImportFrom) and node.module and part(node.module) != own and "." in node.module:
+            names = [*node.module.split(".")[2:], *(alias.name for alias in node.names)]
+            assert not any(map(_private, names)), f"{module}:{node.lineno}: {ast.unparse(node)}"
+
+
+def _is_public(module: str, name: str) -> bool:
+    return (module in ("atari.wrappers", "atari.recording", "atari.roms") or module == "atari") and not _private(name)
+
+
+@pytest.mark.parametrize("module", sorted(module for module in SOURCES if part(module) == "classic"))
+def test_classic_imports_the_public_api_alone(module: str) -> None:
+    for node in ast.walk(TREES[module]):
+        if isinstance(node, ast.ImportFrom) and str(node.module).split(".")[0] == "atari":
+            if part(str(node.module)) != "classic":
+                assert all(_is_public(str(node.module), alias.name) for alias in node.names), ast.unparse(node)
+        elif isinstance(node, ast.Import):
+            for alias in node.names:
+                assert not alias.name.startswith("atari.") or part(alias.name) == "classic", ast.unparse(node)

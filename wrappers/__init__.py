@@ -11,13 +11,12 @@ and its stack copies each frame twice.
 from typing import Any
 
 from atari._renamed import missing
-from atari.task import PRESETS, Preset
 from atari.wrappers.clip_reward import ClipReward
 from atari.wrappers.dqn_preprocessing import DqnPreprocessing
 from atari.wrappers.episodic_life import EpisodicLife
 from atari.wrappers.fire_reset import FireReset
 from atari.wrappers.frame_skip import FrameSkip
-from atari.wrappers.frame_stack import FrameStack, LazyStack
+from atari.wrappers.frame_stack import FrameStack
 from atari.wrappers.grayscale import Grayscale
 from atari.wrappers.life_loss_info import LifeLossInfo
 from atari.wrappers.noop_reset import NoopReset
@@ -27,7 +26,6 @@ from atari.wrappers.resize import Resize
 from atari.wrappers.sticky_actions import StickyActions
 
 __all__ = [
-    "PRESETS",
     "ClipReward",
     "DqnPreprocessing",
     "EpisodicLife",
@@ -35,10 +33,8 @@ __all__ = [
     "FrameSkip",
     "FrameStack",
     "Grayscale",
-    "LazyStack",
     "LifeLossInfo",
     "NoopReset",
-    "Preset",
     "RamObservation",
     "Resize",
     "StickyActions",

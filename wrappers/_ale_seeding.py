@@ -23,4 +23,4 @@ class AleSeeding(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstr
     def __init__(self, env: Environment) -> None:
         RecordConstructorArgs.__init__(self)
         super().__init__(env)
-        require_atari(env, "AleSeeding")._ale_random = AleRandom()
+        require_atari(env, "AleSeeding").driver.ale_random = AleRandom()

@@ -6,6 +6,7 @@ import gymnasium
 import numpy as np
 from gymnasium import spaces
 
+from atari.actions import Action
 from atari.env import AtariEnv
 from atari.restorable import layers
 
@@ -76,7 +77,7 @@ def action_meanings(env: Environment) -> list[str]:
 
 
 def begin_meanings(env: Environment) -> list[str]:
-    """The names of the actions of which episodes begin: the game's if an agent of an `AtariEnv` has only some."""
+    """The names of the actions that begin episodes: the game's if an agent of an `AtariEnv` has only some."""
     meanings, inner = action_meanings(env), env.unwrapped
     if isinstance(inner, AtariEnv) and meanings == inner.get_action_meanings():
         return [action.name for action in inner.task.begin_actions]
@@ -102,15 +103,15 @@ def step_named(env: Environment, name: str) -> tuple[Any, Any, bool, bool, dict[
     meanings = action_meanings(env)
     if name in meanings:
         return env.step(meanings.index(name))
-    atari = require_atari(env, f"a {name}")
-    atari._instead = name
+    driver = require_atari(env, f"a {name}").driver
+    driver.replacement = Action[name]
     try:
         return env.step(0)
     finally:
-        atari._instead = None
+        driver.replacement = None
 
 
 def draw(env: Environment, low: int, high: int) -> int:
     """A number within low..high-1 from the generator of the environment's episodes."""
     inner = env.unwrapped
-    return inner._draw(low, high) if isinstance(inner, AtariEnv) else int(inner.np_random.integers(low, high))
+    return inner.driver.draw(low, high) if isinstance(inner, AtariEnv) else int(inner.np_random.integers(low, high))

@@ -41,7 +41,7 @@ class GameStatistics(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCo
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Step, and add the statistics to `info`."""
         observation, reward, terminated, truncated, info = self.env.step(action)
-        game = self._atari._game
+        game = self._atari.driver.played
         game.steps += 1
         if game.steps % _STEPS_WITHOUT_PROGRESS == 0:
             self._warn_of_waiting(action)
@@ -49,7 +49,7 @@ class GameStatistics(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCo
 
     def _warn_of_waiting(self, action: Any) -> None:
         """Warn once if rewards and lives are those of the last check, unless the action is FIRE."""
-        game = self._atari._game
+        game = self._atari.driver.played
         progress = game, game.rewards, self._atari.core.lives
         before, self._progress = self._progress, progress
         same = before is not None and before[0] is game and before[1:] == progress[1:]
@@ -63,10 +63,10 @@ class GameStatistics(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCo
             )
 
     def _with_statistics(self, info: dict[str, Any], reward: Any, truncated: bool) -> dict[str, Any]:
-        atari = self._atari
-        over, ended = atari.core.game_over, atari._ended_game
-        info = {**info, "reward": reward, "elapsed_step": atari._game.steps, "terminated": over}
+        driver = self._atari.driver
+        over, ended = driver.core.game_over, driver.ended
+        info = {**info, "reward": reward, "elapsed_step": driver.played.steps, "terminated": over}
         if ended is not None or truncated:  # truncated by a wrapper, which the environment does not see
-            info["episode"] = ended or atari._game.statistics(atari.core)
-            atari._ended_game = None
+            info["episode"] = ended or driver.played.statistics(driver.core)
+            driver.ended = None
         return info

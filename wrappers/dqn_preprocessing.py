@@ -23,9 +23,9 @@ from atari import _emulator
 from atari.cores import ByteArray
 from atari.env import AtariEnv
 from atari.games.game import Screen
+from atari.observations.settings import filled
 from atari.restorable import Restorable, State, layers, warn_of_restore
 from atari.validation import check_integer, check_name
-from atari.vector.settings import filled
 from atari.wrappers._checks import Environment, require_atari, require_pixels, require_single_frames
 from atari.wrappers.episodic_life import EpisodicLife
 from atari.wrappers.frame_stack import Padding
@@ -174,7 +174,7 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         same_game = self._life is not None and self._life.same_game
         if not same_game:
             self._frames_played = 0
-        return self._first_observation(same_game), {**info, **self._atari._info()}
+        return self._first_observation(same_game), {**info, **self._atari.driver.info()}
 
     def _first_observation(self, same_game: bool) -> ByteArray:
         """The observation after a reset, which has continued the same game or begun a new one."""
@@ -189,16 +189,16 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Play the action until the skip or the episode ends."""
-        atari, images, seamless, most = self._atari, self._images, self._seamless_life, self._max_frames
-        if atari._restored:
+        driver, images, seamless, most = self._atari.driver, self._images, self._seamless_life, self._max_frames
+        if driver.restored:
             warn_of_restore(self.env, "DqnPreprocessing")
         play = self._play_direct if self._direct else self._play_through
-        move = atari._ale_action(action) if self._direct else action
-        left = self.frame_skip if isinstance(self.frame_skip, int) else atari._draw(*self.frame_skip)
+        move = driver.ale_action(action) if self._direct else action
+        left = self.frame_skip if isinstance(self.frame_skip, int) else driver.draw(*self.frame_skip)
         total = 0.0
         ended = False
         while left and not ended:
-            frames = left - 1 or 1  # up to the last but one, of which `images` takes note
+            frames = left - 1 or 1  # up to the last but one, which `images` reads
             if most is not None:
                 frames = min(frames, max(most - self._frames_played, 1))
             reward, played, terminated, truncated = play(move, frames)
@@ -212,21 +212,21 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
             ended = terminated or truncated
             if left == 1 and images is not None and self._pools:
                 # Inner wrappers may do anything to the emulator before its next frame.
-                images.frame_played(atari.core if self._direct else atari.core.screen(), left, ended)
+                images.frame_played(driver.core if self._direct else driver.core.screen(), left, ended)
         if images is not None:
-            images.skip_ended(atari.core, left, ended)
+            images.skip_ended(driver.core, left, ended)
         if seamless is not None and seamless.life_lost:
             terminated = not truncated
-        info = atari._info() if self._direct else self._info
+        info = driver.info() if self._direct else self._info
         self._frame_number = info["frame_number"]
         return self._observation(), total, terminated, truncated, info
 
     def _play_direct(self, move: tuple[int, float], frames: int) -> tuple[float, int, bool, bool]:
         """Play up to `frames` frames on the emulator: until the game ends, or the number of lives changes."""
-        atari = self._atari
-        reward, played = atari.play_until(move[0], frames, move[1])
-        core = atari.core
-        ended = atari._phase != "playing"
+        driver = self._atari.driver
+        reward, played = driver.play_until(*move, frames=frames)
+        core = driver.core
+        ended = driver.phase != "playing"
         terminated, truncated = ended and core.game_over, ended and core.truncated
         if self._life is not None:
             terminated = self._life.observe(core.lives, terminated, truncated)

@@ -68,10 +68,10 @@ class EpisodicLife(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Step; terminated also if it cost a life."""
-        if self._atari is not None and self._atari._restored:
+        if self._atari is not None and self._atari.driver.restored:
             warn_of_restore(self.env, "EpisodicLife")
         observation, reward, terminated, truncated, info = self.env.step(action)
-        if self._atari is not None and self._atari._instead is not None and not has_noop(self.env):
+        if self._atari is not None and self._atari.driver.replacement is not None and not has_noop(self.env):
             return observation, reward, terminated, truncated, info  # a NOOP that the game does not have is no step
         self._last = observation, info
         return observation, reward, self.observe(info["lives"], terminated, truncated), truncated, info

@@ -74,7 +74,7 @@ class FrameStack(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstr
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Step and stack the observation."""
-        if self._atari is not None and self._atari._restored:
+        if self._atari is not None and self._atari.driver.restored:
             warn_of_restore(self.env, "FrameStack")
         observation, reward, terminated, truncated, info = self.env.step(action)
         return self._push(observation), reward, terminated, truncated, info

@@ -23,7 +23,6 @@ import gymnasium
 from atari.wrappers._ale_seeding import AleSeeding
 from atari.wrappers._checks import Environment
 from atari.wrappers._game_statistics import GameStatistics
-from atari.wrappers._step_limit import StepLimit
 from atari.wrappers.clip_reward import ClipReward
 from atari.wrappers.dqn_preprocessing import DqnPreprocessing
 from atari.wrappers.episodic_life import EpisodicLife
@@ -32,6 +31,7 @@ from atari.wrappers.frame_stack import FrameStack
 from atari.wrappers.life_loss_info import LifeLossInfo
 from atari.wrappers.noop_reset import NoopReset
 from atari.wrappers.ram_observation import RamObservation
+from atari.wrappers.step_limit import StepLimit
 
 Layer = tuple[type[gymnasium.Wrapper[Any, Any, Any, Any]], Mapping[str, Any]]
 

@@ -66,7 +66,7 @@ def preset(
             evaluation: False, or True for an agent that never presses FIRE, which games such as Breakout wait for
             after each lost life; the environment warns if a game seems to wait.
         clip_reward: whether rewards are clipped; None is as the implementation does by default. For evaluation: False.
-        reward_clipping: another name of `clip_reward`, that of ale-py's vector environment.
+        reward_clipping: another name of `clip_reward`, used by ale-py's vector environment.
 
     Raises:
         TypeError: `env` is no `AtariEnv`, or both names of an option are given.

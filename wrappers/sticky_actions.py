@@ -66,7 +66,7 @@ class StickyActions(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCon
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Play this action, or the previous one again."""
-        if self._atari is not None and self._atari._restored:
+        if self._atari is not None and self._atari.driver.restored:
             warn_of_restore(self.env, "StickyActions")
         if self.np_random.random() < self._probability:
             action = self._action

@@ -10,7 +10,6 @@ rules of OpenAI Gym 0.17.
 
 from atari.algorithmic.environment import AlgorithmicEnv
 from atari.algorithmic.grid import GridEnv
-from atari.algorithmic.registration import register_all
 from atari.algorithmic.tape import TapeEnv
 from atari.algorithmic.tasks import CopyEnv, DuplicatedInputEnv, RepeatCopyEnv, ReversedAdditionEnv, ReverseEnv
 
@@ -23,5 +22,4 @@ __all__ = [
     "ReverseEnv",
     "ReversedAdditionEnv",
     "TapeEnv",
-    "register_all",
 ]

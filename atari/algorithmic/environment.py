@@ -14,8 +14,8 @@ import gymnasium
 from gymnasium import spaces
 
 from atari.algorithmic import text
+from atari.algorithmic.checks import check_integer
 from atari.algorithmic.curriculum import MAX_LENGTH, Curriculum
-from atari.validation import check_integer
 
 Action = tuple[int, int, int]
 """Movement, an index into `moves`; 1 to write and 0 not to; the character."""

@@ -4,8 +4,8 @@ import string
 from abc import abstractmethod
 from typing import Literal
 
+from atari.algorithmic.checks import check_integer
 from atari.algorithmic.environment import AlgorithmicEnv, Rows
-from atari.validation import check_integer
 
 
 class GridEnv(AlgorithmicEnv):

@@ -2,10 +2,10 @@
 
 from typing import Literal
 
+from atari.algorithmic.checks import check_integer
 from atari.algorithmic.environment import Rows
 from atari.algorithmic.grid import GridEnv
 from atari.algorithmic.tape import TapeEnv
-from atari.validation import check_integer
 
 RenderMode = Literal["human", "ansi"] | None
 

@@ -5,8 +5,8 @@ import pkgutil
 import sys
 
 import atari.classic
-from atari._script import run_script
 from atari.classic import old_numpy
+from atari.classic.script import run_script
 
 _HELP = "Runs a script of OpenAI Gym's time: `import gym` gives it atari.classic."
 

@@ -17,11 +17,11 @@ import gymnasium
 import numpy as np
 from gymnasium import spaces
 
+from atari import AtariEnv
 from atari.classic.core import Env, GoalEnv, Step
 from atari.classic.spaces import from_gymnasium
 from atari.classic.utils import seeding
 from atari.classic.viewer import Viewer
-from atari.env import AtariEnv
 
 Modern = gymnasium.Env[Any, Any]
 

@@ -14,7 +14,7 @@ from atari.classic.spaces import Space
 from atari.classic.spec import Spec
 
 Step = tuple[Any, Any, bool, dict[str, Any]]
-"""What `step` returns: observation, reward, done, info."""
+"""The result of `step`: observation, reward, done, info."""
 
 
 class Env:

@@ -10,7 +10,7 @@ from atari.classic.episode_recorder import EpisodeRecorder, Renderable
 
 
 class Monitored(Renderable, Protocol):
-    """What `EnvMonitor` needs of an environment; `atari.classic.Env` has it."""
+    """The part of an environment that `EnvMonitor` needs; `atari.classic.Env` has it."""
 
     def step(self, action: Any) -> tuple[Any, Any, bool, dict[str, Any]]:
         """Take an action; return observation, reward, done and info."""

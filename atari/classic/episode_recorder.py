@@ -26,7 +26,7 @@ VideoCallable = Callable[[int], bool]
 
 
 class Renderable(Protocol):
-    """What a recorder needs of an environment."""
+    """The part of an environment that a recorder needs."""
 
     metadata: dict[str, Any]
     spec: Any

@@ -6,8 +6,6 @@ from typing import Any
 
 from gymnasium.envs.registration import EnvSpec as ModernSpec
 
-from atari import env_ids, registration
-
 _ALE_STEPS = 27_000  # the limit of ale-py 0.7: half an hour of play at 4 frames a step
 
 
@@ -22,22 +20,22 @@ class Changes:
 
 def atari_changes(modern: ModernSpec) -> Changes:
     """Gym before 0.21 counted steps of Atari games, with limits by ID, where ale-py now counts frames."""
-    if modern.id not in env_ids.ids():
+    if "base" not in modern.kwargs or "rom" in modern.kwargs:  # not of a game that Gym had
         return Changes()
-    family, game = registration.resolve(modern.id)
     return Changes(
-        _atari_steps(family, game),
-        game == "elevator_action" and family.obs_type == "ram" and family.version < 5,
+        _atari_steps(modern.id),
+        re.fullmatch(r"ElevatorAction-ram.*-v[04]", modern.id) is not None,
         {"max_num_frames_per_episode": None},
     )
 
 
-def _atari_steps(family: env_ids.Family, game: str) -> int:
-    if family.version == 5:
+def _atari_steps(env_id: str) -> int:
+    name, _, version = env_id.rpartition("-v")
+    if version == "5":
         return _ALE_STEPS
-    if family.suffix.endswith("NoFrameskip"):
-        return 300_000 if game == "space_invaders" else 400_000
-    if family.suffix.endswith("Deterministic") or family.version == 4:
+    if name.endswith("NoFrameskip"):
+        return 300_000 if name.startswith("SpaceInvaders") else 400_000
+    if name.endswith("Deterministic") or version == "4":
         return 100_000
     return 10_000
 
@@ -59,7 +57,7 @@ _FATES = {
 
 
 def fate(env_id: str) -> str | None:
-    """What became of an environment of Gym or of a package of its time, for an error message; None if unknown."""
+    """The fate of an environment of Gym or of a package of its time, for an error message; None if unknown."""
     for pattern, text in _FATES.items():
         match = re.match(pattern, env_id)
         if match:

@@ -9,7 +9,6 @@ from importlib import import_module, util
 import gymnasium
 
 from atari.classic import history, logger
-from atari.env_ids import skeleton
 
 _MUJOCO_PY = re.compile(r"gymnasium_robotics\.envs\.(mujoco\.|.*:MujocoPy)")
 _VERSION = re.compile(r"(.+)-v(\d+)")
@@ -71,16 +70,21 @@ def _newest(env_id: str) -> str | None:
 
 
 def _cure(env_id: str) -> str:
-    """What to do about an unknown ID, for the error message."""
+    """The advice for an unknown ID, for the error message."""
     gone = history.fate(env_id)
     if gone is not None:
         return gone
     by_name: dict[str, list[str]] = {}
     for other in filter(is_alive, gymnasium.registry):
-        by_name.setdefault(skeleton(other), []).append(other)
-    near = difflib.get_close_matches(skeleton(env_id), by_name, n=1)
+        by_name.setdefault(_skeleton(other), []).append(other)
+    near = difflib.get_close_matches(_skeleton(env_id), by_name, n=1)
     if not near:
         return "gym.envs.registry.all() lists what there is"
     version = env_id.rpartition("-v")[2]
     best = max(by_name[near[0]], key=lambda other: (other.endswith(f"-v{version}"), "/" not in other, other))
     return f"did you mean {best!r}?"
+
+
+def _skeleton(env_id: str) -> str:
+    """An ID without namespace, version, case and punctuation, to find IDs that are spelt alike."""
+    return re.sub(r"^.*/|-v\d+$|[^a-z0-9]", "", env_id.lower())

@@ -9,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 
 from atari.classic import logger
-from atari.rendering import draw, import_pygame
 
 _LEAST_ROWS = 400  # smaller images are enlarged
 
@@ -33,7 +32,7 @@ class Viewer:
                 "there is no display, so env.render() shows nothing; env.render(mode='rgb_array') returns the image"
             )
             return
-        self._pygame = pygame = import_pygame("env.render()", "env.render(mode='rgb_array') needs nothing")
+        self._pygame = pygame = _import_pygame()
         self._title, self._rate, self._aspect = title, frames_per_second, pixel_aspect
         self._clock = pygame.time.Clock()
         self._surface: Any = None
@@ -50,7 +49,10 @@ class Viewer:
         # pygame has one display: another environment may have replaced or closed it.
         if self._surface is None or self._surface is not pygame.display.get_surface():
             self._surface = self._open(rgb.shape[0], rgb.shape[1])
-        draw(pygame, self._surface, rgb)
+        pygame.event.pump()
+        image = pygame.surfarray.make_surface(rgb.swapaxes(0, 1))
+        self._surface.blit(pygame.transform.scale(image, self._surface.get_size()), (0, 0))
+        pygame.display.flip()
         if pygame.display.get_driver() != "dummy":  # the dummy driver shows nothing, so no wait
             self._clock.tick(self._rate)
 
@@ -73,6 +75,17 @@ class Viewer:
             ) from None
         pygame.display.set_caption(self._title)
         return surface
+
+
+def _import_pygame() -> Any:
+    os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
+    try:
+        import pygame
+    except ImportError:
+        raise gymnasium.error.DependencyNotInstalled(
+            "env.render() needs pygame-ce: pip install 'atari-envs[play]'; env.render(mode='rgb_array') needs nothing"
+        ) from None
+    return pygame
 
 
 def _has_display() -> bool:

@@ -8,7 +8,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from atari.cores.ale import AleCore
-from atari.cores.core import ByteArray, Core
+from atari.cores.core import ByteArray as ByteArray
+from atari.cores.core import Core
 from atari.cores.native import NativeCore, PlainCore
 
 CORES: Mapping[str, type[NativeCore] | type[AleCore]] = MappingProxyType(
@@ -16,4 +17,4 @@ CORES: Mapping[str, type[NativeCore] | type[AleCore]] = MappingProxyType(
 )
 """The class of each value of the option `core`."""
 
-__all__ = ["CORES", "AleCore", "ByteArray", "Core", "NativeCore", "PlainCore"]
+__all__ = ["AleCore", "Core", "NativeCore", "PlainCore"]

@@ -99,7 +99,7 @@ def _checked(name: str, kind: type, value: Any) -> Any:
 
 
 class Player(Protocol):
-    """What plays the game of an `AleInterface`: an environment."""
+    """The player of the game of an `AleInterface`: the driver of an environment."""
 
     core: Core
     ale_settings: AleSettings

@@ -18,7 +18,7 @@ class AleRandom:
     """A Mersenne Twister with ale-py's way to draw a number from a range.
 
     Args:
-        seed: 0 or more, of which the lowest 32 bits count; None draws one.
+        seed: 0 or more; its lowest 32 bits count; None draws one.
     """
 
     def __init__(self, seed: int | None = None) -> None:
@@ -60,7 +60,7 @@ class AleRandom:
         """
         words = np.frombuffer(state, "<u4") if len(state) == 4 * (_WORDS + 1) else np.zeros(_WORDS + 1, "<u4")
         key, position = words[:-1].astype(np.uint32), int(words[-1])
-        # From the state of zeros, of which the twister ignores 31 bits, `below` would draw zeros without an end.
+        # From a state of zeros (the twister ignores 31 of its bits), `below` would draw zeros without an end.
         if position > _WORDS or not (key[0] >> 31 or key[1:].any()):
             raise ValueError("the snapshot is damaged: ale_random is no state of a Mersenne Twister")
         generator = cls()

@@ -53,7 +53,7 @@ class Journal:
         self.events += bytes((_SET_DIFFICULTY,)) + _CHOICE.pack(difficulty)
 
     def check(self) -> None:
-        """Check every event, as those of a file must be.
+        """Check every event; events of a file may be damaged.
 
         Raises:
             ValueError: an event is unknown, cut short, or has an argument out of range.

@@ -25,7 +25,7 @@ from atari.roms import image as rom_image
 from atari.validation import check_integer, check_poke
 
 STATE_VERSION: int = _emulator.STATE_VERSION
-"""Of the layout of the emulator's state: `Machine` and `EnvironmentState` in the C++ headers, as laid out in memory."""
+"""The version of the layout of saved states: `Machine` and `EnvironmentState` of the C++ headers, as in memory."""
 
 _F8_SWAPPED = {"bc24440b59092559a1ec26055fd1270e", "75ee371ccfc4f43e7d9b8f24e1266b55"}
 _NO_RULES = CompiledRules(
@@ -128,7 +128,7 @@ class NativeCore(EmulatorCore):
         self.sound = self._options.sound
         self._rom = find(self.game, rom)
         image = rom_image.read_image(self._rom)
-        self._rom_md5 = rom_image.md5(image)
+        self.rom_md5 = rom_image.md5(image)
         super().__init__(
             game=compiled(self.game, image),
             repeat_action_probability=as_ale_reads(self._options.repeat_action_probability),
@@ -186,7 +186,7 @@ class NativeCore(EmulatorCore):
         return {
             "core": NativeCore.name,  # `PlainCore` has it too: its state is the same to the byte
             "game": self.game.id,
-            "rom": self._rom_md5,
+            "rom": self.rom_md5,
             "state version": STATE_VERSION,
             "interventions": writes.fact(self.interventions),
             **asdict(self._options),

@@ -1,4 +1,4 @@
-"""What a snapshot contains: named blobs and facts, with version and checksum, as one `bytes`.
+"""The format of snapshots: named blobs and facts, with version and checksum, as one `bytes`.
 
     snapshot of     facts                                            blobs
     AtariEnv        phase of the episode, the generator np_random,   the core's snapshot

@@ -93,6 +93,11 @@ def make_writes(game: Game, interventions: Sequence[Intervention]) -> list[_emul
     ]
 
 
+def slots(core: Any) -> list[Any]:
+    """The writes of a core by slot; ale-py's has none."""
+    return getattr(core, "writes", [])
+
+
 def fact(interventions: Sequence[Intervention]) -> str | None:
     """A text that is equal for equal interventions, with their names; None if there are none."""
     if not interventions:

@@ -228,7 +228,7 @@ class _Assembler:
         self.emit("act", Action[str(operation.action)])
 
     def _press_until(self, condition: str, frames: str, most: int) -> None:
-        """While not condition: press SELECT, and fail after so many presses."""
+        """While not condition: press SELECT, and fail after a number of presses."""
         counter = self._count_from(str(most))
         start = self._here()
         self.expression(condition)

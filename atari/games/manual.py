@@ -14,7 +14,7 @@ from atari.games.tables import check_keys, check_numbers, check_value
 from atari.games.toml_file import read_toml
 
 SOURCES = ("manual", "play", "rules", "general knowledge")
-"""Where a fact may come from: the cartridge's manual, the running game, the rules in the game definition, or what is
+"""The sources of a fact: the cartridge's manual, the running game, the rules in the game definition, or facts
 generally known of the game."""
 
 _TEXTS = ("title", "maker", "description", "reward", "lives", "end")
@@ -24,7 +24,7 @@ _FACTS = (*_TEXTS, "year", *_NUMBERED, "notes")
 
 @dataclass(frozen=True)
 class Manual:
-    """What a game's manual says, in our own words.
+    """The content of a game's manual, in our own words.
 
     Example:
         >>> import atari

@@ -24,7 +24,7 @@ class Environment:
 
     Attributes:
         name: without the version, for example "pong".
-        version: its newest version, the one that is made.
+        version: its newest version, which is made.
         game: id of the game.
         defaults: its own parameters.
         mode: from its parameters to the mode, in Multi-Agent-ALE's numbering; raises ValueError for a wrong one.

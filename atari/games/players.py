@@ -34,7 +34,7 @@ def choose_mode(game: Game, mode: int | None, players: int | None, offset: int =
         offset: what the numbers of modes differ by.
 
     Raises:
-        TypeError, ValueError: the game has no such mode, or none for so many players.
+        TypeError, ValueError: the game has no such mode, or none for this number of players.
     """
     rules = rules_of(game)
     if players is not None and check_integer("players", players, 1, 4) not in rules.modes:
@@ -86,7 +86,7 @@ def options_of(environment: Environment, options: Mapping[str, Any], offset: int
 
 
 def choices(game: Game, players: int) -> dict[str, tuple[int, ...]]:
-    """The modes and difficulties of a game for so many players."""
+    """The modes and difficulties of a game for a number of players."""
     if players == 1:
         return {"mode": game.modes, "difficulty": game.difficulties}
     rules = rules_of(game)

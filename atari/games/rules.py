@@ -34,7 +34,7 @@ HELPERS: Mapping[str, Helper] = {
 }
 MEMORIES = ("ram", "xram")
 OUTPUTS = ("reward", "lives")
-"""What the rules of one player assign, in addition to `terminal`. Rules of several assign `reward_1`, `lives_1`, ..."""
+"""The outputs of the rules of one player, beside `terminal`. Rules of several assign `reward_1`, `lives_1`, ..."""
 RULE_ADDRESSES = range(0x80, 0x100)
 _LONGEST, _DEEPEST = 2000, 100
 """The most characters of an expression, and levels of nesting in it."""
@@ -205,7 +205,7 @@ def _depth(tree: ast.AST) -> int:
 
 
 def _problem(node: ast.AST, scope: AbstractSet[str], addresses: range, helpers: Mapping[str, Helper]) -> str | None:
-    """What is wrong with one node of an expression, or None."""
+    """The fault of one node of an expression, or None."""
     if isinstance(node, ast.Constant):
         good = type(node.value) is int and node.value < 2**31
         return None if good else f"{node.value!r} is not an integer of 32 bits"

@@ -14,7 +14,7 @@ else:
 
 MOST_BYTES = 256 << 10
 MOST_PARTS = 32
-"""Of a key, such as 3 of `screen.colours.first`. The parser's time grows with the square of their number."""
+"""The most parts of a key; `screen.colours.first` has 3. The parser's time grows with the square of their number."""
 
 _STRING = r""""(?:[^"\\\n]|\\.)*"?|'[^'\n]*'?"""  # an unterminated one ends with its line
 _KEY = rf"(?:[A-Za-z0-9_-]+|{_STRING})(?:[ \t]*\.[ \t]*(?:[A-Za-z0-9_-]+|{_STRING}))*"

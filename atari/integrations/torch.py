@@ -7,6 +7,7 @@ import gymnasium
 import numpy as np
 
 from atari.integrations.arrays import to_torch
+from atari.vector.env import vector_of
 
 try:
     import torch
@@ -15,7 +16,7 @@ except ImportError:
 
 
 class TorchEnvs:
-    """A vector environment with tensors. `AtariVectorEnv.torch` makes it.
+    """A vector environment with tensors; `envs.torch(device)` makes one of an `AtariVectorEnv`.
 
     On the CPU, tensors share the memory of the arrays, without a copy. On another device, observations, rewards,
     terminations, truncations and `final_obs` are there; the rest of `info` stays on the CPU. The environments write to
@@ -38,8 +39,6 @@ class TorchEnvs:
     """
 
     def __init__(self, envs: Any, device: Any = None, num_envs: int | None = None, **options: Any) -> None:
-        from atari.vector.env import vector_of  # it imports this module
-
         self.envs = envs = vector_of(envs, num_envs, options)
         self.task = envs.task
         self._takes_out: bool = envs.options.layout.is_engines

@@ -59,7 +59,7 @@ class _Single:
         if not isinstance(self._player, AtariEnv):
             core: Core = self._player
             return core
-        if self._player._closed_state is not None:
+        if self._player.driver.closed:
             raise gymnasium.error.ClosedEnvironmentError("this environment is closed; call reset() to go on")
         return self._player.core
 

@@ -161,8 +161,7 @@ class VectorRamLabels(VectorWrapper):
 
     def _evaluate(self, rows: Any, mask: Any, of: RamOf) -> dict[str, Any]:
         """The arrays of these environments, where `mask` is true, which is also the mask of labels that cannot hide."""
-        with self._atari._lock:
-            engine = self._atari._open()
+        with self._atari.engine() as engine:
             if self._only is not None:
                 values, visible = self._only.evaluate_members(engine, rows, of)
             else:

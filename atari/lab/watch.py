@@ -57,7 +57,7 @@ class Watch(Restorable, gymnasium.Wrapper[Any, Any, Any, Any]):
         self._log = _Log(Ram(inner), what, on_change)
         self._observer = _FrameLogger(self._append) if each == "frame" else None
         if self._observer is not None:
-            inner.observers.append(self._observer)
+            inner.driver.observers.append(self._observer)
 
     @property
     def history(self) -> dict[str | int, Array]:
@@ -82,8 +82,8 @@ class Watch(Restorable, gymnasium.Wrapper[Any, Any, Any, Any]):
 
     def stop(self) -> None:
         """End the log; the environment can continue."""
-        if self._observer is not None and self._observer in self._atari.observers:
-            self._atari.observers.remove(self._observer)
+        if self._observer is not None and self._observer in self._atari.driver.observers:
+            self._atari.driver.observers.remove(self._observer)
         self._log.stopped = True
 
     def close(self) -> None:

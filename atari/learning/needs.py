@@ -8,6 +8,7 @@ from typing import Any
 
 from atari.games.game import Game
 from atari.games.players import rules_of
+from atari.observations.layout import Layout
 from atari.task import Task
 from atari.task.resolution import ALIASES, OPTIONS
 from atari.task.rules import settle
@@ -15,7 +16,6 @@ from atari.task.task import DEFAULTS
 from atari.validation import check_known
 from atari.vector import AtariVectorEnv
 from atari.vector.ale_names import NAMES
-from atari.vector.layout import Layout
 from atari.vector.options import resolve_one
 
 _LAYOUT = ("channels_last", "dtype", "rom")

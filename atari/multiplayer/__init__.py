@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import gymnasium
 
 from atari._renamed import missing
-from atari.games.pettingzoo import ENVIRONMENTS, Environment
+from atari.games.pettingzoo import ENVIRONMENTS
 from atari.multiplayer.core import MultiplayerCore
 
 if TYPE_CHECKING:
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ENVIRONMENTS",
-    "Environment",
     "MultiplayerCore",
     "MultiplayerEnv",
     "env",

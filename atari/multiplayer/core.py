@@ -2,16 +2,13 @@
 
 import operator
 from collections.abc import Sequence
-from dataclasses import replace
-from functools import lru_cache
 from os import PathLike
 from typing import Any, ClassVar, Literal
 
-from atari import _emulator
 from atari.cores import writes
-from atari.cores.native import STATE_VERSION, EmulatorCore, as_ale_reads, make_game
+from atari.cores.native import STATE_VERSION, EmulatorCore, as_ale_reads
 from atari.cores.options import SEED_LIMIT
-from atari.games.compiler import compile_rules
+from atari.cores.players import compiled_for_players
 from atari.games.game import Game
 from atari.games.multiplayer import Multiplayer
 from atari.games.players import choose_mode, rules_of
@@ -133,7 +130,7 @@ class MultiplayerCore(EmulatorCore):
         }
         """The options named by `OPTIONS`, with the defaults filled in, in types of JSON."""
         image = rom_image.read_image(find(self.game, rom))
-        self._rom_md5 = rom_image.md5(image)
+        self.rom_md5 = rom_image.md5(image)
         super().__init__(
             game=compiled_for_players(
                 self.game, image, _parameters(self.rules, parameters), self.options["corrected_scores"]
@@ -182,7 +179,7 @@ class MultiplayerCore(EmulatorCore):
         return {
             "core": self.name,
             "game": self.game.id,
-            "rom": self._rom_md5,
+            "rom": self.rom_md5,
             "state version": STATE_VERSION,
             "mode": self.mode,
             "interventions": writes.fact(self.task.interventions),
@@ -223,23 +220,3 @@ def _parameters(rules: Multiplayer, given: dict[str, int] | None) -> tuple[tuple
             raise ValueError(f"parameters has no {name!r}; this game has: {having}")
         check_integer(f"parameters[{name!r}]", value, -(2**31), 2**31 - 1)
     return tuple((given or {}).items())
-
-
-@lru_cache(maxsize=64)
-def compiled_for_players(
-    game: Game, image: bytes, parameters: tuple[tuple[str, int], ...] = (), corrected: bool = False
-) -> _emulator.Game:
-    """The game with its rules for several players, built once and shared."""
-    rules = rules_of(game)
-    step_rules = rules.corrected if corrected and rules.corrected else rules.rules
-    if parameters:
-        step_rules = replace(step_rules, state={**step_rules.state, **dict(parameters)})
-    return make_game(
-        game,
-        image,
-        compile_rules(step_rules),
-        legal_actions=range(18),
-        starting_actions=rules.starting_actions,
-        default_mode=rules.loading_mode,
-        paddle_range=rules.paddle_range,
-    )

@@ -17,12 +17,12 @@ from atari.cores.ale_random import AleRandom
 from atari.cores.options import SEED_LIMIT
 from atari.multiplayer.core import OF_CORE, OWN_OPTIONS, REFERENCES, MultiplayerCore
 from atari.multiplayer.resolution import resolve_several
-from atari.observations import FrameObservations
+from atari.observations.frames import FrameObservations
+from atari.observations.layout import Layout
 from atari.task import Task
 from atari.task.fields import NO_LIMIT
 from atari.task.resolution import GameLike
 from atari.validation import check_integer, check_name
-from atari.vector.layout import Layout
 from atari.vector.results import zero_sum
 
 AGENTS = ("first_0", "second_0", "third_0", "fourth_0")

@@ -62,13 +62,13 @@ class Session(BaseSession):
     ) -> None:
         self.task = _task(game, options)
         inner: Any = self.task.make(rom=rom)
-        inner.unwrapped.make_sound()
+        inner.unwrapped.driver.make_sound()
         self._inner, self._atari = inner, inner.unwrapped
         super().__init__(self._atari.game, 1, state, videos, scale)
         self._env: Any = self._inner if replay is None else RecordReplay(self._inner, replay)
         self._played: deque[tuple[ByteArray, ByteArray, int]] = deque()  # frames that are not shown yet
         self._ended = self._truncated = False  # the episode; the game may go on
-        self._atari.observers.append(self)
+        self._atari.driver.observers.append(self)
         self.best = 0
         self._env.reset(seed=seed)
 

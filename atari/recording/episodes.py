@@ -132,11 +132,11 @@ class _Episode:
         return bool(self.rewards) and (self.terminations[-1] or self.truncations[-1])
 
     def see(self) -> None:
-        observation = self.atari._get_obs()
+        observation = self.atari.observe()
         if isinstance(self.env, RamObservation):
             observation = self.env.observation(observation)
         self.observations.append(observation)
-        self.infos.append(self.atari._info())
+        self.infos.append(self.atari.driver.info())
 
     def see_first(self) -> None:
         """Drop what was collected before the first step, and collect its first observation."""
@@ -183,7 +183,7 @@ def _of_replay(replay: Replay, env: gymnasium.Env[Any, Any]) -> Iterator[Episode
 def _action(env: AtariEnv, event: Event, continuous_action: tuple[float, ...]) -> Any:
     if env.continuous:
         return np.array(continuous_action, np.float32)
-    return np.int64(env._action_set.index(Action(event.numbers[0])))
+    return np.int64(env.driver.actions.index(Action(event.numbers[0])))
 
 
 def _columns(rows: list[Any]) -> Any:

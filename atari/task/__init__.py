@@ -1,4 +1,4 @@
-"""What is played, as one value: `Task`. `PRESETS` are tasks without a game."""
+"""`Task`: game, rules, actions, observations and rewards as one value. `PRESETS` are tasks without a game."""
 
 from atari.task.presets import PRESETS, Preset
 from atari.task.task import Task

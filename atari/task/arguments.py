@@ -225,7 +225,7 @@ def option_of(name: str, text: str) -> Any:
 
 
 def descriptions(owner: type) -> dict[str, str]:
-    """What the docstrings of a class of options and of its bases say about each option, by name."""
+    """The text about each option in the docstrings of a class of options and of its bases, by name."""
     found: dict[str, str] = {}
     for base in reversed(owner.__mro__):
         section = (base.__doc__ or "").partition("Attributes:\n")[2]

@@ -19,7 +19,7 @@ class Preset:
     Attributes:
         source: the implementation or the publication.
         fields: fields of `Task` with their values. The game, or a task, decides the others.
-        required: those of `fields` that no option may change.
+        required: the names in `fields` that no option may change.
 
     Example:
         >>> import atari
@@ -172,7 +172,7 @@ PRESETS: Mapping[str, Preset] = MappingProxyType(
 )
 """Every preset by name."""
 
-# What users of other projects call a preset or a protocol of evaluation, for the suggestion in an error.
+# Other projects' names of a preset or an evaluation protocol, for the suggestion in an error.
 OTHER_NAMES = {
     "nature": "dqn2015",
     "mnih": "dqn2015",

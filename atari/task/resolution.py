@@ -22,12 +22,12 @@ OPTIONS: tuple[str, ...] = tuple(name for name in FIELDS if name not in ("game",
 """The options of a task: its fields that a user may give beside the game."""
 
 ALIASES: Mapping[str, str] = {"full_action_space": "actions", "clip_reward": "reward_clipping"}
-"""Other names of options, those of Gymnasium and ale-py."""
+"""Gymnasium's and ale-py's names of options, and ours."""
 
 _NONE_IS_NOT_GIVEN = frozenset(
     ("repeat_action_probability", "actions", "episodic_life", "reward_clipping", "obs_type", "players", "interventions")
 )
-"""Options of which None is as if they were not given, as functions of ale-py and of this package have them."""
+"""Options whose value None counts as not given, as in ale-py."""
 
 GameLike = str | PathLike[str] | Game | Task
 
@@ -212,7 +212,7 @@ def _of_id(env_id: str) -> dict[str, Any]:
 
 
 ENTRY_POINT = "atari.making:make_AtariEnv"
-"""What `gymnasium.make` calls for an ID of an Atari game. Other programs find Atari games by the word AtariEnv."""
+"""The function that `gymnasium.make` calls for an Atari game. Other programs find Atari games by the word AtariEnv."""
 
 
 def is_ours(entry_point: Any) -> bool:
@@ -221,7 +221,7 @@ def is_ours(entry_point: Any) -> bool:
 
 
 def known_ids() -> tuple[str, ...]:
-    """Every ID that `atari.make` accepts: those of `ids`, of the algorithmic tasks, and of registered games."""
+    """Every ID that `atari.make` accepts: of `ids`, of the algorithmic tasks, and of registered games."""
     others = (env_id for env_id, spec in gymnasium.registry.items() if str(spec.entry_point).startswith("atari."))
     return tuple(dict.fromkeys([*env_ids.ids(), *others]))
 

@@ -138,7 +138,7 @@ def read_task(path: Path) -> Task:
 
 
 def _game(name: Any, file: Any, game: Game | None) -> Any:
-    """What `Task` takes as the game."""
+    """The game of a stored task, as `Task` takes it."""
     if not isinstance(name, str) or not (file is None or isinstance(file, str)):
         raise TypeError(f"'game' must be a string and 'file' a string or null, got {name!r} and {file!r}")
     if game is not None:

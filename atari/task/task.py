@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class Task:
-    """What is played: a game, and everything that decides what an agent sees, may do and is paid.
+    """A game, and everything that decides what an agent sees, may do and is paid.
 
     `Task.of` makes one from an environment ID, the name of a game or a game file, with options. Every function, class
     and command of this package that plays a game takes a task, or the same options by the same names. The defaults are
@@ -40,28 +40,28 @@ class Task:
         game: id of the game ("breakout"). The constructor also takes a game file of your own, or a `Game`.
         rules: fingerprint of the game definition; "" in the constructor is that of the installed one.
         rom_md5: MD5 of the ROM, None if it is not known; it is not compared by `==`.
-        mode: game mode, None in the constructor is the default one. With several players, the number is that of
-            Multi-Agent-ALE.
+        mode: game mode, None in the constructor is the default one. With several players, Multi-Agent-ALE numbers the
+            modes.
         difficulty: None in the constructor is ALE's default, 0.
-        players: 1, or 2 to 4 who play one game.
+        players: number of players of one game, 1 to 4.
         actions: minimal (those that the game uses), full (all legal ones), or names of actions.
         continuous: actions are (radius, angle, fire), three float32 (Farebrother and Castro 2024, "CALE").
-        continuous_action_threshold: how far the stick must be moved, or fire pressed, to count.
-        repeat_action_probability: of repeating the previous action, drawn in each frame (sticky actions); of several
-            players, each can have its own.
+        continuous_action_threshold: least movement of the stick, or pressure on fire, that counts, 0..1.
+        repeat_action_probability: probability of repeating the previous action, drawn in each frame (sticky actions);
+            each of several players can have its own.
         frameskip: frames for each action, or (low, high) for a number within low..high-1 drawn at each step.
         interventions: changes of the game through its RAM; names, paths as "file.toml#name", or definitions.
-        noops: an episode begins with so many frames of NOOP, drawn from (low, high), both included.
-        fire: whether an episode begins with FIRE, before or after the no-ops, in games that have it.
+        noops: (low, high), both included: an episode begins with a number of NOOP frames drawn from this range.
+        fire: an episode begins with FIRE before or after the no-ops, or never, in games that have it.
         fire_counts: FIRE is one of the no-ops.
         third_action: the action with index 2 follows FIRE, as in OpenAI's Baselines.
         fire_unit: FIRE is played for a frame, or for a skip: a whole step, after the no-ops.
         fire_again: FIRE is pressed again when a game ends in the no-ops that follow it.
-        seeding: which generators a seed starts: gymnasium (NumPy's PCG64 for no-ops and skips, the emulator's from the
+        seeding: generators that a seed starts: gymnasium (NumPy's PCG64 for no-ops and skips, the emulator's from the
             second word of the seed) or ale (a Mersenne Twister, and the seed itself for the emulator).
         episodic_life: a lost life ends the episode.
         lives_unit: lives are compared after each frame, so that a lost life cuts a skip short, or after a whole skip.
-        on_reset: what a reset after a lost life does: a step of NOOP, nothing (continue), or a new game.
+        on_reset: a reset after a lost life plays a step of NOOP, nothing (continue), or a new game.
         last_life: losing the last life counts in games that continue after it.
         seamless_lives: a lost life neither cuts a skip short nor clears the stack.
         life_loss_info: a lost life is reported as a termination, and the episode goes on.
@@ -69,14 +69,14 @@ class Task:
         max_frames: limit on the frames of a game after its beginning; None is none.
         max_episode_steps: limit on the agent's steps of an episode; None is none.
         obs_type: rgb, grayscale, ram (128 bytes), dict (gray image and RAM) or rgb_dict.
-        img_height: rows of the image, None for those of the screen.
-        img_width: columns of the image, None for those of the screen.
+        img_height: rows of the image, None is the screen's number.
+        img_width: columns of the image, None is the screen's number.
         stack_num: images or RAM vectors in an observation, the oldest first; None is one, without an axis for it. In
             dicts of both, images are stacked, RAM is not. The stacks of presets are of images.
         maxpool: the image is the maximum of the last two frames of a skip.
         pool_rgb: colours are pooled and then made gray, as in OpenAI's Baselines, instead of ALE's gray values.
-        padding: what fills the stack at the start of an episode: zero, or reset, the first image or RAM.
-        end_frames: what is observed when an episode ends inside a skip; see `atari.wrappers.DqnPreprocessing`.
+        padding: filling of the stack at the start of an episode: zero, or reset, the first image or RAM.
+        end_frames: frames that are observed when an episode ends inside a skip; see `atari.wrappers.DqnPreprocessing`.
         sound_obs: observations are image and sound: 512 samples of the step's last frame.
         agent_indicator: each of several players sees more channels, which say which player it is.
         reward_clipping: rewards are clipped to -1..1.
@@ -293,7 +293,7 @@ class Task:
 
     @property
     def begin_actions(self) -> tuple[Action, ...]:
-        """The actions of which episodes begin, whether the agent has them or not: all that the game uses.
+        """The actions that begin episodes, whether the agent has them or not: all that the game uses.
 
         They are all legal ones if the agent has one that the game does not use.
         """

@@ -30,10 +30,10 @@ ONE_PLAYER: Mapping[str, Any] = MappingProxyType(
         "reward_clipping": True,
     }
 )
-"""What ale-py's vector environment plays by default; a game's name alone plays this in ours, too."""
+"""The defaults of ale-py's vector environment; a game's name alone has them in ours, too."""
 
 SEVERAL_PLAYERS: Mapping[str, Any] = MappingProxyType({**_PREPROCESSING, "seeding": "ale"})
-"""What a game's name alone plays with two to four players, without a preset."""
+"""The defaults of a game's name alone with two to four players, without a preset."""
 
 NAMES = ("noop_max", "use_fire_reset", "grayscale")
 """ale-py's names of options that a `Task` names otherwise."""

@@ -38,46 +38,24 @@ _RAM_OF = {"now": _emulator.RamOf.NOW, "result": _emulator.RamOf.RESULT, "final"
 
 
 class AtariVectorEnv(Views, VectorState, VectorEnv):
-    """Environments of one game, or of several, played together.
+    """Environments of one game, or of several, played together in C++.
 
-    Observations are uint8: (batch, stack_num, img_height, img_width), in RGB with a last axis of 3, the oldest frame
-    first; rewards int32, terminations and truncations bool, each (batch,). **Observations stay as they are while you
-    hold them**, or a view or a tensor of them. Their memory is written again, by the step after the next or a later
-    one, when the last reference has gone. A loop that drops them needs two buffers; to keep many, pass `out`. All other
-    arrays are new each time, but masks and, in batches of all environments, `env_id`, which are read-only.
+    `game` says what is played: an environment ID or an `atari.Task` all of it, a name with a preset ALE's v5 with that
+    preset. A name alone keeps the defaults of ale-py's class of this name, which docs/vector.md lists. `envs.task` has
+    the result. `step` documents observations, rewards and `info`.
 
-    `info` has, (batch,) each, int32: `env_id`, `lives`, `frame_number`, `episode_frame_number`, with Gymnasium's masks
-    (`_lives`, ...). In SAME_STEP, when an episode has ended (or a life was lost, with `life_loss_info`), also
-    `final_obs`, of the shape of the observations and zero where nothing ended, its mask `_final_obs`, and `final_info`,
-    `_final_info`. When a whole game has ended there, with all its lives, `final_info` has `episode` with the arrays `r`
-    (float64, the sum of the game's rewards, not clipped), `l` (int64, its length in frames, no-ops included) and `t`
-    (float64, seconds), and its mask `_episode` (added). With a preset, `info` also has, of the step that was played:
-    `reward` (int32, not clipped), `elapsed_step` (int32, the steps of the game) and `terminated` (bool, whether the
-    game is over); and in the other modes than SAME_STEP `episode` and `_episode`.
-
-    With `players`, actions are integers (batch, players); rewards (float64), terminations, truncations, and `lives` and
-    the scores `r` of `info` are (batch, players). All players see one observation. A player whose lives are negative is
-    out: terminated in this and all later steps, with reward 0 and action 0, while the others play on. The episode ends
-    when the game is over or all players are out, for all players at once (added).
-
-    Threads may share an environment: one call runs at a time, and a thread that waits lets others run. In a forked
-    process all methods but `close` raise RuntimeError.
-
-    **What is played** is what `game` says: an environment ID ("ALE/Pong-v5") or an `atari.Task` all of it; with a
-    preset, a game's name is ALE's v5 with that preset. A name alone, without a preset, keeps the defaults of ale-py's
-    class of this name: no sticky actions, 0 to 29 no-ops with FIRE as the first of them, 84x84 gray images pooled over
-    4 frames in stacks of 4, clipped rewards, a limit of 108,000 frames after the beginning. `envs.task` says what is
-    played.
+    Threads may share the object: one call runs at a time. In a forked process all methods but `close` raise
+    RuntimeError.
 
     Args:
         game: an ID, a game's name, the path of a game file, a `Game` or a `Task`; a sequence has one for each
             environment (added). Games whose actions differ get all 18 as their common action space;
             `info["action_mask"]`, bool (batch, 18), says which of them a game uses.
-        num_envs: how many environments; may be left out if `game` is a sequence.
+        num_envs: number of environments; may be left out if `game` is a sequence.
         preset: name of a preprocessing, one of `atari.PRESETS` (added), with `players` "multiplayer_dqn".
-        batch_size: results of so many environments make a batch, 0 is all. With fewer than all, `recv` returns the
-            first that are ready, and `info["env_id"]` says which.
-        num_threads: at most so many, of which the caller's is one; 0 is as many as the machine has cores.
+        batch_size: number of results in a batch, 0 is all. With fewer than all, `recv` returns the first that are
+            ready, and `info["env_id"]` says which.
+        num_threads: greatest number of threads, the caller's included; 0 is the number of cores.
         thread_affinity_offset: if 0 or more, bind thread i to core offset + i, but not the caller's own (Linux).
         autoreset_mode: `gymnasium.vector.AutoresetMode`, its value or its name. With DISABLED (added), environments
             that are done ignore actions, with reward 0, until `reset(options={"reset_mask": ...})`.
@@ -86,12 +64,10 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         dtype: "uint8", or "float32" with the same values 0..255, which is a copy of four times the size (added).
         render_mode: "rgb_array" for `render` (added).
         rom: path of the ROM file; None searches (see `atari.roms`) (added).
-        game_info: `info` has what was played of whole games; None is with a preset, or a task with preprocessing
+        game_info: `info` has the statistics of whole games; None is True with a preset, or a task with preprocessing
             (added).
-        **options: fields of `atari.Task`, which describes them, and ale-py's other names of some: `full_action_space`,
-            `noop_max` (0 to noop_max-1 frames of NOOP), `use_fire_reset`, `grayscale`, `clip_reward`. Beside a name
-            alone, `max_num_frames_per_episode` does not count the frames of the beginning, as in ale-py; it is
-            `max_frames`. `mode` and `difficulty` may be sequences with one for each environment.
+        **options: fields of `atari.Task`, which describes them, and ale-py's other names of some, which docs/vector.md
+            lists. `mode` and `difficulty` may be sequences with one for each environment.
 
     Raises:
         TypeError, ValueError: there is no such option (the nearest is suggested), or its value is wrong.
@@ -151,7 +127,7 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         }
         self._engine: _emulator.VectorEngine | None = options.make_engine()
         self._process = os.getpid()
-        # Of all attributes that change, and of the engine from a send to its results.
+        # Guards all attributes that change, and the engine from a send to its results.
         self._lock = _emulator.VectorLock()
         self._added = tuple(AddedWrites() for _ in self.games)
         self.single_action_space = options.action_space()
@@ -167,7 +143,7 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
 
     @cached_property
     def observation_space(self) -> spaces.Space[Any]:  # type: ignore[override]
-        """Of a batch. Made at the first use, because it holds four arrays of its shape."""
+        """The space of a batch, made at the first use, because it holds four arrays of its shape."""
         return batch_space(self.single_observation_space, self.batch_size)
 
     def reset(
@@ -208,7 +184,7 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         if self._engine is None and (options or {}).get("reset_mask") is None:
             self._reopen()
         engine = self._open()
-        mask = self._reset_mask(options)
+        mask = self.reset_mask(options)
         seeded, seeds = seed_words(seed, mask, ale=self._options.task.seeding == "ale")
         self._phase = "new"  # until it has succeeded
         results = self._take_buffer(engine, None)
@@ -230,7 +206,24 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
                 `num_envs`, they must be those of the last batch, in any order.
 
         Returns:
-            Observations, rewards, terminations, truncations and info, see above.
+            Observations, rewards (int32), terminations and truncations (bool), (batch,) each, and info. Observations
+            are uint8 (batch, stack_num, img_height, img_width), in RGB with a last axis of 3, the oldest frame first.
+            **They stay as they are while you hold them**, or a view or a tensor of them. The step after the next, or a
+            later one, writes to their memory again after the last reference has gone. To keep many, pass `out`.
+
+            `info` has, (batch,) int32 each, `env_id`, `lives`, `frame_number`, `episode_frame_number`, with
+            Gymnasium's masks (`_lives`, ...). In SAME_STEP, when an episode has ended (or a life was lost, with
+            `life_loss_info`), it also has `final_obs`, zero where nothing ended, `final_info` and their masks. With
+            `game_info`, it also has `reward` (int32, not clipped), `elapsed_step` (int32, the steps of the game) and
+            `terminated` (bool, whether the game is over). When a whole game has ended, with all its lives, `episode`
+            (in SAME_STEP `final_info["episode"]`) has the arrays `r` (float64, the sum of the game's rewards, not
+            clipped), `l` (int64, its frames, no-ops included) and `t` (float64, seconds), and a mask (added). Masks,
+            and in batches of all environments `env_id`, are read-only.
+
+            With several players, actions are integers (batch, players); rewards (float64), terminations, truncations,
+            and `lives` and the scores `r` of `info` are (batch, players). All players see one observation. A player
+            whose lives are negative is out: terminated in this and all later steps, with reward 0, while the others
+            play on. The episode ends for all players at once, when the game is over or all are out (added).
 
         Raises:
             gymnasium.error.ResetNeeded: before the first reset, or after an error in an environment.
@@ -311,7 +304,7 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         return results.read(self._masks, ended)
 
     def observe(self) -> tuple[Any, dict[str, Any]]:
-        """What the environments show now, as `reset` returns it; nothing is played. After `restore` and `fork`."""
+        """The present observations and info, as `reset` returns them, such as after `restore`; nothing is played."""
         none = np.zeros(self.num_envs, np.bool_)
         return self.reset(options={"reset_mask": none})
 
@@ -338,7 +331,7 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
 
     @property
     def autoreset_mode(self) -> AutoresetMode:
-        """What happens to environments that are done."""
+        """The way in which environments that are done begin again."""
         return self._options.autoreset_mode
 
     @property
@@ -363,12 +356,12 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         return tuple(Member(self, index) for index in range(self.num_envs))
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
-        """Of each of `members`, the attribute of this name, or what it returns when called with these arguments."""
+        """The attribute of this name of each of `members`, or its result when it is called with these arguments."""
         values = [getattr(member, name) for member in self.members]
         return tuple(value(*args, **kwargs) if callable(value) else value for value in values)
 
     def get_attr(self, name: str) -> tuple[Any, ...]:
-        """Of each of `members`, the attribute of this name."""
+        """The attribute of this name of each of `members`."""
         return self.call(name)
 
     def set_attr(self, name: str, values: Any) -> None:
@@ -434,7 +427,17 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         self._buffers = [older, newer]
         return newer
 
-    def _reset_mask(self, options: dict[str, Any] | None) -> npt.NDArray[np.bool_]:
+    @property
+    def started(self) -> bool:
+        """Whether the environments have been reset, and none has failed since (added)."""
+        return self._phase != "new"
+
+    def reset_mask(self, options: dict[str, Any] | None) -> npt.NDArray[np.bool_]:
+        """The environments that a `reset` with these options resets, (num_envs,) bool (added).
+
+        Raises:
+            TypeError, ValueError: the mask among the options is of the wrong kind or length.
+        """
         mask = (options or {}).get("reset_mask")
         if mask is None:
             return np.ones(self.num_envs, np.bool_)

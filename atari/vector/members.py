@@ -19,7 +19,7 @@ class AddedWrites:
 
     def __init__(self, slots: Sequence[_emulator.Write | None] = ()) -> None:
         self.slots = list(slots)
-        """By slot after those of the interventions, as in the engine; None where one was removed, the last is none."""
+        """The writes by slot, as in the engine, after the interventions. A removed write is None; the last is not."""
         self.shadows: list[Any] = []
         """Cores that repeat the environment, and get these writes and bytes too."""
 

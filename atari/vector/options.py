@@ -17,9 +17,11 @@ from atari import _emulator
 from atari._gymnasium import AutoresetMode
 from atari.actions import PLAYER_ACTIONS, Action, in_continuous_space, joystick_action, make_action_space
 from atari.cores.native import compiled
+from atari.cores.players import compiled_for_players
 from atari.cores.writes import make_writes
 from atari.games.game import Game
-from atari.multiplayer.core import compiled_for_players
+from atari.observations.layout import Layout
+from atari.observations.settings import filled, filled_by_name, image_shape, observation_settings
 from atari.roms import find
 from atari.roms.image import read_image
 from atari.task import Task
@@ -28,8 +30,6 @@ from atari.task.resolution import ALIASES, OPTIONS, is_id, is_versioned, resolve
 from atari.task.storage import identity
 from atari.validation import check_integer, check_known
 from atari.vector import ale_names
-from atari.vector.layout import Layout
-from atari.vector.settings import episode_settings, filled, image_shape, observation_settings
 
 _INT64, _ndarray = np.dtype(np.int64), np.ndarray  # found once: they are used at every step
 
@@ -160,7 +160,7 @@ class VectorOptions:
         )
         engine = _emulator.VectorEngine(
             members,
-            episode_settings(self.task),
+            _episode_settings(self.task),
             observation_settings(self.task),
             threads,
         )
@@ -259,7 +259,7 @@ class VectorOptions:
 
     @cached_property
     def _index_shape(self) -> tuple[int, ...]:
-        """Of a batch of actions that are indices, of one player; none has the shape (-1,)."""
+        """The shape of a batch of actions of one player that are indices; (-1,) if actions are no indices."""
         return (-1,) if self.continuous or self.players > 1 else (self.batch_size,)
 
     def _motions(self, actions: npt.NDArray[Any]) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float32]]:
@@ -275,8 +275,14 @@ class VectorOptions:
         return joystick_action(radius, angle, fire, self.threshold), radius
 
 
+def _episode_settings(task: Task) -> _emulator.EpisodeSettings:
+    """The settings of how the engine begins, plays and ends episodes."""
+    alone = task.players == 1 and not task.preprocessed
+    return filled_by_name(_emulator.EpisodeSettings(), task, acts_after_end=alone)
+
+
 def _listed(game: Any, num_envs: Any) -> list[Any]:
-    """What a user gave as the game of each environment."""
+    """The game of each environment, as a user gave it."""
     many = isinstance(game, Sequence) and not isinstance(game, str)
     if num_envs is None and not many:
         raise TypeError("num_envs is needed: how many environments of the game to make")

@@ -56,7 +56,7 @@ class Results:
         self._final_numbers = (final_lives, final_frame, final_episode_frame)
         # Lost lives are shown as ends; players who are out are not.
         self._ends = flags[:2] if players == 1 else self._ended
-        # Methods that copy a row, without those of ended episodes.
+        # Methods that copy a row, except of ended episodes.
         copy_reward = reward.copy if players == 1 else partial(reward.astype, np.float64)
         if options.task.zero_sum:
             copy_reward = partial(zero_sum, reward)
@@ -190,7 +190,7 @@ def _lenders(parts: dict[str, npt.NDArray[np.uint8]]) -> dict[str, _emulator.Arr
 
 
 def zero_sum(reward: npt.NDArray[np.int32]) -> npt.NDArray[np.float64]:
-    """The rewards (rows, players), each minus the mean of those of the other players: one division of integers."""
+    """The rewards (rows, players), each minus the mean of the other players' rewards: one division of integers."""
     players = reward.shape[1]
     relative: npt.NDArray[np.float64] = (players * reward - reward.sum(axis=1, keepdims=True)) / (players - 1)
     return relative

@@ -1,6 +1,8 @@
 """`Views`: a vector environment as images, and as other libraries see it."""
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import gymnasium
@@ -61,60 +63,36 @@ class Views:
             png(image), f"{number} environments: {titles}{first}", width=image.shape[1], height=image.shape[0]
         )
 
-    def xla(self, *, callback: bool | None = None) -> Any:
-        """`(handle, recv, send, step)` for functions compiled by JAX, as EnvPool's (added).
-
-        `step(handle, action, env_id=None)` returns a handle and what `step` returns; `send(handle, action,
-        env_id=None)`, a handle; `recv(handle)`, a handle and results. Pass on each handle: their chain is the order in
-        which calls run. `env_id` must have as many rows as a batch. Reset the environments by `reset`, or `reset_async`
-        before `recv`. Compiled functions fail when the environments have been closed, or have gone.
-
-        Results are those of `step` to the byte, with `info` of the same arrays in each step: without the masks of
-        keys that all rows have, and without `episode`; in SAME_STEP always with `final_obs` and `final_info`, zero
-        where nothing ended, and their masks.
-
-        Args:
-            callback: False plays by calls from XLA to the emulator without Python, on the CPU; True by ordered
-                callbacks in Python, on any device; None is the former if JAX's default device is a CPU.
-
-        Returns:
-            A named tuple; `handle` is uint8 (8,).
+    @contextmanager
+    def engine(self) -> Iterator[_emulator.VectorEngine]:
+        """The engine, for extensions of this class (added). Calls of other threads wait until the block ends.
 
         Raises:
-            gymnasium.error.DependencyNotInstalled: JAX is not installed, or is older than 0.5.0.
             gymnasium.error.ClosedEnvironmentError: the environments are closed.
-            TypeError, ValueError: `callback` is no bool, or `continuous` or `agent_indicator` is on.
-
-        Example:
-            >>> handle, recv, send, step = envs.xla()
-            >>> _ = envs.reset(seed=0)
-            >>> handle, (obs, reward, terminated, truncated, info) = jax.jit(step)(handle, actions)
         """
-        from atari.integrations import jax
-
         with self._lock:
-            engine = self._open()
+            yield self._open()
+
+    def xla_port(self) -> _emulator.XlaPort:
+        """The engine as functions compiled by XLA call it (added); it is closed with the environments.
+
+        Raises:
+            gymnasium.error.ClosedEnvironmentError: the environments are closed.
+        """
+        with self.engine() as engine:
             if self._port is None:
                 image, ram = (name != "none" for name in self._options.part_names())
                 self._port = _emulator.XlaPort(engine, image, ram)
-            return jax.xla(self, self._options, self._port, callback)
+            return self._port
+
+    def xla(self, *, callback: bool | None = None) -> Any:
+        """`(handle, recv, send, step)` for functions compiled by JAX: see `atari.integrations.jax.xla` (added)."""
+        from atari.integrations.jax import xla
+
+        return xla(self, callback=callback)
 
     def torch(self, device: Any = None) -> Any:
-        """The same environments with PyTorch tensors (added): a `atari.integrations.torch.TorchEnvs`.
-
-        Args:
-            device: where observations, rewards and ends are; None is the CPU, where they share the memory of the
-                arrays. To a CUDA device they are copied from page-locked memory, while Python goes on.
-
-        Raises:
-            gymnasium.error.DependencyNotInstalled: PyTorch is not installed.
-            RuntimeError: PyTorch has no such device.
-
-        Example:
-            >>> envs = atari.AtariVectorEnv("pong", 8).torch("cuda")
-            >>> obs, info = envs.reset(seed=0)
-            >>> obs, reward, terminated, truncated, info = envs.step(policy(obs).argmax(1))
-        """
+        """The environments with PyTorch tensors: see `atari.integrations.torch.TorchEnvs` (added)."""
         from atari.integrations.torch import TorchEnvs
 
         return TorchEnvs(self, device)

@@ -15,11 +15,8 @@ MODULES: dict[str, tuple[str, ...]] = {
     "atari": (),
     "atari.games": (
         "atari.games.catalog.games",
-        "atari.games.catalog.Games",
-        "atari.games.game.Game",
         "atari.games.game.load_game",
     ),
-    "atari.vector": (),
     "atari.wrappers": (),
     "atari.multiplayer": (),
     "atari.cores": (),

@@ -107,9 +107,9 @@ def test_observers_get_the_played_frames_and_none_after_the_end(folder: Path) ->
 
     env = atari.AtariEnv("breakout", core="ale", max_num_frames_per_episode=6)
     with RecordReplay(env, folder / "a.a26") as recorded:
-        env.observers.append(observer := Observer())
+        env.driver.observers.append(observer := Observer())
         recorded.reset(seed=0)
-        assert env.play_frames(1, 9) == 0
+        assert env.driver.play_frames(1, frames=9) == 0
         assert env.core.truncated
     assert (observer.games, observer.frames, recorded.recorder.frames) == (1, 6, 6)
 

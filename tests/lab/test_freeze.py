@@ -20,7 +20,7 @@ class Frames:
     def __init__(self, env: atari.AtariEnv) -> None:
         self.ram: list[np.ndarray[Any, Any]] = []
         self._env = env
-        env.observers.append(self)
+        env.driver.observers.append(self)
 
     def game_begun(self) -> None:
         self.ram.append(self._env.core.ram())
@@ -182,7 +182,7 @@ def test_a_snapshot_does_not_end_it_and_a_restore_does_not_begin_it() -> None:
 def test_sound_keeps_it() -> None:
     env = playing()
     freeze = Freeze(env, {BALL_X: 120})
-    env.make_sound()
+    env.driver.make_sound()
     env.step(RIGHT)
     assert env.core.ram()[BALL_X] == 120
     assert freeze is not None

@@ -93,7 +93,7 @@ def test_a_vector_plays_as_single_environments() -> None:
     for seed, env in zip((11, 12, 13), singles, strict=True):
         env.core.seed(seed)
         env.core.reset()
-        env._phase = "playing"
+        env.driver.phase = "playing"
     for step in range(100):
         actions = np.array([step, step // 2, step // 3]) % 6
         rewards = envs.step(actions)[1]

@@ -114,7 +114,7 @@ def test_it_works_over_resets_and_replaced_cores_and_says_when_closed(pong):
     ram = Ram(DqnPreprocessing(AtariEnv("pong", frameskip=1)))
     assert ram["player_x"] is not None
     ram = Ram(pong)
-    pong.make_sound()
+    pong.driver.make_sound()
     pong.step(0)
     assert ram[49] == pong.core.ram()[49]
     pong.close()

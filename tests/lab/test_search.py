@@ -165,7 +165,7 @@ def test_in_a_vector_all_games_must_fit() -> None:
 def test_cores_and_wrapped_environments() -> None:
     env = started()
     assert Search(env.core).equals(5).candidates == Search(atari.wrappers.ClipReward(env)).equals(5).candidates
-    env.make_sound()  # replaces the core
+    env.driver.make_sound()  # replaces the core
     assert 57 in Search(env).equals(5).candidates
 
 

@@ -39,7 +39,7 @@ def test_each_emulated_frame_is_logged() -> None:
     env.stop()
     env.step(0)
     assert len(env.history[99]) == len(expected)
-    assert not env.unwrapped.observers
+    assert not env.unwrapped.driver.observers
 
 
 def test_changes_are_reported() -> None:
@@ -122,7 +122,7 @@ def test_wrong_arguments(what: Any, options: Any, error: type[Exception], text: 
     env = make()
     with pytest.raises(error, match=text):
         Watch(env, *what, **options)
-    assert not env.observers
+    assert not env.driver.observers
 
 
 def test_the_wrong_class_names_the_right_one() -> None:

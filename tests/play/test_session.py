@@ -196,7 +196,7 @@ def test_an_environment_continues_from_a_saved_state(tmp_path: Path, options: di
     env.restore(state)
     assert np.array_equal(env.core.screen_rgb(), session.screen)
     session.play(Action.LEFT)
-    env.play_frames(Action.LEFT, 1)
+    env.driver.play_frames(Action.LEFT, frames=1)
     assert env.core.frame_number == session._atari.core.frame_number
     session.close()
     _, _, _, _, info = env.step(0)

@@ -6,7 +6,7 @@ SETUP = """
 import sys, numpy as np, atari
 from atari import _emulator
 from atari.vector.results import Results
-from atari.vector.settings import filled
+from atari.observations.settings import filled
 
 def make(num_envs=4, **options):
     envs = atari.AtariVectorEnv("pong", num_envs, **options)

@@ -8,10 +8,10 @@ import pytest
 
 import atari
 from atari import _emulator
+from atari.observations.settings import filled_by_name
 from atari.task import Task
 from atari.task.resolution import resolve_task
 from atari.task.task import FIELDS
-from atari.vector.settings import filled_by_name
 
 BASE: dict[str, Any] = {
     "repeat_action_probability": 0.0,
@@ -82,7 +82,7 @@ def ram_after(actions: list[int], game: str = "breakout", seed: int = 3) -> list
     env = atari.AtariEnv(game, frameskip=1, repeat_action_probability=0.0)
     env.reset(seed=seed)
     for action in actions:
-        env.play_frames(action, 1)
+        env.driver.play_frames(action, frames=1)
     return env.core.ram().tolist()  # type: ignore[no-any-return]
 
 
@@ -406,7 +406,7 @@ class TestStates:
 def make_engine(fields: dict[str, Any]) -> _emulator.VectorEngine:
     """An engine with settings that `Task` may refuse."""
     episode = filled_by_name(_emulator.EpisodeSettings(), Task.of("pong").with_set(**fields), acts_after_end=False)
-    with mock.patch("atari.vector.options.episode_settings", return_value=episode):
+    with mock.patch("atari.vector.options._episode_settings", return_value=episode):
         return atari.AtariVectorEnv("pong", 1, players=fields.get("players"))._options.make_engine()
 
 

@@ -27,7 +27,7 @@ def single(name: str, game: str, **options: Any) -> gymnasium.Env[Any, Any]:
 
 
 @pytest.mark.parametrize("game", ["breakout", "frogger", "ms_pacman", "space_invaders"])
-@pytest.mark.parametrize("name", wrappers.PRESETS)
+@pytest.mark.parametrize("name", atari.PRESETS)
 def test_single_is_what_the_recorder_records_beneath(name: str, game: str) -> None:
     env = single(name, game, max_num_frames_per_episode=2500)
     rng = np.random.default_rng(1)
@@ -76,9 +76,9 @@ def played(envs: Any, mode: AutoresetMode, actions: Any) -> tuple[list[list[Game
 
 @needs_autoreset_modes
 @pytest.mark.parametrize("mode", AutoresetMode)
-@pytest.mark.parametrize("name", wrappers.PRESETS)
+@pytest.mark.parametrize("name", atari.PRESETS)
 def test_vector_is_what_gymnasium_makes_of_singles(name: str, mode: AutoresetMode) -> None:
-    game = ["breakout", "frogger", "bank_heist"][list(wrappers.PRESETS).index(name) % 3]
+    game = ["breakout", "frogger", "bank_heist"][list(atari.PRESETS).index(name) % 3]
 
     def make() -> gymnasium.Env[Any, Any]:
         return atari.make(game, preset=name, episodic_life=True, clip_reward=True)
@@ -194,11 +194,11 @@ def test_a_snapshot_of_a_single_environment_has_the_score() -> None:
     env.reset(seed=0)
     for _ in range(100):
         env.step(2)
-    state, score = env.snapshot(), env._game.score
+    state, score = env.snapshot(), env.driver.played.score
     assert score < 0
     other = atari.AtariEnv("pong", frameskip=4)
     other.restore(state)
-    assert (other._game.score, other._game.first_frame) == (score, env._game.first_frame)
+    assert (other.driver.played.score, other.driver.played.first_frame) == (score, env.driver.played.first_frame)
 
 
 @pytest.mark.parametrize(

@@ -54,7 +54,7 @@ def compare(name: str, game: str, steps: int, seed: int, **settings: bool) -> in
 
 
 @pytest.mark.parametrize("settings", SETTINGS)
-@pytest.mark.parametrize("name", wrappers.PRESETS)
+@pytest.mark.parametrize("name", atari.PRESETS)
 def test_every_preset(name: str, settings: dict[str, bool]) -> None:
     ended = compare(name, "breakout", 200, seed=3, **settings)
     assert ended > 2 or not settings.get("episodic_life")
@@ -63,7 +63,7 @@ def test_every_preset(name: str, settings: dict[str, bool]) -> None:
 
 @pytest.mark.parametrize("game", GAMES)
 def test_every_game(game: str) -> None:
-    names = [name for name in wrappers.PRESETS if name != "baselines" or game not in UNFIT]
+    names = [name for name in atari.PRESETS if name != "baselines" or game not in UNFIT]
     number = GAMES.index(game)
     compare(names[number % len(names)], game, 40, seed=number, **SETTINGS[number % 3])
 

@@ -63,15 +63,15 @@ def test_a_number_of_no_ops_is_drawn_also_if_only_one_is_possible() -> None:
     env.reset(seed=11)
     generator = AleRandom(11)
     generator.below(1)
-    assert env.unwrapped._draw(5, 1005) == 5 + generator.below(1000)
+    assert env.unwrapped.driver.draw(5, 1005) == 5 + generator.below(1000)
 
 
 def test_a_skip_of_one_length_draws_nothing() -> None:
     env = made(frameskip=(3, 4))
     env.reset(seed=11)
-    before = env.unwrapped._ale_random.state()
+    before = env.unwrapped.driver.ale_random.state()
     env.step(2)
-    assert env.unwrapped._ale_random.state() == before
+    assert env.unwrapped.driver.ale_random.state() == before
 
 
 def test_a_seed_is_the_emulators() -> None:
@@ -137,7 +137,7 @@ def test_the_spec_has_it() -> None:
     for each in (env, remade):
         each.reset(seed=5)
     assert data_equivalence(played(env), played(remade))
-    assert remade.unwrapped._ale_random is not None
+    assert remade.unwrapped.driver.ale_random is not None
 
 
 def test_a_snapshot_of_the_other_seeding_is_refused() -> None:
@@ -167,7 +167,7 @@ def test_other_environments_draw_from_numpys_generator() -> None:
     env = AtariEnv("pong", frameskip=(2, 5))
     env.reset(seed=6)
     twin = copy.deepcopy(env.np_random)
-    assert [env._draw(2, 5) for _ in range(9)] == [int(twin.integers(2, 5)) for _ in range(9)]
+    assert [env.driver.draw(2, 5) for _ in range(9)] == [int(twin.integers(2, 5)) for _ in range(9)]
     assert "seeding" not in snapshot.unpack(env.snapshot())[0]
 
 
@@ -178,9 +178,9 @@ def test_a_state_of_atari_play_keeps_the_generator(tmp_path: Any) -> None:
     state = snapshot.pack({"of": "play"}, {"env": played_env.snapshot()})
     env = DqnPreprocessing(NoopReset(AleSeeding(AtariEnv("pong", frameskip=1))))
     env.reset(seed=4)
-    before = env.unwrapped._ale_random.state()
+    before = env.unwrapped.driver.ale_random.state()
     env.unwrapped.restore(state)
-    assert env.unwrapped._ale_random.state() == before
+    assert env.unwrapped.driver.ale_random.state() == before
     np.testing.assert_array_equal(env.unwrapped.core.ram(), played_env.core.ram())
 
 

@@ -6,6 +6,7 @@ import gymnasium
 import pytest
 from tasks import ALE, task
 
+import atari
 from atari import wrappers
 from atari.wrappers.layers import wrap
 
@@ -57,7 +58,7 @@ def test_wrapper(contract, name):
     contract(partial(make, wrap=SINGLE[name]))
 
 
-@pytest.mark.parametrize("name", wrappers.PRESETS)
+@pytest.mark.parametrize("name", atari.PRESETS)
 def test_preset(contract, name):
     options = wrappers.preset_options(name)
     contract(partial(make, wrap=lambda env: wrappers.preset(env, name), **options))

@@ -7,6 +7,7 @@ import pytest
 from env_tools import data_equivalence
 from gymnasium.wrappers import RecordEpisodeStatistics, TimeLimit
 
+import atari
 from atari import AtariEnv, wrappers
 from atari.wrappers import DqnPreprocessing, EpisodicLife, FireReset, FrameStack, NoopReset
 
@@ -83,7 +84,7 @@ def test_frames_stacks_and_rewards(game_env, game, name):
         gray, rgb, rewards = play(raw, action, env.frame_skip)
         stack = [*stack[1:], preprocessed(gray, rgb)]
         np.testing.assert_array_equal(observation, stack)
-        assert (reward, terminated, truncated, info) == (sum(rewards), False, False, raw._info())
+        assert (reward, terminated, truncated, info) == (sum(rewards), False, False, raw.driver.info())
 
 
 def test_zero_padding(game_env):
@@ -177,7 +178,7 @@ def test_random_skips(game_env, frame_skip, mode, layer):
             frames = play(raw, 3, skip)[0]
             observation, *_, truncated, info = env.step(3)
             assert truncated == raw.core.truncated
-            assert info == raw._info()
+            assert info == raw.driver.info()
             np.testing.assert_array_equal(observation[-1], shown.after(frames, skip, truncated))
         assert env.np_random.bit_generator.state == raw.np_random.bit_generator.state
         ends.append((len(frames), skip))
@@ -265,7 +266,7 @@ def test_a_snapshot_has_the_stack_of_ram(game_env):
     np.testing.assert_array_equal(env.step(2)[0], expected)
 
 
-@pytest.mark.parametrize("name", wrappers.PRESETS)
+@pytest.mark.parametrize("name", atari.PRESETS)
 def test_driving_the_emulator_and_going_through_wrappers_give_the_same(game_env, name):
     for game, limit in (("breakout", None), ("bank_heist", 403)):
         options = {**wrappers.preset_options(name), "max_num_frames_per_episode": limit}

@@ -121,7 +121,7 @@ def test_games_without_lives(scripted):
 def test_outside_of_a_frame_skip_the_noop_is_a_whole_one(game_env, reduced):
     inner, twin = game_env("breakout"), DqnPreprocessing(game_env("breakout"))
     if reduced:
-        inner._action_set = inner._action_set[1:]
+        inner.driver.actions = inner.driver.actions[1:]
         inner.action_space = gymnasium.spaces.Discrete(3)
     env = EpisodicLife(DqnPreprocessing(inner))
     env.reset(seed=0)

@@ -4,7 +4,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from atari.wrappers import FrameStack, LazyStack, RamObservation
+from atari.wrappers import FrameStack, RamObservation
+from atari.wrappers.frame_stack import LazyStack
 
 
 def contents(observation):

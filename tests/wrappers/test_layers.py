@@ -396,7 +396,7 @@ def test_a_game_that_has_no_noop() -> None:
     """Outside of the skip, a reset after a lost life plays a whole skip of ALE's action 0."""
     fields = {"episodic_life": True, "lives_unit": "skip", "on_reset": "noop"}
     inner = AtariEnv("breakout", frameskip=1, repeat_action_probability=0.0)
-    inner._action_set = inner._action_set[1:]
+    inner.driver.actions = inner.driver.actions[1:]
     inner.action_space = spaces.Discrete(3)
     env, full = wrap(inner, task(**fields)), made(**fields)
     env.reset(seed=0)

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 import atari
-from atari import Action, games
-from atari.wrappers import PRESETS, ClipReward, DqnPreprocessing, EpisodicLife, NoopReset, preset, preset_options
+from atari import PRESETS, Action, games
+from atari.wrappers import ClipReward, DqnPreprocessing, EpisodicLife, NoopReset, preset, preset_options
 
 # Lives lost, several ends of game, no FIRE (ms_pacman, bank_heist), lives at 0 before the end (bank_heist, frogger), a
 # screen of 214 lines (carnival) and of 250 (pacman).

@@ -19,7 +19,7 @@ from atari.cores import snapshot
 from atari.recording import RecordReplay, RecordVideo
 from atari.wrappers.layers import wrap
 
-PRESETS = sorted(wrappers.PRESETS)
+PRESETS = sorted(atari.PRESETS)
 
 
 def played(env: Any, steps: int, seed: int = 0) -> list[Any]:

@@ -1,4 +1,4 @@
-"""Vector environments inside functions that JAX compiles: what `AtariVectorEnv.xla` returns.
+"""Vector environments inside functions that JAX compiles: `xla`.
 
 `functions.py` has the functions; `results.py`, what they return; `callback.py`, the way through Python for GPUs. JAX is
 imported when `xla` is called.

@@ -13,7 +13,7 @@ _registered = False
 
 
 class XlaFunctions(NamedTuple):
-    """What `AtariVectorEnv.xla` returns; see there.
+    """The functions that `xla` returns.
 
     Example:
         >>> import atari
@@ -29,20 +29,38 @@ class XlaFunctions(NamedTuple):
     step: Callable[..., Any]
 
 
-def xla(envs: Any, options: Any, port: _emulator.XlaPort, callback: bool | None) -> XlaFunctions:
-    """The functions of `envs`, see `AtariVectorEnv.xla`.
+def xla(envs: Any, *, callback: bool | None = None) -> XlaFunctions:
+    """`(handle, recv, send, step)` of an `AtariVectorEnv`, as EnvPool's, for functions that JAX compiles.
+
+    `step(handle, action, env_id=None)` returns a handle and the results of `step`; `send(handle, action, env_id=None)`
+    returns a handle; `recv(handle)` returns a handle and results. Pass on each handle: their chain is the order in
+    which calls run. `env_id` must have as many rows as a batch. Reset the environments by `reset`, or `reset_async`
+    before `recv`. Compiled functions fail after the environments have been closed or collected.
+
+    Results are equal to those of `step` to the byte, with `info` of the same arrays in each step: without the masks of
+    keys that all rows have, and without `episode`; in SAME_STEP always with `final_obs` and `final_info`, zero
+    where nothing ended, and their masks.
 
     Args:
-        envs: the environment, for callbacks.
-        options: its options.
-        port: its engine, for XLA.
-        callback: whether to go through Python; None is what JAX's default device needs.
+        envs: the environments; `envs.xla()` is the same call.
+        callback: False plays by calls from XLA to the emulator without Python, on the CPU; True by ordered callbacks
+            in Python, on any device; None is False if JAX's default device is a CPU, otherwise True.
+
+    Returns:
+        A named tuple; `handle` is uint8 (8,).
 
     Raises:
         gymnasium.error.DependencyNotInstalled: JAX is not installed, or is older than 0.5.0, without `jax.ffi`.
+        gymnasium.error.ClosedEnvironmentError: the environments are closed.
         TypeError: `callback` is neither None nor a bool.
-        ValueError: the environments have actions or observations that compiled functions cannot have.
+        ValueError: the environments have `continuous` or `agent_indicator`, which compiled functions cannot have.
+
+    Example:
+        >>> handle, recv, send, step = envs.xla()
+        >>> _ = envs.reset(seed=0)
+        >>> handle, (obs, reward, terminated, truncated, info) = jax.jit(step)(handle, actions)
     """
+    port, options = envs.xla_port(), envs.options
     jax = _import_jax()
     if callback is not None and not isinstance(callback, bool):
         raise TypeError(f"callback must be True, False or None, got {callback!r}")

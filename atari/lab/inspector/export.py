@@ -104,7 +104,7 @@ def write_clip(session: Session, path: Path, start: int, stop: int) -> None:
     if stop - start > MOST_CLIP_FRAMES:
         raise ValueError(f"a clip has at most {MOST_CLIP_FRAMES} frames, got {stop - start}; export the replay instead")
     env = _at_first_frame(session)
-    env.make_sound()
+    env.driver.make_sound()
     rate = frame_rate(session.game)
     try:
         again = Timeline(env.core, timeline.first)

@@ -99,7 +99,7 @@ class Session:
             raise TypeError(f"the inspector shows an atari.AtariEnv, got {type(atari).__name__}")
         if atari.core.name == "ale":
             raise ValueError("the inspector goes back in time, which ale-py's core cannot exactly; use core='native'")
-        if atari._phase == "new":
+        if atari.driver.phase == "new":
             atari.reset(seed=seed)
         self.env = atari
         self.game = atari.game

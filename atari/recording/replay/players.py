@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import Any
 
-import atari
+from atari._version import __version__
 from atari.games.game import Game
 from atari.multiplayer.core import MultiplayerCore
 from atari.recording.replay.events import Event, Kind
@@ -48,12 +48,12 @@ class RecordMatch(RecordedCore):
         header = {
             "format": FORMAT_OF_PLAYERS,
             "game": core.game.id,
-            "rom": core._rom_md5,
+            "rom": core.rom_md5,
             "core": core.name,
             "source": type(core).__name__,
             "players": core.players,
             "options": plain(core.options),
-            "package": atari.__version__,
+            "package": __version__,
         }
         recorder = ReplayRecorder(path, header, core)
         super().__init__(core, recorder)

@@ -63,7 +63,7 @@ class RecordReplay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
         RecordConstructorArgs.__init__(self, path=path)
         super().__init__(env)
         self._atari = inner
-        started = inner.core.snapshot() if inner._phase != "new" else None
+        started = inner.core.snapshot() if inner.driver.phase != "new" else None
         self.recorder = ReplayRecorder(path, header_of(inner, type(inner).__name__), inner.core)
         """The recorder, which has the number of frames and the score so far."""
         self._finalizer = weakref.finalize(self, self.recorder.close)  # without a call of close
@@ -74,7 +74,7 @@ class RecordReplay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
             self.recorder.record_restore(started)
         else:
             core.seed(int(np.random.SeedSequence().generate_state(1)[0]) % (SEED_LIMIT - 1))
-        inner.core = core
+        inner.driver.core = core
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset the environment."""
@@ -97,7 +97,7 @@ class RecordReplay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
         """Complete the file; the environment can continue without a recording."""
         core = self._atari.core
         if isinstance(core, RecordedCore):
-            self._atari.core = core.inner
+            self._atari.driver.core = core.inner
         self._finalizer.detach()
         self.recorder.close()
 

@@ -65,7 +65,7 @@ class RecordVectorReplay(VectorWrapper):
         self._added = inner.members[self._index].added
         if self._added.slots:
             raise ValueError("the environment has a Freeze or a Poke; release it, and make it after RecordVectorReplay")
-        self._seeded = inner._phase == "new"
+        self._seeded = not inner.started
         self._shadow = _make_shadow(inner, self._index, path)
         self._recorder = self._shadow.env.recorder
         self.path = self._recorder.path
@@ -80,9 +80,9 @@ class RecordVectorReplay(VectorWrapper):
         """
         vector = self._vector
         self._recorder.raise_deferred_error()
-        if seed is None and vector._phase == "new" and self._seeded:
+        if seed is None and not vector.started and self._seeded:
             seed = np.random.SeedSequence().generate_state(vector.num_envs).astype(np.int64)
-        mask = vector._reset_mask(options)
+        mask = vector.reset_mask(options)
         chosen = seed_values(seed, mask).get(self._index)
         if mask[self._index] and chosen is None and not self._seeded:
             raise ValueError("the vector was reset before it was recorded; give this first reset a seed")

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-import atari
+from atari._version import __version__
 from atari.env import AtariEnv
 from atari.games.game import Game
 from atari.recording.deferred_error import DeferredErrorMixin
@@ -41,20 +41,20 @@ def header_of(env: AtariEnv, source: str) -> dict[str, Any]:
         ValueError: `env.ale` has set what a task has no field for, and a replay cannot play.
     """
     for name, played in (("frame_skip", 1), ("color_averaging", False)):
-        if (value := env._core_options[name]) != played:
+        if (value := env.driver.core_options[name]) != played:
             raise ValueError(f"a replay needs {name}={played}, and env.ale has set {value}; set it back, and reset")
     options = env.ale_options()
     if options["interventions"] is None:
         del options["interventions"]  # releases without the option read the file
     return {
         "game": env.game.id,
-        "rom": rom_md5(env.game, env._made_with["rom"]),
+        "rom": rom_md5(env.game, env.driver.rom),
         "core": env.core.name,
         "source": source,
         "id": env.spec.id if env.spec else None,
         "task": to_short_json(env.task),
         "options": plain(options),
-        "package": atari.__version__,
+        "package": __version__,
     }
 
 

@@ -5,13 +5,13 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-import atari
+from atari._version import __version__
 from atari.recording.video.encoder import import_av
 from atari.task import Task
 from atari.task.storage import to_short_json
 from atari.validation import check_file
 
-PACKAGE = f"atari-envs {atari.__version__}"
+PACKAGE = f"atari-envs {__version__}"
 
 
 def facts_of(task: Task) -> dict[str, Any]:

@@ -101,7 +101,7 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
         self._settings = VideoSettings(format, (size[0], size[1]), rate, scale, sound, overlay, keep)
         self._schedule = Schedule(episode_trigger, step_trigger, video_length, name_prefix)
         self.video_folder = make_folder(video_folder)
-        self._make_recorder(lambda: inner._options.tasks[index])
+        self._make_recorder(lambda: inner.options.tasks[index])
         self._shadows = [ShadowCore(inner, i) for i in filmed]
         self._sound_shadow = next(shadow for shadow in self._shadows if shadow.index == self._index)
         self._done = np.zeros(inner.num_envs, np.bool_)

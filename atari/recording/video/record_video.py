@@ -98,13 +98,13 @@ class RecordVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, Any, 
         self._schedule = Schedule(episode_trigger, step_trigger, video_length, name_prefix)
         self.video_folder = make_folder(video_folder)
         if self._settings.sound:
-            inner.make_sound()
+            inner.driver.make_sound()
         self._watch()
 
     def _watch(self) -> None:
         inner = self._atari  # the recorder must not refer to this wrapper, which ends the video when it is collected
         self._make_recorder(lambda: inner.task)
-        self._atari.observers.append(FrameObserver(self._atari, self._recorder))
+        self._atari.driver.observers.append(FrameObserver(self._atari, self._recorder))
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset the environment, end the last episode's video, and begin one if a trigger selects it."""

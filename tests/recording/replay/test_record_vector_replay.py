@@ -10,7 +10,6 @@ import pytest
 from gymnasium.vector import SyncVectorEnv
 
 import atari
-from atari import wrappers
 from atari.recording import RecordReplay, RecordVectorReplay, Replay
 
 MODES = ["NextStep", "SameStep", "Disabled"]
@@ -71,7 +70,7 @@ def test_every_rule_of_ale_py(mode: str, game: Any, options: dict[str, Any], tmp
     assert replay.game == envs.env.unwrapped.games[1]
 
 
-@pytest.mark.parametrize("name", wrappers.PRESETS)
+@pytest.mark.parametrize("name", atari.PRESETS)
 def test_every_preset(name: str, tmp_path: Path) -> None:
     mode = MODES[len(name) % 3]
     envs = RecordVectorReplay(

@@ -101,7 +101,7 @@ def test_writes_made_before_the_recording(tmp_path: Path) -> None:
     recorded = RecordReplay(env, tmp_path / "a.a26")
     recorded.action_space.seed(0)
     rams = play(recorded, 10)
-    recorded.env.unwrapped.make_sound()  # type: ignore[attr-defined]
+    recorded.env.unwrapped.driver.make_sound()  # type: ignore[attr-defined]
     held.release()
     rams += play(recorded, 10)
     again = Freeze(recorded, {99: 3})

@@ -115,7 +115,7 @@ def test_snapshots_fit_environments_that_make_sound_too(tmp_path: Path) -> None:
     plain.reset()
     with pytest.raises(ValueError, match="taken with sound = True"):
         plain.unwrapped.restore(saved)  # type: ignore[attr-defined]
-    plain.unwrapped.make_sound()  # type: ignore[attr-defined]
+    plain.unwrapped.driver.make_sound()  # type: ignore[attr-defined]
     plain.unwrapped.restore(saved)  # type: ignore[attr-defined]
     assert data_equivalence(plain.step(2), env.step(2))
     env.close()
@@ -161,11 +161,11 @@ class Counter:
         self.frames += 1
 
 
-@pytest.mark.parametrize("preset", [None, *atari.wrappers.PRESETS])
+@pytest.mark.parametrize("preset", [None, *atari.PRESETS])
 def test_under_every_preset_the_video_has_the_frames_that_were_played(tmp_path: Path, preset: str | None) -> None:
     env = record_video(atari.make("pong", preset=preset), tmp_path, scale=1)
     counter = Counter()
-    env.unwrapped.observers.append(counter)  # type: ignore[attr-defined]
+    env.unwrapped.driver.observers.append(counter)  # type: ignore[attr-defined]
     env.reset(seed=1)
     at_reset = counter.frames
     for action in (2, 3) * 10:
@@ -394,7 +394,7 @@ def test_wrong_arguments_are_refused_before_a_folder_is_made(
         record_video(env, tmp_path, **options)
     assert not list(tmp_path.iterdir())
     assert env.unwrapped.core is core  # type: ignore[attr-defined]
-    assert not env.unwrapped.observers  # type: ignore[attr-defined]
+    assert not env.unwrapped.driver.observers  # type: ignore[attr-defined]
 
 
 def test_other_environments_are_refused(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""The settings of the vector engine, filled by name from a task."""
+"""The settings of the C++ classes, filled by name from a task."""
 
 import enum
 from typing import Any, TypeVar
@@ -11,14 +11,14 @@ _Settings = TypeVar("_Settings")
 
 
 def filled(settings: _Settings, **fields: Any) -> _Settings:
-    """A settings object of the engine with these fields set."""
+    """A settings object with these fields set."""
     for name, value in fields.items():
         setattr(settings, name, value)
     return settings
 
 
 def filled_by_name(settings: _Settings, task: Task, **others: Any) -> _Settings:
-    """A settings object of the engine, with each field that is not in `others` set to the task's field of its name.
+    """A settings object, with each field that is not in `others` set to the task's field of its name.
 
     Names stand for the members of enumerations.
 
@@ -36,12 +36,6 @@ def filled_by_name(settings: _Settings, task: Task, **others: Any) -> _Settings:
         if issubclass(kind, enum.Enum):
             values[name] = kind[value.upper()]
     return filled(settings, **values, **others)
-
-
-def episode_settings(task: Task) -> _emulator.EpisodeSettings:
-    """The settings of how the engine begins, plays and ends episodes."""
-    alone = task.players == 1 and not task.preprocessed
-    return filled_by_name(_emulator.EpisodeSettings(), task, acts_after_end=alone)
 
 
 def observation_settings(task: Task) -> _emulator.ObservationSettings:

@@ -6,9 +6,9 @@ import numpy as np
 
 from atari import _emulator
 from atari.cores import ByteArray, Core
+from atari.observations.layout import Layout
+from atari.observations.settings import observation_settings
 from atari.task import Task
-from atari.vector.layout import Layout
-from atari.vector.settings import observation_settings
 
 Frame = Core | _emulator.Emulator | ByteArray
 """A core, whose present frame is read where it is needed, or palette indices, (rows, 160) uint8, C-contiguous.
@@ -32,7 +32,7 @@ class FrameObservations:
 
     Example:
         >>> import atari
-        >>> from atari.observations import FrameObservations
+        >>> from atari.observations.frames import FrameObservations
         >>> core = atari.cores.NativeCore("pong", seed=0)
         >>> core.reset()
         >>> seen = FrameObservations(atari.Task.of("pong", preset="dqn2015"))

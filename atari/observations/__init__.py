@@ -1,0 +1,1 @@
+"""From frames to observations, for every core: settings of the C++ pipeline, axes and dtype, `FrameObservations`."""
