@@ -24,7 +24,7 @@ from atari.task import PRESETS, Task
 from atari.vector import AtariVectorEnv
 
 if TYPE_CHECKING:
-    from atari import classic, integrations, lab, learning, multiplayer, recording, roms, wrappers
+    from atari import classic, integrations, lab, learning, multiplayer, recording, roms, testing, wrappers
     from atari.games.catalog import games  # the type of the package `atari.games`, which is a mapping
     from atari.integrations.arrays import to_jax, to_torch
 
@@ -48,12 +48,13 @@ __all__ = [
     "recording",
     "register_game",
     "roms",
+    "testing",
     "to_jax",
     "to_torch",
     "wrappers",
 ]
 
-_LATER = ("classic", "integrations", "lab", "learning", "multiplayer", "recording", "roms", "wrappers")
+_LATER = ("classic", "integrations", "lab", "learning", "multiplayer", "recording", "roms", "testing", "wrappers")
 """Packages that are imported when they are first used, to keep `import atari` quick."""
 
 register_all()

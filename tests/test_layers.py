@@ -23,6 +23,7 @@ ORDER = """
     driver env_state env restorable wrappers
     vector multiplayer making registration
     atari
+    policy policy_needs testing
     recording lab learning
     classic integrations sb3
     play cli __main__
@@ -50,6 +51,7 @@ UPWARD = {
         "atari.lab": "a lazy attribute",
         "atari.learning": "a lazy attribute",
         "atari.recording": "a lazy attribute",
+        "atari.testing": "a lazy attribute",
     },
 }
 """By module, the modules of later parts that it imports, and why. These imports are in functions or for type checkers."""

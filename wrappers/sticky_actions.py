@@ -14,7 +14,7 @@ from gymnasium.utils import RecordConstructorArgs
 
 from atari.env import AtariEnv
 from atari.restorable import Restorable, State, warn_of_restore
-from atari.validation import check_probability
+from atari.validation import check_action_index, check_probability
 from atari.wrappers._checks import Environment, action_meanings, noop_action
 
 
@@ -65,7 +65,16 @@ class StickyActions(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCon
         return self.env.reset(seed=seed, options=options)
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
-        """Play this action, or the previous one again."""
+        """Play this action, or the previous one again.
+
+        Raises:
+            TypeError, ValueError: no action of the action space, even where the previous one would be played.
+        """
+        space = self.action_space
+        if isinstance(space, spaces.Discrete):
+            check_action_index(action, int(space.n), "StickyActions")
+        elif np.shape(action) != space.shape:
+            raise TypeError(f"an action is an array of shape {space.shape}, got {action!r}")
         if self._atari is not None and self._atari.driver.restored:
             warn_of_restore(self.env, "StickyActions")
         if self.np_random.random() < self._probability:

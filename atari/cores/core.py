@@ -1,7 +1,7 @@
 """`Core`: the interface of an emulator that environments use.
 
 A core plays one game: frames, actions, RAM, pixels and sound. Observations, frame skip over several calls, spaces and
-seeding by a Gymnasium seed belong to `AtariEnv`. `tests/support/core_contract.py` has a test for each rule here.
+seeding by a Gymnasium seed belong to `AtariEnv`. `atari.testing.check_core` checks each rule here.
 """
 
 from typing import Any, Protocol

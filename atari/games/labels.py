@@ -1,6 +1,11 @@
-"""The value of a RAM label as an expression of its byte."""
+"""The value of a RAM label as an expression of its byte, and as a program of the extension module."""
 
+import ast
+
+from atari.games.compiler import compile_expression
 from atari.games.game import RamLabel
+
+_BYTE, _RESULT = 0, 1  # variables, as in `Label` in atari/emulator/ale/labels.hpp
 
 
 def value_source(label: RamLabel) -> str:
@@ -15,3 +20,13 @@ def value_source(label: RamLabel) -> str:
         bits = "v" if label.mask is None else f"(v & {label.mask})"
         value = f"10 * ({bits} >> 4) + ({bits} & 15)" if label.encoding == "bcd" else bits
     return value if label.weight in (None, 1) else f"({value}) * {label.weight}"
+
+
+def compile_label(label: RamLabel) -> tuple[int, int, bool, list[int], list[int]]:
+    """A label as `_emulator.Labels` takes it: index, mask, whether it is decimal, two programs."""
+    programs = [
+        compile_expression(ast.parse(source.strip(), mode="eval"), {"v": _BYTE}, _RESULT) if source else []
+        for source in (value_source(label), label.visible)
+    ]
+    mask = 255 if label.mask is None else label.mask
+    return label.index, mask, label.encoding == "bcd" and label.transform is None, programs[0], programs[1]

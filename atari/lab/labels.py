@@ -4,7 +4,6 @@ The value of a label is that of its `transform`. Without one, it is the bits of 
 digits of a byte that is binary-coded decimal. A `weight` multiplies it.
 """
 
-import ast
 import difflib
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
@@ -15,9 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from atari import _emulator
-from atari.games.compiler import compile_expression
 from atari.games.game import Game, RamLabel
-from atari.games.labels import value_source
+from atari.games.labels import compile_label
 from atari.validation import check_integer
 
 IntArray = npt.NDArray[np.int32]
@@ -25,7 +23,6 @@ BoolArray = npt.NDArray[np.bool_]
 ByteArray = npt.NDArray[np.uint8]
 
 _MOST_LISTED = 16
-_BYTE, _RESULT = 0, 1  # variables, as in `Label` in atari/emulator/ale/labels.hpp
 
 
 def byte_index(place: Any) -> int:
@@ -181,12 +178,7 @@ def labels_of(game: Game) -> Labels:
 
 
 def _compile(game: Game, label: RamLabel) -> tuple[int, int, bool, list[int], list[int]]:
-    mask = 255 if label.mask is None else label.mask
-    programs = [
-        compile_expression(ast.parse(source.strip(), mode="eval"), {"v": _BYTE}, _RESULT) if source else []
-        for source in (value_source(label), label.visible)
-    ]
-    parts = label.index, mask, label.encoding == "bcd" and label.transform is None, programs[0], programs[1]
+    parts = compile_label(label)
     try:
         _emulator.Labels([parts])
     except ValueError as error:

@@ -9,9 +9,9 @@ from gymnasium.utils import seeding
 from atari.actions import Action
 from atari.cores import Core
 from atari.games.game import Game
-from atari.learning.needs import Needs, composed, needs_of
 from atari.learning.policies import load_policy
 from atari.observations.frames import Frame, FrameObservations
+from atari.policy_needs import Needs, composed, needs_of
 from atari.task import Task
 from atari.task.fields import GROUPS
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from atari.learning.policy import Array, LoadedPolicy, Policy, ScoresPolicy, is_network, makes_policy, show, takes_lanes
+from atari.policy import Array, LoadedPolicy, Policy, ScoresPolicy, is_network, makes_policy, show, takes_lanes
 from atari.validation import check_file, import_extra
 
 __all__ = ["LoadedPolicy", "Policy", "ScoresPolicy", "load_policy"]

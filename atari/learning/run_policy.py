@@ -9,9 +9,9 @@ import torch
 
 from atari.learning.agents import find_agent
 from atari.learning.evaluation.protocols import EvaluationProtocol
-from atari.learning.policy import ScoresPolicy
 from atari.learning.run import RunFolder
 from atari.learning.training import read_options
+from atari.policy import ScoresPolicy
 
 
 def run_policy(path: Path, sample: bool) -> ScoresPolicy:

@@ -103,7 +103,7 @@ class VectorState:
             engine = self._started()
             if 0 <= source < self.num_envs:
                 self._require_same(chosen, [self._options.identities[source]] * len(chosen))
-            engine.fork(source, chosen)
+            engine.restore(chosen, engine.snapshot([source]) * len(chosen))
 
     def _require_same(self, indices: Sequence[int], tasks: Sequence[str | None]) -> None:
         """Refuse states of other tasks for environments; the engine checks that there are such environments."""

@@ -21,6 +21,7 @@ MODULES: dict[str, tuple[str, ...]] = {
     "atari.multiplayer": (),
     "atari.cores": (),
     "atari.roms": (),
+    "atari.testing": (),
     "atari.recording": (),
     "atari.play": (),
     "atari.lab": (),

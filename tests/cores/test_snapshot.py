@@ -1,4 +1,4 @@
-"""The format of snapshots. Their content is tested with cores (`core_contract.py`) and environments."""
+"""The format of snapshots. Their content is tested with cores (`atari.testing.check_core`) and environments."""
 
 import struct
 from typing import Any

@@ -49,6 +49,7 @@ def test_every_public_name_is_found(site_module):
         "atari.classic.wrappers",
         "atari.cores",
         "atari.roms",
+        "atari.testing",
         "atari.wrappers",
     }
 

@@ -1,13 +1,13 @@
 """Helpers of the contracts of cores: make a core, play it, and read its visible state."""
 
-import random
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
 from atari.cores import AleCore, Core, NativeCore
+from atari.testing.core_play import ARRAYS, some_actions
 
-ARRAYS = ["ram", "screen", "screen_rgb", "screen_grayscale", "audio"]
+__all__ = ["ARRAYS", "Maker", "play", "some_actions", "unchanged", "visible"]
 
 
 class Maker:
@@ -31,10 +31,6 @@ def visible(core: Core) -> tuple[Any, ...]:
 def play(core: Core, actions: Iterable[int]) -> list[tuple[Any, ...]]:
     """The visible state of a core after each action, with the reward."""
     return [(core.act(action), *visible(core)) for action in actions]
-
-
-def some_actions(core: Core, count: int, seed: int = 0) -> list[int]:
-    return [int(action) for action in random.Random(seed).choices(core.game.minimal_actions, k=count)]
 
 
 @contextmanager

@@ -8,36 +8,13 @@
 #include <optional>
 #include <vector>
 
+#include "batch.hpp"
 #include "episode.hpp"
 #include "thread_pool.hpp"
 
 namespace atari {
 
 enum class Autoreset { kNextStep, kSameStep, kDisabled };
-
-// The arrays that the results of a batch are written to, with a row for each environment of the batch. Null parts are
-// not written. Rewards, lives, ends and scores have a column for each player.
-struct Batch {
-    struct Observation {
-        uint8_t* pixels = nullptr;
-        uint8_t* ram = nullptr;  // 128 a row
-    };
-    struct Numbers {
-        int32_t *lives = nullptr, *frame = nullptr, *episode_frame = nullptr;  // lives of each player
-    };
-    // Of the game that ended in this step or reset; zero where none did.
-    struct Games {
-        double *score = nullptr, *frames = nullptr, *seconds = nullptr;
-    };
-    Observation observation, final_observation;
-    Numbers numbers, final_numbers;
-    Games ended_games;
-    int32_t *reward = nullptr, *environment = nullptr;
-    int32_t *game_reward = nullptr, *game_steps = nullptr;  // of an `Outcome`
-    uint8_t *terminated = nullptr, *truncated = nullptr;
-    uint8_t* ended = nullptr;  // whether the row has a final observation; kSameStep only
-    uint8_t *game_over = nullptr, *game_ended = nullptr;
-};
 
 struct VectorSettings {
     int batch_size = 1;
@@ -60,8 +37,12 @@ class VectorEngine {
 
     int size() const { return static_cast<int>(slots_.size()); }
     int batch_size() const { return settings_.batch_size; }
-    // Whether batches have final observations.
-    bool keeps_final() const { return settings_.autoreset == Autoreset::kSameStep; }
+    // The shape of batches whose observations have these parts.
+    BatchShape shape(bool pixels, bool ram) const {
+        return {recent_.size(), static_cast<size_t>(players_),
+                pixels ? slot(0).member.episode->observation().size() : 0, ram ? sizeof(Slot::final_ram) : 0,
+                settings_.autoreset == Autoreset::kSameStep};
+    }
     // The number of environments whose results have not been received.
     int pending() const { return pool_->pending(); }
     // The environments of the last batch, by row. Before the first one, those with the lowest numbers.
@@ -78,9 +59,8 @@ class VectorEngine {
     void reset(const std::vector<bool>& chosen, const std::vector<const Seed*>& seeds, const Batch* batch,
                bool new_games = false);
     // Action i * players() + p is for player p of environment `environments[i]`; it is an index. Strength i is a factor
-    // for paddles. If a batch has
-    // all environments, those without an action repeat their last observation. Otherwise the environments are those of
-    // `recent()`, in any order.
+    // for paddles. If a batch has all environments, those without an action repeat their last observation. Otherwise
+    // the environments are those of `recent()`, in any order.
     void step(const std::vector<int>& environments, const int64_t* actions, const float* strengths, const Batch* batch);
     // Waits for a batch; returns whether an episode or a game ended in it. Rethrows the deferred error of an
     // environment; all environments must then be reset.
@@ -100,20 +80,13 @@ class VectorEngine {
         if (of == RamOf::kFinal && slot(environment).has_final) return slot(environment).final_ram;
         return result_rams_.data() + 128 * static_cast<size_t>(environment);
     }
-    const Game& game(int environment) const { return *slot(environment).member.episode->environment().game(); }
-    int players() const { return players_; }                                        // of each environment
-    size_t pixels() const { return slot(0).member.episode->observation().size(); }  // bytes of an observation
+    const Game& game(int environment) const { return *slot(environment).member.episode->environment().parts().game; }
+    int players() const { return players_; }  // of each environment
     // The state of a member as bytes. `load` returns false and changes nothing if no such member can have saved the
     // bytes.
     size_t state_size(int environment) const { return 1 + slot(environment).member.episode->state_size(); }
     void save(int environment, uint8_t* out);
     bool load(int environment, const uint8_t* in);
-
-    // The state of the member's emulator alone, as Environment::save writes it.
-    size_t emulator_state_size(int environment) const {
-        return slot(environment).member.episode->environment().state_size();
-    }
-    void save_emulator(int environment, uint8_t* out) { episode(environment).environment().save(out); }
 
     // The state of a member in memory, for members of the same game and settings.
     struct MemberSnapshot {

@@ -13,7 +13,7 @@ namespace atari {
 using SeedWords = std::array<uint32_t, 9>;  // the emulator's, then those of `Seed::own`
 Seed seed_of(const SeedWords& words);
 
-// What differs between the environments of a vector.
+// The differences between the environments of a vector.
 struct MemberSpec {
     std::shared_ptr<const Game> game;
     std::vector<int> actions;     // ALE's number of each action index that the user gives

@@ -25,7 +25,7 @@ def callbacks(envs: Any, parts: ResultParts) -> tuple[Callable[..., Any], Callab
     """
     # JAX may keep compiled functions, and what they refer to, until the process ends.
     proxy = weakref.proxy(envs)
-    declared = [jax.ShapeDtypeStruct(shape, dtype) for _, shape, dtype in parts.declared()]
+    declared = [jax.ShapeDtypeStruct(shape, dtype) for _, shape, dtype in parts.declared]
     results = jax.eval_shape(parts.assemble, declared)
     # In turn: the device may still be copying from the one while the environments write to the other.
     arrays = pinned_arrays(results[0]) if parts.as_written else None

@@ -68,7 +68,7 @@ def xla(envs: Any, *, callback: bool | None = None) -> XlaFunctions:
         raise ValueError("xla() needs actions that are integers: leave continuous=True out")
     if options.layout.indicators:
         raise ValueError("xla() has no indicators: leave agent_indicator=True out")
-    parts = ResultParts(options)
+    parts = ResultParts(options, port)
     rows = options.batch_size
     shape = (rows,) if options.players == 1 else (rows, options.players)
     handle = jax.numpy.asarray(np.frombuffer(port.handle, np.uint8))
@@ -102,7 +102,7 @@ def _foreign_functions(jax: Any, parts: ResultParts) -> tuple[Callable[..., Any]
             jax.ffi.register_ffi_target(name, target, platform="cpu")
         _registered = True
     handle_like = jax.ShapeDtypeStruct((8,), np.uint8)
-    declared = [jax.ShapeDtypeStruct(shape, dtype) for _, shape, dtype in parts.declared()]
+    declared = [jax.ShapeDtypeStruct(shape, dtype) for _, shape, dtype in parts.declared]
 
     def function(name: str, results: list[Any]) -> Callable[..., Any]:
         return jax.ffi.ffi_call(name, [handle_like, *results], has_side_effect=True, input_output_aliases={0: 0})  # type: ignore[no-any-return]

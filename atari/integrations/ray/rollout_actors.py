@@ -18,7 +18,7 @@ from atari.cores.options import SEED_LIMIT
 from atari.integrations.ray.rollout import Rollout
 from atari.integrations.ray.rollout_worker import Played, Position, RolloutWorker, WorkerSettings
 from atari.learning.policies import load_policy
-from atari.learning.policy import makes_policy
+from atari.policy import makes_policy
 from atari.task import Task
 from atari.task.resolution import is_id
 from atari.validation import check_integer

@@ -18,7 +18,7 @@ from atari.learning.evaluation.protocols import MAX_EPISODES, EvaluationProtocol
 from atari.learning.evaluation.results import GameResult, Result, versions
 from atari.learning.evaluation.workers import Workers, find_workers
 from atari.learning.policies import load_policy
-from atari.learning.policy import LoadedPolicy
+from atari.policy import LoadedPolicy
 from atari.recording import RecordVectorReplay
 from atari.validation import check_integer
 from atari.vector import AtariVectorEnv

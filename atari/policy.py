@@ -1,0 +1,280 @@
+"""`Policy`: a function that chooses actions, and how this package calls it; and policies of scores of actions."""
+
+import inspect
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+import numpy.typing as npt
+
+from atari.task import Task
+
+Array = npt.NDArray[Any]
+
+
+@runtime_checkable
+class Policy(Protocol):
+    """What chooses actions for a batch of environments: a function of two arrays, with optional attributes.
+
+    - `name`: a string, for results.
+    - `task`: the `atari.Task` that it was trained on. It says which observations the policy needs, and which actions
+      the indices are.
+    - `environment`: the same as a mapping of options, by the names of `AtariVectorEnv`: `preset` and fields of
+      `atari.Task`, such as `obs_type`, `img_height`, `img_width`, `stack_num`, `maxpool`, `full_action_space`, or
+      `actions`, a sequence of names such as ("NOOP", "RIGHT", "LEFT"); or `task`, a task as the object of its JSON.
+      Beside either, and beside the attribute `task`, it may have `channels_last` and `dtype` of the observations, and
+      `rom`.
+      An evaluation plays sticky actions, beginnings, lives and limits as its protocol says. It refuses a policy of
+      another frame skip than the protocol's, or of another mode, difficulty or interventions than those of the game to
+      evaluate, and policies of several players or of continuous actions.
+    - `game`: the id of the game that it was trained on.
+    - `protocol`: the `EvaluationProtocol` of its training, which commands play unless --protocol names another one.
+    - `training_frames`: emulator frames of its training, an int.
+    - `begin(game, actions, lanes, seeds)`: called when games begin in some lanes, before their first observations.
+      `game` is the game's id, `actions` the names of all its actions in the order of indices, `lanes` (n,) int64,
+      `seeds` (n,) int64. A policy that draws numbers or has a memory sets them up here for these lanes; then results
+      do not depend on the number of lanes.
+    - `state()` and `restore(state)`: what its next actions depend on besides their arguments and the weights, such as
+      its generators, which can be pickled; and `load(weights)`. `atari.integrations.ray.RolloutActors` calls them.
+    - `begin_episodes(lanes)`: called where the environment begins an episode in the same game, after a lost life, and a
+      new stack of images.
+
+    Example:
+        >>> from atari.learning import evaluate
+        >>> def fire(observations):
+        ...     return [1] * len(observations)
+        >>> evaluate(fire, "breakout", "dopamine", episodes=1, seed=0)["breakout"].scores
+        (0.0,)
+    """
+
+    def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Any:
+        """Actions (n,), integers, for the observations (n, ...) uint8 of the environments `lanes` (n,) int64.
+
+        Or (actions, extras), with a mapping of arrays (n, ...) that a `Rollout` has beside the actions.
+        """
+
+
+def show(observations: Any) -> str:
+    """The dtype and shape of observations, for errors."""
+    if isinstance(observations, Mapping):
+        return ", ".join(f"{key} {show(value)}" for key, value in observations.items())
+    return f"{observations.dtype} {tuple(observations.shape)}"
+
+
+class LoadedPolicy:
+    """A policy as all programs of this package call it: with a name, all methods, and checked actions.
+
+    Its other attributes are those of what it was made of.
+
+    Args:
+        policy: a function of observations and lanes, or of observations alone, with attributes as of `Policy`.
+
+    Raises:
+        TypeError: it is no such function.
+    """
+
+    def __init__(self, policy: Any) -> None:
+        self._policy = policy
+        self._takes_lanes = takes_lanes(policy)
+        self._names: tuple[str, ...] | None = None
+        self._game = ""
+        named = getattr(policy, "name", "") or getattr(policy, "__qualname__", "") or type(policy).__name__
+        self.name = str(named)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):  # a copy that has no attributes yet, or a protocol of Python
+            raise AttributeError(name)
+        return getattr(self._policy, name)
+
+    def begin(self, game: str, actions: Sequence[str], lanes: npt.NDArray[np.int64], seeds: Array) -> None:
+        """Begin games in some lanes, see `Policy`."""
+        self._game, self._names = game, tuple(actions)
+        begin = getattr(self._policy, "begin", None)
+        if begin is not None:
+            begin(game, self._names, lanes, seeds)
+
+    def begin_episodes(self, lanes: npt.NDArray[np.int64]) -> None:
+        """Begin episodes that go on with the games of some lanes, see `Policy`."""
+        begin = getattr(self._policy, "begin_episodes", None)
+        if begin is not None:
+            begin(lanes)
+
+    def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+        """The actions (n,) for observations (n, ...) of some lanes.
+
+        Raises:
+            ValueError: the policy returns anything else.
+        """
+        return self.checked(self.choose(observations, lanes)[0], lanes)
+
+    def checked(self, actions: Array, lanes: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+        """What `choose` has returned as actions, if it is one action of the game for each lane.
+
+        Raises:
+            ValueError: it is anything else.
+        """
+        if actions.dtype.kind not in "iu" or actions.shape != (len(lanes),):
+            got = f"{actions!r:.60}" if actions.dtype.kind == "O" else f"{actions.dtype} {actions.shape}"
+            raise ValueError(
+                f"policy {self.name} must return integers of shape ({len(lanes)},), one for each observation, got "
+                f"{got}; a policy is a function of observations (n, ...), and returns n actions; wrap a function that "
+                "returns scores in atari.learning.ScoresPolicy"
+            )
+        if self._names is not None and ((actions < 0) | (actions >= len(self._names))).any():
+            wrong = actions[(actions < 0) | (actions >= len(self._names))][0]
+            raise ValueError(
+                f"policy {self.name} returned action {wrong}; in {self._game} it has {len(self._names)} actions, "
+                f"0..{len(self._names) - 1} ({', '.join(self._names)})"
+            )
+        return actions.astype(np.int64)
+
+    def choose(self, observations: Any, lanes: npt.NDArray[np.int64]) -> tuple[Array, Mapping[str, Any]]:
+        """The values that the policy returns, unchecked: actions, and extras by name.
+
+        Raises:
+            ValueError: it returns no array.
+        """
+        returned = self._policy(observations, lanes) if self._takes_lanes else self._policy(observations)
+        extras: Mapping[str, Any] = {}
+        if isinstance(returned, tuple) and len(returned) == 2 and isinstance(returned[1], Mapping):
+            returned, extras = returned
+        try:
+            return np.asarray(returned), extras
+        except ValueError as error:
+            raise ValueError(
+                f"policy {self.name} must return actions, or (actions, extras) with a mapping of arrays, got "
+                f"{returned!r:.80}"
+            ) from error
+
+
+def is_network(policy: Any) -> bool:
+    """Whether it is a network of PyTorch, of which there is none before PyTorch is imported."""
+    torch = sys.modules.get("torch")
+    return torch is not None and isinstance(policy, torch.nn.Module)
+
+
+def makes_policy(source: Any) -> bool:
+    """Whether it is a class, or a function without parameters, which returns a policy."""
+    if isinstance(source, type) or not callable(source) or is_network(source):
+        return isinstance(source, type)
+    try:
+        return not inspect.signature(source).parameters
+    except (TypeError, ValueError):  # a builtin
+        return False
+
+
+def takes_lanes(policy: Any) -> bool:
+    """Whether a function takes observations and lanes, not observations alone.
+
+    Raises:
+        TypeError: it takes neither.
+    """
+    if not callable(policy):
+        raise TypeError(f"a policy is a function of observations and lanes, got {policy!r}")
+    try:
+        signature = inspect.signature(policy.forward if is_network(policy) else policy)
+    except (TypeError, ValueError):  # a builtin, or a traced network
+        return not is_network(policy)
+    # A second argument with a default is something else, unless its name is `lanes`.
+    for count in (2, 1, 2)["lanes" not in signature.parameters :]:
+        try:
+            signature.bind(*[None] * count)
+        except TypeError:
+            continue
+        return count == 2
+    raise TypeError(f"a policy takes (observations, lanes) or (observations), got {policy!r} with {signature}")
+
+
+class ScoresPolicy:
+    """A policy of a function that gives a score for each action: action values, or logits.
+
+    Args:
+        scores: a function of observations (n, ...) uint8 that returns scores (n, actions), or actions (n,), integers.
+        sample: whether actions are drawn with the probabilities softmax(scores), with a generator for each game;
+            otherwise the action with the highest score is taken.
+        name, task, environment, training_frames, game: as of `Policy`.
+
+    Example:
+        >>> import numpy as np
+        >>> from atari.learning import ScoresPolicy, evaluate
+        >>> policy = ScoresPolicy(lambda observations: np.eye(4)[[1] * len(observations)], name="fire")
+        >>> evaluate(policy, "breakout", "dopamine", episodes=1, seed=0)["breakout"].scores
+        (0.0,)
+    """
+
+    def __init__(
+        self,
+        scores: Callable[[Any], Array],
+        *,
+        sample: bool = False,
+        name: str = "",
+        task: Task | None = None,
+        environment: Mapping[str, Any] | None = None,
+        training_frames: int | None = None,
+        game: str | None = None,
+    ) -> None:
+        self._scores = scores
+        self._sample = sample
+        self._generators: dict[int, np.random.Generator] = {}
+        self._begun: tuple[str, tuple[str, ...]] | None = None
+        self.name = name
+        self.task = task
+        self.environment = dict(environment or {})
+        self.training_frames = training_frames
+        self.game = game
+
+    def begin(self, game: str, actions: Sequence[str], lanes: npt.NDArray[np.int64], seeds: Array) -> None:
+        """Set up the generators of some lanes."""
+        self._begun = game, tuple(actions)
+        for lane, seed in zip(lanes.tolist(), seeds.tolist(), strict=True):
+            self._generators[lane] = np.random.default_rng(seed)
+
+    def generator(self, lane: int) -> np.random.Generator:
+        """The generator of a lane.
+
+        Raises:
+            ValueError: no game has begun in the lane.
+        """
+        if lane not in self._generators:
+            raise ValueError(
+                f"{self.name or 'the policy'} draws numbers, and no game has begun in lane {lane}; call "
+                "begin(game, actions, lanes, seeds) before the first observations"
+            )
+        return self._generators[lane]
+
+    def state(self) -> Any:
+        """The generators."""
+        return self._generators
+
+    def restore(self, state: Any) -> None:
+        """Continue with the generators of `state`."""
+        self._generators = state
+
+    def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Array:
+        """The actions (n,) for observations (n, ...) of some lanes.
+
+        Raises:
+            ValueError: the function returns neither scores nor actions, or scores of another number of actions.
+        """
+        scores = np.asarray(self._scores(observations))
+        if scores.ndim == 1 and scores.dtype.kind in "iu":
+            return scores
+        if scores.ndim != 2 or scores.dtype.kind != "f":
+            raise ValueError(
+                f"{self.name or 'the policy'} must return scores (n, actions), floats, or actions (n,), integers; "
+                f"got {scores.dtype} {scores.shape}"
+            )
+        if np.isnan(scores).any():
+            raise ValueError(f"{self.name or 'the policy'} returned a score that is no number (NaN)")
+        if self._begun is not None and scores.shape[1] != len(self._begun[1]):
+            game, names = self._begun
+            raise ValueError(
+                f"{self.name or 'the policy'} gives scores of {scores.shape[1]} actions, and in {game} it has "
+                f"{len(names)} ({', '.join(names)}); if it was trained with others, name them by index: "
+                "environment={'actions': [...]}, or a task"
+            )
+        if self._sample:  # the highest of scores with Gumbel noise is a draw of softmax
+            scores = scores + np.stack([self.generator(lane).gumbel(size=scores.shape[1]) for lane in lanes.tolist()])
+        best: Array = scores.argmax(1)
+        return best

@@ -1,0 +1,109 @@
+"""`ContractError`, and the comparisons that all checks share."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+
+class ContractError(AssertionError):
+    """A contract is broken. The message has the call, the result that was expected, and the result that was seen.
+
+    Example:
+        >>> from atari.testing import ContractError, check_env
+        >>> try:
+        ...     check_env(lambda: None)
+        ... except ContractError as error:
+        ...     print(error)
+        make() must return a gymnasium.Env, got None
+    """
+
+
+def require(kept: Any, sentence: str) -> None:
+    """Raise `ContractError` with the sentence unless `kept` is true."""
+    if not kept:
+        raise ContractError(sentence)
+
+
+def require_same(expected: Any, seen: Any, name: str, sentence: str) -> None:
+    """Raise `ContractError` with the sentence, and the first difference, unless two results are equal."""
+    found = difference(expected, seen, name)
+    require(found is None, f"{sentence}; {found}")
+
+
+@contextmanager
+def refuses(call: str, *errors: type[Exception]) -> Iterator[None]:
+    """Check that the block raises one of `errors`; without any, an error of any kind."""
+    allowed = errors or (Exception,)
+    names = " or ".join(error.__name__ for error in errors) or "an error"
+    try:
+        yield
+    except allowed:
+        return
+    except Exception as error:
+        raise ContractError(f"{call} must raise {names}, but raised {type(error).__name__}: {error}") from error
+    raise ContractError(f"{call} must raise {names}, but raised nothing")
+
+
+@contextmanager
+def broken_by(call: str) -> Iterator[None]:
+    """Turn an error that the block raises into a `ContractError` that names the call."""
+    try:
+        yield
+    except ContractError:
+        raise
+    except Exception as error:
+        raise ContractError(f"{call} raised {type(error).__name__}: {error}") from error
+
+
+def check_maker(owner: str, make: Any, kind: str) -> None:
+    """Refuse an argument `make` that cannot be called.
+
+    Raises:
+        TypeError: it cannot.
+    """
+    if not callable(make):
+        raise TypeError(f"{owner} takes a function that makes {kind}, got {make!r}; write lambda: {kind}")
+
+
+def difference(expected: Any, seen: Any, name: str) -> str | None:
+    """The first difference between two results, such as "reward is 1.0 instead of 0.0"; None if they are equal.
+
+    Arrays are equal if they agree in dtype, shape and each element (NaN equals NaN). The seconds of an episode,
+    `info["episode"]["t"]`, are not compared.
+    """
+    if isinstance(expected, Mapping) and isinstance(seen, Mapping):
+        if expected.keys() != seen.keys():
+            return f"{name} has the keys {sorted(map(str, seen))} instead of {sorted(map(str, expected))}"
+        of_time = name.endswith("['episode']")
+        keys = [key for key in expected if not (of_time and key == "t")]
+        return _first(difference(expected[key], seen[key], f"{name}[{key!r}]") for key in keys)
+    if isinstance(expected, (list, tuple)) and isinstance(seen, (list, tuple)):
+        if len(expected) != len(seen):
+            return f"{name} has {len(seen)} parts instead of {len(expected)}"
+        pairs = enumerate(zip(expected, seen, strict=True))
+        return _first(difference(one, other, f"{name}[{index}]") for index, (one, other) in pairs)
+    return _difference_of_arrays(np.asarray(expected), np.asarray(seen), name)
+
+
+def _difference_of_arrays(expected: np.ndarray[Any, Any], seen: np.ndarray[Any, Any], name: str) -> str | None:
+    if (expected.dtype.kind, expected.shape) != (seen.dtype.kind, seen.shape) or expected.dtype != seen.dtype != object:
+        if {expected.dtype.kind, seen.dtype.kind} <= {"U", "S"}:  # texts of other lengths
+            return f"{name} is {seen!r:.80} instead of {expected!r:.80}"
+        return f"{name} is {seen.dtype} {seen.shape} instead of {expected.dtype} {expected.shape}"
+    if expected.dtype == object:
+        if expected.shape:
+            return difference(expected.tolist(), seen.tolist(), name)
+        one, other = expected.item(), seen.item()
+        return None if one is other or one == other else f"{name} is {other!r:.80} instead of {one!r:.80}"
+    wrong = (expected != seen) & ~((expected != expected) & (seen != seen))
+    if not wrong.any():
+        return None
+    place = tuple(int(index) for index in np.argwhere(wrong)[0])
+    at = f" at {place}" if place else ""
+    return f"{name} is {seen[place]}{at} instead of {expected[place]}"
+
+
+def _first(found: Iterator[str | None]) -> str | None:
+    return next((text for text in found if text is not None), None)

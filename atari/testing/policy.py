@@ -1,0 +1,194 @@
+"""`check_policy`: the contract of `atari.learning.Policy`, for those who write a policy."""
+
+import pickle
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from typing_extensions import Unpack
+
+from atari.games.catalog import games
+from atari.policy import LoadedPolicy, makes_policy, show
+from atari.policy_needs import composed, needs_of
+from atari.task import Task
+from atari.task.fields import GROUPS
+from atari.task.options import VectorTaskOptions
+from atari.task.resolution import GameLike
+from atari.task.task import FIELDS
+from atari.testing.contract import ContractError, broken_by, require, require_same
+from atari.vector import AtariVectorEnv
+from atari.vector.options import resolve_one
+
+IntArray = npt.NDArray[np.int64]
+
+_LANES = 3
+
+
+class _Call(NamedTuple):
+    """A call of a policy: copies of the observations, and the actions (n,) that it returned."""
+
+    observations: Any
+    actions: IntArray
+
+
+def check_policy(
+    policy: Any,
+    game: GameLike | None = None,
+    *,
+    preset: str | None = None,
+    steps: int = 20,
+    **options: Unpack[VectorTaskOptions],
+) -> None:
+    """Check that a policy keeps the contract of `atari.learning.Policy`.
+
+    The policy plays three environments. It must return an action of the game for each; leave the observations as they
+    are; return the same actions after `begin` with the same seeds, and the same for one environment alone as for a
+    batch; and continue after `restore` as after the `state` that was saved.
+
+    Args:
+        policy: a `Policy`, a function of observations, or a class of policies; a network, a file or a name as
+            `atari.learning.load_policy` returns it.
+        game: what it plays, as `atari.AtariVectorEnv` takes it; None is the game of its attribute `game` or `task`.
+        preset, options: of `AtariVectorEnv`, for a policy that does not say by `task` or `environment` what it sees.
+        steps: how many steps are played.
+
+    Raises:
+        ContractError: the policy breaks the contract; the message has the call, and what was expected and seen.
+        TypeError, ValueError: the game or an option is wrong, or the policy says itself what it sees.
+
+    Example:
+        >>> from atari.learning import load_policy
+        >>> from atari.testing import check_policy
+        >>> check_policy(load_policy("random"), "pong", preset="dqn2015")
+        >>> check_policy(lambda observations: [0] * len(observations), "pong", obs_type="ram")
+    """
+    loaded = _loaded(policy)
+    task, layout, names = _played(loaded, game, preset, options)
+    envs = AtariVectorEnv(task, _LANES, **layout)
+    every = [action.name for action in task.action_set]
+    indices = np.array([every.index(name) for name in names])
+    seeds = np.arange(_LANES, dtype=np.int64) + 7
+    lanes = np.arange(_LANES, dtype=np.int64)
+    begin = (task.game, names)
+    with broken_by("begin(game, actions, lanes, seeds)"):
+        loaded.begin(*begin, lanes, seeds)
+    calls, observations = [], envs.reset(seed=0)[0]
+    for _ in range(steps):
+        calls.append(_call(loaded, observations, lanes))
+        observations = envs.step(indices[calls[-1].actions])[0]
+    envs.close()
+    loaded.begin(*begin, lanes, seeds)
+    for number, call in enumerate(calls, 1):
+        seen = _call(loaded, call.observations, lanes).actions
+        sentence = f"call {number} after begin() with the same seeds must return the same actions"
+        require_same(call.actions, seen, "the policy", sentence)
+    _check_alone(loaded, begin, calls, seeds)
+    _check_state(loaded, begin, calls, seeds)
+
+
+def _loaded(policy: Any) -> LoadedPolicy:
+    if isinstance(policy, LoadedPolicy):
+        return policy
+    if not callable(policy):
+        raise TypeError(f"check_policy takes a function of observations and lanes, got {policy!r}")
+    try:
+        loaded = LoadedPolicy(policy() if makes_policy(policy) else policy)
+    except TypeError as error:
+        raise ContractError(str(error)) from error
+    frames = getattr(loaded, "training_frames", None)
+    require(frames is None or type(frames) is int, f"training_frames must be an int, got {frames!r}")
+    name = getattr(loaded, "game", None)
+    require(name is None or name in games, f"game must be the id of a game, got {name!r}")
+    return loaded
+
+
+def _played(
+    policy: LoadedPolicy, game: GameLike | None, preset: str | None, options: Mapping[str, Any]
+) -> tuple[Task, Mapping[str, Any], tuple[str, ...]]:
+    """The task that a policy plays, options of the vector, and the names of the policy's actions."""
+    own = getattr(policy, "game", None) or getattr(policy, "task", None)
+    given: Any = own if game is None else game
+    if given is None:
+        raise TypeError("check_policy needs a game, for a policy without the attributes game and task")
+    chosen = Task.of(given)
+    try:
+        needs = needs_of(policy, chosen.definition)
+    except ValueError as error:
+        raise ContractError(str(error)) from error
+    if needs.task is None:
+        task = resolve_one(given, preset, dict(options))
+    elif preset is not None or options:
+        wrong = "preset" if preset is not None else next(iter(options))
+        raise ValueError(f"the policy says what it sees, by its task or environment; leave out {wrong}")
+    else:
+        fields = {name: getattr(needs.task, name) for name in FIELDS if name not in GROUPS["game"]}
+        task = needs.task if needs.task.game == chosen.game else composed(chosen, **fields)
+    every = [action.name for action in task.action_set]
+    names = needs.actions or tuple(every)
+    lacking = [name for name in names if name not in every]
+    require(not lacking, f"the policy has the actions {', '.join(lacking)}, and {task.game} has {', '.join(every)}")
+    return task, needs.options, names
+
+
+def _call(policy: LoadedPolicy, observations: Any, lanes: IntArray) -> _Call:
+    before = _copied(observations)
+    call = f"policy({show(observations)}, {lanes.tolist()})"
+    with broken_by(call):
+        returned, extras = policy.choose(observations, lanes)
+    require_same(before, _copied(observations), "the observation", f"{call} must not write to the observations")
+    try:
+        actions = policy.checked(returned, lanes)
+    except ValueError as error:
+        raise ContractError(str(error)) from error
+    for name, extra in extras.items():
+        rows = np.shape(extra)[:1]
+        require(rows == (len(lanes),), f"{call} must return a row of {name!r} for each lane, got {np.shape(extra)}")
+    return _Call(before, actions)
+
+
+def _copied(observations: Any) -> Any:
+    if isinstance(observations, Mapping):
+        return {name: part.copy() for name, part in observations.items()}
+    return observations.copy()
+
+
+def _rows(observations: Any, lane: int) -> Any:
+    if isinstance(observations, Mapping):
+        return {name: part[lane : lane + 1].copy() for name, part in observations.items()}
+    return observations[lane : lane + 1].copy()
+
+
+def _check_alone(policy: LoadedPolicy, begin: tuple[str, tuple[str, ...]], calls: list[_Call], seeds: IntArray) -> None:
+    """Check that results do not depend on the other environments of a batch."""
+    for lane in range(_LANES):
+        lanes = np.array([lane], np.int64)
+        policy.begin(*begin, lanes, seeds[lane : lane + 1])
+        for number, call in enumerate(calls, 1):
+            (action,) = _call(policy, _rows(call.observations, lane), lanes).actions
+            require(
+                action == call.actions[lane],
+                f"call {number} must return the same action for lane {lane} alone as in a batch of {_LANES}, got "
+                f"{action} alone and {call.actions[lane]} in the batch",
+            )
+
+
+def _check_state(policy: LoadedPolicy, begin: tuple[str, tuple[str, ...]], calls: list[_Call], seeds: IntArray) -> None:
+    has = {name: hasattr(policy, name) for name in ("state", "restore")}
+    if not any(has.values()):
+        return
+    require(all(has.values()), "a policy has state() and restore(state), or neither of them")
+    lanes = np.arange(_LANES, dtype=np.int64)
+    policy.begin(*begin, lanes, seeds)
+    half = len(calls) // 2
+    for call in calls[:half]:
+        _call(policy, call.observations, lanes)
+    with broken_by("pickle.dumps(policy.state())"):
+        saved = pickle.dumps(policy.state())
+    for call in calls[half:]:
+        _call(policy, call.observations, lanes)
+    with broken_by("restore(state)"):
+        policy.restore(pickle.loads(saved))
+    for number, call in enumerate(calls[half:], half + 1):
+        seen = _call(policy, call.observations, lanes).actions
+        require_same(call.actions, seen, "the policy", f"restore(state()) must continue exactly (call {number})")

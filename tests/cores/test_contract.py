@@ -1,0 +1,47 @@
+"""Every core keeps the contract of cores, `atari.testing.check_core`.
+
+Beside it, `core_contract.py` has what our cores say in errors, and what they must do in some games.
+"""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import pytest
+
+from atari.cores import AleCore, Core, NativeCore, PlainCore
+from atari.testing import check_core
+
+# Games of different kinds: paddles, PAL, a state that ale-py's own states leave out, rules with variables kept over a
+# reset, a cartridge with RAM, resets that draw random numbers and play, actions that the game forbids.
+GAMES = [
+    "breakout",
+    "adventure",
+    "qbert",
+    "video_checkers",
+    "klax",
+    "double_dunk",
+    "seaquest",
+    "skiing",
+    "journey_escape",
+]
+
+
+@pytest.mark.parametrize("game", [*GAMES, "combat"])
+@pytest.mark.parametrize("core_type", [NativeCore, PlainCore])
+def test_our_cores(core_type: type[NativeCore], game: str) -> None:
+    reference = PlainCore if core_type is NativeCore else NativeCore
+    check_core(partial(core_type, game), reference=partial(reference, game))
+
+
+@pytest.mark.parametrize("game", GAMES[:6])
+def test_the_core_of_ale_py(game: str) -> None:
+    """Every core that is made reads the ROM again, which takes a tenth of a second, so these are the games of snapshots alone."""
+    check_core(partial(AleCore, game), reference=partial(NativeCore, game))
+
+
+def test_a_core_passed_as_a_partial_and_as_a_function_is_the_same() -> None:
+    make: Callable[..., Core] = lambda **options: NativeCore("pong", **options)  # noqa: E731
+    check_core(make, steps=12)
+    options: dict[str, Any] = {"color_averaging": True}
+    check_core(partial(NativeCore, "pong", **options), steps=12)

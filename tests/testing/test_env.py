@@ -1,0 +1,226 @@
+"""`check_env`: environments with one fault each, and the sentence that each gets.
+
+`tests/wrappers/test_contract.py` has our wrappers and presets, `test_atari_env.py` `AtariEnv` itself.
+"""
+
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium import spaces
+
+import atari
+from atari.testing import ContractError, check_env
+
+Step = tuple[Any, Any, bool, bool, dict[str, Any]]
+
+
+def pong(**options: Any) -> gymnasium.Env[Any, Any]:
+    return atari.make("ALE/Pong-v5", obs_type="ram", max_episode_steps=25, **options)
+
+
+class Faulty(gymnasium.Wrapper[Any, Any, Any, Any], gymnasium.utils.RecordConstructorArgs):
+    """The base of wrappers with a fault; without one it passes."""
+
+    def __init__(self, env: gymnasium.Env[Any, Any]) -> None:
+        gymnasium.utils.RecordConstructorArgs.__init__(self)
+        super().__init__(env)
+
+
+class IgnoresSeed(Faulty):
+    def reset(self, *, seed: int | None = None, options: Any = None) -> Any:
+        self.offset = np.random.default_rng().integers(1000)
+        observation, info = self.env.reset(seed=seed, options=options)
+        return observation, {**info, "offset": self.offset}
+
+
+class KeepsCounting(Faulty):
+    count = 0
+
+    def step(self, action: Any) -> Step:
+        self.count += 1
+        *result, info = self.env.step(action)
+        return (*result, {**info, "count": self.count})  # type: ignore[return-value]
+
+
+class OtherDtype(Faulty):
+    def __init__(self, env: gymnasium.Env[Any, Any]) -> None:
+        super().__init__(env)
+        self.observation_space = spaces.Box(0, 255, (128,), np.float32)
+
+
+class OtherShape(Faulty):
+    def step(self, action: Any) -> Step:
+        observation, *rest = self.env.step(action)
+        return (observation[:127], *rest)  # type: ignore[return-value]
+
+
+class OtherFinalDtype(Faulty):
+    def step(self, action: Any) -> Step:
+        observation, reward, terminated, truncated, info = self.env.step(action)
+        if truncated:
+            observation = observation.astype(np.int64)
+        return observation, reward, terminated, truncated, info
+
+
+class ArrayOfReward(Faulty):
+    def step(self, action: Any) -> Step:
+        observation, reward, *rest = self.env.step(action)
+        return (observation, np.array([reward]), *rest)  # type: ignore[return-value]
+
+
+class InfiniteReward(Faulty):
+    def step(self, action: Any) -> Step:
+        observation, _, *rest = self.env.step(action)
+        return (observation, float("inf"), *rest)  # type: ignore[return-value]
+
+
+class ReusesArray(Faulty):
+    def __init__(self, env: gymnasium.Env[Any, Any]) -> None:
+        super().__init__(env)
+        self.kept = np.zeros(128, np.uint8)
+        self.turn = 0
+
+    def step(self, action: Any) -> Step:
+        observation, *rest = self.env.step(action)
+        self.turn += 1
+        if self.turn % 5:  # Gymnasium compares two results, one after the other
+            return (observation, *rest)  # type: ignore[return-value]
+        self.kept[:] = observation
+        return (self.kept, *rest)  # type: ignore[return-value]
+
+
+class TakesAnyAction(Faulty):
+    def step(self, action: Any) -> Step:
+        return self.env.step(action if action in self.action_space else 0)
+
+
+class PlaysBeforeItChecks(atari.AtariEnv):
+    def step(self, action: Any) -> Step:
+        if self.driver.phase == "playing" and action not in self.action_space:
+            super().step(0)
+        return super().step(action)
+
+
+class ResetsItself(Faulty):
+    def reset(self, *, seed: int | None = None, options: Any = None) -> Any:
+        self.begun = True
+        return self.env.reset(seed=seed, options=options)
+
+    def step(self, action: Any) -> Step:
+        if not vars(self).get("begun"):
+            self.reset()
+        return self.env.step(action)
+
+
+class HidesTheEnd(Faulty):
+    def step(self, action: Any) -> Step:
+        observation, reward, _, _, info = self.env.step(action)
+        return observation, reward, False, False, info
+
+
+class OldLives(Faulty):
+    def step(self, action: Any) -> Step:
+        *result, info = self.env.step(action)
+        return (*result, {**info, "lives": 7})  # type: ignore[return-value]
+
+
+class HasLambda(Faulty):
+    def __init__(self, env: gymnasium.Env[Any, Any]) -> None:
+        super().__init__(env)
+        self.function = lambda: 0
+
+
+class ForgetsCount(Faulty):
+    """Its copies begin to count again."""
+
+    def __init__(self, env: gymnasium.Env[Any, Any]) -> None:
+        super().__init__(env)
+        self.count = 0
+
+    def reset(self, *, seed: int | None = None, options: Any = None) -> Any:
+        self.count = 0
+        return self.env.reset(seed=seed, options=options)
+
+    def step(self, action: Any) -> Step:
+        self.count += 1
+        *result, info = self.env.step(action)
+        return (*result, {**info, "count": self.count})  # type: ignore[return-value]
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**vars(self), "count": 0}
+
+
+class ForgetsInSnapshot(ForgetsCount):
+    def __getstate__(self) -> dict[str, Any]:
+        return vars(self)
+
+    def snapshot(self) -> bytes:
+        return self.env.unwrapped.snapshot()  # type: ignore[attr-defined, no-any-return]
+
+    def restore(self, data: bytes) -> None:
+        self.env.unwrapped.restore(data)  # type: ignore[attr-defined]
+
+
+class NoArguments(gymnasium.Wrapper[Any, Any, Any, Any]):
+    """Without `RecordConstructorArgs`, a spec does not describe it."""
+
+
+FAULTS: dict[type[gymnasium.Env[Any, Any]], str] = {
+    IgnoresSeed: "reset(seed=3) must give the same episode in two environments; results[0][1]['offset'] is",
+    KeepsCounting: "gymnasium.utils.env_checker.check_env(env) raised AssertionError: Deterministic step info",
+    OtherDtype: "reset() must return an observation float32 (128,), got uint8 (128,)",
+    OtherShape: "number 1 after reset(seed=4), must return an observation uint8 (128,), got uint8 (127,)",
+    OtherFinalDtype: "at the end of an episode must return an observation uint8 (128,), got int64 (128,)",
+    ArrayOfReward: "must return a finite number as reward, got array([0.])",
+    InfiniteReward: "must return a finite number as reward, got inf",
+    ReusesArray: "a later step must not change an observation that was returned",
+    TakesAnyAction: "step(None) must raise an error, but raised nothing",
+    PlaysBeforeItChecks: "step(None) must change nothing, but the snapshot of the environment is another one",
+    ResetsItself: "step() before the first reset() must raise an error, but raised nothing",
+    OldLives: "must return info['lives']=0 of the game, got 7",
+    HasLambda: "(copies=False leaves this check out) raised",
+    ForgetsCount: "must continue where the environment is; results[0][4]['count'] is 1 instead of",
+    ForgetsInSnapshot: "restore() in the same environment must continue exactly; results",
+    NoArguments: "(spec=False leaves this check out) raised ValueError: NoArguments wrapper does not inherit",
+}
+
+
+def maker(env_type: type[Any]) -> Callable[[], Any]:
+    if issubclass(env_type, atari.AtariEnv):
+        return lambda: env_type("pong", obs_type="ram")
+    return lambda: env_type(pong())
+
+
+@pytest.mark.parametrize("env_type", FAULTS, ids=lambda each: each.__name__)
+@pytest.mark.filterwarnings("ignore:.*WARN")
+def test_an_environment_with_a_fault_gets_its_sentence(env_type: type[Any]) -> None:
+    with pytest.raises(ContractError) as caught:
+        check_env(maker(env_type))
+    assert FAULTS[env_type] in str(caught.value)
+
+
+def test_an_end_that_is_hidden_gets_its_sentence() -> None:
+    with warnings.catch_warnings(), pytest.raises(ContractError, match=r"must end the episode: the game is over"):
+        check_env(lambda: HidesTheEnd(atari.make("ALE/Pong-v5", obs_type="ram", max_num_frames_per_episode=60)))
+
+
+def test_what_is_no_fault_passes() -> None:
+    check_env(lambda: Faulty(pong()))
+    check_env(lambda: NoArguments(pong()), spec=False)
+    check_env(lambda: HasLambda(pong()), copies=False)
+    check_env(lambda: gymnasium.make("FrozenLake-v1"))
+
+
+def test_only_a_function_that_makes_environments_is_taken() -> None:
+    with pytest.raises(
+        TypeError, match=r"check_env takes a function that makes MyEnv\(\), got .*; write lambda: MyEnv"
+    ):
+        check_env(pong())  # type: ignore[arg-type]
+    with pytest.raises(ContractError, match=r"^make\(\) must return a gymnasium.Env, got 3"):
+        check_env(lambda: 3)  # type: ignore[arg-type, return-value]
+    with pytest.raises(ContractError, match=r"^make\(\) raised ValueError: there is no game 'pnog'"):
+        check_env(lambda: atari.make("pnog"))
