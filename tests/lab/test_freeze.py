@@ -219,7 +219,7 @@ def test_at_most_64() -> None:
         (lambda env: Freeze(env, {3: "print(1)"}), ValueError, r"print\(\) is not one of the helpers"),
         (lambda env: Freeze(env, {3: "ram[256]"}), ValueError, "an address is a number within 0x0..0xff"),
         (lambda env: Freeze(env, {3: "-" * 120 + "1"}), ValueError, "nested too deeply"),
-        (lambda env: Freeze(env, {3: np.array([1, 2])}), ValueError, "needs a value for each of 1 environments"),
+        (lambda env: Freeze(env, {3: np.array([1, 2])}), ValueError, "needs a value for each of 1 lanes"),
         (lambda env: Freeze(env), ValueError, "Freeze needs a label or a place"),
         (lambda env: Freeze(env, {3: 1}, index=0), ValueError, "index is for an AtariVectorEnv"),
         (lambda env: Freeze(gymnasium.make("CartPole-v1"), {3: 1}), TypeError, "an AtariEnv, a core"),

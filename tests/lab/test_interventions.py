@@ -14,10 +14,9 @@ import pytest
 
 import atari
 from atari.cores import AleCore, NativeCore, PlainCore
-from atari.games.interventions import load_file, resolve
+from atari.games.interventions import resolve
 from atari.lab.interventions import check, load
 from atari.recording.replay.record_replay import RecordReplay
-from atari.recording.replay.record_vector_replay import RecordVectorReplay
 from atari.recording.replay.replay import Replay
 from atari.task.storage import to_short_json
 
@@ -250,7 +249,7 @@ def test_a_replay_without_them_has_no_such_option(tmp_path: Path) -> None:
 
 
 def test_a_vector_is_recorded_with_them(tmp_path: Path) -> None:
-    envs = RecordVectorReplay(atari.AtariVectorEnv("pong", 2, interventions=["lazy_enemy"]), tmp_path / "x.a26", 1)
+    envs = RecordReplay(atari.AtariVectorEnv("pong", 2, interventions=["lazy_enemy"]), tmp_path / "x.a26", 1)
     envs.reset(seed=0)
     for step in range(50):
         envs.step(np.full(2, step % 6))
@@ -299,7 +298,7 @@ def test_a_file_of_ones_own(tmp_path: Path) -> None:
     assert env.step(0)[0][49] == 52
     assert check("pong", f"{path}#one")
     path.write_text(GOOD.replace("value = 3", "value = 5"))
-    assert load_file(path, "pong")["one"].writes[0].value == 5
+    assert load("pong", path)["one"].writes[0].value == 5
 
 
 @pytest.mark.parametrize(

@@ -210,11 +210,11 @@ def test_probabilities_by_player_are_in_the_task() -> None:
 
 
 def test_interventions_are_played_and_recorded(tmp_path: Path) -> None:
-    from atari.recording import RecordMatch, Replay
+    from atari.recording import RecordReplay, Replay
 
     frozen = [{"name": "held", "description": "-", "source": "-", "writes": [{"to": "ball_x", "value": 80}]}]
     core, plain = (MultiplayerCore("pong", **options) for options in ({"interventions": frozen}, {}))
-    with RecordMatch(core, tmp_path / "a.a26") as match:
+    with RecordReplay(core, tmp_path / "a.a26") as match:
         match.reset()
         for _ in range(100):
             match.act_players([1, 2])

@@ -9,7 +9,7 @@ from atari.vector import AtariVectorEnv
 
 @dataclass(frozen=True)
 class ActionRepeat:
-    """The frames of one environment in one step: an ALE action, its strength, and how often it was repeated."""
+    """The frames of one environment in one step: an ALE action, its strength, and the number of frames."""
 
     action: int
     strength: float
@@ -60,12 +60,12 @@ class ShadowCore:
         numbers = (core.frame_number, core.episode_frame_number)
         if numbers == (member.frame_number, member.episode_frame_number) and (core.ram() != member.ram()).any():
             raise RuntimeError(
-                f"environment {self.index} was given another action than the recorder; put RecordVectorVideo inside "
-                "the wrappers that change actions"
+                f"environment {self.index} was given another action than the recorder; put RecordVideo inside the "
+                "wrappers that change actions"
             )
 
     def action_repeat(self, actions: Any, was_reset: bool, info: dict[str, Any]) -> ActionRepeat:
-        """Return what the environment has played since `synchronize`, in a step with these actions and results.
+        """The frames that the environment has played since `synchronize`, in a step with these actions and results.
 
         Args:
             actions: the actions of all environments, as passed to `step`.

@@ -9,7 +9,7 @@ import pytest
 
 import atari
 from atari.lab import Freeze, Poke, Ram
-from atari.recording import RecordReplay, RecordVectorReplay, Replay
+from atari.recording import RecordReplay, Replay
 
 SCORE = 77
 
@@ -115,7 +115,7 @@ def test_writes_made_before_the_recording(tmp_path: Path) -> None:
 @pytest.mark.parametrize("options", [{}, {"preset": "dqn2015"}, {"autoreset_mode": "Disabled"}])
 def test_a_vector(options: dict[str, Any], tmp_path: Path) -> None:
     envs: Any = atari.AtariVectorEnv("breakout", 3, num_threads=1, **options)
-    envs = RecordVectorReplay(envs, tmp_path / "a.a26", index=1)
+    envs = RecordReplay(envs, tmp_path / "a.a26", index=1)
     envs.reset(seed=3)
     generator = np.random.default_rng(0)
     rams = []
@@ -142,10 +142,10 @@ def test_a_vector(options: dict[str, Any], tmp_path: Path) -> None:
 def test_a_vector_with_writes_already(tmp_path: Path) -> None:
     envs = atari.AtariVectorEnv("breakout", 2)
     freeze = Freeze(envs, {99: 1}, index=1)
-    with pytest.raises(ValueError, match="release it, and make it after RecordVectorReplay"):
-        RecordVectorReplay(envs, tmp_path / "a.a26", index=1)
+    with pytest.raises(ValueError, match="release it, and make it after RecordReplay"):
+        RecordReplay(envs, tmp_path / "a.a26", index=1)
     freeze.release()
-    RecordVectorReplay(envs, tmp_path / "a.a26", index=1).close()
+    RecordReplay(envs, tmp_path / "a.a26", index=1).close()
 
 
 def test_writes_that_are_refused_are_not_recorded(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""`RecordVectorVideo`: shadow cores equal their environments, and videos have every frame."""
+"""`RecordVideo` of a vector: shadow cores equal their environments, and videos have every frame."""
 
 import warnings
 from pathlib import Path
@@ -14,7 +14,7 @@ from video_reader import NTSC, sound, video_frames
 import atari
 from atari import AtariVectorEnv
 from atari._gymnasium import AutoresetMode
-from atari.recording import RecordVectorVideo
+from atari.recording import RecordVideo
 from atari.recording.video.audio import to_16_bit
 from atari.rendering import tile
 
@@ -30,9 +30,9 @@ OPTIONS: list[dict[str, Any]] = [
 ]
 
 
-def record_video(envs: Any, folder: Path, **options: Any) -> RecordVectorVideo:
+def record_video(envs: Any, folder: Path, **options: Any) -> Any:
     options = {"episode_trigger": lambda episode: True, "format": "mkv", "scale": 1, **options}
-    return RecordVectorVideo(envs, folder / "videos", **options)
+    return RecordVideo(envs, folder / "videos", **options)
 
 
 def play(envs: Any, steps: int) -> list[Any]:
@@ -225,7 +225,7 @@ def test_names_and_counts_are_gymnasiums(
         theirs = gymnasium.wrappers.vector.RecordVideo(make(), str(tmp_path / "theirs"), **options)
     play(theirs, 90)
     theirs.close()
-    ours = RecordVectorVideo(make(), tmp_path / "videos", format="gif", scale=1, **options)
+    ours = RecordVideo(make(), tmp_path / "videos", format="gif", scale=1, **options)
     play(ours, 90)
     ours.close()
     assert sorted(path.stem + ".mp4" for path in (tmp_path / "videos").iterdir()) == sorted(moviepy)
@@ -261,7 +261,7 @@ def test_wrong_arguments_are_refused(
 
 
 def test_other_environments_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(TypeError, match=r"records an atari\.AtariVectorEnv, got SyncVectorEnv"):
+    with pytest.raises(TypeError, match=r"records an AtariEnv or an AtariVectorEnv, got SyncVectorEnv"):
         record_video(gymnasium.make_vec("CartPole-v1", 2, vectorization_mode="sync"), tmp_path)
     with pytest.raises(ValueError, match="needs batches of all environments, got batch_size=1"):
         record_video(AtariVectorEnv("pong", 2, batch_size=1), tmp_path)
