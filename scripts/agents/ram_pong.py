@@ -114,6 +114,7 @@ def main(arguments: list[str] | None = None) -> None:
     """The command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--episodes", type=count, default=60, help="games to learn from (default: %(default)s)")
+    parser.add_argument("--games", type=count, default=20, help="games to play after it (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=0, help="seed of environment and agent (default: %(default)s)")
     options = parser.parse_args(arguments)
 
@@ -126,9 +127,10 @@ def main(arguments: list[str] | None = None) -> None:
         if episode % 10 == 0:
             print(f"{episode} games: {statistics.mean(returns[-10:]):.1f} points ahead, epsilon {agent.epsilon:.2f}")
 
-    learned = evaluate(env, agent, 20)
-    by_chance = evaluate(env, RandomAgent(env.action_space, options.seed), 20)
-    print(f"points ahead in 20 games: {statistics.mean(learned):.1f}, random {statistics.mean(by_chance):.1f}")
+    learned = evaluate(env, agent, options.games)
+    by_chance = evaluate(env, RandomAgent(env.action_space, options.seed), options.games)
+    means = f"{statistics.mean(learned):.1f}, random {statistics.mean(by_chance):.1f}"
+    print(f"points ahead in {options.games} games: {means}")
 
 
 if __name__ == "__main__":
