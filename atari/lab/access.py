@@ -79,4 +79,4 @@ class _Vector:
         return self._envs.ram(self._lanes)
 
     def write(self, row: int, index: int, byte: int) -> None:
-        self._envs.members[self._lanes[row]].set_ram(index, byte)
+        self._envs.lanes[self._lanes[row]].set_ram(index, byte)

@@ -157,7 +157,7 @@ class VectorWatch(_History, VectorWrapper):
             raise ValueError(f"a vector is logged by steps, each='step', got each={each!r}; watch an AtariEnv instead")
         super().__init__(envs)
         self._log = _Log(Ram(inner, index=index), what, on_change)
-        self._lanes = inner.members if index is None else (inner.members[index],)
+        self._lanes = inner.lanes if index is None else (inner.lanes[index],)
         self._single = index is not None
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:

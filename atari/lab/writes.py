@@ -16,11 +16,11 @@ from atari.games.game import Game
 from atari.games.interventions.writes import LATEST_FRAME, WriteRule
 from atari.validation import check_integer
 from atari.vector.env import AtariVectorEnv
-from atari.vector.members import Member
+from atari.vector.lanes import Lane
 
 
 class _Single:
-    """An environment or a core, with the methods of `Member`. An environment may replace its core by another one, so
+    """An environment or a core, with the methods of `Lane`. An environment may replace its core by another one, so
     the core is read at each use.
     """
 
@@ -46,7 +46,7 @@ class _Single:
         self._core.remove_write(write)
 
 
-_Target: TypeAlias = _Single | Member
+_Target: TypeAlias = _Single | Lane
 
 
 class _Held:
@@ -196,19 +196,19 @@ class Poke(_Held):
 def _targets(env: Any, index: int | None) -> list[_Target]:
     """The native core, or the lanes of a vector, to write to."""
     if isinstance(env, AtariVectorEnv):
-        members = env.members
+        lanes = env.lanes
         if index is None:
-            return list(members)
-        return [members[check_integer("index", index, 0, len(members) - 1)]]
+            return list(lanes)
+        return [lanes[check_integer("index", index, 0, len(lanes) - 1)]]
     if index is not None:
         raise ValueError("index is for an AtariVectorEnv; leave it out")
-    if isinstance(env, Member):
+    if isinstance(env, Lane):
         return [env]
     core: Any = env.core if isinstance(env, AtariEnv) else env
     if getattr(core, "name", None) == "ale":
         raise ValueError("ale-py's core cannot write RAM within a frame; use core='native'")
     if not hasattr(core, "add_write"):
-        kinds = "an AtariEnv, a core, an AtariVectorEnv or one of its members"
+        kinds = "an AtariEnv, a core, an AtariVectorEnv or one of its lanes"
         raise TypeError(f"{kinds} is needed, got {type(env).__name__}")
     return [_Single(env)]
 

@@ -142,11 +142,11 @@ def test_lanes_of_a_vector() -> None:
     with Freeze(envs, {BALL_X: np.array([100, 110, 120])}), Freeze(envs, {PLAYER_Y: 66}, index=1):
         for _ in range(5):
             envs.step(np.full(3, RIGHT))
-        assert [member.ram()[BALL_X] for member in envs.members] == [100, 110, 120]
-        assert [bool(member.ram()[PLAYER_Y] == 66) for member in envs.members] == [False, True, False]
-    envs.members[2].set_ram(BALL_X, 60)
+        assert [lane.ram()[BALL_X] for lane in envs.lanes] == [100, 110, 120]
+        assert [bool(lane.ram()[PLAYER_Y] == 66) for lane in envs.lanes] == [False, True, False]
+    envs.lanes[2].set_ram(BALL_X, 60)
     envs.step(np.full(3, RIGHT))
-    assert envs.members[2].ram()[BALL_X] != 120
+    assert envs.lanes[2].ram()[BALL_X] != 120
 
 
 def test_a_vector_that_is_closed_and_reset_is_still_frozen() -> None:
@@ -159,7 +159,7 @@ def test_a_vector_that_is_closed_and_reset_is_still_frozen() -> None:
         envs.step(np.full(2, RIGHT))
         assert (envs.ram()[:, BALL_X] == 100).tolist() == [False, True]
     freeze.release()
-    envs.members[1].set_ram(BALL_X, 60)
+    envs.lanes[1].set_ram(BALL_X, 60)
     envs.step(np.full(2, RIGHT))
     assert envs.ram()[1, BALL_X] != 100
 

@@ -1,4 +1,4 @@
-"""`Ram`: values by name and bytes by place, of environments, cores, vectors and their members."""
+"""`Ram`: values by name and bytes by place, of environments, cores, vectors and their lanes."""
 
 from dataclasses import replace
 
@@ -137,12 +137,12 @@ def test_a_core():
         ram[3]
 
 
-def test_a_member_of_a_vector(envs):
+def test_a_lane_of_a_vector(envs):
     ram = Ram(envs, index=1)
-    assert ram["ball_y"] == Ram(envs.members[1])["ball_y"]
-    before = [int(member.ram()[13]) for member in envs.members]
+    assert ram["ball_y"] == Ram(envs.lanes[1])["ball_y"]
+    before = [int(lane.ram()[13]) for lane in envs.lanes]
     ram["score_enemy"] = 7
-    assert [int(member.ram()[13]) for member in envs.members] == [before[0], 7, before[2]]
+    assert [int(lane.ram()[13]) for lane in envs.lanes] == [before[0], 7, before[2]]
     for index in (3, -1):
         with pytest.raises(IndexError, match=r"index must be within 0\.\.2, got"):
             Ram(envs, index=index)
@@ -152,7 +152,7 @@ def test_a_member_of_a_vector(envs):
 
 def test_a_whole_vector(envs):
     ram, rams = Ram(envs), envs.ram()
-    assert rams.tolist() == [member.ram().tolist() for member in envs.members]
+    assert rams.tolist() == [lane.ram().tolist() for lane in envs.lanes]
     values = ram["ball_x"]
     assert isinstance(values, np.ma.MaskedArray)
     assert values.dtype == np.int32

@@ -1,4 +1,4 @@
-"""What `step` and `recv` return inside compiled functions, which have the same arrays in every step."""
+"""`ResultParts`: the results of `step` and `recv` inside compiled functions: the same arrays in every step."""
 
 from typing import Any
 
@@ -13,8 +13,8 @@ class ResultParts:
     """The arrays of a batch, and how they become the results of a step.
 
     Args:
-        options: of the vector environment.
-        port: its engine, for XLA.
+        options: the options of the vector environment.
+        port: the port of its engine for XLA.
 
     Attributes:
         declared: name, shape and dtype of each array that a compiled function gets, in order.

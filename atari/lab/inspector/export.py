@@ -5,7 +5,7 @@ from pathlib import Path
 from atari.env import AtariEnv
 from atari.lab.inspector.session import Session
 from atari.lab.inspector.timeline import Timeline
-from atari.recording import RecordReplay, VideoWriter, frame_rate
+from atari.recording import RecordReplay, VideoWriter
 
 NAMES = ("labels.toml", "interventions.toml", "replay.a26")
 """The exports of `write`."""
@@ -105,10 +105,9 @@ def write_clip(session: Session, path: Path, start: int, stop: int) -> None:
         raise ValueError(f"a clip has at most {MOST_CLIP_FRAMES} frames, got {stop - start}; export the replay instead")
     env = _at_first_frame(session)
     env.driver.make_sound()
-    rate = frame_rate(session.game)
     try:
         again = Timeline(env.core, timeline.first)
-        with VideoWriter(path, session.game.screen.shape, rate, scale=2, sound=True) as video:
+        with VideoWriter(path, session.game, scale=2, sound=True) as video:
             for frame in timeline.frames(timeline.first, stop):
                 again.play(frame)
                 if again.at > start:
