@@ -179,6 +179,9 @@ def test_sources_that_are_not_installed_say_what_to_do(monkeypatch: pytest.Monke
         ("import atari; atari.Protocol", "atari.Task"),
         ("from atari.protocols import Protocol", "atari.Task"),
         ("from atari.wrappers import preset_protocol", "atari.Task.of(game, preset=name)"),
+        ("from atari.recording import RecordVectorReplay", "atari.recording.RecordReplay(envs, path, index)"),
+        ("from atari.play import MultiplayerSession", "atari.play.Session(game, players=n)"),
+        ("from atari.roms import path", "atari.roms.locations.path"),
     ],
 )
 def test_an_old_name_says_the_new_one(imports: str, new: str) -> None:

@@ -25,16 +25,6 @@ class RecordMatch(RecordedCore):
         ValueError: the name of the file does not end in ".a26", or the core has a frame skip.
         OSError: the file cannot be written. During the game, the error is raised by the next call of `act_players`,
             `reset` or `close`, before it does anything; the game can continue without a recording.
-
-    Example:
-        >>> from atari.multiplayer import MultiplayerCore
-        >>> from atari.recording import RecordReplay, Replay
-        >>> with RecordReplay(MultiplayerCore("pong"), "match.a26") as match:
-        ...     match.reset()
-        ...     rewards = [match.act_players([1, 2]) for _ in range(60)]
-        >>> replay = Replay.load("match.a26")
-        >>> replay.players, replay.frames_total, bool(replay.verify())
-        (2, 60, True)
     """
 
     def __init__(self, core: MultiplayerCore, path: str | PathLike[str]) -> None:

@@ -41,19 +41,6 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
     Raises:
         TypeError, ValueError, OSError: see `RecordVideo`.
         RuntimeError: raised by `step` if a wrapper inside this one has changed the actions.
-
-    Example:
-        >>> import os
-        >>> import atari, numpy
-        >>> from atari.recording import RecordVideo
-        >>> envs = atari.AtariVectorEnv("pong", 4)
-        >>> envs = RecordVideo(envs, "videos", step_trigger=lambda step: step == 0, video_length=5)
-        >>> observations, info = envs.reset(seed=0)
-        >>> for _ in range(6):
-        ...     observations = envs.step(numpy.zeros(4, int))[0]
-        >>> envs.close()
-        >>> os.listdir("videos")
-        ['rl-video-step-0.mp4']
     """
 
     def __init__(
