@@ -15,6 +15,7 @@ MODULES: dict[str, tuple[str, ...]] = {
     "atari": (),
     "atari.games": (
         "atari.games.catalog.games",
+        "atari.games.game.Game",
         "atari.games.game.load_game",
     ),
     "atari.wrappers": (),

@@ -13,6 +13,7 @@ NOT_PAGES = {
     "atari.games.interventions",
     "atari.learning.memory",
     "atari.task",
+    "atari.vector",
 }
 
 
@@ -47,6 +48,12 @@ def test_every_public_name_is_found(site_module):
         "atari.classic.utils",
         "atari.classic.wrappers",
         "atari.cores",
+        "atari.classic",
+        "atari.integrations",
+        "atari.lab",
+        "atari.learning",
+        "atari.multiplayer",
+        "atari.recording",
         "atari.roms",
         "atari.testing",
         "atari.wrappers",
