@@ -1,6 +1,7 @@
 """Views of environments, games and replays in a notebook: HTML that contains its pictures.
 
-Pictures are written with the standard library alone. An animation is an animated PNG, which every browser plays.
+An animation is an animated PNG, which every browser plays. Its frames are put together here: OpenCV encodes animations
+in memory since version 4.12, which needs NumPy 2, and takes all frames at once, where a long replay is cut at a size.
 """
 
 import base64
@@ -25,7 +26,9 @@ _OVERWRITE_AND_KEEP = (0, 0)
 
 def png(image: ByteArray) -> bytes:
     """An RGB image, (height, width, 3) uint8, as a PNG file."""
-    return _SIGNATURE + _header(image) + _chunk(b"IDAT", _pixels(image)) + _chunk(b"IEND")
+    import cv2  # here, because the import takes long
+
+    return bytes(cv2.imencode(".png", image[..., ::-1])[1])
 
 
 def animation(images: Iterable[ByteArray], rate: int) -> tuple[bytes, int]:
@@ -36,13 +39,16 @@ def animation(images: Iterable[ByteArray], rate: int) -> tuple[bytes, int]:
         rate: images a second.
 
     Returns:
-        The file, and how many of the images it shows: fewer than all if it would exceed `MAX_ANIMATION_SIZE`.
+        The file, and the number of images that it shows: fewer than all if it would exceed `MAX_ANIMATION_SIZE`.
+
+    Raises:
+        ValueError: there is no image.
     """
     chunks: list[bytes] = []
     size = shown = 0
-    shape: ByteArray | None = None
+    header = b""
     for image, (top, left, bottom, right) in _changes(images):
-        shape = image if shape is None else shape
+        header = header or _header(image)
         part = image[top:bottom, left:right]
         place = struct.pack(">5I", 2 * shown - (shown > 0), right - left, bottom - top, left, top)
         control = _chunk(b"fcTL", place + struct.pack(">2H2B", 1, rate, *_OVERWRITE_AND_KEEP))
@@ -53,14 +59,14 @@ def animation(images: Iterable[ByteArray], rate: int) -> tuple[bytes, int]:
             break
         chunks += control, data
         shown += 1
-    if shape is None:
+    if not shown:
         raise ValueError("an animation needs an image")
     count = _chunk(b"acTL", struct.pack(">2I", shown, 0))
-    return b"".join((_SIGNATURE, _header(shape), count, *chunks, _chunk(b"IEND"))), shown
+    return b"".join((_SIGNATURE, header, count, *chunks, _chunk(b"IEND"))), shown
 
 
 def picture(data: bytes, caption: str, *, width: int, height: int) -> str:
-    """HTML of a PNG file, shown in so many pixels of the page, at most as wide as the page, with a caption below."""
+    """HTML of a PNG file, `width` by `height` pixels, at most as wide as the page, with a caption below."""
     text = html.escape(caption)
     return (
         f'<figure style="margin:0"><img width="{width}" height="{height}" alt="{text}" '
@@ -82,7 +88,7 @@ def facts(title: str, rows: Sequence[tuple[str, Any]], note: str = "") -> str:
 
 
 def pooled(images: Iterable[ByteArray], size: int) -> Iterator[ByteArray]:
-    """The brightest value of each pixel in `size` images at a time: games flicker things from frame to frame."""
+    """The brightest value of each pixel in `size` images at a time: games draw some objects in every second frame."""
     rest = iter(images)
     while group := list(islice(rest, size)):
         yield np.maximum.reduce(group)

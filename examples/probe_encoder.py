@@ -1,6 +1,6 @@
 """What the encoder of a trained agent has kept of the game's state, beside two baselines.
 
-    atari train --games 0 ppo pong --fast --total-steps 150000 -o runs/probed
+    atari train ppo pong --games 0 --fast --total-steps 150000 -o runs/probed
     python examples/probe_encoder.py runs/probed
 
 Prints the F1 score of each of AtariARI's categories for the trained encoder, the same network with random weights, the

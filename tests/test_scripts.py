@@ -1,6 +1,7 @@
-"""Every script of `scripts` prints its help, and no folder of them is too large to look through."""
+"""Every script of `scripts` prints its help, no folder of them is too large to look through, and a build that fails."""
 
 import os
+import shutil
 import subprocess
 import sys
 from importlib.util import find_spec
@@ -10,14 +11,11 @@ import pytest
 from env_tools import needs_gymnasium_1, needs_new_ale_py
 
 SCRIPTS = Path(__file__).parent.parent / "scripts"
-SOURCED = {"setup.sh", "build_backend.py"}
-"""Files of the scripts' folder that no user runs."""
-
 SHELL = sorted(path for path in SCRIPTS.iterdir() if path.is_file() and not path.suffix)
 PYTHON = sorted(
     path
     for path in (*SCRIPTS.glob("*.py"), *SCRIPTS.glob("bench/*.py"), *SCRIPTS.glob("generate/*.py"))
-    if path.name not in SOURCED and 'if __name__ == "__main__":' in path.read_text(encoding="utf-8")
+    if 'if __name__ == "__main__":' in path.read_text(encoding="utf-8")
 )
 
 
@@ -47,3 +45,15 @@ def test_a_python_script_prints_its_help(script: Path) -> None:
 )
 def test_a_folder_has_at_most_twenty_entries(folder: Path) -> None:
     assert len([path for path in folder.iterdir() if path.name != "__pycache__"]) <= 20
+
+
+@pytest.mark.skipif(not find_spec("scikit_build_core"), reason="needs scikit-build-core")
+def test_a_build_that_fails_says_what_to_install(tmp_path: Path) -> None:
+    for file in ("pyproject.toml", "CMakeLists.txt", "README.md", "LICENSE"):
+        shutil.copy(SCRIPTS.parent / file, tmp_path)
+    build = [sys.executable, "-c", "from scikit_build_core.build import build_wheel; build_wheel('.')"]
+    environment = {**os.environ, "CXX": str(tmp_path / "no-compiler")}
+    done = subprocess.run(build, capture_output=True, text=True, cwd=tmp_path, env=environment, check=False)
+    assert done.returncode == 1
+    assert done.stdout.endswith("or set CXX.\n")
+    assert "takes a C++20 compiler" in done.stdout

@@ -16,13 +16,13 @@ import gymnasium
 
 import atari
 from atari.cli.arguments import Parser
-from atari.cli.output import print_error
+from atari.cli.printing import print_error
 
 _COMMANDS = tuple(
-    "list info explain roms verify demo record replay play train watch evaluate collect lab completion".split()
+    "list info explain roms verify demo record replay play train watch evaluate collect lab causes completion".split()
 )
-_SUBCOMMANDS = ("lab map", "lab collect")
-"""Commands of two words whose first word is a command, too. The file of `lab map` is lab_map.py."""
+_FORMER = {"lab map": "causes", "lab collect": "collect"}
+"""Names of commands before 0.2, and the present ones."""
 
 _EXAMPLES = """\
 examples:
@@ -66,8 +66,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _run(argv: Sequence[str] | None) -> int:
     try:
         words = sys.argv[1:] if argv is None else [*argv]
-        if " ".join(words[:2]) in _SUBCOMMANDS:
-            words[:2] = [" ".join(words[:2])]
+        if (former := " ".join(words[:2])) in _FORMER:
+            raise ValueError(f"`atari {former}` is now `atari {_FORMER[former]}`")
         args, unknown = _parser(words).parse_known_args(words)
         if unknown:  # argparse itself would print the usage of `atari`, not that of the command
             args.parser.error(f"unrecognized arguments: {' '.join(unknown)}")
@@ -84,15 +84,13 @@ def _parser(words: Sequence[str]) -> argparse.ArgumentParser:
         description="Atari 2600 games as Gymnasium environments.",
         epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
     )
     parser.add_argument("--version", action="version", version=f"atari-envs {atari.__version__}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     chosen = next((word for word in words if not word.startswith("-")), None)
-    known = (*_COMMANDS, *_SUBCOMMANDS)
-    near = difflib.get_close_matches(chosen or "", _COMMANDS, n=1) if chosen not in known else []
+    near = difflib.get_close_matches(chosen or "", _COMMANDS, n=1) if chosen not in _COMMANDS else []
     if near:
         parser.error(f"there is no command {chosen!r}; did you mean {near[0]!r}?")
-    for name in (chosen,) if chosen in known else known:
-        import_module(f"atari.cli.{name.replace(' ', '_')}").register(commands)
+    for name in (chosen,) if chosen in _COMMANDS else _COMMANDS:
+        import_module(f"atari.cli.{name}").register(commands)
     return parser

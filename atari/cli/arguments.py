@@ -4,9 +4,9 @@ import argparse
 import difflib
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from atari.games.catalog import games
 from atari.games.game import Game
@@ -19,8 +19,36 @@ if TYPE_CHECKING:
     Commands = argparse._SubParsersAction[argparse.ArgumentParser]
 
 
+class HelpFormatter(argparse.HelpFormatter):
+    """A formatter whose usage is short: required arguments, and [options] for the others, which the help lists."""
+
+    def add_usage(
+        self, usage: str | None, actions: Iterable[argparse.Action], groups: Any, prefix: str | None = None
+    ) -> None:
+        """Add the usage; a parser with subcommands keeps its own."""
+        actions = list(actions)
+        shown = [action for action in actions if action.required or not action.option_strings]
+        if shown != actions and not any(isinstance(action, argparse._SubParsersAction) for action in actions):
+            actions, groups = [*shown, argparse.Action([], "", metavar="[options]")], []
+        super().add_usage(usage, actions, groups, prefix)
+
+
 class Parser(argparse.ArgumentParser):
-    """An argument parser whose errors suggest the nearest choice or option, with the usage of its own command."""
+    """An argument parser with a short usage, options at any place, and errors that suggest the nearest name."""
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **{"formatter_class": HelpFormatter, "allow_abbrev": False, **options})
+        self._intermixed = False
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse; an option may stand before an argument that may be left out, such as the games of `evaluate`."""
+        if self._intermixed or any(action.nargs in (argparse.PARSER, argparse.REMAINDER) for action in self._actions):
+            return super().parse_known_args(args, namespace)
+        self._intermixed = True  # for the calls of this method by the next one
+        try:
+            return self.parse_known_intermixed_args(args, namespace)
+        finally:
+            self._intermixed = False
 
     def error(self, message: str) -> NoReturn:
         """Print the usage and the error, with a suggestion, and exit with code 2."""
@@ -49,7 +77,7 @@ def add_command(
     commands: "Commands", name: str, run: Callable[[argparse.Namespace], int], help_: str
 ) -> argparse.ArgumentParser:
     """Add a command with the option --json. `run` gets the parsed arguments and returns the exit code."""
-    parser = commands.add_parser(name, help=help_, description=f"{help_[0].upper()}{help_[1:]}.", allow_abbrev=False)
+    parser = commands.add_parser(name, help=help_, description=f"{help_[0].upper()}{help_[1:]}.")
     parser.add_argument("--json", action="store_true", help="print one JSON document")
     parser.set_defaults(run=run, parser=parser)
     return parser

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from tqdm import tqdm
 
 from atari.cli.arguments import GAME_HELP, add_command, number
-from atari.cli.output import print_json
 from atari.cli.policies import ALONE, find_played, games_of, replay_of
+from atari.cli.printing import print_json
 from atari.lab.collect import check_output, write_dataset
 from atari.learning import load_policy
 from atari.recording import Replay
@@ -20,10 +20,10 @@ if TYPE_CHECKING:
     from atari.cli.arguments import Commands
 
 
-def register(commands: "Commands", name: str = "collect") -> None:
-    """Add `atari collect`, which is `atari lab collect` too."""
-    parser = add_command(commands, name, _collect, "let a policy play a game, and write what happens as data")
-    parser.epilog = f"Example: atari {name} pong --policy random --episodes 3 -o pong.h5"
+def register(commands: "Commands") -> None:
+    """Add `atari collect`."""
+    parser = add_command(commands, "collect", _collect, "let a policy play a game, and write what happens as data")
+    parser.epilog = "Example: atari collect pong --policy random --episodes 3 -o pong.h5"
     parser.add_argument(
         "game",
         metavar="GAME",

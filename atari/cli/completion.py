@@ -9,7 +9,7 @@ import gymnasium
 
 from atari import env_ids
 from atari.cli.arguments import Parser, add_command
-from atari.cli.output import print_json
+from atari.cli.printing import print_json
 from atari.games.catalog import games
 
 if TYPE_CHECKING:
@@ -30,37 +30,24 @@ _atari_presets() {{ compgen -W "{presets}" -- "$1"; }}
 _atari_protocols() {{ compgen -W "{protocols}" -- "$1"; }}
 _atari_game_ids="{games}"
 _atari_ids="{ids}"
-_shtab_atari_lab_pos_0_choices=(map collect)
 """
 
 _ZSH = """\
 _atari_game_ids=({games})
 _atari_ids=({ids})
 _atari_games() {{ compadd -a _atari_game_ids; compadd -a _atari_ids; _files -g '*.toml' }}
-_atari_sources() {{ compadd map collect; _atari_games; _files }}
+_atari_sources() {{ _atari_games; _files }}
 _atari_policies() {{ compadd random noop; _files }}
 _atari_agents() {{ compadd {agents}; _atari_games }}
 _atari_presets() {{ compadd {presets} }}
 _atari_protocols() {{ compadd {protocols} }}
-_shtab_atari_lab() {{
-  local context state line curcontext="$curcontext" options
-  if (( CURRENT > 2 )) && [[ $words[2] == (map|collect) ]]; then
-    options=_shtab_atari_lab_$words[2]_options
-    shift words
-    (( CURRENT -= 1 ))
-    _arguments -C -s ${{(P)options}}
-  else
-    _arguments -C -s $_shtab_atari_lab_options
-  fi
-}}
 """
-"""Overrides shtab's function for `lab`, whose first argument is a source or a command of its own."""
 
 _TCSH = """\
 set _atari_game_ids = ({games})
 set _atari_ids = ({ids})
 alias _atari_games 'echo $_atari_game_ids $_atari_ids; ls'
-alias _atari_sources 'echo map collect $_atari_game_ids; ls'
+alias _atari_sources 'echo $_atari_game_ids; ls'
 alias _atari_policies 'echo random noop; ls'
 alias _atari_agents 'echo {agents} $_atari_game_ids'
 alias _atari_presets 'echo {presets}'
@@ -103,7 +90,7 @@ def _completion(args: argparse.Namespace) -> int:
         raise gymnasium.error.DependencyNotInstalled(
             "atari completion needs shtab: pip install 'atari-envs[completion]'"
         ) from None
-    parser = _whole_parser(args.shell)
+    parser = _whole_parser()
     _attach(parser, shtab.FILE)
     from atari.learning.agents import AGENTS
     from atari.learning.evaluation.protocols import PROTOCOLS
@@ -122,40 +109,22 @@ def _completion(args: argparse.Namespace) -> int:
     return 0
 
 
-class _Below:
-    """Adds the commands `lab map` and `lab collect` to the parser of `lab`, as the shell sees them."""
-
-    def __init__(self, commands: Any) -> None:
-        self._commands = commands
-
-    def add_parser(self, name: str, **options: Any) -> argparse.ArgumentParser:
-        parser: argparse.ArgumentParser = self._commands.add_parser(name.split()[-1], **options)
-        return parser
-
-
-def _whole_parser(shell: str) -> argparse.ArgumentParser:
-    """The parser of all commands. Those of two words are commands of the parser of the first word."""
-    from atari.cli import _COMMANDS, _SUBCOMMANDS
+def _whole_parser() -> argparse.ArgumentParser:
+    """The parser of all commands."""
+    from atari.cli import _COMMANDS
 
     parser = Parser(prog="atari", description="Atari 2600 games as Gymnasium environments.")
     parser.add_argument("--version", action="version", version="")
     commands = parser.add_subparsers(metavar="COMMAND")
     for name in _COMMANDS:
         import_module(f"atari.cli.{name}").register(commands)
-    lab = commands.choices["lab"]
-    source = next(action for action in lab._actions if action.dest == "source")
-    inner = lab.add_subparsers(metavar="COMMAND")
-    for name in _SUBCOMMANDS:
-        import_module(f"atari.cli.{name.replace(' ', '_')}").register(_Below(inner))
+    source = next(action for action in commands.choices["lab"]._actions if action.dest == "source")
     vars(source)["complete"] = _completers("sources")
-    if shell == "tcsh":  # its rules count words, and the source and the command are the same word
-        lab._actions.remove(source)
-        vars(inner)["complete"] = _completers("sources")
     return parser
 
 
 def _completers(kind: str) -> dict[str, str]:
-    """What completes words of a kind, by shell: functions, and in tcsh the output of an alias."""
+    """The completer of words of a kind, by shell: a function, and in tcsh the output of an alias."""
     name = f"_atari_{kind}"
     return {"bash": name, "zsh": name, "tcsh": f"`{name}`"}
 

@@ -1,6 +1,7 @@
 """`atari evaluate`: whole games of a policy by a protocol, and published results beside them."""
 
 import argparse
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -8,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 from tqdm import tqdm
 
 from atari.cli.arguments import add_command, number
-from atari.cli.output import print_json, print_table
 from atari.cli.policies import OF_GAME, find_played, games_of
+from atari.cli.printing import print_json, print_table
 from atari.learning import (
     GAME_SETS,
     PROTOCOLS,
     Comparison,
     Policy,
+    Published,
     Result,
     compare,
     evaluate,
@@ -55,14 +57,14 @@ def register(commands: "Commands") -> None:
     parser.add_argument(
         "--episodes", type=number(int, 1), metavar="N", help="whole games of each game (default: as the protocol says)"
     )
-    parser.add_argument("--seed", type=seed, default=0, metavar="N", help="of the games, below 2**32 (default: 0)")
+    parser.add_argument("--seed", type=seed, default=0, metavar="N", help="seed of the games, below 2**32 (default: 0)")
     parser.add_argument("--num-envs", type=number(int, 1), metavar="N", help="games at a time (default: up to 64)")
     parser.add_argument("--sample", action="store_true", help="draw the actions of stochastic policies")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="save the result, JSON")
     parser.add_argument(
         "--compare", action="append", default=[], metavar="NAME", help="a published agent, such as dopamine/rainbow"
     )
-    parser.add_argument("--frames", type=number(int, 1), metavar="N", help="compare at so many frames of training")
+    parser.add_argument("--frames", type=number(int, 1), metavar="N", help="compare at N frames of training")
     parser.add_argument("--human", default="noop57", metavar="TABLE", help="human scores (default: noop57)")
     parser.add_argument("--mixed", action="store_true", help="compare although protocols or budgets differ")
     parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the comparison: .svg, .png, .pdf")
@@ -78,7 +80,7 @@ def _evaluate(args: argparse.Namespace) -> int:
             args.parser.error("the following arguments are required: SOURCE (or --list)")
         return 2
     _check_before_playing(args)
-    games = _games(args)
+    games = find_played(args, args.games, None if args.games else load_policy(args.source))
     policies = _policies(args, games)
     _check_budgets(args, policies)
     for game in games:
@@ -100,10 +102,7 @@ def _check_before_playing(args: argparse.Namespace) -> None:
     """Refuse what would be refused after the games, which may take hours."""
     protocol = find_protocol(args.protocol)
     human_scores(args.human)
-    for name in args.compare:
-        faults = protocol_faults(protocol, published(name))
-        if faults and not args.mixed:
-            raise ValueError(f"{name} is not comparable: {'; '.join(faults)}; --mixed compares it, and says so")
+    _check_comparable(args, lambda agent: protocol_faults(protocol, agent))
     if args.plot:
         if not args.compare:
             raise ValueError("--plot draws a comparison; name a published agent with --compare")
@@ -117,15 +116,13 @@ def _check_budgets(args: argparse.Namespace, policies: dict[str, Policy]) -> Non
     """Refuse published agents without scores at the training's frames, before the games."""
     trained = {getattr(policy, "training_frames", None) for policy in policies.values()}
     frames = args.frames or (trained.pop() if len(trained) == 1 else None)
+    _check_comparable(args, lambda agent: budget_faults(agent, frames))
+
+
+def _check_comparable(args: argparse.Namespace, faults_of: Callable[[Published], list[str]]) -> None:
     for name in args.compare:
-        faults = budget_faults(published(name), frames)
-        if faults and not args.mixed:
+        if (faults := faults_of(published(name))) and not args.mixed:
             raise ValueError(f"{name} is not comparable: {'; '.join(faults)}; --mixed compares it, and says so")
-
-
-def _games(args: argparse.Namespace) -> tuple[Entry, ...]:
-    """The games that are named, or that of the policy."""
-    return find_played(args, args.games, None if args.games else load_policy(args.source))
 
 
 def _policies(args: argparse.Namespace, games: tuple[Entry, ...]) -> dict[str, Policy]:

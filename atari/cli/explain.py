@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from atari import env_ids, registration
 from atari.cli.arguments import GAME_HELP, add_command
-from atari.cli.output import print_json
+from atari.cli.printing import print_json
 from atari.task import Task
 from atari.task.arguments import add_task, given_options, task_of
 

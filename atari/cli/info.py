@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from atari import env_ids
 from atari.cli.arguments import GAME_HELP, add_command, find_game
-from atari.cli.output import print_json, to_json_types
+from atari.cli.printing import print_json, to_json_types
 from atari.games.game import Controllers, Game
 from atari.games.manual import Manual
 from atari.games.multiplayer import Multiplayer

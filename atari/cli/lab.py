@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any
 import gymnasium
 
 from atari.cli.arguments import GAME_HELP, add_command, add_rom, find_game, number
-from atari.play.base import BY_FRAME
-from atari.task import Task
 from atari.task.arguments import SCREEN, add_task, given_options, seed, show_task, task_of
+from atari.task.resolution import BY_FRAME
 
 if TYPE_CHECKING:
     from atari.cli.arguments import Commands
@@ -23,9 +22,9 @@ _HIGHEST_PORT = 65535
 
 
 def register(commands: "Commands") -> None:
-    """Add `atari lab`. Its subcommands are in lab_map.py and lab_collect.py."""
+    """Add `atari lab`."""
     parser = add_command(commands, "lab", _lab, "see, search and change the RAM of a game, on a local page")
-    parser.epilog = "`atari lab map GAME` writes a causal map, `atari lab collect GAME` a data set."
+    parser.epilog = "`atari causes GAME` writes a causal map, `atari collect GAME` a data set."
     parser.add_argument(
         "source",
         metavar="SOURCE",
@@ -62,7 +61,7 @@ def _lab(args: argparse.Namespace) -> int:
         return 0
     browser = None if args.no_browser else _open_browser
     if args.json:
-        from atari.cli.output import print_json
+        from atari.cli.printing import print_json
 
         serve(session, port=args.port, browser=browser, ready=lambda url: print_json({"url": url}))
     else:
@@ -84,7 +83,7 @@ def _open_browser(url: str) -> None:
 
 
 def _session(args: argparse.Namespace) -> "Session":
-    """The session of a command line: of a game, a replay, a run folder or a saved state."""
+    """The session of a command line: a game, a replay, a run folder or a saved state."""
     from atari.env import AtariEnv
     from atari.lab.inspector.session import Session
     from atari.lab.inspector.sources import session_of_replay, session_of_snapshot
@@ -105,18 +104,14 @@ def _session(args: argparse.Namespace) -> "Session":
         game: Any = getattr(player, "game", None)
         if game is None:
             raise ValueError(f"{source} does not say which game it plays")
-        return Session(AtariEnv(_frames_of(player.task_in(find_game(game)))), agent=player, seed=seed_)
+        task = player.task_in(find_game(game)).of_emulator().replace(actions="full", obs_type="rgb")
+        return Session(AtariEnv(task), agent=player, seed=seed_)
     player = _agent(args.agent)
     if of_game:
         sticky = 0.0 if player is None else player.task_in(find_game(source)).repeat_action_probability
         task = task_of(args, game=source, base={**BY_FRAME, "repeat_action_probability": sticky})
         return Session(AtariEnv(task, rom=args.rom), agent=player, seed=seed_)
     return (session_of_replay if path.suffix == ".a26" else session_of_snapshot)(path, rom=args.rom, agent=player)
-
-
-def _frames_of(task: Task) -> Task:
-    """The frames of a task, one by one, with all actions."""
-    return task.of_emulator().replace(actions="full", obs_type="rgb")
 
 
 def _agent(source: str | None) -> Any:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from atari import env_ids
 from atari.cli.arguments import add_command
-from atari.cli.output import print_json, print_table
+from atari.cli.printing import print_json, print_table
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.games.pettingzoo import ENVIRONMENTS
@@ -20,7 +20,7 @@ def register(commands: "Commands") -> None:
     parser = add_command(commands, "list", _list, "list the games, or with --ids every environment ID")
     parser.add_argument("--ids", action="store_true", help="the IDs that gymnasium.make accepts, one a line")
     parser.add_argument(
-        "--players", type=int, choices=(2, 4), help="the environments of atari.multiplayer for so many players"
+        "--players", type=int, choices=(2, 4), help="list the environments of atari.multiplayer for 2 or 4 players"
     )
 
 

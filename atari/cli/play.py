@@ -6,23 +6,27 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from atari.cli.arguments import GAME_HELP, add_command, add_rom, find_game, number
+from atari.cli.arguments import GAME_HELP, HelpFormatter, add_command, add_rom, find_game, number
 from atari.cli.multiplayer import FORMER_FLAGS, is_match, make_match, match_task
-from atari.cli.output import print_json
+from atari.cli.printing import print_json
 from atari.play import Session, play
-from atari.play.base import BY_FRAME
 from atari.play.controls import HELP, HELP_SEVERAL
 from atari.play.window import start_pygame
 from atari.task.arguments import SCREEN, add_former, add_task, given_options, seed, show_task, task_of
+from atari.task.resolution import BY_FRAME
 
 if TYPE_CHECKING:
     from atari.cli.arguments import Commands
 
 
+class _KeysFormatter(HelpFormatter, argparse.RawDescriptionHelpFormatter):
+    """Keeps the lines of the table of keys."""
+
+
 def register(commands: "Commands") -> None:
     """Add `atari play`."""
     parser = add_command(commands, "play", _play, "play a game in a window, and write a replay of it")
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.formatter_class = _KeysFormatter
     parser.epilog = f"keys:\n{HELP}\n\nkeys of several players:\n{HELP_SEVERAL}"
     parser.add_argument("game", metavar="GAME", help=f"{GAME_HELP}; with --players also a name of PettingZoo's")
     add_rom(parser)

@@ -2,14 +2,12 @@
 
 import argparse
 from collections.abc import Callable, Sequence
-from contextlib import closing
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from atari._interrupt import ctrl_c_as_event
 from atari.cli.arguments import find_game
 from atari.cores.options import SEED_LIMIT
 from atari.learning import record_games
@@ -36,42 +34,55 @@ RecordGames = Callable[[Sequence[int], Path], list[tuple[float, int]]]
 """Records games of seeds in a replay, and returns the score and the frames of each."""
 
 
-def play_alone(
-    env: RecordReplay, task: Task, policy: LoadedPolicy, seed: int, ends: Callable[[int, int, int], bool]
-) -> bool:
-    """Play and close an environment, and return False after Ctrl-C.
+class PolicySession:
+    """A policy in an environment of one player, step by step; `MultiplayerSession` is the same for several players.
 
     Args:
         env: the environment.
-        task: of the environment.
+        task: the task of the environment.
         policy: it gets batches of one observation.
-        seed: of the first game and of the policy in it. Each further game has the next seed.
-        ends: of the numbers of games, frames and steps so far, whether that is enough.
+        seed: the seed of the first game and of the policy in it. Each further game has the next seed.
     """
-    inner: Any = env.unwrapped
-    names, lanes = [action.name for action in task.action_set], np.zeros(1, np.int64)
-    games = steps = 0
-    over = ended = True
-    with closing(env), ctrl_c_as_event() as interrupted:
-        while not ends(games, env.recorder.frames, steps):
-            if interrupted.is_set():
-                return False
-            if over:
-                game_seed = (seed + games) % SEED_LIMIT
-                policy.begin(task.game, names, lanes, np.array([game_seed]))
-                seen, _ = env.reset(seed=game_seed)
-            elif ended:
-                seen, _ = env.reset()
-                if not task.seamless_lives:
-                    policy.begin_episodes(lanes)
-            batch = {key: value[None] for key, value in seen.items()} if isinstance(seen, dict) else seen[None]
-            (action,) = policy(batch, lanes)
-            seen, _, terminated, truncated, _ = env.step(int(action))
-            steps += 1
-            ended = terminated and not task.life_loss_info
-            over = inner.core.game_over or truncated or (ended and task.on_reset == "new_game")
-            games += over
-    return True
+
+    def __init__(self, env: RecordReplay, task: Task, policy: LoadedPolicy, seed: int) -> None:
+        self.game = task.definition
+        self.over = True
+        self._env, self._task, self._policy, self._seed = env, task, policy, seed
+        self._lane = np.zeros(1, np.int64)
+        self._seen: Any = None
+        self._ended = True
+
+    @property
+    def frames(self) -> int:
+        """Frames played."""
+        return self._env.recorder.frames
+
+    def new_game(self) -> None:
+        """Begin the next game."""
+        seed = self._seed % SEED_LIMIT
+        self._seed += 1
+        names = [action.name for action in self._task.action_set]
+        self._policy.begin(self._task.game, names, self._lane, np.array([seed]))
+        self._seen, _ = self._env.reset(seed=seed)
+        self._ended = False
+
+    def play(self) -> None:
+        """Play a step, after a reset where an episode has ended and its game goes on."""
+        if self._ended:
+            self._seen, _ = self._env.reset()
+            if not self._task.seamless_lives:
+                self._policy.begin_episodes(self._lane)
+        seen = self._seen
+        batch = {key: value[None] for key, value in seen.items()} if isinstance(seen, dict) else seen[None]
+        (action,) = self._policy(batch, self._lane)
+        self._seen, _, terminated, truncated, _ = self._env.step(int(action))
+        self._ended = terminated and not self._task.life_loss_info
+        inner: Any = self._env.unwrapped
+        self.over = inner.core.game_over or truncated or (self._ended and self._task.on_reset == "new_game")
+
+    def close(self) -> None:
+        """Close the environment, and with it the replay."""
+        self._env.close()
 
 
 def find_played(args: argparse.Namespace, names: Sequence[str], policy: Any = None) -> tuple[Entry, ...]:
@@ -79,7 +90,7 @@ def find_played(args: argparse.Namespace, names: Sequence[str], policy: Any = No
 
     Args:
         args: parsed.
-        names: of games, IDs, sets of games, or files.
+        names: games, IDs, sets of games, or files.
         policy: it decides how games are played, if it says what it needs.
 
     Raises:

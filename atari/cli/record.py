@@ -1,12 +1,14 @@
-"""`atari record`: policies play a game to a replay, of which videos are rendered."""
+"""`atari record`: policies play a game to a replay, and videos are rendered from it."""
 
 import argparse
 import math
+import shutil
 import sys
 import tempfile
 import time
 from collections.abc import Callable
 from contextlib import closing
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,16 +19,17 @@ import atari
 from atari._interrupt import ctrl_c_as_event
 from atari.cli.arguments import GAME_HELP, add_command, add_overlay, add_rom, number
 from atari.cli.multiplayer import FORMER_FLAGS, is_match, make_match, match_task
-from atari.cli.output import print_json
-from atari.cli.outputs import Outputs
-from atari.cli.policies import find_played, games_of, play_alone, replay_of
+from atari.cli.policies import PolicySession, find_played, games_of, replay_of
+from atari.cli.printing import print_json
 from atari.games.game import Game
 from atari.learning import load_policy
 from atari.learning.evaluation.played import says_nothing
 from atari.play.multiplayer_session import MultiplayerSession
 from atari.policy import LoadedPolicy
-from atari.recording import FORMATS, RecordReplay, Replay, frame_rate
+from atari.recording import FORMATS, RecordReplay, Replay, VideoWriter, frame_rate
 from atari.recording.replay.file_format import SUFFIX
+from atari.recording.video.formats import has_sound
+from atari.recording.video.overlay import Overlay
 from atari.task import Task
 from atari.task.arguments import add_former, add_task, game_of, given_options, seed, show_task, task_of
 
@@ -64,7 +67,7 @@ def add_recording(parser: argparse.ArgumentParser) -> Any:
     length.add_argument(
         "--seconds", type=number(float, 0.1), metavar="S", help="seconds of play at the console's speed"
     )
-    parser.add_argument("--seed", type=seed, default=0, metavar="N", help="of game and policy (default: 0)")
+    parser.add_argument("--seed", type=seed, default=0, metavar="N", help="seed of game and policy (default: 0)")
     endings = ", ".join((*FORMATS, SUFFIX))
     parser.add_argument(
         "-o",
@@ -93,18 +96,18 @@ def record(args: argparse.Namespace) -> int:
     if len(policies) > 1 and not match:
         raise ValueError("a second --policy needs --players; see `atari record --help`")
     recorded = not match and policies[0].endswith(SUFFIX)
-    task, prepare = _match(args, policies) if match else _alone(args, policies[0])
+    task, play = _match(args, policies) if match else _alone(args, policies[0])
     if show_task(args, task):
         return 0
     stem = Path(policies[0]).stem if Path(policies[0]).exists() and not match else str(args.seed)
     files = [] if args.no_video else args.output or [Path("videos", f"{task.game}-{stem}.mp4")]
-    outputs = Outputs(files, args.scale, not args.no_sound, args.overlay, args.best)
+    outputs = _Outputs(files, args.scale, not args.no_sound, args.overlay, args.best)
     if recorded and outputs.replays:
         raise ValueError("a replay of a replay is its copy; name a video with -o")
-    play, start = prepare(), time.perf_counter()
     outputs.check(task.definition)
+    start = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(policies[0]) if recorded else outputs.replay(folder)
+        path = Path(policies[0]) if recorded else next(iter(outputs.replays), Path(folder, "games.a26"))
         done = play(path)
         replay = Replay.load(path, game=task.definition, rom=args.rom)
         filmed = outputs.write(replay, args.seconds if recorded else None)
@@ -124,30 +127,53 @@ def record(args: argparse.Namespace) -> int:
     return 0
 
 
-def _alone(args: argparse.Namespace, policy: str) -> tuple[Task, Callable[[], Play]]:
-    """The task of one player, and the function that prepares the play."""
+def _alone(args: argparse.Namespace, policy: str) -> tuple[Task, Play]:
+    """The task of one player, and the function that plays it."""
     if policy.endswith(SUFFIX):
         if args.steps is not None or (args.best and args.seconds is not None):
             raise ValueError("a replay is filmed whole, up to --seconds, or its --best game; leave the others out")
-        return replay_of(args, policy).task, lambda: lambda path: True
+        return replay_of(args, policy).task, lambda path: True
     loaded = load_policy(policy)
     if not Path(policy).exists() and says_nothing(loaded):
         task = task_of(args)
         if task.continuous:
             raise ValueError("continuous=True has no numbered actions, and a policy chooses one; leave it out")
-        return task, partial(_prepare, args, task, loaded)
+        return task, partial(_play_alone, args, task, loaded)
     for option in ("seconds", "steps", "rom"):
         if getattr(args, option) is not None:
             raise ValueError(f"{policy} plays whole games, with the ROM that is found; leave --{option} out")
     (entry,) = find_played(args, [args.game], loaded)
     task, record = games_of(loaded, entry)
     seeds = range(args.seed, args.seed + args.episodes)
-    return task, lambda: lambda path: bool(record(seeds, path))
+    return task, lambda path: bool(record(seeds, path))
 
 
-def _prepare(args: argparse.Namespace, task: Task, policy: LoadedPolicy) -> Play:
+def _play_alone(args: argparse.Namespace, task: Task, policy: LoadedPolicy, path: Path) -> bool:
     env = atari.make(game_of(args.game), preset=args.preset, rom=args.rom, **given_options(args))
-    return lambda path: play_alone(RecordReplay(env, path), task, policy, args.seed, _Ends(args, task.definition))
+    return _play(args, PolicySession(RecordReplay(env, path), task, policy, args.seed))
+
+
+def _match(args: argparse.Namespace, names: list[str]) -> tuple[Task, Play]:
+    """The task of several players, and the function that plays it."""
+    if args.steps is not None:
+        raise ValueError("--steps is for one player; give --seconds or --episodes")
+    task = match_task(args)
+    return task, lambda path: _play(args, make_match(args, task, "--policy", names)(replay=path))
+
+
+def _play(args: argparse.Namespace, session: PolicySession | MultiplayerSession) -> bool:
+    """Play and close a session, and return False after Ctrl-C."""
+    ends, games, steps = _Ends(args, session.game), 0, 0
+    with closing(session), ctrl_c_as_event() as interrupted:
+        while not ends(games, session.frames, steps):
+            if interrupted.is_set():
+                return False
+            if session.over:
+                session.new_game()
+            session.play()
+            steps += 1
+            games += session.over
+    return True
 
 
 class _Ends:
@@ -170,30 +196,74 @@ class _Ends:
         return steps >= self._steps or frames >= self._frames or games >= self._games
 
 
-def _match(args: argparse.Namespace, names: list[str]) -> tuple[Task, Callable[[], Play]]:
-    """The task of several players, and the function that prepares the play."""
-    if args.steps is not None:
-        raise ValueError("--steps is for one player; give --seconds or --episodes")
-    task = match_task(args)
+@dataclass(frozen=True)
+class _Outputs:
+    """The replays and videos that a command writes.
 
-    def prepare() -> Play:
-        make = make_match(args, task, "--policy", names)
-        return lambda path: _play_match(args, make(replay=path))
+    Attributes:
+        files: their endings say what they are.
+        scale, sound, overlay: as of `Replay.render`.
+        best: whether videos show the game with the highest score alone.
+    """
 
-    return task, prepare
+    files: list[Path]
+    scale: int = 2
+    sound: bool = True
+    overlay: tuple[str, ...] | None = None
+    best: bool = False
 
+    @property
+    def replays(self) -> list[Path]:
+        return [path for path in self.files if path.suffix.lower() == SUFFIX]
 
-def _play_match(args: argparse.Namespace, session: MultiplayerSession) -> bool:
-    ends, games = _Ends(args, session.game), 0
-    with closing(session), ctrl_c_as_event() as interrupted:
-        while not ends(games, session.frames, 0):
-            if interrupted.is_set():
-                return False
-            if session.over:
-                session.new_game()
-            session.play()
-            games += session.over
-    return True
+    @property
+    def videos(self) -> list[Path]:
+        return [path for path in self.files if path.suffix.lower() != SUFFIX]
+
+    def check(self, game: Game) -> None:
+        """Find what is wrong with the videos before the games are played, which may take hours.
+
+        Raises:
+            TypeError, ValueError, OSError, gymnasium.error.DependencyNotInstalled: as `VideoWriter`.
+        """
+        endings = (*FORMATS, SUFFIX)
+        for path in self.files:
+            if path.suffix.lower() not in endings:
+                raise ValueError(f"-o is a file that ends in one of {', '.join(endings)}, got {str(path)!r}")
+        shown = Overlay(self.overlay)
+        size, lines = shown.size(game.screen.shape), shown.caption_lines
+        for path in self.videos:
+            sound = self.sound and has_sound(path)
+            VideoWriter(
+                path, size, frame_rate(game), scale=self.scale, sound=sound, caption_lines=lines
+            ).close()  # without frames it leaves no file
+
+    def write(self, replay: Replay, seconds: float | None = None) -> int:
+        """Write all files except the loaded replay itself, and return the number of frames of a video.
+
+        Args:
+            replay: what was played.
+            seconds: the length of the videos; None is the whole.
+        """
+        for path in self.replays:
+            if path != replay.path:
+                path.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy(replay.path, path)
+        frames, part = replay.frames_total, dict[str, int]()
+        if self.best:
+            part = {"episode": replay.best_episode}
+            frames = replay.episodes[replay.best_episode].frames
+        elif seconds is not None:
+            frames = min(frames, math.ceil(seconds * frame_rate(replay.game)))
+            part = {"stop": frames}
+        options: dict[str, Any] = {"scale": self.scale, "sound": self.sound, "overlay": self.overlay, **part}
+        for path in self.videos:
+            with tqdm(unit=" frames", total=frames, disable=None) as bar:
+                replay.render(path, **options, progress=bar.update)
+        return frames
+
+    def __str__(self) -> str:
+        return " and ".join(str(path.resolve()) for path in self.files)
 
 
 def _summary(policies: str, result: dict[str, Any]) -> str:

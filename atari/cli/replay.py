@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from tqdm import tqdm
 
 from atari.cli.arguments import add_command, add_overlay, number
-from atari.cli.output import print_json, print_table, print_warning
+from atari.cli.printing import print_json, print_table, print_warning
 from atari.cores import CORES
 from atari.recording import FORMATS, Replay, frame_rate
 from atari.validation import check_integer
@@ -25,7 +25,6 @@ def register(commands: "Commands") -> None:
         help="show, verify and render replays",
         description="Replays (.a26) hold the actions of a game, about 2 kB a minute, and reproduce it exactly.",
         epilog="`atari play`, `atari record -o game.a26` and atari.recording.RecordReplay write replays.",
-        allow_abbrev=False,
     )
     subcommands = group.add_subparsers(metavar="COMMAND", required=True)
     parser = add_command(subcommands, "show", _show, "show a replay's header and its episodes")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from atari import roms
 from atari.cli.arguments import GAME_HELP, add_command, find_game
-from atari.cli.output import print_error, print_json, print_table
+from atari.cli.printing import print_error, print_json, print_table
 from atari.games.catalog import games
 
 if TYPE_CHECKING:
@@ -22,9 +22,8 @@ def register(commands: "Commands") -> None:
     group = commands.add_parser(
         "roms",
         help="list, check, identify and add ROM files",
-        description="ROM files: ale-py's wheel carries those of every game, so nothing needs to be set up.",
+        description="ROM files: ale-py's wheel carries one for every game, so nothing needs to be set up.",
         epilog="They are searched for in the folders that ATARI_ROMS names, in your own, and in ale-py's.",
-        allow_abbrev=False,
     )
     subcommands = group.add_subparsers(metavar="COMMAND", required=True)
     add_command(subcommands, "list", _list, "show the file that is used for each game")

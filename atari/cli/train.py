@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import gymnasium
 
 from atari.cli.arguments import add_command, number
-from atari.cli.output import print_json
+from atari.cli.printing import print_json
 from atari.learning.agents import AGENTS
 
 if TYPE_CHECKING:
@@ -18,21 +18,25 @@ if TYPE_CHECKING:
 def register(commands: "Commands") -> None:
     """Add `atari train`."""
     parser = add_command(commands, "train", _train, "let an agent learn to play a game")
-    parser.usage = f"atari train [--games N] {{{','.join(AGENTS)}}} GAME [options]\n       atari train --resume RUN"
+    parser.usage = "atari train AGENT GAME [options]\n       atari train --resume RUN [options]"
     parser.epilog = (
         "`atari train ppo --help` shows the options of an agent, and those that change what is played. "
         "Examples: atari train ppo pong --fast; atari train dqn Breakout-ram-v4 --network mlp"
     )
     parser.add_argument("--resume", type=Path, metavar="RUN", help="go on with the training in a run folder")
+    _add_games(parser)
+    parser.add_argument(
+        "words", nargs=argparse.REMAINDER, metavar="AGENT GAME", help=f"{', '.join(AGENTS)}, its game and its options"
+    )
+
+
+def _add_games(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--games",
         type=number(int, 0),
         default=30,
         metavar="N",
         help="whole games of the evaluation after the training; 0 leaves it and the report out (default: 30)",
-    )
-    parser.add_argument(
-        "words", nargs=argparse.REMAINDER, metavar="AGENT GAME", help=f"{', '.join(AGENTS)}, its game and its options"
     )
 
 
@@ -51,8 +55,12 @@ def _train(args: argparse.Namespace) -> int:
         agent, *words = args.words or [""]
         if agent not in AGENTS:
             raise ValueError(f"name an agent ({', '.join(AGENTS)}) and a game, as in `atari train ppo pong --fast`")
+        output = argparse.ArgumentParser(add_help=False)  # flags that may stand before the agent, too
+        output.add_argument("--json", action="store_true", help="print one JSON document")
+        _add_games(output)
+        args = argparse.Namespace(json=args.json, games=args.games)
         try:
-            trained = train(agent, words, f"atari train {agent}", args.json)
+            trained = train(agent, words, f"atari train {agent}", output, args)
         except SystemExit as exit_:  # argparse has printed help or the error
             return int(exit_.code or 0)
         if trained is None:  # --print-task

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from tqdm import tqdm
 
 from atari.cli.arguments import GAME_HELP, add_command
-from atari.cli.output import print_json
+from atari.cli.printing import print_json
 from atari.cores import CORES
 from atari.cores.verify import Difference, Run, read, verify
 from atari.games.catalog import games

@@ -33,7 +33,9 @@ def register(commands: "Commands") -> None:
         help=f"{', '.join(PROTOCOLS)} (default: games as in the training of a run folder; as an ID says, for a policy "
         "that does not say what it needs; else baselines)",
     )
-    parser.add_argument("--seed", type=seed, default=0, metavar="N", help="of the first game, below 2**32 (default: 0)")
+    parser.add_argument(
+        "--seed", type=seed, default=0, metavar="N", help="seed of the first game, below 2**32 (default: 0)"
+    )
     parser.add_argument(
         "--scale", type=number(int, 1), default=3, metavar="N", help="rows of the display a pixel (default: 3)"
     )

@@ -29,19 +29,31 @@ _ALONE = (
     "agent_indicator",
     "zero_sum",
 )
-"""Options of a task for which trainings have no place."""
+"""Options of a task that trainings refuse."""
 
 
-def train(agent: str, argv: Sequence[str], prog: str, as_json: bool = False) -> Path | None:
+def train(
+    agent: str,
+    argv: Sequence[str],
+    prog: str,
+    output: argparse.ArgumentParser | None = None,
+    args: argparse.Namespace | None = None,
+) -> Path | None:
     """Train an agent as a command line says, and return the run folder.
 
-    With `--print-task` nothing is trained, and there is no folder. With `as_json`, the task is printed as JSON, and
-    before a training not at all.
+    With `--print-task` nothing is trained, and there is no folder.
+
+    Args:
+        agent: its name.
+        argv: the command line without the agent.
+        prog: the command, for help and errors.
+        output: a parser of flags that the caller obeys, and of `--json`, with which the task is printed as JSON, and
+            before a training not at all.
+        args: the values of these flags so far; the command line's are set in it.
     """
     found = find_agent(agent)
-    parser = _parser(found, prog)
-    parser.set_defaults(json=as_json)
-    args = parser.parse_args(argv)
+    parser = _parser(found, prog, output)
+    args = parser.parse_args(argv, args)
     try:
         options = _options(found, args)
         if args.print_task:
@@ -118,16 +130,20 @@ def _run(training: Training) -> None:
         raise KeyboardInterrupt(f"at step {agent.steps:,}; go on with `atari train --resume {folder}`")
 
 
-def _parser(agent: Any, prog: str) -> argparse.ArgumentParser:
+def _parser(agent: Any, prog: str, output: argparse.ArgumentParser | None) -> argparse.ArgumentParser:
     kind = agent.options_class
     parser = argparse.ArgumentParser(
-        prog=prog, usage=f"{prog} GAME [options]", description=f"Train {agent.__name__}.", allow_abbrev=False
+        prog=prog,
+        usage=f"{prog} GAME [options]",
+        description=f"Train {agent.__name__}.",
+        parents=[] if output is None else [output],
+        allow_abbrev=False,
     )
     parser.add_argument(
         "game",
         metavar="GAME",
         help="a game, such as pong; an ID, which decides sticky actions, actions, and RAM or images; a game file; or a "
-        "task (.json), which is played as it is. "
+        "task (.json), which is played unchanged. "
         f"All else is as preset {kind.default_preset} has it, with clipped rewards, unless --preset or --fast name "
         "another one",
     )

@@ -13,14 +13,6 @@ from atari.recording import VideoWriter, frame_rate
 from atari.recording.video.facts import PACKAGE
 from atari.validation import check_file
 
-BY_FRAME = {
-    "frameskip": 1,
-    "repeat_action_probability": 0.0,
-    "actions": "full",
-    "max_num_frames_per_episode": None,
-}
-"""How a game is played of which only the name is given: frame by frame, with all legal actions, none of them sticky."""
-
 FRAMES_PER_REWIND_POINT = 20
 """Frames from one rewind point to the next."""
 _MAX_REWIND_POINTS = 1800  # ten minutes, nine megabytes

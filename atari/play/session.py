@@ -8,12 +8,12 @@ from typing import Any, ClassVar
 from atari.actions import Action
 from atari.cores import ByteArray
 from atari.games.game import Game
-from atari.play.base import BY_FRAME, BaseSession
+from atari.play.base import BaseSession
 from atari.recording import RecordReplay
 from atari.recording.video.facts import facts_of
 from atari.task import Task
 from atari.task.arguments import SCREEN
-from atari.task.resolution import resolve_task
+from atari.task.resolution import BY_FRAME, resolve_task
 from atari.task.task import DEFAULTS
 
 
@@ -31,7 +31,7 @@ class Session(BaseSession):
         videos: the folder of the videos.
         seed: the game's seed; None is a random one.
         scale: a pixel becomes `2 * scale` x `scale` pixels of a video.
-        **options: `preset`, and fields of `atari.Task` but those of what an agent sees.
+        **options: `preset`, and fields of `atari.Task`, except observations.
 
     Raises:
         TypeError, ValueError, OSError: see `atari.Task.of`, `AtariEnv` and `RecordReplay`.

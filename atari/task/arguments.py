@@ -13,7 +13,7 @@ from typing import Any
 from atari.task.description import summary
 from atari.task.fields import GROUPS, check_field
 from atari.task.presets import PRESETS, find_preset
-from atari.task.resolution import OPTIONS, GameLike, resolve_for_agent, resolve_task
+from atari.task.resolution import OPTIONS, GameLike, leave_out, resolve_for_agent, resolve_task
 from atari.task.storage import read_task
 from atari.task.task import DEFAULTS, Task
 from atari.validation import check_integer
@@ -56,28 +56,32 @@ def add_task(
     """Add `--preset`, a flag of each option of a task that a command obeys, and `--print-task`.
 
     Args:
-        parser: of a command, which adds GAME itself. Flags that are not given leave no attribute in its namespace, but
-            `preset`, which is None.
+        parser: the parser of a command, which adds GAME itself. Flags that are not given leave no attribute in its
+            namespace, but `preset`, which is None.
         groups: the groups of fields that the command obeys, see `atari.task.fields.GROUPS`, and names of options.
         leave_out: options of these groups that the command does not obey.
-        fixed: options that do not matter for the command, such as those of observations where a screen is shown, with
+        fixed: options that do not matter for the command, such as observations where a screen is shown, with
             the values that it plays. They have no flags; where GAME has other values, the first line says so.
         preset: whether the command has `--preset`.
     """
     own = parser.add_argument_group("what is played", "Fields of atari.Task, which override GAME and the preset.")
     if preset:
         own.add_argument("--preset", type=_preset, metavar="NAME", help=f"a preprocessing: {', '.join(PRESETS)}")
+    own.add_argument("--print-task", action="store_true", help="print what would be played, and end")
     texts, obeyed = descriptions(Task), [name for name in _options_of(groups) if name not in leave_out]
+    sections: dict[str, Any] = {}
     for name in obeyed:
-        _add_flag(own, name, texts[name].replace("%", "%%"))
+        title = next(group for group, names in GROUPS.items() if name in names)
+        section = sections.get(title) or parser.add_argument_group(f"what is played: {title}")
+        sections[title] = section
+        _add_flag(section, name, texts[name].replace("%", "%%"))
         if name == "actions":
-            own.add_argument(
+            section.add_argument(
                 "--full-action-space",
                 action="store_true",
                 default=argparse.SUPPRESS,
                 help="another name of --actions full",
             )
-    own.add_argument("--print-task", action="store_true", help="print what would be played, and end")
     parser.set_defaults(obeyed=tuple(obeyed), fixed=fixed, command=parser.prog)
 
 
@@ -143,30 +147,10 @@ def task_of(args: argparse.Namespace, *, game: str | None = None, agent: bool = 
     text = args.game if game is None else game
     try:
         task = resolve(game_of(text), getattr(args, "preset", None), given_options(args), owner="Task", **others)
-        return _obeyed(args, task, text)
+        task, args.without = leave_out(task, args.obeyed, args.fixed, f"`{args.command}`")
+        return task
     except TypeError as error:
         raise ValueError(str(error)) from None
-
-
-def _obeyed(args: argparse.Namespace, task: Task, text: str) -> Task:
-    """The task without the fields that do not matter for the command.
-
-    Raises:
-        ValueError: it has a field that the command does not obey.
-    """
-    played = {
-        name: {**DEFAULTS, **args.fixed}[name] for name in OPTIONS if name in args.fixed or name not in args.obeyed
-    }
-    fields = task.plain()  # in which a mode that the game has anyway is None
-    changed = {name: fields[name] for name, value in played.items() if fields[name] != value}
-    for name, value in changed.items():
-        if name not in args.fixed:
-            raise ValueError(
-                f"`{args.command}` has no place for {name}={value!r}, which {text} has; name the game alone, "
-                f"{task.game!r}, or a task without it"
-            )
-    args.without = changed
-    return Task.of(task, **{name: played[name] for name in changed}) if changed else task
 
 
 def show_task(args: argparse.Namespace, task: Task) -> bool:

@@ -1,8 +1,9 @@
 """`resolve_task`: the only way from what a user gives to a `Task`."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from os import PathLike
+from types import MappingProxyType
 from typing import Any
 
 import gymnasium
@@ -47,7 +48,7 @@ def resolve_task(
         game: an ID, a game or a task.
         preset: name of a preset.
         options: what a user gave.
-        base: fields that a bare name, a file or a `Game` has instead of those of ALE's v5, unless there is a preset.
+        base: fields that a bare name, a file or a `Game` has instead of ALE's v5, unless there is a preset.
         owner: the function that the user called, for errors.
         others: names of the other options of `owner`, for the suggestion in an error.
 
@@ -75,7 +76,7 @@ def resolve_for_agent(
 ) -> Task:
     """The task of an agent, which needs preprocessing: as `resolve_task`, but an ID decides how the game is played.
 
-    An ID keeps its sticky actions, its actions, and RAM; the preset decides the rest. A `Task` is played as it is
+    An ID keeps its sticky actions, its actions, and RAM; the preset decides the rest. A `Task` is played unchanged
     unless a preset is named.
 
     Args:
@@ -119,21 +120,37 @@ def resolve_frames(game: GameLike, mode: int | None, difficulty: int | None, *, 
             has another field that such a function cannot honour.
     """
     given = {name: value for name, value in (("mode", mode), ("difficulty", difficulty)) if value is not None}
-    whole = resolve_task(game, None, given, owner=owner)
-    kept = {name: getattr(whole, name) for name in ("rules", "mode", "difficulty")}
-    task = Task(whole.definition, **{**kept, **_SINGLE_FRAMES})  # type: ignore[arg-type]  # a game is found
-    for name, (_, value) in task.differences(whole).items():
-        if name not in (*_SINGLE_FRAMES, *GROUPS["observation"], *GROUPS["reward"]):
-            raise ValueError(f"{owner} has no place for {name}={value!r}; give the game alone, {task.game!r}")
-    return task
+    fixed = {**BY_FRAME, **{name: DEFAULTS[name] for name in (*GROUPS["observation"], *GROUPS["reward"])}}
+    return leave_out(resolve_task(game, None, given, owner=owner), ("mode", "difficulty"), fixed, owner)[0]
 
 
-_SINGLE_FRAMES: Mapping[str, Any] = {
-    "frameskip": 1,
-    "actions": "full",
-    "repeat_action_probability": 0.0,
-    "max_num_frames_per_episode": None,
-}
+BY_FRAME: Mapping[str, Any] = MappingProxyType(
+    {"frameskip": 1, "actions": "full", "repeat_action_probability": 0.0, "max_num_frames_per_episode": None}
+)
+"""The fields of play frame by frame, with all legal actions, none of them sticky, without a limit."""
+
+
+def leave_out(task: Task, obeyed: Collection[str], fixed: Mapping[str, Any], owner: str) -> tuple[Task, dict[str, Any]]:
+    """A task with the values of `fixed`, and the fields that it had otherwise.
+
+    Args:
+        task: the whole task.
+        obeyed: options that the caller obeys.
+        fixed: options that do not matter for the caller, with the values that it plays.
+        owner: the caller, for the error.
+
+    Raises:
+        ValueError: another option of the task has not its default.
+    """
+    played = {name: {**DEFAULTS, **fixed}[name] for name in OPTIONS if name in fixed or name not in obeyed}
+    fields = task.plain()  # in which a mode that the game has anyway is None
+    changed = {name: fields[name] for name, value in played.items() if fields[name] != value}
+    for name, value in changed.items():
+        if name not in fixed:
+            raise ValueError(
+                f"{owner} has no place for {name}={value!r}; give the game alone, {task.game!r}, or a task without it"
+            )
+    return Task.of(task, **{name: played[name] for name in changed}) if changed else task, changed
 
 
 def translate(
@@ -185,7 +202,7 @@ def is_id(game: str) -> bool:
 
 
 def spelled(game: Any) -> Any:
-    """A game's name as the catalogue has it: "MsPacman" is "ms_pacman". Anything else as it is."""
+    """A game's name as the catalogue has it: "MsPacman" is "ms_pacman". Anything else is returned unchanged."""
     if not isinstance(game, str) or game in games or game.endswith(".toml"):
         return game
     wanted = game.replace("_", "").lower()

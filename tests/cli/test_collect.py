@@ -26,7 +26,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def collected(capsys: pytest.CaptureFixture[str], game: str, *words: str) -> tuple[dict[str, Any], dict[str, Any]]:
-    """What the command prints, and the attributes and the actions of its data set."""
+    """The output of the command, and the attributes and the actions of its data set."""
     file = f"{len(list(Path().glob('*.h5')))}.h5"
     shown = read_json(capsys, "collect", game, "--labels", "", "--frames", "grayscale", "-o", file, *words)
     with h5py.File(file) as root:

@@ -22,11 +22,11 @@ CASES = {
     "record pong --preset dqn": {"dqn2015"},
     "record pong --episodes": {"--episodes"},
     "record pong --no-maxp": {"--no-maxpool"},
-    "lab ma": {"map", "mario_bros", "maze_craze"},
-    "lab map break": {"breakout"},
-    "lab map pong --stat": {"--states"},
-    "lab collect break": {"breakout"},
-    "lab collect pong --format min": {"minari"},
+    "lab ma": {"mario_bros", "maze_craze"},
+    "causes break": {"breakout"},
+    "causes pong --stat": {"--states"},
+    "collect break": {"breakout"},
+    "collect pong --format min": {"minari"},
     "lab break": {"breakout"},
     "lab pong --no-br": {"--no-browser"},
     "lab pong --agent rand": {"random"},
@@ -41,10 +41,10 @@ CASES = {
 BEGINNINGS = {
     "record pong --episodes": "--episodes",
     "record pong --no-maxp": "--no-maxpool",
-    "lab map pong --stat": "--state",
+    "causes pong --stat": "--state",
     "info catc": "catch.",
 }
-"""What words of tcsh have in common, whose rules have the options of all commands, and files of every suffix."""
+"""Common beginnings of the words of tcsh: its rules have the options of all commands, and files of every suffix."""
 
 
 @pytest.fixture(scope="module")

@@ -146,7 +146,7 @@ def test_what_cannot_be_done_is_refused_before_playing(
 ) -> None:
     (folder / "occupied").touch()
     (folder / "folder.mp4").mkdir()
-    monkeypatch.setattr("atari.cli.record.play_alone", lambda *_: pytest.fail("it played"))
+    monkeypatch.setattr("atari.cli.record._play", lambda *_: pytest.fail("it played"))
     assert main(["demo", *words]) == 1
     captured = capsys.readouterr()
     assert captured.err.startswith("atari: error: ")

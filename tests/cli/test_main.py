@@ -12,11 +12,13 @@ import pytest
 import atari
 from atari import cli
 from atari.cli import main, record
+from atari.task import Task
+from atari.task.fields import GROUPS
 
 COMMANDS = [
     ["list"], ["info"], ["explain"], ["demo"], ["record"], ["play"], ["roms"], ["replay"],
     ["replay", "show"], ["replay", "verify"], ["replay", "render"],
-    ["completion"], ["lab"], ["lab", "map"], ["lab", "collect"],
+    ["completion"], ["lab"], ["causes"], ["collect"],
     ["roms", "list"], ["roms", "verify"], ["roms", "identify"], ["roms", "import"], ["roms", "install"],
 ]  # fmt: skip
 
@@ -45,7 +47,7 @@ def test_the_page_of_the_command_line_has_every_command() -> None:
         for row in re.findall(r"^\| `atari ([^`]*)`", page, re.M)
     }
     below = {" ".join(command) for command in COMMANDS}
-    assert named == (below | {*cli._COMMANDS, *cli._SUBCOMMANDS}) - {"roms", "replay"}
+    assert named == (below | {*cli._COMMANDS}) - {"roms", "replay"}
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
@@ -77,8 +79,8 @@ def test_each_command_has_help(command: list[str], capsys: pytest.CaptureFixture
         (["info"], "arguments are required: GAME"),
         (["explain"], "arguments are required: GAME"),
         (["list", "--i"], "unrecognized arguments: --i"),
-        (["record", "pong", "--secnds", "2"], "usage: atari record [-h]"),
-        (["replay", "show", "a.a26", "--core", "ale"], "usage: atari replay show [-h]"),
+        (["record", "pong", "--secnds", "2"], "usage: atari record GAME [options]\n"),
+        (["replay", "show", "a.a26", "--core", "ale"], "usage: atari replay show FILE [options]\n"),
         (["roms", "identify"], "arguments are required: FILE"),
     ],
 )
@@ -87,6 +89,27 @@ def test_wrong_usage_is_2(words: list[str], text: str, capsys: pytest.CaptureFix
     captured = capsys.readouterr()
     assert text in captured.err
     assert captured.out == ""
+
+
+@pytest.mark.parametrize("words", ["random --json pong", "random pong --json", "--json random pong"])
+def test_an_option_stands_before_between_or_after_the_arguments(words: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["evaluate", *words.split(), "--print-task"]) == 0
+    assert Task.from_json(capsys.readouterr().out).game == "pong"
+
+
+def test_flags_are_in_groups_and_the_usage_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["record", "--help"]) == 0
+    usage, *rest = capsys.readouterr().out.splitlines()
+    assert usage == "usage: atari record GAME [options]"
+    titles = [line for line in rest if line.endswith(":") and not line.startswith(" ")]
+    fields = [f"what is played: {group}:" for group in GROUPS]
+    assert titles == ["positional arguments:", "options:", "what is played:", *fields]
+
+
+@pytest.mark.parametrize(("word", "new"), [("collect", "collect"), ("map", "causes")])
+def test_a_former_name_says_the_new_one(word: str, new: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["lab", word, "pong"]) == 1
+    assert capsys.readouterr().err == f"atari: error: `atari lab {word}` is now `atari {new}`\n"
 
 
 @pytest.mark.parametrize(
@@ -106,7 +129,7 @@ def test_errors_of_the_library_are_one_line_and_1(
     def fail(*_: object) -> None:
         raise error
 
-    monkeypatch.setattr(record, "play_alone", fail)
+    monkeypatch.setattr(record, "_play", fail)
     assert main(["demo", "--no-video", "--json"]) == 1
     captured = capsys.readouterr()
     assert captured.err == f"atari: error: {line}\n"
@@ -114,7 +137,7 @@ def test_errors_of_the_library_are_one_line_and_1(
 
 
 def test_a_bug_shows_its_traceback(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(record, "play_alone", lambda *_: 1 // 0)
+    monkeypatch.setattr(record, "_play", lambda *_: 1 // 0)
     with pytest.raises(ZeroDivisionError):
         main(["demo", "--no-video", "--json"])
 
@@ -123,7 +146,7 @@ def test_ctrl_c_is_130(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.M
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(record, "play_alone", interrupt)
+    monkeypatch.setattr(record, "_play", interrupt)
     assert main(["demo", "--no-video", "--json"]) == 130
     assert capsys.readouterr().err == "atari: interrupted\n"
 

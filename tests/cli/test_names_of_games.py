@@ -22,7 +22,7 @@ COMMANDS = {
     "verify": ["verify", "GAME", "--frames", "3", "--core", "plain", "--jobs", "1"],
     "roms verify": ["roms", "verify", "GAME"],
     "evaluate": ["evaluate", "random", "GAME", "--episodes", "1"],
-    "lab map": ["lab", "map", "GAME", "--states", "1", "--values", "1", "--frames", "1", "--threads", "1"],
+    "causes": ["causes", "GAME", "--states", "1", "--values", "1", "--frames", "1", "--threads", "1"],
 }
 """Commands that end by themselves, in little time."""
 
@@ -43,7 +43,7 @@ def test_a_command_takes_every_kind_of_name(
 
 @pytest.mark.parametrize("name", NAMES, ids=["game", "v5", "v4", "file"])
 def test_the_other_commands_resolve_names_alike(name: str) -> None:
-    """`play` and `lab` call `find_game`, and `watch` and `lab collect` `find_entries`."""
+    """`play` and `lab` call `find_game`, and `watch` and `collect` `find_entries`."""
     assert find_game(name).id == NAMES[name]
     assert find_entries(game_of(name))[0].id == NAMES[name]
 

@@ -207,7 +207,7 @@ def test_a_shipped_map_is_what_the_defaults_make() -> None:
 
 
 def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    arguments = ["lab", "map", "pong", "--states", "4", "--frames", "1", "-o", str(tmp_path)]
+    arguments = ["causes", "pong", "--states", "4", "--frames", "1", "-o", str(tmp_path)]
     assert main(arguments) == 0
     assert "score_player" not in capsys.readouterr().out
     assert load(tmp_path / "pong.npz").game == "pong"

@@ -1,4 +1,4 @@
-"""`write_dataset` and `atari lab collect`: the files hold what the environment returned, and the labels of it."""
+"""`write_dataset` and `atari collect`: the files hold what the environment returned, and the labels of it."""
 
 import json
 import sys

@@ -22,7 +22,7 @@ SMALL = "--fast --num-envs 4 --horizon 16 --minibatch 32 --total-steps 128".spli
 def run(tmp_path_factory: pytest.TempPathFactory) -> str:
     folder = tmp_path_factory.mktemp("runs") / "pong"
     assert (
-        main(["train", "--games", "1", "ppo", "pong", *SMALL, "--actions", "NOOP,RIGHT,LEFT", "-o", str(folder)]) == 0
+        main(["train", "ppo", "pong", *SMALL, "--actions", "NOOP,RIGHT,LEFT", "-o", str(folder), "--games", "1"]) == 0
     )
     return str(folder)
 
@@ -172,8 +172,9 @@ def test_print_task(words: tuple[str, ...], capsys: pytest.CaptureFixture[str]) 
     expected = Task.of(game, **{"reward_clipping": True, "seamless_lives": False, **PRINTED[words]})
     assert main(["train", "ppo", *words, "--print-task"]) == 0
     assert capsys.readouterr().out == f"{expected}\n"
-    assert main(["train", "--json", "ppo", *words, "--print-task"]) == 0
-    assert Task.from_json(capsys.readouterr().out) == expected
+    for line in (["--json", "ppo", *words], ["ppo", "--json", *words], ["ppo", *words, "--json"]):
+        assert main(["train", *line, "--print-task"]) == 0
+        assert Task.from_json(capsys.readouterr().out) == expected
 
 
 def test_seeds_below_two_to_the_32(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -241,7 +241,7 @@ DOORS: tuple[Door, ...] = (
     ),
     Door("atari demo", _command("demo"), _OF_DEMO),
     Door("atari lab", _command("lab"), all_but(_FRAMES, _BY_FRAME)),
-    Door("atari lab map", _command("lab", "map"), all_but(("mode", "difficulty"), _BY_FRAME)),
+    Door("atari causes", _command("causes"), all_but(("mode", "difficulty"), _BY_FRAME)),
     Door("atari verify", _command("verify"), all_but(_COMPARED, _BY_FRAME)),
     Door("atari collect", _command("collect", "-o", "games.h5"), _OF_POLICIES),
     Door("atari evaluate", _command("evaluate", "random"), all_but(_OF_GAMES, "the protocol says it")),

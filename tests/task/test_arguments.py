@@ -193,10 +193,10 @@ def by_frame(*words: str) -> argparse.Namespace:
 def test_a_field_that_a_command_does_not_obey_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "task.json"
     file.write_text(Task.of("pong", noops=(1, 30)).to_json())
-    with pytest.raises(ValueError, match=r"`atari test` has no place for noops=\(1, 30\), which .*task.json has; name"):
+    with pytest.raises(ValueError, match=r"`atari test` has no place for noops=\(1, 30\); give the game alone, 'pong'"):
         task_of(by_frame(str(file)))
     file.write_text(Task.of("pong", reward_clipping=True, players=2).to_json())
-    with pytest.raises(ValueError, match=r"no place for players=2, which .*, 'pong', or a task without it"):
+    with pytest.raises(ValueError, match=r"no place for players=2; give the game alone, 'pong', or a task without it"):
         task_of(by_frame(str(file)))
 
 

@@ -75,7 +75,7 @@ def load(file: str | PathLike[str]) -> CausalMap:
             return _from_arrays({name: arrays[name] for name in ("facts", "numbers", "writes", "cells")})
     except (KeyError, TypeError, ValueError, IndexError, EOFError, zipfile.BadZipFile, zlib.error) as error:
         raise ValueError(
-            f"{path} is not a causal map of this version: {error}; write it again by `atari lab map`"
+            f"{path} is not a causal map of this version: {error}; write it again by `atari causes`"
         ) from None
 
 

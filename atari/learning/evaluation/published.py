@@ -39,16 +39,16 @@ class Curve:
 
 @dataclass(frozen=True)
 class Published:
-    """What a project has published about one agent. Scores are of whole games and not clipped.
+    """The published results of one agent. Scores are of whole games and not clipped.
 
     Attributes:
         name: such as "dopamine/rainbow".
-        title: of the agent, as its source calls it.
+        title: the agent's, in the words of its source.
         protocol: facts of its environments: `repeat_action_probability`, `noop_max`, `full_action_space`,
             `frame_skip`, `max_frames` (None is not stated), and `phase`, when its scores were taken.
         source: where it is from: `repo`, `commit`, `paths`, `licence`, `copyright`, `notes`, and `score`, what its
             scores are.
-        games: that there are scores of.
+        games: the games with scores.
         final_frames: emulator frames of the whole training; None is not stated.
 
     Example:
@@ -89,10 +89,10 @@ class Published:
     def interval(self, frames: int) -> tuple[int, int]:
         """The first and the last frame of training whose games the score at `frames` is a mean of.
 
-        Both are `frames` where the source has a score at so many frames.
+        Both are `frames` where the source has a score at that number.
 
         Raises:
-            TypeError, ValueError: `frames` is no integer, or there is no score at so many frames.
+            TypeError, ValueError: `frames` is no integer, or there is no score at that number.
         """
         frames = check_integer("frames", frames, 1, 10**15)
         points = self._entry.get("frames", [])
@@ -135,7 +135,7 @@ class Published:
         return values[~np.isnan(values)]
 
     def at(self, game: str, frames: int) -> Floats:
-        """The scores after so many emulator frames of training: (seeds,) float64, or (1,), the mean over seeds.
+        """The scores after `frames` emulator frames of training: (seeds,) float64, or (1,), the mean over seeds.
 
         Scores of single seeds are kept at some frames only: 1, 2.5, 5, 10, 20, 50, 100 million and the end. Elsewhere
         this is the mean of the interval of the curve that contains `frames` (`interval`); (0,) if no game ended in it.
@@ -143,7 +143,7 @@ class Published:
         mean is a score at its end, and there is none before it.
 
         Raises:
-            ValueError: there is no such game, or no score at so many frames.
+            ValueError: there is no such game, or no score at that number of frames.
         """
         data = self._game(game)
         _, last = self.interval(frames)
@@ -171,7 +171,7 @@ def published_names(pattern: str = "") -> tuple[str, ...]:
 
 
 def published(name: str) -> Published:
-    """What has been published about an agent, by a name of `published_names`, or by a short one such as "cleanrl/ppo".
+    """The published results of an agent, by a name of `published_names`, or by a short one such as "cleanrl/ppo".
 
     Raises:
         TypeError: the name is no string.

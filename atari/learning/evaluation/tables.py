@@ -1,7 +1,6 @@
-"""The tables in `data`: published results, sets of games, human scores. Made by scripts/generate/pack_published.py."""
+"""The tables in `data`, which scripts/generate/published_scores.py writes: published results, sets, human scores."""
 
 import difflib
-import gzip
 import json
 from collections.abc import Iterable, Mapping
 from functools import cache
@@ -15,7 +14,7 @@ _FOLDER = Path(__file__).parent / "data"
 @cache
 def read_table(name: str) -> Any:
     """The content of a file of `data`, read at its first use."""
-    return json.loads(gzip.decompress((_FOLDER / f"{name}.json.gz").read_bytes()))
+    return json.loads((_FOLDER / f"{name}.json").read_text(encoding="utf-8"))
 
 
 def check_known_name(

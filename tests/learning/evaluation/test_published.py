@@ -1,5 +1,8 @@
 """Published results: what is packed, where it is from, and that known figures come out of it."""
 
+import json
+import zlib
+
 import numpy as np
 import pytest
 
@@ -7,6 +10,7 @@ import atari
 from atari.learning import human_scores, published, published_names
 from atari.learning.evaluation import tables
 from atari.learning.evaluation.statistics import interquartile_mean
+from atari.learning.evaluation.tables import read_table
 
 
 def test_every_agent_can_be_read():
@@ -38,7 +42,9 @@ def test_every_agent_can_be_read():
 
 def test_the_files_are_small_and_their_licences_are_there():
     folder = tables._FOLDER
-    assert sum(file.stat().st_size for file in folder.glob("*.gz")) < 1_000_000
+    data = [file.read_bytes() for file in folder.glob("*.json")]
+    assert len(data) == 13
+    assert sum(len(zlib.compress(each)) for each in data) < 1_000_000  # as they are in a wheel
     licences = (folder / "LICENSES.md").read_text()
     for name in published_names():
         source = published(name).source
@@ -48,11 +54,22 @@ def test_the_files_are_small_and_their_licences_are_there():
     assert "Apache License" in (folder / "Apache-2.0.txt").read_text()
 
 
+@pytest.mark.parametrize("name", [*read_table("index")["agents"], "human"])
+def test_a_score_is_on_a_line_of_its_game(name):
+    """A change of a score shows in a diff as one line, which begins with the game."""
+    content, lines = read_table(name), (tables._FOLDER / f"{name}.json").read_text(encoding="utf-8").splitlines()
+    entries = content["tables"] if name == "human" else content
+    for game in {game for entry in entries.values() for game in entry["games"]}:
+        wanted = [entry["games"][game] for entry in entries.values() if game in entry["games"]]
+        found = [line.strip().removeprefix(f'"{game}": ').rstrip(",") for line in lines if f'"{game}": ' in line]
+        assert [json.loads(each) for each in found] == wanted
+
+
 @pytest.mark.parametrize(
     ("name", "median"), [("dopamine/rainbow", 1.48), ("pfrl/rainbow", 2.47), ("papers/dqn2015", 0.793)]
 )
 def test_known_medians(name, median):
-    """Of the provenance table in docs/evaluation.md: medians that were computed from the sources."""
+    """The medians in docs/evaluation.md, which were computed from the sources."""
     agent, human = published(name), human_scores()
     scores = [
         (agent.final(game).mean() - human[game][0]) / (human[game][1] - human[game][0])

@@ -1,4 +1,4 @@
-"""`atari lab map`: what each byte of a game's RAM causes, as data and as a picture."""
+"""`atari causes`: what each byte of a game's RAM causes, as data and as a picture."""
 
 import argparse
 import time
@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 from tqdm import tqdm
 
 from atari.cli.arguments import GAME_HELP, add_command, add_rom, number
-from atari.cli.output import print_json
-from atari.play.base import BY_FRAME
+from atari.cli.printing import print_json
 from atari.task.arguments import SCREEN, add_task, seed, show_task, task_of
+from atari.task.resolution import BY_FRAME
 
 if TYPE_CHECKING:
     from atari.cli.arguments import Commands
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 
 def register(commands: "Commands") -> None:
-    """Add `atari lab map`."""
+    """Add `atari causes`."""
     parser = add_command(
-        commands, "lab map", _map, "find what each byte of a game's RAM causes, and write it as data and as a picture"
+        commands, "causes", _causes, "find what each byte of a game's RAM causes, and write it as data and as a picture"
     )
     parser.add_argument("game", metavar="GAME", help=GAME_HELP)
     add_rom(parser)
@@ -41,7 +41,7 @@ def register(commands: "Commands") -> None:
     add_task(parser, ("mode", "difficulty"), fixed=fixed, preset=False)
 
 
-def _map(args: argparse.Namespace) -> int:
+def _causes(args: argparse.Namespace) -> int:
     from atari.lab.causal import causes
     from atari.lab.causal.files import save
     from atari.lab.causal.picture import write_png

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Pack published Atari results into atari/learning/evaluation/data: one compressed JSON file for each source.
+"""Write published Atari results to atari/learning/evaluation/data: one JSON file for each source, one line a game.
 
-usage: scripts/generate/pack_published.py FOLDER
+usage: scripts/generate/published_scores.py FOLDER
 
 FOLDER has `published/` (curves and tables of other projects, `sources.json` with their licences) and `benchmarks.json`
 (sets of games, scores of papers). Scores, frames and seeds are taken over as they are. The protocols, which the sources
@@ -10,7 +10,6 @@ describe in words, are entered in the table PROTOCOLS below. Files are equal to 
 
 import argparse
 import csv
-import gzip
 import json
 from collections import defaultdict
 from pathlib import Path
@@ -20,7 +19,7 @@ OUTPUT = Path(__file__).parents[2] / "atari" / "learning" / "evaluation" / "data
 
 
 def facts(sticky: float, noops: int, actions: str, max_frames: int | None, phase: str) -> dict[str, Any]:
-    """What must be equal to compare scores; None is not stated. All sources play four frames an action."""
+    """The facts that must be equal to compare scores; None is not stated. All sources play four frames an action."""
     return {
         "repeat_action_probability": sticky,
         "noop_max": noops,
@@ -62,13 +61,17 @@ ALIASES = {
 
 PFRL_FRAMES = {"a3c": 320_000_000}
 SEEDS = {"cleanba": 3, "cleanrl": 3, "sb3_zoo": 1, "iqn": 3, "a3c": 3}
-"""By source, by the first word of an agent, or by agent; those of others are not stated, or in two ways."""
+"""By source, by the first word of an agent, or by agent; other sources do not state them, or state two numbers."""
 
 PAPERS = {
     "dqn2015": ("DQN (Mnih et al. 2015)", "dqn_nature_2015", 200_000_000),
     "rainbow": ("Rainbow (Hessel et al. 2018)", "rainbow", 200_000_000),
     "agent57": ("Agent57 (Badia et al. 2020)", "agent57", None),
 }
+
+
+CURVES = ("mean", "std", "marks", "final")
+"""The numbers of a game in a file with learning curves."""
 
 
 def main() -> None:
@@ -112,11 +115,21 @@ def read(file: Path) -> Any:
 
 
 def write(name: str, content: Any) -> None:
-    """Write a file without a time in it, so that equal content gives equal bytes."""
-    data = json.dumps(content, separators=(",", ":"), ensure_ascii=False, sort_keys=True).encode()
-    packed = gzip.compress(data, 9, mtime=0)
-    (OUTPUT / f"{name}.json.gz").write_bytes(packed)
-    print(f"{name}: {len(packed):,} bytes")
+    """Write a file, sorted, with the numbers of a game on one line, so that a change of a score is one line."""
+    text = laid_out(content)
+    (OUTPUT / f"{name}.json").write_text(f"{text}\n", encoding="utf-8")
+    print(f"{name}: {len(text):,} characters")
+
+
+def laid_out(content: Any, margin: str = "") -> str:
+    """JSON with an item of each mapping, and of each list of texts, on a line of its own; all else is on one line."""
+    inner = f"{margin} "
+    if isinstance(content, dict) and not content.keys() <= {"score", *CURVES}:
+        lines = [f"{inner}{json.dumps(key)}: {laid_out(content[key], inner)}" for key in sorted(content)]
+        return "{\n" + ",\n".join(lines) + f"\n{margin}}}"
+    if isinstance(content, list) and content and all(isinstance(item, str) for item in content):
+        return "[\n" + ",\n".join(f"{inner}{laid_out(item)}" for item in content) + f"\n{margin}]"
+    return json.dumps(content, separators=(",", ":"), ensure_ascii=False, sort_keys=True)
 
 
 def curves(file: Path) -> dict[str, Any]:
@@ -129,13 +142,13 @@ def curves(file: Path) -> dict[str, Any]:
         if any("marks" in game for game in games.values()):
             entry["marks"] = content["marks"]
         for game, data in games.items():
-            entry["games"][game] = {key: data[key] for key in ("mean", "std", "marks", "final") if data.get(key)}
+            entry["games"][game] = {key: data[key] for key in CURVES if data.get(key)}
         agents[agent] = entry
     return agents
 
 
 def table(file: Path, frames: int) -> dict[str, Any]:
-    """The agents of a file with final scores, of which each is a mean over seeds."""
+    """The agents of a file with final scores; each score is a mean over seeds."""
     agents: dict[str, Any] = defaultdict(lambda: {"games": {}})
     with file.open(encoding="utf-8", newline="") as rows:
         for row in csv.DictReader(rows):
@@ -180,7 +193,7 @@ def papers_source(benchmarks: dict[str, Any]) -> dict[str, Any]:
 
 
 def provenance(entry: dict[str, Any]) -> dict[str, Any]:
-    """What is kept of a source: where it is from, under which licence, and what its scores are."""
+    """The part of a source that is kept: its place, its licence, and the meaning of its scores."""
     kept = {key: entry[key] for key in ("repo", "commit", "licence", "copyright", "paths", "notes") if key in entry}
     protocol = entry.get("protocol") or {}
     return kept | {
