@@ -4,6 +4,7 @@ The native emulator, bound. Use it through atari.cores.NativeCore, which checks 
 
 from collections.abc import Sequence
 import enum
+from typing import Any
 
 import numpy
 import numpy.typing
@@ -144,7 +145,7 @@ class Emulator:
 
     @property
     def player_lives(self) -> list[int]:
-        """Of each player that the rules know."""
+        """The lives of each player that the rules know."""
 
     def set_mode(self, mode: int) -> None: ...
     def set_difficulty(self, difficulty: int) -> None: ...
@@ -216,7 +217,7 @@ class FirePress(enum.Enum):
     AFTER_NOOPS = 2
 
 class OnReset(enum.Enum):
-    """What a reset does after a lost life."""
+    """The effect of a reset after a lost life."""
 
     NOOP = 0
 
@@ -226,7 +227,7 @@ class OnReset(enum.Enum):
 
 class Unit(enum.Enum):
     """
-    What FIRE is played for, and after what lives are compared: a frame, or a whole skip.
+    The time that FIRE is played, and after which lives are compared: a frame, or a whole skip.
     """
 
     FRAME = 0
@@ -244,7 +245,7 @@ class Seeding(enum.Enum):
 
 class PixelFormat(enum.Enum):
     """
-    Of observations; GRAY_OF_RGB pools colours and makes the result gray; RAM has no pixels.
+    The pixels of observations. GRAY_OF_RGB pools colours and makes the result gray; RAM has no pixels.
     """
 
     NONE = 0
@@ -258,7 +259,7 @@ class PixelFormat(enum.Enum):
     RAM = 4
 
 class EndFrames(enum.Enum):
-    """What is observed when an episode ends inside a skip."""
+    """The frames that are observed when an episode ends inside a skip."""
 
     LAST = 0
 
@@ -269,9 +270,7 @@ class EndFrames(enum.Enum):
     ENVPOOL = 3
 
 class Padding(enum.Enum):
-    """
-    What a new stack is filled with: zeros, or the first frame of the episode.
-    """
+    """The content of a new stack: zeros, or the first frame of the episode."""
 
     ZERO = 0
 
@@ -429,9 +428,9 @@ class VectorSettings:
     @autoreset.setter
     def autoreset(self, arg: Autoreset, /) -> None: ...
 
-class MemberSpec:
+class LaneSpec:
     """
-    What differs between the environments of a vector. `seed` is nine words: the emulator's, and
+    The differences between the environments of a vector. `seed` is nine words: the emulator's, and
     eight of the episode's generator.
     """
 
@@ -480,21 +479,18 @@ class Batch:
     def __init__(
         self,
         engine: VectorEngine,
-        *,
         pixels: numpy.typing.NDArray[numpy.uint8] | None,
         ram: numpy.typing.NDArray[numpy.uint8] | None,
-        final_pixels: numpy.typing.NDArray[numpy.uint8] | None,
-        final_ram: numpy.typing.NDArray[numpy.uint8] | None,
-        numbers: numpy.typing.NDArray[numpy.int32],
-        games: numpy.typing.NDArray[numpy.float64],
-        flags: numpy.typing.NDArray[numpy.bool],
     ) -> None:
         """
-        `numbers` is int32: reward, reward before clipping, lives, lives of the final observation, each (rows,
-        players); environment, frame and episode frame number, steps of the game, frame and episode frame number
-        of the final observation, each (rows,). `games` is float64: score (rows, players), frames and seconds
-        (rows,) of the game that ended. `flags` is bool: terminated and truncated (rows, players); game over, has
-        a final observation, a game ended, each (rows,).
+        `pixels` and `ram` are the arrays for observations; None where an observation has no such part.
+        """
+
+    @property
+    def arrays(self) -> dict[str, numpy.typing.NDArray[Any]]:
+        """
+        The other arrays by their names (vector/batch.def): (rows,), and (rows, players) where several
+        players have a value each. Final pixels and RAM are (rows, bytes).
         """
 
     def aimed_at(
@@ -540,7 +536,7 @@ class VectorEngine:
 
     def __init__(
         self,
-        members: Sequence[MemberSpec],
+        lanes: Sequence[LaneSpec],
         episode: EpisodeSettings,
         observation: ObservationSettings,
         settings: VectorSettings,
@@ -580,7 +576,6 @@ class VectorEngine:
 
     def snapshot(self, environments: Sequence[int]) -> list[MemberSnapshot]: ...
     def restore(self, environments: Sequence[int], states: Sequence[MemberSnapshot]) -> None: ...
-    def fork(self, source: int, targets: Sequence[int]) -> None: ...
     def save(self, environment: int) -> bytes:
         """The state of one environment as bytes."""
 
@@ -670,6 +665,11 @@ class XlaPort:
     """
 
     def __init__(self, engine: VectorEngine, pixels: bool, ram: bool) -> None: ...
+    def results(self) -> list[tuple[str, str, tuple[int, ...]]]:
+        """
+        Name, dtype and shape of each result of a compiled function, in their order.
+        """
+
     @property
     def handle(self) -> bytes:
         """Eight bytes by which handlers find the engine."""

@@ -29,7 +29,7 @@ from atari.actions import Action
 from atari.learning.evaluation.elo import elo_ratings
 from atari.learning.networks import ActorCritic, Encoder
 from atari.multiplayer import MultiplayerCore
-from atari.recording import RecordMatch, Replay
+from atari.recording import RecordReplay, Replay
 
 GAME: dict[str, Any] = {"obs_type": "ram", "repeat_action_probability": 0.25, "num_threads": 1}
 MODES = (3, 4)
@@ -384,7 +384,7 @@ def match(folder: Path, frames: int, seed: int) -> list[int]:
     core = MultiplayerCore(
         "pong", mode=MODES[-1], seed=seed, repeat_action_probability=GAME["repeat_action_probability"]
     )
-    with RecordMatch(core, folder / "best.a26") as game:
+    with RecordReplay(core, folder / "best.a26") as game:
         game.reset()
         while not (core.game_over or core.truncated) and sides.frame < frames:
             game.act_players(sides(core))

@@ -1,27 +1,23 @@
 """ROM files: find, verify, identify and import them, by their content and never by their names.
 
 ale-py's wheel carries the ROM files of every game, so nothing has to be set up. `find` searches, in this order, a path
-that you give, the folders in the environment variable `ATARI_ROMS` (separated like those of `PATH`), your own folder
-(`path`, filled by `import_from` and `install`), and ale-py's wheel. Each file in these folders is a candidate under
-any name, such as `Breakout (1978) (Atari).a26`, plain or gzip-compressed.
+that you give, the folders in the environment variable `ATARI_ROMS` (separated as in `PATH`), your own folder
+(filled by `import_from` and `install`), and ale-py's wheel. Each file in these folders is a candidate under any name,
+such as `Breakout (1978) (Atari).a26`, plain or gzip-compressed.
+
+`atari.roms.locations.folders()` returns these folders, `atari.roms.locations.path()` your own.
 """
 
-from atari.roms.autorom import install
-from atari.roms.identification import Identification, identify
-from atari.roms.importing import ImportReport, import_from
-from atari.roms.locations import folders, path
-from atari.roms.search import Check, find, installed, verify
+from typing import Any
 
-__all__ = [
-    "Check",
-    "Identification",
-    "ImportReport",
-    "find",
-    "folders",
-    "identify",
-    "import_from",
-    "install",
-    "installed",
-    "path",
-    "verify",
-]
+from atari._renamed import missing
+from atari.roms.autorom import install
+from atari.roms.identification import identify
+from atari.roms.importing import import_from
+from atari.roms.search import find, installed, verify
+
+__all__ = ["find", "identify", "import_from", "install", "installed", "verify"]
+
+
+def __getattr__(name: str) -> Any:
+    raise missing("atari.roms", name)

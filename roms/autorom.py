@@ -19,7 +19,7 @@ from atari.roms.importing import ImportReport, import_from
 
 
 def install(accept_license: bool = False) -> ImportReport:
-    """Download the ROM files with AutoROM and import them into `path()`.
+    """Download the ROM files with AutoROM and import them into your own folder, as `import_from`.
 
     Args:
         accept_license: you own a licence to the ROM files; without it, AutoROM requests confirmation on the terminal.

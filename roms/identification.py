@@ -1,7 +1,7 @@
-"""Identifies the game of a file; for an unknown file, what is wrong with it and the most similar game.
+"""Identifies the game of a file; for an unknown file, its fault and the most similar game.
 
-ale-py's wheel has the images of the known games, so an unknown file can be compared with each: whether it is part of
-one, whether it contains one, how many bytes differ.
+ale-py's wheel has the images of the known games, so an unknown file can be compared with each image: it may be a part
+of the image, contain it, or differ from it in some bytes.
 """
 
 import hashlib
@@ -27,17 +27,7 @@ _NEAR = 0.3
 
 @dataclass(frozen=True)
 class Identification:
-    """The identity of a file. `str()` of it is a sentence.
-
-    `size`, `md5` and `sha256` are those of the image, after unpacking. `game` is the game whose ROM it is, else None;
-    then `nearest` is the most similar game, if any. `verdict` is the sentence without its subject.
-
-    Example:
-        >>> import atari
-        >>> found = atari.roms.identify(atari.roms.find("pong"))
-        >>> found.game.id, found.size
-        ('pong', 2048)
-    """
+    """The identity of a file; `identify` documents the fields. `str()` of it is a sentence."""
 
     name: str
     size: int
@@ -53,6 +43,11 @@ class Identification:
 
 def identify(file: str | os.PathLike[str]) -> Identification:
     """Identify a ROM file by its content.
+
+    Returns:
+        An object with the file's `name`, and `size`, `md5` and `sha256` of its image, after unpacking. `game` is the
+        game with this ROM, else None; then `nearest` is the most similar game, or None. `verdict` is a sentence without
+        its subject, and `str()` of the object the sentence.
 
     Raises:
         FileNotFoundError, IsADirectoryError, PermissionError: the file cannot be read.
@@ -94,7 +89,7 @@ def recognise(name: str, image: bytes, known: Mapping[str, bytes]) -> Identifica
 
 
 def describe(image: bytes, known: Mapping[str, bytes] | None) -> tuple[Game | None, str]:
-    """The most similar game and the verdict, for an unknown image; it is not compared if the `known` ones are None."""
+    """The most similar game and the verdict for an unknown image, which is not compared if `known` is None."""
     size = f"{len(image):,} bytes"
     if not image:
         return None, "is empty"

@@ -51,7 +51,7 @@ def unpack(name: str, data: bytes) -> bytes:
 def _gunzip(name: str, data: bytes) -> bytes:
     """The content of a gzip file of one member, up to `LIMIT` + 1 bytes.
 
-    A file can consist of thousands of empty members, each of which costs time, so more than one is an error.
+    A file can consist of thousands of empty members, and each costs time, so more than one member is an error.
     """
     unpacker = zlib.decompressobj(16 + zlib.MAX_WBITS)
     try:

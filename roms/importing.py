@@ -19,8 +19,8 @@ from atari.validation import check_file
 
 _MOST_MEMBERS = 20_000
 
-# The bytes that an import may unpack, in all its archives together: so many, and so many for each byte of an archive.
-# Collections of ROM files are packed to a third or so.
+# The bytes that an import may unpack from all its archives together: a constant, and more for each byte of an archive.
+# Collections of ROM files are packed to about a third.
 _UNPACKED, _UNPACKED_PER_BYTE = 64 << 20, 32
 
 # Unknown files are compared with all known games until their sizes add up to this. A comparison also has a fixed cost.
@@ -33,17 +33,7 @@ _Read = Callable[[], bytes]
 
 @dataclass(frozen=True)
 class ImportReport:
-    """The result of `import_from`.
-
-    `imported` are the files written, `present` those that existed before, by game id. `rejected` has a sentence for
-    each file that is not the ROM of a known game.
-
-    Example:
-        >>> import atari
-        >>> report = atari.roms.import_from(atari.roms.find("pong").parent)
-        >>> "pong" in {**report.imported, **report.present}
-        True
-    """
+    """The result of `import_from`, which documents the fields."""
 
     imported: dict[str, Path]
     present: dict[str, Path]
@@ -51,17 +41,21 @@ class ImportReport:
 
 
 def import_from(source: str | os.PathLike[str]) -> ImportReport:
-    """Copy the known ROM files in a folder (and its subfolders), a zip archive or a single file to `path()`.
+    """Copy the known ROM files in a folder (and its subfolders), a zip archive or a single file to your own folder.
 
-    Zip archives in a folder are opened too, and gzip is unpacked. No file in `path()` is replaced: a ROM whose usual
+    Zip archives in a folder are opened too, and gzip is unpacked. No file in your folder is replaced: a ROM whose usual
     name is taken gets the start of its MD5 in its name. A file that cannot be read, and a member that is damaged,
     encrypted or has a name that no file could have, is rejected with a message, and the others are imported. The time
     is bounded by the size of `source`.
 
+    Returns:
+        An object with the files `imported`, and the files `present` before, by game id; and `rejected`, a sentence for
+        each file that is not the ROM of a known game.
+
     Raises:
         FileNotFoundError, PermissionError: `source` cannot be read.
         ValueError: it is a device or a pipe.
-        OSError: `path()` cannot be written to.
+        OSError: your own folder cannot be written to.
 
     Example:
         >>> import atari.roms
@@ -126,7 +120,7 @@ class _Files:
     def _in_zip(self, file: Path) -> Iterator[tuple[str, _Read]]:
         try:
             archive = zipfile.ZipFile(file)
-        except Exception as error:  # of many classes, all for a damaged archive
+        except Exception as error:  # damaged archives raise many classes
             yield str(file), partial(_fail, ValueError(f"{file} is a damaged zip archive ({error}); get it again"))
             return
         with archive:

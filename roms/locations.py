@@ -21,24 +21,12 @@ from atari.roms.image import LIMIT, md5, read_image
 
 
 def path() -> Path:
-    """Your own folder of ROM files, which `import_from` and `install` fill; it need not exist yet.
-
-    Example:
-        >>> import atari.roms
-        >>> atari.roms.path().is_absolute()
-        True
-    """
+    """Your own folder of ROM files, which `import_from` and `install` fill; it need not exist yet."""
     return (user_data_path("atari-envs", appauthor=False) / "roms").absolute()
 
 
 def folders() -> tuple[Path, ...]:
-    """The folders searched, in order: those in `ATARI_ROMS`, your own, ale-py's. Some may not exist.
-
-    Example:
-        >>> import atari.roms
-        >>> atari.roms.path() in atari.roms.folders()
-        True
-    """
+    """The folders to search, in order: the folders in `ATARI_ROMS`, your own, ale-py's. Some may not exist."""
     named = [entry for entry in os.environ.get("ATARI_ROMS", "").split(os.pathsep) if entry]
     return (*(Path(os.path.expanduser(entry)).absolute() for entry in named), path(), *_ale_py_folders())
 
@@ -95,7 +83,7 @@ def _md5_of(name: str, mtime_ns: int, size: int) -> str:
 
 
 def misleads(file: Path, game: Game) -> bool:
-    """Whether the name of `file` is the id of a game other than that of its content.
+    """Whether the name of `file` is the id of another game than its content.
 
     ale-py uses the rules of the first game, in a table of its own, that fits the content *or* the name up to its last
     dot, in any case: Breakout in `asterix.bin` would be scored as Asterix.
@@ -105,7 +93,7 @@ def misleads(file: Path, game: Game) -> bool:
 
 
 def stored(game: Game) -> Path | None:
-    """The file in your own folder that `store` has written for this game, or one of its names with its content."""
+    """The file in your own folder with a name that `store` gives to this game, and its content; or None."""
     return next((file for file in _own_files(game) if holds(file, game)), None)
 
 

@@ -17,7 +17,7 @@ from atari.roms.image import md5, read_image
 from atari.roms.locations import folders, holds, lookup, misleads, path, store, stored, usual_files
 
 _registered: dict[Path | None, Path] = {}
-"""By game file, the ROM with which `atari.register_game` has registered it."""
+"""The ROM of each game file, as `atari.register_game` has registered it."""
 
 
 def remember(game: Game, rom: str | os.PathLike[str]) -> None:
@@ -29,8 +29,8 @@ def find(game: str | Game, path: str | os.PathLike[str] | None = None) -> Path:
     """The absolute path of a file that holds the ROM of `game`, checked by its content.
 
     Args:
-        game: id of a game, for example "breakout", or a `Game`. One of your own without a hash accepts any file.
-        path: the file to use; None searches `folders()`. The ROM of a game of your own may also lie beside its
+        game: id of a game, for example "breakout", or a `Game`. A game of your own without a hash accepts any file.
+        path: the file to use; None searches the folders. The ROM of a game of your own may also lie beside its
             definition, with the same name and the ending .bin or .a26.
 
     A file of a known game that is named as another game would be played by ale-py under that game's rules. It is copied
@@ -84,19 +84,7 @@ def installed() -> dict[str, Path]:
 
 @dataclass(frozen=True)
 class Check:
-    """The result of `verify` for the ROM of a game.
-
-    `status` is "ok" if `file`, the one that would be used, is right in MD5 and SHA-256; "missing" if no folder has
-    one; "wrong" if there is only a file of the game's name with another content. `md5` and `sha256` are those of the
-    unpacked `file`. `note` describes a file of the game's name that is not used because it is not this game, also with
-    status "ok"; else it is empty.
-
-    Example:
-        >>> import atari
-        >>> check = atari.roms.verify("pong")["pong"]
-        >>> check.status, check.file.name
-        ('ok', 'pong.bin')
-    """
+    """The result of `verify` for the ROM of a game; `verify` documents the fields."""
 
     game: str
     status: Literal["ok", "missing", "wrong"]
@@ -107,7 +95,14 @@ class Check:
 
 
 def verify(game: str | Game | None = None) -> dict[str, Check]:
-    """Check the files that would be used, of one game or of all, by game id.
+    """Check the files that would be used for one game or for all games, by game id.
+
+    Returns:
+        By game id, an object with `game`, `status`, `file`, `md5`, `sha256` and `note`. `status` is "ok" if `file`,
+        which would be used, has the right MD5 and SHA-256; "missing" if no folder has the ROM; "wrong" if only a file
+        with the game's name and another content exists. `md5` and `sha256` belong to the unpacked file. `note`
+        describes a file with the game's name that is not used because it is not this game, also with status "ok"; else
+        it is empty.
 
     Raises:
         TypeError, ValueError: `game` is neither the id of a game nor a `Game`.
@@ -129,14 +124,14 @@ def _verify(game: Game) -> Check:
         return Check(game.id, "wrong" if note else "missing", None, None, None, note)
     image = read_image(file)
     sha256 = hashlib.sha256(image).hexdigest()
-    if game.rom.sha256 in (sha256, *([""] if game.file else [])):  # a game of one's own may name no hash
+    if game.rom.sha256 in (sha256, *([""] if game.file else [])):  # a user's own game may name no hash
         return Check(game.id, "ok", file, md5(image), sha256, note)
     note = f"{file} has the MD5 of {game.title} but another SHA-256, so it was forged; remove it"
     return Check(game.id, "wrong", file, md5(image), sha256, note)
 
 
 def _passed_over(game: Game, used: Path | None) -> str:
-    """A sentence on the first file with the game's name, in the folders up to that of `used`, that is not the game."""
+    """A sentence on the first file with the game's name and another content, up to the folder of `used`; or ""."""
     for folder in folders():
         for file in usual_files(folder, game):
             if file == used:
@@ -167,7 +162,7 @@ def _check(game: Game, file: Path) -> None:
 
 
 def _beside(game: Game) -> Path | None:
-    """The ROM beside the definition of a game of one's own, or None."""
+    """The ROM beside the definition of a user's own game, or None."""
     if game.file is None:
         return None
     for file in (game.file.with_suffix(ending) for ending in (".bin", ".a26")):
@@ -177,7 +172,7 @@ def _beside(game: Game) -> Path | None:
 
 
 def _is_ours(game: Game) -> bool:
-    """Whether this is a game that ale-py knows, not one of a user's with the same id."""
+    """Whether ale-py has this game; a user's own game can have the same id."""
     return game.id in games and game.rom.md5 == games[game.id].rom.md5
 
 

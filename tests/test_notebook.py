@@ -125,9 +125,9 @@ def test_a_replay_without_frames_shows_nothing(tmp_path: Path) -> None:
 
 def test_a_replay_of_players_shows_itself(tmp_path: Path) -> None:
     from atari.multiplayer import MultiplayerCore
-    from atari.recording import RecordMatch
+    from atari.recording import RecordReplay
 
-    with RecordMatch(MultiplayerCore("pong"), tmp_path / "game.a26") as match:
+    with RecordReplay(MultiplayerCore("pong"), tmp_path / "game.a26") as match:
         match.reset()
         for _ in range(10):
             match.act_players([0, 0])

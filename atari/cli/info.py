@@ -14,7 +14,8 @@ from atari.games.game import Controllers, Game
 from atari.games.manual import Manual
 from atari.games.multiplayer import Multiplayer
 from atari.games.rules import Rules
-from atari.recording import FORMATS, video_facts
+from atari.recording import video_facts
+from atari.recording.video.formats import FORMATS
 from atari.task import Task
 
 if TYPE_CHECKING:

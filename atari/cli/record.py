@@ -26,10 +26,11 @@ from atari.learning import load_policy
 from atari.learning.evaluation.played import says_nothing
 from atari.play.multiplayer_session import MultiplayerSession
 from atari.policy import LoadedPolicy
-from atari.recording import FORMATS, RecordReplay, Replay, VideoWriter, frame_rate
+from atari.recording import RecordReplay, Replay, VideoWriter
 from atari.recording.replay.file_format import SUFFIX
-from atari.recording.video.formats import has_sound
+from atari.recording.video.formats import FORMATS, has_sound
 from atari.recording.video.overlay import Overlay
+from atari.recording.video.writer import frame_rate
 from atari.task import Task
 from atari.task.arguments import add_former, add_task, game_of, given_options, seed, show_task, task_of
 

@@ -11,7 +11,9 @@ from tqdm import tqdm
 from atari.cli.arguments import add_command, add_overlay, number
 from atari.cli.printing import print_json, print_table, print_warning
 from atari.cores import CORES
-from atari.recording import FORMATS, Replay, frame_rate
+from atari.recording import Replay
+from atari.recording.video.formats import FORMATS
+from atari.recording.video.writer import frame_rate
 from atari.validation import check_integer
 
 if TYPE_CHECKING:

@@ -10,6 +10,10 @@ from atari import roms
 from atari.cli.arguments import GAME_HELP, add_command, find_game
 from atari.cli.printing import print_error, print_json, print_table
 from atari.games.catalog import games
+from atari.roms.identification import Identification
+from atari.roms.importing import ImportReport
+from atari.roms.locations import path
+from atari.roms.search import Check
 
 if TYPE_CHECKING:
     from atari.cli.arguments import Commands
@@ -45,7 +49,7 @@ def _list(args: argparse.Namespace) -> int:
 
 
 def _verify(args: argparse.Namespace) -> int:
-    checks: dict[str, roms.Check] = {}
+    checks: dict[str, Check] = {}
     for name in args.games:
         checks.update(roms.verify(find_game(name, playable=False)))
     if not args.games:
@@ -73,7 +77,7 @@ def _identify(args: argparse.Namespace) -> int:
     return 0 if len(found) == len(args.files) and all(each.game for each in found) else 1
 
 
-def _identification(found: roms.Identification) -> dict[str, Any]:
+def _identification(found: Identification) -> dict[str, Any]:
     facts = {name: getattr(found, name) for name in ("name", "size", "md5", "sha256", "verdict")}
     return {**facts, "game": found.game and found.game.id, "nearest": found.nearest and found.nearest.id}
 
@@ -89,7 +93,7 @@ def _install(args: argparse.Namespace) -> int:
     return _report(report, args.json)
 
 
-def _report(report: roms.ImportReport, json: bool) -> int:
+def _report(report: ImportReport, json: bool) -> int:
     """Print what was imported; the exit code is 1 if no file was imported or present."""
     if json:
         print_json(report)
@@ -101,5 +105,5 @@ def _report(report: roms.ImportReport, json: bool) -> int:
             print(f"  {sentence}")
         if len(report.rejected) > _REJECTED_SHOWN:
             print(f"  ... and {len(report.rejected) - _REJECTED_SHOWN} more (all with --json)")
-        print(f"your folder: {roms.path()}")
+        print(f"your folder: {path()}")
     return 0 if report.imported or report.present else 1

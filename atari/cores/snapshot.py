@@ -10,7 +10,7 @@
     AleCore         the same, and the seed                           ale-py's state after the last reset, the calls
                                                                      since, a digest of the result
 
-The native core's state is `EnvironmentState` in `emulator/ale/environment.hpp` and what `Console::save` writes.
+The native core's state is `EnvironmentState` in `emulator/ale/environment_state.hpp` and what `Console::save` writes.
 
 Layout, all integers little-endian:
 

@@ -12,8 +12,8 @@ def to_torch(arrays: Any, device: Any = None, pin_memory: bool = False) -> Any:
     another device they are copies.
 
     Args:
-        arrays: to be converted.
-        device: as PyTorch names it, such as "cuda"; None is the CPU.
+        arrays: the arrays.
+        device: a device as PyTorch names it, such as "cuda"; None is the CPU.
         pin_memory: copy to page-locked memory first, from which a GPU copies asynchronously. Without CUDA it has no
             effect.
 

@@ -18,7 +18,8 @@ from gymnasium import logger, spaces
 
 from atari._gymnasium import AutoresetMode
 from atari.cores.options import SEED_LIMIT
-from atari.recording import RecordVectorReplay, RecordVectorVideo
+from atari.recording.replay.record_replay import RecordVectorReplay
+from atari.recording.video.record_vector_video import RecordVectorVideo
 from atari.task import Task
 from atari.task.resolution import GameLike
 from atari.vector.env import AtariVectorEnv
@@ -37,26 +38,26 @@ Indices = int | Sequence[int] | None
 class AtariVecEnv(VecEnv):  # type: ignore[misc]
     """Many Atari games for Stable-Baselines3, played in C++.
 
-    With `preset="baselines"` it returns what `make_atari_env` with `VecFrameStack(..., 4)` does, for equal seeds, to
-    the byte. Observations are uint8: (num_envs, stack_num, img_height, img_width), in RGB with 3 * stack_num channels
-    in place of stack_num, RAM (num_envs, 128), or a dict of both; rewards are float32.
+    With `preset="baselines"` and equal seeds, its results equal those of `make_atari_env` with `VecFrameStack(..., 4)`
+    to the byte. Observations are uint8: (num_envs, stack_num, img_height, img_width), in RGB with 3 * stack_num
+    channels in place of stack_num, RAM (num_envs, 128), or a dict of both; rewards are float32.
 
     The `info` of each environment has `lives`, `frame_number`, `episode_frame_number`, `TimeLimit.truncated`, and when
     its episode ends `terminal_observation`. When a whole game ends, with all its lives, it also has `episode`: `r`, the
-    sum of its rewards as the game gives them, not clipped; `l`, its length in frames; `t`, the seconds since the
+    sum of its rewards without clipping; `l`, its length in frames; `t`, the seconds since the
     environments were made. So a `VecMonitor` is not needed, and would record clipped rewards of single lives. As
     `Monitor` does, `r` includes the rewards during the no-ops and the FIRE of a reset, which no step returns.
 
     With `channels_last=True` images are contiguous, (num_envs, img_height, img_width, stack_num), and
-    Stable-Baselines3 transposes them as it does those of its own environments. A training then ends with the same
+    Stable-Baselines3 transposes them like the images of its own environments. A training then ends with the same
     weights, to the bit. With channels first, convolutions add in another order, and weights differ by rounding.
 
-    `vector` is the `AtariVectorEnv`; `get_attr`, `set_attr` and `env_method` are about its `members`. `RecordVideo` and
-    `RecordReplay` record it. It can be replaced by a wrapper that leaves observations, rewards and actions as they are.
+    `vector` is the `AtariVectorEnv`; `get_attr`, `set_attr` and `env_method` are about its `lanes`. `RecordVideo` and
+    `RecordReplay` record it. A wrapper that does not change observations, rewards and actions can replace it.
 
     Args:
-        game, num_envs: as of `AtariVectorEnv`.
-        options: those of `AtariVectorEnv`, but for `autoreset_mode` and `batch_size`.
+        game, num_envs: see `AtariVectorEnv`.
+        options: options of `AtariVectorEnv`, except `autoreset_mode` and `batch_size`.
 
     Raises:
         TypeError, ValueError, FileNotFoundError: as `AtariVectorEnv`.
@@ -107,7 +108,7 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         return _shown(observation)
 
     def step_async(self, actions: Any) -> None:
-        """Begin a step; the errors are those of `AtariVectorEnv.send`.
+        """Begin a step; it raises the errors of `AtariVectorEnv.send`.
 
         A wrapper around `vector` plays it in `step_wait`, which raises the errors then.
         """
@@ -161,25 +162,25 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         return self.env_method("screen_rgb")
 
     def get_attr(self, attr_name: str, indices: Indices = None) -> list[Any]:
-        """An attribute of each environment, or else of all of them together. Spaces are those of one environment."""
-        chosen = [self._atari.members[index] for index in self._get_indices(indices)]
+        """An attribute of each lane, or else of the vector, once for each. Spaces are a single environment's."""
+        chosen = [self._atari.lanes[index] for index in self._get_indices(indices)]
         if attr_name in ("action_space", "observation_space"):
             return [getattr(self, attr_name)] * len(chosen)
-        return [getattr(member if hasattr(member, attr_name) else self._atari, attr_name) for member in chosen]
+        return [getattr(lane if hasattr(lane, attr_name) else self._atari, attr_name) for lane in chosen]
 
     def set_attr(self, attr_name: str, value: Any, indices: Indices = None) -> None:
-        """Set `mode` or `difficulty`; the errors are those of `AtariVectorEnv.set_attr`."""
+        """Set `mode` or `difficulty`; it raises the errors of `AtariVectorEnv.set_attr`."""
         chosen = set(self._get_indices(indices))
         now = self.get_attr(attr_name)
         self._atari.set_attr(attr_name, [value if index in chosen else old for index, old in enumerate(now)])
 
     def env_method(self, method_name: str, *args: Any, indices: Indices = None, **kwargs: Any) -> list[Any]:
-        """What a method of each environment returns."""
-        members = self._atari.members
-        return [getattr(members[index], method_name)(*args, **kwargs) for index in self._get_indices(indices)]
+        """Call a method of each environment, and return the results."""
+        lanes = self._atari.lanes
+        return [getattr(lanes[index], method_name)(*args, **kwargs) for index in self._get_indices(indices)]
 
     def env_is_wrapped(self, wrapper_class: type[Any], indices: Indices = None) -> list[bool]:
-        """True for `Monitor`, whose work is done here, so that `evaluate_policy` counts whole games."""
+        """True for `Monitor`, because `infos` have its statistics; `evaluate_policy` then counts whole games."""
         return [issubclass(wrapper_class, Monitor) for _ in self._get_indices(indices)]
 
 
@@ -247,22 +248,22 @@ class _Recorder(VecEnvWrapper):  # type: ignore[misc]
         return self.venv.reset()
 
     def step_wait(self) -> tuple[Any, Any, Any, list[dict[str, Any]]]:
-        """Play a step and record its frames; returns what `AtariVecEnv.step_wait` does."""
+        """Play a step and record its frames; the results are those of `AtariVecEnv.step_wait`."""
         played: tuple[Any, Any, Any, list[dict[str, Any]]] = self.venv.step_wait()
         return played
 
 
 class RecordVideo(_Recorder):
-    """Record videos of an `AtariVecEnv`, as `atari.recording.RecordVectorVideo` does.
+    """Record videos of an `AtariVecEnv`, as `atari.recording.RecordVideo` does of a vector.
 
     It takes the place of Stable-Baselines3's `VecVideoRecorder`, and records every emulated frame, with its sound.
 
     Args:
         venv: an `AtariVecEnv`, in no other wrapper.
-        video_folder, options: of `RecordVectorVideo`.
+        video_folder, options: see `atari.recording.RecordVideo`.
 
     Raises:
-        TypeError, ValueError, OSError: as `RecordVectorVideo`, or `venv` is no `AtariVecEnv`.
+        TypeError, ValueError, OSError: as `atari.recording.RecordVideo`; or `venv` is no `AtariVecEnv`.
 
     Example:
         >>> from atari.sb3 import AtariVecEnv, RecordVideo
@@ -278,14 +279,14 @@ class RecordVideo(_Recorder):
 
 
 class RecordReplay(_Recorder):
-    """Record one environment of an `AtariVecEnv` in a replay, as `atari.recording.RecordVectorReplay` does.
+    """Record one environment of an `AtariVecEnv` in a replay, as `atari.recording.RecordReplay` does.
 
     Args:
         venv: an `AtariVecEnv`, in no other wrapper.
-        path, index: of `RecordVectorReplay`.
+        path, index: see `atari.recording.RecordReplay`.
 
     Raises:
-        TypeError, ValueError, OSError: as `RecordVectorReplay`, or `venv` is no `AtariVecEnv`.
+        TypeError, ValueError, OSError: as `atari.recording.RecordReplay`; or `venv` is no `AtariVecEnv`.
 
     Example:
         >>> from atari.sb3 import AtariVecEnv, RecordReplay

@@ -19,18 +19,18 @@ class TorchEnvs:
     """A vector environment with tensors; `envs.torch(device)` makes one of an `AtariVectorEnv`.
 
     On the CPU, tensors share the memory of the arrays, without a copy. On another device, observations, rewards,
-    terminations, truncations and `final_obs` are there; the rest of `info` stays on the CPU. The environments write to
-    page-locked memory, of which there are two buffers in turn: the copy to a CUDA device runs on a stream of its own,
-    while the environments may already play the next step. The current stream waits for the copy, Python does not.
+    terminations, truncations and `final_obs` are copied to the device; the rest of `info` stays on the CPU. The
+    environments write to two page-locked buffers in turn: the copy to a CUDA device runs on a stream of its own, while
+    the environments may already play the next step. The current stream waits for the copy, Python does not.
 
     Args:
-        envs: the vector environment, of which either can be used at any time; or a game as `AtariVectorEnv` takes it.
-        device: as PyTorch names it; None is the CPU.
-        num_envs, options: of `AtariVectorEnv`, for a game.
+        envs: the vector environment, which can still be used directly; or a game as `AtariVectorEnv` takes it.
+        device: a device as PyTorch names it; None is the CPU.
+        num_envs, options: arguments of `AtariVectorEnv`, for a game.
 
     Attributes:
         envs: the vector environment.
-        task: what the first environment plays.
+        task: the task of the first environment.
         device: a `torch.device`.
 
     Raises:
@@ -44,7 +44,7 @@ class TorchEnvs:
         self._takes_out: bool = envs.options.layout.is_engines
         self.device: Any = torch.device("cpu" if device is None else device)
         self._copies = _Copies(self.device) if self.device.type != "cpu" else None
-        self._actions: Any = None  # where those of a CUDA device are copied to
+        self._actions: Any = None  # page-locked memory for actions from a CUDA device
         self.num_envs: int = envs.num_envs
         self.single_observation_space = envs.single_observation_space
         self.single_action_space = envs.single_action_space
@@ -62,7 +62,7 @@ class TorchEnvs:
         """Play a step.
 
         Args:
-            actions: integers (batch,), a tensor of any device; others as `AtariVectorEnv.step` takes them.
+            actions: integers (batch,), a tensor of any device, or another argument of `AtariVectorEnv.step`.
 
         Returns:
             As `AtariVectorEnv.step`, tensors of the same dtypes.
@@ -74,7 +74,7 @@ class TorchEnvs:
         return self.recv()
 
     def send(self, actions: Any) -> None:
-        """Begin a step; `recv` returns its results. Arguments and errors are those of `step`."""
+        """Begin a step; `recv` returns its results. `step` documents arguments and errors."""
         self.envs.send(self._on_host(actions), out=self._out())
 
     def recv(self) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
@@ -100,7 +100,7 @@ class TorchEnvs:
         return self._actions.numpy()
 
     def _out(self) -> Any:
-        """Page-locked memory for the next observations; None if they are copied to it."""
+        """Page-locked memory for the next observations; None if the engine cannot write into it."""
         if self._copies is None or not self._takes_out:
             return None
         parts = getattr(self.envs.single_observation_space, "spaces", {"": self.envs.single_observation_space})
@@ -123,10 +123,10 @@ class _Copies:
     def __init__(self, device: Any) -> None:
         self._device = device
         self._stream = torch.cuda.Stream(device) if device.type == "cuda" else None
-        self._buffers: dict[Any, list[_Buffer]] = {}  # by shape and dtype, two, that of the older copy first
+        self._buffers: dict[Any, list[_Buffer]] = {}  # two by shape and dtype; the older copy's is the first
 
     def array(self, shape: tuple[int, ...], dtype: Any) -> Any:
-        """An array in page-locked memory, from which no copy is going on. The next `of` it begins one."""
+        """An array in page-locked memory that no copy reads. The next call of `of` copies it."""
         return self._next(shape, np.dtype(dtype)).array
 
     def of(self, arrays: Any) -> Any:

@@ -29,20 +29,20 @@ class AtariTorchRLEnv(EnvBase):
     "terminated", "truncated", bool, (num_envs, 1) each; "lives", int32 (num_envs,).
 
     TorchRL resets the environments that are done, so `autoreset_mode` must be DISABLED. "next" then has the last
-    observation of an episode, not the first one of the following.
+    observation of an episode, not the first observation of the next episode.
 
     Args:
         envs: an `AtariVectorEnv` with autoreset_mode="Disabled" and batches of all environments; or a game as
             `AtariVectorEnv` takes it: an ID, a name, a game file, a `Game`, an `atari.Task`, or a list of them.
-        device: of the tensors; None is the CPU. Copies to a CUDA device are as `TorchEnvs` makes them.
-        num_envs, options: of `AtariVectorEnv`, for a game.
+        device: the device of the tensors; None is the CPU. `TorchEnvs` makes the copies to a CUDA device.
+        num_envs, options: arguments of `AtariVectorEnv`, for a game.
 
     Attributes:
-        task: what the first environment plays.
+        task: the task of the first environment.
 
     Raises:
-        TypeError, ValueError, FileNotFoundError: as `AtariVectorEnv`; or the vector environment resets by itself, has
-            batches of fewer than all, or several players.
+        TypeError, ValueError, FileNotFoundError: as `AtariVectorEnv`; or the vector environment resets by itself, or
+            has batches of fewer than all environments, or several players.
 
     Example:
         >>> envs = AtariTorchRLEnv("pong", num_envs=8)
@@ -56,12 +56,12 @@ class AtariTorchRLEnv(EnvBase):
         mode = envs.metadata["autoreset_mode"]
         if mode != AutoresetMode.DISABLED:
             raise ValueError(
-                f"TorchRL resets what is done: make the environments with autoreset_mode='Disabled', not {mode}"
+                f"TorchRL resets environments itself: make them with autoreset_mode='Disabled', not {mode}"
             )
         if envs.batch_size != envs.num_envs:
             raise ValueError("TorchRL needs batches of all environments: leave batch_size out")
         if isinstance(envs.single_action_space, spaces.MultiDiscrete):
-            raise ValueError("TorchRL's specs here are of one player: leave players out")
+            raise ValueError("TorchRL's specs here are for one player: leave players out")
         super().__init__(device=torch.device("cpu" if device is None else device), batch_size=[envs.num_envs])
         self._view: TorchEnvs = envs.torch(device)
         self.task = self._view.task

@@ -1,4 +1,4 @@
-"""`BaseSession`: what the sessions of one and of several players share: saved states, rewind points and videos."""
+"""`BaseSession`: the saved states, rewind points and videos of sessions of one and of several players."""
 
 import json
 from abc import ABC, abstractmethod
@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from atari.actions import Action
 from atari.cores import ByteArray, snapshot
 from atari.games.game import Game
-from atari.recording import VideoWriter, frame_rate
+from atari.recording import VideoWriter
 from atari.recording.video.facts import PACKAGE
 from atari.validation import check_file
 
@@ -30,7 +30,7 @@ class BaseSession(ABC):
     """
 
     humans: tuple[int, ...] = (0,)
-    """The players that are no policies; 0 is the first."""
+    """The players that are people; 0 is the first."""
     _saved_as: ClassVar[str]
     _blob: ClassVar[str]
 
@@ -86,7 +86,7 @@ class BaseSession(ABC):
 
     @abstractmethod
     def _restore(self, data: bytes) -> None:
-        """Continue from a snapshot; raises ValueError, before anything changes, if it is of another game."""
+        """Continue from a snapshot; raise ValueError, before anything changes, if it is from another game."""
 
     @abstractmethod
     def _reset(self) -> None: ...
@@ -152,7 +152,7 @@ class BaseSession(ABC):
 
         Raises:
             FileNotFoundError: there is no saved state.
-            ValueError: the file is damaged, or of another game, mode or difficulty.
+            ValueError: the file is damaged, or from another game, mode or difficulty.
         """
         facts, blobs = snapshot.unpack(check_file(self._state).read_bytes())
         snapshot.require(facts, {"of": self._saved_as})
@@ -162,7 +162,7 @@ class BaseSession(ABC):
         if not all(type(one) is int for one in scores):
             raise ValueError(f"{self._state} is damaged: its score is no whole number")
         if len(scores) != len(self.scores):
-            raise ValueError(f"{self._state} is of a game of {len(scores)} players, not of {len(self.scores)}")
+            raise ValueError(f"{self._state} is from a game of {len(scores)} players, not of {len(self.scores)}")
         self._restore(blobs[self._blob])
         self.scores = scores
         self._rewind_points.clear()
@@ -181,10 +181,8 @@ class BaseSession(ABC):
         number = 1
         while (path := self._videos / f"{self.game.id}-{number}.mp4").exists():
             number += 1
-        rate = frame_rate(self.game)
         comment = json.dumps(self._facts)
-        size = self.game.screen.shape
-        self._video = VideoWriter(path, size, rate, scale=self._scale, sound=True, comment=comment)
+        self._video = VideoWriter(path, self.game, scale=self._scale, sound=True, comment=comment)
         self.video_files.append(path)
         return path
 

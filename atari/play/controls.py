@@ -7,7 +7,7 @@ from typing import Any
 from atari.actions import PLAYER_ACTIONS, Action
 
 _ACTIONS = {(action.vertical, action.horizontal, action.fire): action for action in PLAYER_ACTIONS}
-_AXIS_LIMIT = 0.5  # of a gamepad stick's full range
+_AXIS_LIMIT = 0.5  # as a part of a gamepad stick's full range
 
 _ONE_PLAYER = """\
 arrows or W A S D   stick            space, ctrl     fire (gamepad: stick or cross, any button)"""
@@ -87,7 +87,7 @@ class Controls:
         self._held: set[str] = set()  # names of keys, gamepad axes and buttons
 
     def handle(self, event: Any) -> Command | None:
-        """Update what is held by an event, and return the event's command, if it has one."""
+        """Note a pressed or released key, axis or button, and return the event's command, or None."""
         pygame = self._pygame
         if event.type == pygame.QUIT:
             return Command.QUIT
@@ -127,7 +127,7 @@ class Controls:
         return next((_ACTIONS[motion] for motion in wanted if _ACTIONS[motion] in allowed), allowed[0])
 
     def release(self) -> None:
-        """Hold nothing any more."""
+        """Release all keys, axes and buttons."""
         self._held.clear()
 
     def _set_axis(self, name: str, value: float) -> None:
@@ -144,7 +144,7 @@ class SharedControls(Controls):
 
     Args:
         pygame: the module pygame.
-        players: the numbers of the players that are no policies, from 1; a single one has all keys and all gamepads.
+        players: the numbers of the players that are people, from 1; a single person has all keys and all gamepads.
     """
 
     def __init__(self, pygame: Any, players: Sequence[int]) -> None:
@@ -155,7 +155,7 @@ class SharedControls(Controls):
         self.help = HELP if len(players) == 1 else HELP_SEVERAL
 
     def handle(self, event: Any) -> Command | None:
-        """Pass an event to the player whose gamepad it is of, or to all players, and return the event's command."""
+        """Pass a gamepad's event to its player, or another event to all players, and return the event's command."""
         gamepad = getattr(event, "instance_id", None)
         if gamepad is None:
             for seat in self._seats.values():
@@ -170,7 +170,7 @@ class SharedControls(Controls):
         return None
 
     def add_gamepad(self, gamepad: int) -> str:
-        """Give a gamepad, by its instance id, to a player, and return a message that says to which."""
+        """Give a gamepad, by its instance id, to a player, and return a message that names the player."""
         if gamepad in self._gamepads:
             return ""
         order = [*list(self._seats)[2:], *list(self._seats)[:2]]

@@ -10,7 +10,7 @@ from atari.play.base import BaseSession
 from atari.play.controls import Command, SharedControls
 from atari.play.speaker import Speaker
 from atari.play.window import GameWindow, start_pygame
-from atari.recording import frame_rate
+from atari.recording.video.writer import frame_rate
 
 _MESSAGE_SECONDS = 2.0
 _FRAMES_PER_REWIND = 6
@@ -133,7 +133,7 @@ class Loop:
             self._helping = not self._helping
 
     def _show_errors(self, work: Callable[[], None]) -> None:
-        """Call `work` and show its error, if any, as a message; play continues."""
+        """Call `work`, and show its error as a message; play continues."""
         try:
             work()
         except (OSError, ValueError, gymnasium.error.Error) as error:

@@ -12,7 +12,7 @@ from atari.cores.options import SEED_LIMIT
 from atari.multiplayer import MultiplayerCore
 from atari.play.base import BaseSession
 from atari.play.player_agent import PlayerAgent
-from atari.recording import RecordMatch
+from atari.recording.replay.players import RecordMatch
 from atari.task.resolution import GameLike
 from atari.validation import check_name
 
@@ -24,27 +24,27 @@ class MultiplayerSession(BaseSession):
     """A game of two to four players, played frame by frame whatever the frame skip of a task. All 18 actions are legal.
 
     Args:
-        game: as of `MultiplayerCore`, a name ("combat"), an ID, a game file, a `Game` or a `Task`.
-        players: 2, 3 or 4; None is that of `mode`, else the fewest that the game has.
-        mode: in Multi-Agent-ALE's numbering; None is PettingZoo's for `players`, else the first.
-        difficulty: None is 0.
-        seed: of the game; None is a random one.
-        policies: by player (0 is the first), the players that are policies, as of `atari.learning.load_policy`; human
-            players are the others. The policy's lane is the player, and its task or environment says what it sees and
-            how often it acts; see `PlayerAgent`.
-        obs_type: what a policy sees that does not say it, uint8: "rgb" (height, 160, 3), "grayscale" (height, 160) or
-            "ram" (128,).
+        game: a name ("combat"), an ID, a game file, a `Game` or a `Task`, as for `MultiplayerCore`.
+        players: 2, 3 or 4; None is the number of `mode`, or the fewest that the game has.
+        mode: the mode in Multi-Agent-ALE's numbering; None is PettingZoo's for `players`, or the first.
+        difficulty: the difficulty; None is 0.
+        seed: the game's seed; None is a random one.
+        policies: the policies by player (0 is the first), as for `atari.learning.load_policy`; people play the others.
+            The policy's lane is the player, and its task or environment defines its observations and how often it
+            acts; see `PlayerAgent`.
+        obs_type: the observations of a policy without a task, uint8: "rgb" (height, 160, 3), "grayscale" (height, 160)
+            or "ram" (128,).
         state: the file of the saved state.
         replay: the replay file, with the suffix ".a26"; None writes no replay.
         videos: the folder of the videos.
         scale: a pixel becomes `2 * scale` x `scale` pixels of a video.
 
     Raises:
-        TypeError, ValueError: see `MultiplayerCore`; or a policy is of a player that the game does not have.
+        TypeError, ValueError: see `MultiplayerCore`; or the game does not have the player of a policy.
 
     Example:
-        >>> from atari.play import MultiplayerSession
-        >>> session = MultiplayerSession("combat")
+        >>> from atari.play import Session
+        >>> session = Session("combat", players=2)
         >>> session.over, len(session.legal_actions)
         (False, 18)
     """
@@ -83,12 +83,12 @@ class MultiplayerSession(BaseSession):
         self._recorded: Any = self.core if replay is None else RecordMatch(self.core, replay)
         super().__init__(self.core.game, self.core.players, state, videos, scale)
         self.humans = tuple(player for player in range(self.core.players) if player not in self._agents)
-        """The players that are no policies; 0 is the first."""
+        """The players that are people; 0 is the first."""
         self._reset()
 
     @property
     def legal_actions(self) -> tuple[Action, ...]:
-        """All 18."""
+        """All 18 actions."""
         return PLAYER_ACTIONS
 
     @property
@@ -135,7 +135,7 @@ class MultiplayerSession(BaseSession):
         """The action of a policy.
 
         Raises:
-            RuntimeError: the policy fails, or returns no action. Not ValueError, after which a window plays on.
+            RuntimeError: the policy fails, or returns no action. The window would show a ValueError and play on.
         """
         core: Any = self.core
         try:

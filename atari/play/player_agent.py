@@ -16,15 +16,15 @@ from atari.task.fields import ObsType
 class PlayerAgent(FrameAgent):
     """A policy that plays as one of several players, with the observations that it needs.
 
-    It presses nothing at the start of a game or after a lost life, which the players would share. A policy that does
-    not say what it needs gets the task of `Task.of(game, players=...)`: four frames an action, the actions that the
-    game uses. As player 2 of a game that is one of player 1 in a mirror, a policy of one player sees mirrored images.
+    It presses no button at the start of a game or after a lost life, because the players share the game. A policy
+    without a task gets `Task.of(game, players=...)`: four frames an action, the actions that the game uses. In a game
+    that shows player 2 as a mirror image of player 1, a one-player policy sees mirrored images as player 2.
 
     Args:
-        policy: as of `load_policy`.
-        player: 0 is the first. It is the policy's lane.
-        core: of the game.
-        obs_type: what a policy sees that does not say it.
+        policy: a policy, as for `load_policy`.
+        player: the player, 0 is the first. It is the policy's lane.
+        core: the core of the game.
+        obs_type: the observations of a policy without a task.
 
     Raises:
         TypeError, ValueError, FileNotFoundError, gymnasium.error.DependencyNotInstalled: as `FrameAgent` and `task_in`.
@@ -39,10 +39,10 @@ class PlayerAgent(FrameAgent):
 
     def _task_of(self, needs: Needs, game: Game) -> Task:
         if needs.task is not None and needs.task.definition != game:
-            raise ValueError(f"{self.name} is a policy of {needs.task.game}, not of {game.id}")
+            raise ValueError(f"{self.name} is a policy for {needs.task.game}, not for {game.id}")
         task = super()._task_of(needs, game)
         if task.agent_indicator:
-            raise ValueError(f"{self.name} has agent_indicator=True, which players do not see; leave it out")
+            raise ValueError(f"{self.name} has agent_indicator=True, which sessions do not draw; leave it out")
         return task.replace(fire="never", noops=(0, 0), episodic_life=False, life_loss_info=False)
 
     def _unsaid(self, game: Game) -> Task:

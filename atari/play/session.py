@@ -9,23 +9,28 @@ from atari.actions import Action
 from atari.cores import ByteArray
 from atari.games.game import Game
 from atari.play.base import BaseSession
+from atari.play.multiplayer_session import MultiplayerSession
 from atari.recording import RecordReplay
 from atari.recording.video.facts import facts_of
 from atari.task import Task
 from atari.task.arguments import SCREEN
 from atari.task.resolution import BY_FRAME, resolve_task
-from atari.task.task import DEFAULTS
 
 
 class Session(BaseSession):
-    """A game played by a person as a task says, and shown frame by frame.
+    """A game that a person plays by a task, and that is shown frame by frame.
 
     The action of the first frame of a step is held for the whole step. Frames that an episode begins with, such as
-    no-ops, are shown, too. After a lost life that ends an episode, the game goes on if the task says so.
+    no-ops, are shown, too. After a lost life that ends an episode, the game goes on if the task has it so.
+
+    With `players`, with `policies`, or of a task of several players, `Session` makes a `MultiplayerSession`, for people
+    and policies. It has the arguments `rom`, `players`, `mode`, `difficulty`, `seed`, `policies`, `obs_type`, `state`,
+    `replay`, `videos` and `scale`.
 
     Args:
         game: an ID, a game or a task, see `atari.Task.of`; a name or a file is played frame by frame, with all legal
             actions, without sticky actions and without a limit.
+        rom: path of the ROM file; None searches (see `atari.roms`).
         replay: the replay file, with the suffix ".a26"; None writes no replay.
         state: the file of the saved state.
         videos: the folder of the videos.
@@ -43,7 +48,17 @@ class Session(BaseSession):
         >>> session.score, session.over, session.screen.shape
         (0, False, (210, 160, 3))
         >>> session.close()
+        >>> match = Session("combat", players=2, policies={1: "random"})
+        >>> match.scores, match.humans
+        ([0, 0], (0,))
+        >>> match.close()
     """
+
+    def __new__(cls, game: Any = None, **options: Any) -> Any:
+        """A `MultiplayerSession` of several players."""
+        players = options.get("players", game.players if isinstance(game, Task) else 1)
+        several = players != 1 or options.get("policies") is not None
+        return MultiplayerSession(game, **options) if several else super().__new__(cls)
 
     _saved_as: ClassVar[str] = "play"  # `AtariEnv.restore` reads these files, too
     _blob: ClassVar[str] = "env"
@@ -148,7 +163,7 @@ class Session(BaseSession):
         self._screen, self._samples = self._atari.core.screen_rgb(), self._atari.core.audio()
 
     def _snapshot(self) -> bytes:
-        """The state after the step that is being shown, which is shown to its end at once."""
+        """The state after the present step, whose remaining frames are skipped."""
         while self._played:
             self._screen, self._samples, reward = self._played.popleft()
             self.scores = [self.score + reward]
@@ -167,7 +182,7 @@ class Session(BaseSession):
         self._go_on({"new_game": True})
 
     def _go_on(self, options: dict[str, Any] | None = None) -> None:
-        """Begin an episode, after a lost life in the same game unless `options` say otherwise."""
+        """Begin an episode; after a lost life in the same game, unless `options` begin a new one."""
         self._ended = self._truncated = False
         self._env.reset(options=options)
 
@@ -176,13 +191,14 @@ def _task(game: Any, options: dict[str, Any]) -> Task:
     """The task of the session, without the fields of an agent's observations.
 
     Raises:
-        TypeError, ValueError: as `atari.Task.of`; or a field has no meaning for a person who plays.
+        TypeError, ValueError: as `atari.Task.of`; or a field has no meaning for a person.
     """
     preset = options.pop("preset", None)
     if unseen := [name for name in SCREEN if name in options]:
         raise TypeError(f"Session has no option {unseen[0]!r}: it shows the screen and the score of the game")
     task = resolve_task(game, preset, options, base=BY_FRAME, owner="Session")
-    for name in ("continuous", "players"):
-        if (value := getattr(task, name)) != DEFAULTS[name]:
-            raise ValueError(f"one person plays with a stick, got {name}={value!r}; leave it out")
+    if task.continuous:
+        raise ValueError("one person plays with a stick, got continuous=True; leave it out")
+    if task.players > 1:
+        raise ValueError(f"{game!r} is a game of {task.players} players; give players={task.players}")
     return task.replace(**SCREEN)

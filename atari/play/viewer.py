@@ -5,7 +5,8 @@ from typing import Any
 from atari.play.loop import Pacer
 from atari.play.speaker import Speaker
 from atari.play.window import GameWindow, start_pygame
-from atari.recording import Replay, frame_rate
+from atari.recording import Replay
+from atari.recording.video.writer import frame_rate
 
 
 def show_replay(replay: Replay, *, scale: int = 3, sound: bool = True) -> bool:

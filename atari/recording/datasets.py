@@ -47,13 +47,13 @@ def to_minari(
     wrappers: rewards are not clipped, observations are the environment's own, actions are numbers in its action space.
     Frames that wrappers play before an episode's first step (no-ops) are left out. Frames that wrappers play between
     two steps count to the later step. As in Minari's collector, the last step of an unfinished episode is truncated,
-    and an episode without steps is left out. A new episode begins where the game was restored from a snapshot.
+    and an episode without steps is left out. A restored snapshot begins a new episode.
 
     Args:
         replays: `Replay`s or files, of one game with the same options.
         dataset_id: Minari's name of the dataset, such as "atari/breakout/human-v0". It must not exist.
-        obs_type: "rgb", "grayscale", "ram", or "dict": {"image": pixels, "ram": (128,)}, as of
-            `atari.wrappers.RamObservation`, which the dataset's environment has; None is that of the recorded one.
+        obs_type: "rgb", "grayscale", "ram", or "dict": {"image": pixels, "ram": (128,)}, as from
+            `atari.wrappers.RamObservation`, which the dataset's environment has; None keeps the recorded one.
         core: the core to play the replays on.
         **metadata: passed to `minari.create_dataset_from_buffers`: `author`, `author_email`, `algorithm_name`,
             `code_permalink`, `description`, `data_format`, ...
@@ -119,7 +119,7 @@ def write_minari(
 def _spec(replay: Replay, obs_type: DatasetObsType | None, image: ObsType | None) -> EnvSpec:
     """Return the specification of the environment, for `recover_environment` of the dataset.
 
-    Its steps have the frames of those of the task, also where wrappers around an environment of single frames played.
+    Its frame skip is the task's, also if a wrapper played the skip around an environment of single frames.
     """
     env_id = replay.header.get("id") or f"ALE/{stem(replay.game.id)}-v5"
     dict_wrapper = WrapperSpec("RamObservation", "atari.wrappers.ram_observation:RamObservation", {})
@@ -137,9 +137,11 @@ def _spec(replay: Replay, obs_type: DatasetObsType | None, image: ObsType | None
 
 
 def check_new_dataset(minari: Any, dataset_id: str) -> None:
-    """Raise ValueError if there is a dataset of this name."""
+    """Raise ValueError if a dataset has this name."""
     if dataset_id in minari.list_local_datasets():
-        raise ValueError(f"there is a dataset {dataset_id!r} already; delete it with minari.delete_dataset, or rename")
+        raise ValueError(
+            f"there is a dataset {dataset_id!r} already; delete it with minari.delete_dataset, or choose another name"
+        )
 
 
 def import_minari() -> Any:

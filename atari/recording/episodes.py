@@ -1,4 +1,4 @@
-"""The episodes of replays, played again: what `AtariEnv` returned at each step, as arrays."""
+"""The episodes of replays, played again: the results of `AtariEnv` at each step, as arrays."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
@@ -25,8 +25,9 @@ _JUMPS = (Kind.RESET, Kind.SEED, Kind.RESTORE, Kind.LOAD)
 class EpisodeArrays:
     """One episode of n steps.
 
-    `observations` has n + 1 rows, or is a dict of arrays with n + 1 rows, as `infos`. The others have n: `actions`,
-    `rewards` (float64), `terminations`, `truncations` (bool). The last step of an unfinished episode is truncated.
+    `observations` is an array with n + 1 rows or a dict of such arrays, `infos` a dict of such arrays. `actions`,
+    `rewards` (float64), `terminations` and `truncations` (bool) have n rows. The last step of an unfinished episode is
+    truncated.
     """
 
     observations: Any
@@ -41,7 +42,7 @@ def load_replays(replays: Source | Iterable[Source]) -> list[Replay]:
     """The replays of a dataset.
 
     Raises:
-        ValueError: there are none, or their tasks differ; or as `Replay.load`.
+        ValueError: there is no replay, or their tasks differ; or as `Replay.load`.
         FileNotFoundError: as `Replay.load`.
     """
     sources = [replays] if isinstance(replays, (Replay, str, PathLike)) else list(replays)
@@ -50,8 +51,8 @@ def load_replays(replays: Source | Iterable[Source]) -> list[Replay]:
         raise ValueError("a dataset needs at least one replay")
     first = loaded[0]
     for replay in loaded[1:]:
-        if what := _difference(first, replay):
-            raise ValueError(f"a data set is of one task; {first.path} and {replay.path} differ in {what}")
+        if difference := _difference(first, replay):
+            raise ValueError(f"a data set has one task; {first.path} and {replay.path} differ in {difference}")
     return loaded
 
 
@@ -77,8 +78,8 @@ def replay_env(
 ) -> gymnasium.Env[Any, Any]:
     """The environment whose observations a dataset has; its `unwrapped` is an `AtariEnv`.
 
-    "dict" is an image and the RAM, as of `RamObservation`. `image` is "rgb" or "grayscale"; None is that of the
-    recorded environment, or "rgb" if it had RAM alone.
+    "dict" is an image and the RAM, as from `RamObservation`. `image` is "rgb" or "grayscale"; None is the recorded
+    environment's kind of image, or "rgb" if it had RAM alone.
 
     Raises:
         TypeError, ValueError: as `Replay.make_env`.
@@ -93,7 +94,7 @@ def replayed_episodes(
     core: str = "native",
     image: ObsType | None = None,
 ) -> Iterator[EpisodeArrays]:
-    """Yield the episodes that have steps; only one is in memory. Arguments as of `replay_env`."""
+    """Yield the episodes that have steps; only one is in memory. `replay_env` documents the arguments."""
     for replay in replays:
         env = replay_env(replay, obs_type, core, image)
         try:
@@ -103,7 +104,7 @@ def replayed_episodes(
 
 
 def changed_options(replay: Replay, obs_type: DatasetObsType | None, image: ObsType | None) -> dict[str, Any]:
-    """The options of the `AtariEnv` of `replay_env` that are not those of the recorded one."""
+    """The options in which the `AtariEnv` of `replay_env` differs from the recorded one."""
     if obs_type == "dict":
         obs_type = image or ("rgb" if replay.options.get("obs_type") == "ram" else None)
     return {} if obs_type is None else {"obs_type": obs_type}
@@ -139,7 +140,7 @@ class _Episode:
         self.infos.append(self.atari.driver.info())
 
     def see_first(self) -> None:
-        """Drop what was collected before the first step, and collect its first observation."""
+        """Drop the frames before the first step, and collect its first observation."""
         self.observations, self.infos, self.reward = [], [], 0.0
         self.see()
 

@@ -20,9 +20,9 @@ from atari.vector.options import VectorOptions
 Bools = npt.NDArray[np.bool_]
 
 _UINT8, _ndarray = np.dtype(np.uint8), np.ndarray  # found once: they are used at every step
-_FINAL_INFO = ("lives", "frame_number", "episode_frame_number")
-_INFO = ("env_id", "lives", "frame_number", "episode_frame_number")
-_GAME_INFO = ("reward", "elapsed_step", "terminated")
+# The keys of `info`, and the names of the engine's arrays (emulator/vector/batch.def) that they show.
+COUNTERS = ("lives", "frame_number", "episode_frame_number")
+GAME_INFO = {"reward": "game_reward", "elapsed_step": "elapsed_step", "terminated": "game_over"}
 
 
 class Results:
@@ -44,41 +44,28 @@ class Results:
         self._shape = (rows, *(space.shape or ()))
         self._shapes = shapes = {name: (rows, *(part.shape or ())) for name, part in parts.items()}
         self._observation = _checked(out, shapes) if out is not None else _empty(shapes)
-        self._final = _empty(shapes) if options.autoreset_mode == AutoresetMode.SAME_STEP else {}
-        players = options.players
-        self._numbers, of_players = _blocks(np.int32, rows, players, 4, 6)
-        reward, game_reward, lives, final_lives = of_players
-        env_id, frame, episode_frame, game_steps, final_frame, final_episode_frame = self._numbers[4 * players :]
-        flags, ends = _blocks(np.bool_, rows, players, 2, 3)
-        game_over, self._ended, self._games_ended = flags[2 * players :]
-        games, scores = _blocks(np.float64, rows, players, 1, 2)
-        self._games = (*scores, *games[players:])
-        self._final_numbers = (final_lives, final_frame, final_episode_frame)
+        self._part_names = pixels, ram = options.part_names()
+        self.batch = _emulator.Batch(engine, self._observation.get(pixels), self._observation.get(ram))
+        self._arrays = arrays = self.batch.arrays
+        self._final: dict[str, npt.NDArray[np.uint8]] = {}
+        if options.autoreset_mode == AutoresetMode.SAME_STEP:
+            written = {pixels: "final_pixels", ram: "final_ram"}
+            self._final = {name: arrays[written[name]].reshape(shape) for name, shape in shapes.items()}
         # Lost lives are shown as ends; players who are out are not.
-        self._ends = flags[:2] if players == 1 else self._ended
-        # Methods that copy a row, except of ended episodes.
-        copy_reward = reward.copy if players == 1 else partial(reward.astype, np.float64)
+        ends = ("terminated", "truncated") if options.players == 1 else ("ended",)
+        self._ends = [arrays[name] for name in ends if self._final]
+        # Methods that copy an array, except of ended episodes.
+        reward = arrays["reward"]
+        copy_reward = reward.copy if options.players == 1 else partial(reward.astype, np.float64)
         if options.task.zero_sum:
             copy_reward = partial(zero_sum, reward)
-        self._copies = (copy_reward, *(row.copy for row in (lives, frame, episode_frame, *ends)))
-        self._game_copies = (game_reward.copy, game_steps.copy, game_over.copy) if options.game_info else ()
-        self._env_id_copy = env_id.copy if rows < len(options.games) else None
+        self._copies = (copy_reward, *(arrays[name].copy for name in (*COUNTERS, "terminated", "truncated")))
+        self._game_copies = [arrays[name].copy for name in GAME_INFO.values()] if options.game_info else []
+        self._env_id_copy = arrays["env_id"].copy if rows < len(options.games) else None
         self._all_rows = _read_only(np.ones(rows, np.bool_))
-        names = (*_INFO, *(_GAME_INFO if options.game_info else ()))
+        names = ("env_id", *COUNTERS, *(GAME_INFO if options.game_info else ()))
         self._info = {key: self._all_rows for name in names for key in (name, "_" + name)}
         self._info["env_id"] = _read_only(np.arange(rows, dtype=np.int32))  # for a batch of all environments
-        self._part_names = options.part_names()
-        pixels, ram = self._part_names
-        self.batch = _emulator.Batch(
-            engine,
-            pixels=self._observation.get(pixels),
-            ram=self._observation.get(ram),
-            final_pixels=self._final.get(pixels),
-            final_ram=self._final.get(ram),
-            numbers=self._numbers,
-            games=games,
-            flags=flags,
-        )
         self._apply_layout = None if options.layout.is_engines else options.layout.apply
         # Arrays of the user's own are returned as they are.
         self._lenders = {} if out is not None else _lenders(self._observation)
@@ -136,17 +123,18 @@ class Results:
     def _add_ends(self, info: dict[str, Any]) -> None:
         """Add the final observations, and what was played of the games that ended."""
         games: dict[str, Any] = {}
-        if self._games_ended.any():
-            games_ended = self._games_ended.copy()
-            score, frames, seconds = (of_game.copy() for of_game in self._games)
-            episode = {"r": score, "l": frames.astype(np.int64), "t": seconds}
+        arrays = self._arrays
+        if arrays["game_ended"].any():
+            games_ended = arrays["game_ended"].copy()
+            frames = arrays["frames"].astype(np.int64)
+            episode = {"r": arrays["score"].copy(), "l": frames, "t": arrays["seconds"].copy()}
             episode.update({f"_{key}": games_ended for key in "rlt"})
             games = {"episode": episode, "_episode": games_ended}
-        if self._final and self._ends.any():
-            ended = self._ended.copy()
+        if any(array.any() for array in self._ends):
+            ended = arrays["ended"].copy()
             final_info: dict[str, Any] = {}
-            for name, values in zip(_FINAL_INFO, self._final_numbers, strict=True):
-                final_info[name], final_info["_" + name] = values.copy(), ended
+            for name in COUNTERS:
+                final_info[name], final_info["_" + name] = arrays["final_" + name].copy(), ended
             info["final_obs"], info["_final_obs"] = self._lend(self._final, self._final_lenders), ended
             info["final_info"], info["_final_info"] = {**final_info, **games}, ended
         elif self._game_copies:
@@ -194,19 +182,6 @@ def zero_sum(reward: npt.NDArray[np.int32]) -> npt.NDArray[np.float64]:
     players = reward.shape[1]
     relative: npt.NDArray[np.float64] = (players * reward - reward.sum(axis=1, keepdims=True)) / (players - 1)
     return relative
-
-
-def _blocks(
-    dtype: npt.DTypeLike, rows: int, players: int, columns: int, more: int
-) -> tuple[npt.NDArray[Any], tuple[npt.NDArray[Any], ...]]:
-    """Memory for numbers of players and `more` numbers of games, and views of the former, (rows, players) each.
-
-    With one player they are (rows,).
-    """
-    memory = np.zeros((columns * players + more, rows), dtype)
-    shape = (rows,) if players == 1 else (rows, players)
-    starts = range(0, columns * players, players)
-    return memory, tuple(memory[start : start + players].reshape(shape) for start in starts)
 
 
 def _read_only(array: npt.NDArray[Any]) -> npt.NDArray[Any]:

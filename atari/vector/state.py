@@ -14,7 +14,7 @@ from atari.cores import writes
 from atari.games.game import Game
 from atari.task import Task
 from atari.task.storage import require_same
-from atari.vector.members import AddedWrites
+from atari.vector.lanes import AddedWrites
 from atari.vector.options import VectorOptions
 from atari.vector.results import Results
 
@@ -103,7 +103,7 @@ class VectorState:
             engine = self._started()
             if 0 <= source < self.num_envs:
                 self._require_same(chosen, [self._options.identities[source]] * len(chosen))
-            engine.fork(source, chosen)
+            engine.restore(chosen, engine.snapshot([source]) * len(chosen))
 
     def _require_same(self, indices: Sequence[int], tasks: Sequence[str | None]) -> None:
         """Refuse states of other tasks for environments; the engine checks that there are such environments."""

@@ -15,7 +15,8 @@ from video_reader import video_frames
 
 import atari
 from atari.cli import main
-from atari.recording import RecordReplay, frame_rate
+from atari.recording import RecordReplay
+from atari.recording.video.writer import frame_rate
 
 
 @pytest.fixture(autouse=True)

@@ -12,6 +12,7 @@ import pytest
 
 import atari
 from atari.cli import main
+from atari.roms.locations import path
 
 
 @pytest.fixture(autouse=True)
@@ -20,7 +21,7 @@ def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.delenv("ATARI_ROMS", raising=False)
     for name in ("HOME", "USERPROFILE", "LOCALAPPDATA", "XDG_DATA_HOME"):
         monkeypatch.setenv(name, str(tmp_path / "home"))
-    folder: Path = atari.roms.path()
+    folder: Path = path()
     return folder
 
 

@@ -1,8 +1,11 @@
 """The bus accesses of one instruction, their order and their times, in the cases that games for the 2600 depend on."""
 
+import random
+
 import pytest
-from atari_inspection import Console
+from atari_inspection import Console, Processor
 from emulator.machines import R, W, console, rom, run
+from emulator.model_6502 import OPCODES, Model6502, Opcode
 
 
 def cycles_of(program: list[int], start: int = 0xF000, **registers: int | bool) -> int:
@@ -284,3 +287,44 @@ def test_program_counter_wraps_and_keeps_its_high_bits() -> None:
     machine.set_registers(pc=0x2080)
     machine.step()
     assert machine.registers["pc"] == 0x2081
+
+
+class RecordingBus:
+    """64 KiB of memory and nothing else. `accesses` are all reads and writes, each with its cycle."""
+
+    def __init__(self, memory: bytes) -> None:
+        self.memory = bytearray(memory)
+        self.cycles = 0
+        self.accesses: list[tuple[str, int, int, int]] = []
+
+    def read(self, address: int) -> int:
+        value = self.memory[address]
+        self.accesses.append(("read", address, value, self.cycles))
+        return value
+
+    def write(self, address: int, value: int) -> None:
+        self.memory[address] = value
+        self.accesses.append(("write", address, value, self.cycles))
+
+
+@pytest.mark.parametrize("opcode", OPCODES, ids=lambda o: f"{o.code:02X} {o.mnemonic} {o.mode}")
+def test_processor_alone_accesses_the_bus_as_the_model(opcode: Opcode) -> None:
+    """Without a console: no chip is needed, and every access is compared, not only its effect on a chip."""
+    rng = random.Random(opcode.code)
+    memory = rng.randbytes(0x10000)
+    for _ in range(20):
+        buses = [RecordingBus(memory), RecordingBus(memory)]
+        processor, model = Processor(buses[0]), Model6502(buses[1])
+        pc = rng.randrange(0x10000)
+        registers = {name: rng.randrange(256) for name in ("a", "x", "y", "sp")} | {"pc": pc}
+        registers |= {name: rng.random() < 0.5 for name in "nvdizc"}
+        processor.set_registers(**registers)
+        for name, value in registers.items():
+            setattr(model, name, value)
+        for bus in buses:
+            bus.memory[pc] = opcode.code
+        processor.step()
+        model.step()
+        assert buses[0].accesses == buses[1].accesses, registers
+        assert buses[0].cycles == buses[1].cycles
+        assert processor.registers == {name: getattr(model, name) for name in processor.registers}

@@ -1,4 +1,7 @@
-"""Which folder of the emulator may include which. The machine, which is the reference core, includes only itself."""
+"""Which folder of the emulator may include which. The machine, which is the reference core, includes only itself.
+
+Each chip of the machine is a file that a reader understands without the other chips.
+"""
 
 import re
 from pathlib import Path
@@ -6,6 +9,7 @@ from pathlib import Path
 import pytest
 
 SOURCES = Path(__file__).parents[2] / "atari" / "emulator"
+CLIENT = Path(__file__).parents[1] / "instructions" / "play.cpp"
 
 # The folders whose files a folder's files may include, besides their own.
 FAST = {"machine", "fast", "fast/interpreter", "fast/jit", "fast/tia"}
@@ -39,5 +43,43 @@ def test_a_file_includes_what_its_part_may(file: Path) -> None:
         assert there in ALLOWED[here], f"{here}/{file.name} includes {name} of {there}"
 
 
+@pytest.mark.parametrize("file", [SOURCES / "ale" / "environment.hpp", CLIENT], ids=lambda file: file.name)
+def test_a_client_that_only_plays_includes_one_header(file: Path) -> None:
+    """`play.cpp` also asserts, when it is compiled, that the header shows neither the machine nor the console."""
+    included = re.findall(r'^\s*#\s*include\s+"([^"]+)"', file.read_text(), re.MULTILINE)
+    assert included == (["ale/environment.hpp"] if file == CLIENT else [])
+
+
 def test_every_folder_is_a_part() -> None:
     assert {str(file.parent.relative_to(SOURCES)) for file in sources()} == set(ALLOWED)
+
+
+# The chips of the machine by the names of their files, each with the chips that it uses.
+CHIPS: dict[str, set[str]] = {
+    "cpu": set(),
+    "cpu_instructions": {"cpu"},
+    "riot": set(),
+    "sound": set(),
+    "tia_renderer": set(),
+    "tia": {"tia_renderer"},
+    "dpc": set(),
+    "bankswitching": {"dpc"},
+}
+
+
+def included(name: str, seen: set[str]) -> set[str]:
+    """The names of all files of the machine that a file includes, directly or not."""
+    for file in (SOURCES / "machine" / f"{name}.hpp", SOURCES / "machine" / f"{name}.cpp"):
+        if not file.exists():
+            continue
+        for inner in re.findall(r'#include "(\w+)\.hpp"', file.read_text()):
+            if inner not in seen:
+                seen.add(inner)
+                included(inner, seen)
+    return seen
+
+
+@pytest.mark.parametrize("chip", CHIPS)
+def test_a_chip_includes_no_other_chip(chip: str) -> None:
+    others = (CHIPS.keys() | {"console", "state"}) - CHIPS[chip] - {chip}
+    assert not included(chip, set()) & others

@@ -16,7 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "ale/environment.hpp"
+#include "ale/environment_parts.hpp"
+#include "fast/fast_console.hpp"
 #include "input.hpp"
 #include "observations/area_resize.hpp"
 #include "observations/pooling.hpp"
@@ -130,7 +131,7 @@ Settings read_settings(Reader& in) {
     Settings settings;
     const uint8_t flags = in.byte();
     settings.sound = flags & 1;
-    settings.colour_averaging = flags & 2;
+    settings.color_averaging = flags & 2;
     settings.frame_skip = 1 + (flags >> 2 & 3);
     settings.repeat_action_probability = in.byte() / 255.0;
     settings.max_frames_per_episode = in.number();
@@ -325,7 +326,7 @@ Bytes look(Environment& environment) {
     environment.screen(indices.data());
     environment.screen_rgb(rgb.data());
     environment.screen_gray(gray.data());
-    const Palette& palette = *environment.game()->palette;
+    const Palette& palette = *environment.parts().game->palette;
     for (size_t i = 0; i < pixels; ++i) {
         const uint32_t colour = uint32_t{rgb[3 * i]} << 16 | uint32_t{rgb[3 * i + 1]} << 8 | rgb[3 * i + 2];
         if (palette.rgb[indices[i]] != colour || palette.gray[indices[i]] != gray[i])
@@ -338,7 +339,7 @@ Bytes look(Environment& environment) {
 int act(int action, float strength, Environment& environment, const Settings& settings) {
     const auto before = static_cast<uint32_t>(environment.frame_number());
     const bool over = environment.game_over() || environment.truncated();
-    const int reward = environment.act(action, strength);
+    const int reward = environment.act({action}, 1, strength)[0];
     const uint32_t played = static_cast<uint32_t>(environment.frame_number()) - before;
     expect(played <= static_cast<uint32_t>(settings.frame_skip) && !(over && played),
            "an act plays up to frame_skip frames");

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "ale/environment.hpp"
+#include "ale/environment_parts.hpp"
 
 namespace atari {
 

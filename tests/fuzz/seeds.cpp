@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <functional>
 
-#include "ale/environment.hpp"
+#include "ale/environment_parts.hpp"
 #include "input.hpp"
 
 namespace atari {

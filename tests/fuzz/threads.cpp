@@ -27,7 +27,7 @@ class EnvironmentRun {
         std::vector<uint8_t> pixels(static_cast<size_t>(environment_.height()) * kScreenWidth);
         for (int i = 0; i < kActs; ++i) {
             action_ = 1664525 * action_ + 1013904223;
-            const int reward = environment_.act(static_cast<int>(action_ >> 16) % 18, 1.0f);
+            const int reward = environment_.act({static_cast<int>(action_ >> 16) % kActions})[0];
             environment_.screen_gray(pixels.data());
             add(&reward, sizeof reward);
             add(environment_.ram(), 128);
@@ -45,7 +45,7 @@ class EnvironmentRun {
     static Settings settings(size_t number) {
         Settings settings;
         settings.sound = true;
-        settings.colour_averaging = number % 2 != 0;
+        settings.color_averaging = number % 2 != 0;
         settings.frame_skip = 1 + static_cast<int>(number % 3);
         return settings;
     }

@@ -4,11 +4,12 @@
 //
 // usage: vector_threads FOLDER    a folder of ROM images (*.bin), of which ten are taken
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <vector>
 
 #include "games.hpp"
-#include "vector/members.hpp"
+#include "vector/lanes.hpp"
 
 namespace atari {
 namespace {
@@ -18,57 +19,24 @@ constexpr int kEnvironments = 20, kSteps = 25;
 // By environment, a digest (FNV-1a) of each of its results.
 using Digests = std::vector<std::vector<uint64_t>>;
 
-struct Arrays {
-    explicit Arrays(size_t rows)
-        : pixels(rows * kPixels), finals(rows * kPixels), numbers(10 * rows), games(3 * rows), flags(5 * rows) {
-        batch.observation.pixels = pixels.data();
-        batch.final_observation.pixels = finals.data();
-        int32_t** const columns[10] = {&batch.reward,
-                                       &batch.environment,
-                                       &batch.numbers.lives,
-                                       &batch.numbers.frame,
-                                       &batch.numbers.episode_frame,
-                                       &batch.game_reward,
-                                       &batch.game_steps,
-                                       &batch.final_numbers.lives,
-                                       &batch.final_numbers.frame,
-                                       &batch.final_numbers.episode_frame};
-        for (size_t i = 0; i < 10; ++i) *columns[i] = numbers.data() + i * rows;
-        batch.ended_games = {games.data(), games.data() + rows, games.data() + 2 * rows};
-        uint8_t** const bytes[5] = {&batch.terminated, &batch.truncated, &batch.game_over, &batch.ended,
-                                    &batch.game_ended};
-        for (size_t i = 0; i < 5; ++i) *bytes[i] = flags.data() + i * rows;
-    }
-
-    uint64_t digest(size_t row, size_t rows) const {
-        uint64_t digest = 0xcbf29ce484222325ull;
-        const auto add = [&](const void* data, size_t size) {
-            for (const auto* byte = static_cast<const uint8_t*>(data); size > 0; --size)
-                digest = (digest ^ *byte++) * 0x100000001b3ull;
-        };
-        add(pixels.data() + row * kPixels, kPixels);
-        add(finals.data() + row * kPixels, kPixels);
-        for (size_t i = 0; i < 10; ++i) add(&numbers[i * rows + row], sizeof(int32_t));
-        for (size_t i = 0; i < 2; ++i) add(&games[i * rows + row], sizeof(double));  // without the seconds
-        for (size_t i = 0; i < 5; ++i) add(&flags[i * rows + row], 1);
-        return digest;
-    }
-
-    static constexpr size_t kPixels = 4 * 84 * 84;
-    std::vector<uint8_t> pixels, finals;
-    std::vector<int32_t> numbers;
-    std::vector<double> games;
-    std::vector<uint8_t> flags;
-    Batch batch;
-};
+// A digest of a row of all arrays but the seconds.
+uint64_t digest_of(const Batch& batch, const BatchShape& shape, size_t row) {
+    uint64_t digest = 0xcbf29ce484222325ull;
+    Batch::for_each(shape, [&]<typename T>(const char* name, T* Batch::* member, size_t width) {
+        if (std::strcmp(name, "seconds") == 0) return;
+        const auto* byte = reinterpret_cast<const uint8_t*>(batch.*member + row * width);
+        for (size_t i = 0; i < width * sizeof(T); ++i) digest = (digest ^ byte[i]) * 0x100000001b3ull;
+    });
+    return digest;
+}
 
 // With `forks`, environments sometimes continue from snapshots of others, which the threads restore.
 Digests play(const Games& games, int threads, int batch_size, bool forks = false) {
     EpisodeSettings episode;
     episode.max_frames = 40;
-    std::vector<MemberSpec> specs;
+    std::vector<LaneSpec> specs;
     for (uint32_t i = 0; i < kEnvironments; ++i) {
-        MemberSpec spec;
+        LaneSpec spec;
         spec.game = games[i % games.size()];
         spec.actions = {0, 1, 2, 3, 4, 5};
         spec.action_set = {0, 1, 2};
@@ -80,19 +48,22 @@ Digests play(const Games& games, int threads, int batch_size, bool forks = false
     settings.threads = threads;
     settings.autoreset = Autoreset::kSameStep;
     const auto rows = static_cast<size_t>(batch_size);
-    Arrays arrays(rows);  // must outlive the threads
-    VectorEngine vector(make_members(specs, episode, ObservationSettings{}), settings);
-    const Batch* const batch = batch_size == kEnvironments ? &arrays.batch : nullptr;
+    Batch arrays;  // must outlive the threads
+    BatchMemory memory;
+    VectorEngine vector(make_lanes(specs, episode, ObservationSettings{}), settings);
+    const BatchShape shape = vector.shape(true, false);
+    memory.complete(arrays, shape);
+    const Batch* const batch = batch_size == kEnvironments ? &arrays : nullptr;
     Digests digests(kEnvironments);
     std::vector<int> environments(rows);
     std::vector<int64_t> actions(rows);
     vector.reset(std::vector<bool>(kEnvironments, true), std::vector<const Seed*>(kEnvironments, nullptr), batch);
     for (int step = 0; step <= kSteps * kEnvironments / batch_size; ++step) {
-        vector.receive(arrays.batch);
+        vector.receive(arrays);
         for (size_t row = 0; row < rows; ++row) {
-            environments[row] = arrays.batch.environment[row];
+            environments[row] = arrays.env_id[row];
             auto& results = digests[static_cast<size_t>(environments[row])];
-            results.push_back(arrays.digest(row, rows));
+            results.push_back(digest_of(arrays, shape, row));
             actions[row] = static_cast<int64_t>((results.size() * 7 + static_cast<size_t>(environments[row])) % 6);
         }
         for (int i = 0; forks && step % 3 == 0 && i < kEnvironments / 2; ++i)

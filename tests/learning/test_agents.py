@@ -1,4 +1,4 @@
-"""The agents: what they learn from is right, and a training that was killed goes on to the same weights."""
+"""The agents: their targets are right, and a training that was killed goes on to the same weights."""
 
 import signal
 import subprocess

@@ -72,7 +72,7 @@ def test_a_run_plays_against_others(obs: str, run: str, tmp_path: Path, capsys: 
 
 def test_a_run_of_another_game_cannot_play(run: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["record", "boxing", "--players", "2", "--policy", run, "--policy", "noop"]) == 1
-    assert "is a policy of pong, not of boxing" in capsys.readouterr().err
+    assert "is a policy for pong, not for boxing" in capsys.readouterr().err
     assert main(["record", "pong", "--players", "2", "--policy", str(tmp_path)]) == 1
     assert f"{tmp_path} is no run folder" in capsys.readouterr().err
 

@@ -141,7 +141,7 @@ def test_the_mode_of_a_name_is_one_at_every_door(game: str) -> None:
     task = parallel_env(game).task
     players = task.players
     envs = atari.AtariVectorEnv(game, 1, players=players)
-    assert envs.task.mode == envs.members[0].mode == task.mode
+    assert envs.task.mode == envs.lanes[0].mode == task.mode
     assert Task.of(game, players=players).mode == MultiplayerCore(game).mode == task.mode
     assert MultiplayerCore(game).players == players
 
@@ -210,11 +210,11 @@ def test_probabilities_by_player_are_in_the_task() -> None:
 
 
 def test_interventions_are_played_and_recorded(tmp_path: Path) -> None:
-    from atari.recording import RecordMatch, Replay
+    from atari.recording import RecordReplay, Replay
 
     frozen = [{"name": "held", "description": "-", "source": "-", "writes": [{"to": "ball_x", "value": 80}]}]
     core, plain = (MultiplayerCore("pong", **options) for options in ({"interventions": frozen}, {}))
-    with RecordMatch(core, tmp_path / "a.a26") as match:
+    with RecordReplay(core, tmp_path / "a.a26") as match:
         match.reset()
         for _ in range(100):
             match.act_players([1, 2])

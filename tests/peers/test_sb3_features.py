@@ -11,7 +11,7 @@ import pytest
 from video_reader import video_frames
 
 import atari
-from atari.recording import RecordVectorVideo, Replay
+from atari.recording import RecordVideo, Replay
 
 pytestmark = pytest.mark.peers
 
@@ -92,7 +92,7 @@ def test_a_replay_of_one_of_them(tmp_path: Path) -> None:
 
 def test_training_is_recorded(tmp_path: Path) -> None:
     envs = make()
-    envs.vector = RecordVectorVideo(
+    envs.vector = RecordVideo(
         envs.vector, tmp_path / "v", step_trigger=lambda step: step == 5, video_length=10, sound=False
     )
     ppo(envs).learn(64)

@@ -12,10 +12,10 @@ import pytest
 from atari.actions import PLAYER_ACTIONS, Action
 from atari.cli import main
 from atari.multiplayer import MultiplayerCore
-from atari.play import MultiplayerSession
 from atari.play.base import FRAMES_PER_REWIND_POINT
 from atari.play.controls import HELP, HELP_SEVERAL, LEFT_KEYS, RIGHT_KEYS, Command, SharedControls
 from atari.play.loop import Loop
+from atari.play.multiplayer_session import MultiplayerSession
 from atari.play.window import GameWindow
 from atari.recording import Replay
 from atari.task import Task
@@ -130,7 +130,7 @@ def test_a_policy_says_what_it_observes() -> None:
     [
         ({"environment": {"obs_type": "colours"}}, "obs_type must be one of"),
         ({"task": Task.of("pong", players=4)}, "has players=4, and the game is played by 2"),
-        ({"task": Task.of("breakout")}, "mine is a policy of breakout, not of pong"),
+        ({"task": Task.of("breakout")}, "mine is a policy for breakout, not for pong"),
         ({"task": Task.of("pong", continuous=True)}, "mine has continuous=True"),
     ],
 )

@@ -11,6 +11,7 @@ from atari import AtariEnv
 from atari.actions import Action
 from atari.cores import snapshot
 from atari.play.base import FRAMES_PER_REWIND_POINT
+from atari.play.multiplayer_session import MultiplayerSession
 from atari.play.session import Session
 from atari.recording import Replay, VideoWriter, video_facts
 from atari.task import Task
@@ -302,6 +303,22 @@ def test_a_session_of_a_task_or_an_id() -> None:
     ):
         with pytest.raises(error, match=text):
             Session("pong", **options)
+
+
+def test_several_players_or_policies_make_a_session_of_players() -> None:
+    for game, options in (
+        ("combat", {"players": 2}),
+        ("combat", {"players": None}),
+        ("pong", {"policies": {1: "random"}}),
+        (Task.of("pong", players=2), {}),
+    ):
+        session = Session(game, **options)
+        assert isinstance(session, MultiplayerSession)
+        assert len(session.scores) == 2
+        session.close()
+    assert len(Session("pong", players=1).scores) == 1
+    with pytest.raises(ValueError, match="'pong_v3' is a game of 2 players; give players=2"):
+        Session("pong_v3")
 
 
 def test_a_video_says_what_was_played(tmp_path: Path) -> None:

@@ -15,6 +15,8 @@ from ale_py import ALEInterface
 import atari
 from atari import roms
 from atari.games.catalog import games
+from atari.roms.locations import folders
+from atari.roms.search import Check
 
 
 def test_every_game_is_found_in_the_wheel_of_ale_py(shipped: Path) -> None:
@@ -28,7 +30,7 @@ def test_the_places_are_searched_in_order(
 ) -> None:
     one, two = tmp_path / "one", tmp_path / "two"
     monkeypatch.setenv("ATARI_ROMS", os.pathsep.join([str(one), "", str(two)]))
-    assert roms.folders() == (one, two, own, shipped)
+    assert folders() == (one, two, own, shipped)
     for folder in (own, two, one):
         folder.mkdir(parents=True)
         (folder / "breakout.bin").write_bytes(breakout)
@@ -38,7 +40,7 @@ def test_the_places_are_searched_in_order(
 
 def test_home_is_understood_in_the_environment_variable(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ATARI_ROMS", "~/games")
-    assert roms.folders()[0] == Path.home() / "games"
+    assert folders()[0] == Path.home() / "games"
 
 
 @pytest.mark.parametrize(
@@ -309,7 +311,7 @@ def test_verify_all(shipped: Path) -> None:
     assert list(checks) == list(games)
     for game in games.values():
         image = (shipped / f"{game.id}.bin").read_bytes()
-        assert checks[game.id] == roms.Check(
+        assert checks[game.id] == Check(
             game=game.id,
             status="ok",
             file=shipped / f"{game.id}.bin",
@@ -330,10 +332,10 @@ def test_verify_reports_a_skipped_file(collection: Path, shipped: Path, pong: by
 
 @pytest.mark.usefixtures("bare")
 def test_verify_missing_and_wrong(collection: Path) -> None:
-    assert roms.verify("pong") == {"pong": roms.Check("pong", "missing", None, None, None, "")}
+    assert roms.verify("pong") == {"pong": Check("pong", "missing", None, None, None, "")}
     (collection / "pong.bin").touch()
     note = f"{collection / 'pong.bin'} is empty"
-    assert roms.verify("pong") == {"pong": roms.Check("pong", "wrong", None, None, None, note)}
+    assert roms.verify("pong") == {"pong": Check("pong", "wrong", None, None, None, note)}
 
 
 def test_verify_sees_a_forged_md5(monkeypatch: pytest.MonkeyPatch) -> None:

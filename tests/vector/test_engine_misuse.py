@@ -25,7 +25,7 @@ def batch_of(envs):
 def spec(**changes):
     game = atari.games["pong"]
     native = atari.cores.native.compiled(game, atari.roms.find(game).read_bytes())
-    return filled(_emulator.MemberSpec(), game=native, **changes)
+    return filled(_emulator.LaneSpec(), game=native, **changes)
 
 def engine_of(spec, **changes):
     episode = filled(_emulator.EpisodeSettings(), **changes)
@@ -75,15 +75,14 @@ MISUSES = {
         "TypeError",
     ),
     "a batch that is initialized again": (
-        "(b := batch_of(envs)).__init__(engine, pixels=None, ram=None, final_pixels=None, final_ram=None,"
-        " numbers=np.zeros((8, 4), np.int32), flags=np.zeros((3, 4), bool))",
+        "(b := batch_of(envs)).__init__(engine, None, None)",
         "TypeError",
     ),
     "a snapshot that is unpickled into": (
         "(s := envs.snapshot()[0].state).__setstate__(s.__getstate__())",
         "TypeError",
     ),
-    "a member without a game": ("engine_of(_emulator.MemberSpec())", "ValueError"),
+    "a lane without a game": ("engine_of(_emulator.LaneSpec())", "ValueError"),
     "an action number that ALE does not have": ("engine_of(spec(actions=[99]))", "ValueError"),
     "a negative action number": ("engine_of(spec(actions=[-1]))", "ValueError"),
     "a skip without end": ("engine_of(spec(), frameskip=(2**31 - 2, 2**31 - 1))", "ValueError"),
@@ -107,7 +106,8 @@ def test_environment_numbers_that_another_thread_writes_are_not_read() -> None:
         envs = atari.AtariVectorEnv("pong", 1024, obs_type="ram", autoreset_mode="Disabled", max_num_frames_per_episode=1)
         envs.reset(seed=0)
         envs.step(np.zeros(1024, int))  # All episodes end, so a step takes no time.
-        numbers, done = [results._numbers for results in envs._buffers], False
+        arrays = [array for results in envs._buffers for array in results.batch.arrays.values()]
+        numbers, done = [array for array in arrays if array.dtype == np.int32], False
         def write():
             while not done:
                 for array in numbers:

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import atari
+from atari import _emulator
+from atari.vector.results import Results
 
 
 def test_a_view_outlives_the_environment() -> None:
@@ -78,3 +80,37 @@ def test_an_array_that_does_not_fit_changes_nothing() -> None:
         with pytest.raises((TypeError, ValueError), match="out must be"):
             envs.step(np.zeros(1, np.int64), out=wrong)
     assert envs.step(np.zeros(1, np.int64), out=out)[0] is out
+
+
+@pytest.mark.parametrize("players", [1, 2])
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
+def test_the_engine_says_names_dtypes_and_shapes_of_its_arrays(players: int, mode: str) -> None:
+    """Those of a batch, and those that compiled functions get: the same, with observations and without doubles."""
+    envs = atari.AtariVectorEnv("pong", 3, obs_type="dict", autoreset_mode=mode, players=players)
+    batch = Results(envs._engine, envs._options).batch
+    each = (3,) if players == 1 else (3, 2)
+    integers = {"reward": each, "game_reward": each, "lives": each, "env_id": (3,), "elapsed_step": (3,)}
+    integers |= {"frame_number": (3,), "episode_frame_number": (3,)}
+    flags = {"terminated": each, "truncated": each, "game_over": (3,), "game_ended": (3,)}
+    doubles, parts = {"score": each, "frames": (3,), "seconds": (3,)}, {"pixels": (3, 4 * 84 * 84), "ram": (3, 128)}
+    final = {}
+    if mode == "SameStep":
+        integers |= {"final_lives": each, "final_frame_number": (3,), "final_episode_frame_number": (3,)}
+        flags["ended"] = (3,)
+        final = {f"final_{name}": shape for name, shape in parts.items()}
+    kinds = [("int32", integers), ("bool", flags), ("float64", doubles), ("uint8", parts | final)]
+    arrays = {name: (dtype, shape) for dtype, shapes in kinds for name, shape in shapes.items()}
+    found = {name: (str(array.dtype), array.shape) for name, array in batch.arrays.items()}
+    assert found == {name: array for name, array in arrays.items() if name not in parts}
+    port = _emulator.XlaPort(envs._engine, True, True)
+    assert {name: array for name, *array in port.results()} == {
+        name: list(array) for name, array in arrays.items() if name not in doubles
+    }
+
+
+def test_arrays_of_a_batch_outlive_it() -> None:
+    envs = atari.AtariVectorEnv("pong", 2)
+    reward = Results(envs._engine, envs._options).batch.arrays["reward"]
+    gc.collect()
+    reward[:] = 7
+    assert reward.tolist() == [7, 7]

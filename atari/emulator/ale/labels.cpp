@@ -10,7 +10,7 @@
 namespace atari {
 namespace {
 
-// What the program of a label reads. It has no generator and no cartridge, and cannot act.
+// The data that the program of a label reads. It has no generator and no cartridge, and cannot act.
 struct LabelHost {
     const uint8_t* ram;
     int32_t variables[Label::kVariables];

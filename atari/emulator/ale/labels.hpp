@@ -47,7 +47,7 @@ class Labels {
     void all_values(size_t label, const uint8_t* ram, int32_t* values, bool* writable) const;
 
   private:
-    // What the programs of a label give for each byte. A program that reads other bytes has no table: it is run.
+    // The results of a label's programs for each byte. A program that reads other bytes has no table: it is run.
     struct Tables {
         std::vector<int32_t> value, visible;
     };

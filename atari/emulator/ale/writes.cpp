@@ -10,7 +10,7 @@
 namespace atari {
 namespace {
 
-// What the program of a write reads. If `own` is an index, the byte of that index is `variables[kLabelByte]`. A program
+// The data that the program of a write reads. If `own` is an index, the byte of that index is `variables[kLabelByte]`. A program
 // that may not act does not call the last functions.
 struct Host {
     const uint8_t* ram;

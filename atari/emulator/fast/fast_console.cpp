@@ -15,7 +15,7 @@ FastConsole::FastConsole(std::shared_ptr<const FastCartridge> cartridge, const C
             pages_[page] = m_.riot.ram + (address & 0x7f);
     map_cartridge_ram();
     for (unsigned segment = 0; segment < 4; ++segment)
-        if (plain_.from < 1024 * (segment + 1) && 1024 * segment < plain_.from + plain_.size)
+        if (slot_.plain.from < 1024 * (segment + 1) && 1024 * segment < slot_.plain.from + slot_.plain.size)
             code_segments_ |= 0x1010u << segment;
     std::fill(std::begin(ram_code_), std::end(ram_code_),
               DecodedInstruction{code_of(kRamCode), kRamCode, 0, 0, 0, Loop::kNone});
@@ -27,18 +27,17 @@ void FastConsole::reset() {
     history_.clear();
 }
 
-void FastConsole::map_segments() {
-    Console::map_segments();
-    bank_ = image_ + segment_[12];
+void FastConsole::segments_changed() {
+    bank_ = slot_.image + slot_.segment[12];
     map_pages();
     remapped_ = true;
 }
 
 // A page that is only partly plain image gets no entry.
 void FastConsole::map_pages() {
-    const unsigned first = (plain_.from + 63) / 64, last = (plain_.from + plain_.size) / 64;
+    const unsigned first = (slot_.plain.from + 63) / 64, last = (slot_.plain.from + slot_.plain.size) / 64;
     for (const unsigned half : {4u, 12u}) {
-        const uint32_t* const starts = segment_ + half;
+        const uint32_t* const starts = slot_.segment + half;
         const uint8_t** const pages = pages_ + 16 * half;
         const auto map = [&](unsigned from, unsigned to, uint32_t start) {
             const uint8_t* const* const shown = program_.pages() + start / 64;
@@ -59,14 +58,14 @@ void FastConsole::map_pages() {
 void FastConsole::map_cartridge_ram() {
     using Type = CartridgeType;
     unsigned first = 2, count = 2;
-    switch (cartridge_->type()) {
+    switch (cartridge().type()) {
         case Type::kF8SC:
         case Type::kF6SC:
         case Type::kF4SC: break;
         case Type::kFASC: first = count = 4; break;
         default: return;
     }
-    for (unsigned i = 0; i < count; ++i) pages_[64 + first + i] = pages_[192 + first + i] = cart_ram_.data() + 64 * i;
+    for (unsigned i = 0; i < count; ++i) pages_[64 + first + i] = pages_[192 + first + i] = slot_.ram.data() + 64 * i;
 }
 
 // --- frames ---
@@ -76,7 +75,7 @@ void FastConsole::emulate_frame(bool whole) {
     rendered(m_.tia.current);
     settle_latches();
     break_off_history();
-    touch_all();
+    renderer_.touch(kAllObjects);
     run_counted();
     catch_up();
 }
@@ -86,7 +85,7 @@ void FastConsole::emulate_frame(bool whole) {
 // ends the frame, or if the frame ends in the line of an HMOVE blank.
 bool FastConsole::run_deferred() {
     machine_before_ = m_;
-    cart_ram_before_ = cart_ram_;
+    cart_ram_before_ = slot_.ram;
     const FrameHistory::Marks marks_before = history_.marks();
     m_.cpu.stop = false;
     begin_log();
@@ -95,8 +94,8 @@ bool FastConsole::run_deferred() {
     deferred_ = false;
     if (!ended) {
         m_ = machine_before_;
-        std::copy(cart_ram_before_.begin(), cart_ram_before_.end(), cart_ram_.begin());
-        map_segments();
+        std::copy(cart_ram_before_.begin(), cart_ram_before_.end(), slot_.ram.begin());
+        slot_.map_segments();
         history_.give_up_frame(marks_before);
         collision_cache_.forget();
         return false;
@@ -173,14 +172,14 @@ void FastConsole::apply_log(int32_t clock) {
 
 void FastConsole::end_frame() {
     Console::end_frame();
-    end_clock_ = clock();
+    end_clock_ = clock_at(m_.cycles);
 }
 
 // --- collision latches ---
 
 void FastConsole::before_tia_read(int reg) {
     if (!deferred_) return Console::before_tia_read(reg);
-    if (reg < 8) update_latches(reg, rendered_by(clock()));
+    if (reg < 8) update_latches(reg, rendered_by(clock_at(m_.cycles)));
 }
 
 // Brings the two latches of a read register up to date, up to a clock.
@@ -267,7 +266,9 @@ void FastConsole::log_write(uint8_t reg, uint8_t value) {
     uint8_t kind;
     switch (kTiaRegisters[reg].store) {
         case TiaStore::kNone: return;
-        case TiaStore::kVsync: return write_vsync(value);
+        case TiaStore::kVsync:
+            if (tia_.write_vsync(value, m_.cycles)) end_frame();
+            return;
         case TiaStore::kWsync: return halt_until_line_start();
         case TiaStore::kSound: return m_.sound.write(reg, value);
         case TiaStore::kHmclr: return shadow.clear_motions();
@@ -275,7 +276,7 @@ void FastConsole::log_write(uint8_t reg, uint8_t value) {
             if (!shadow.write_motion(reg, value)) return;
             break;
         case TiaStore::kVblank:
-            if (switch_dump(shadow.reg[VBLANK], value)) time_inputs();
+            if (tia_.switch_dump(shadow.reg[VBLANK], value, m_.cycles)) time_inputs();
             shadow.reg[VBLANK] = value;
             break;
         case TiaStore::kValue: shadow.write_value(reg, value); break;
@@ -313,7 +314,7 @@ void FastConsole::log_cxclr(uint32_t cycles) {
 }
 
 void FastConsole::time_inputs() {
-    for (int port = 0; port < 6; ++port) inputs_from_[port] = input_from(port);
+    for (int port = 0; port < 6; ++port) inputs_from_[port] = tia_.input_from(port, m_.inputs);
 }
 
 const uint8_t* FastConsole::rendered(int buffer) {

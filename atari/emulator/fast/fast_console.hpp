@@ -61,7 +61,7 @@ class FastConsole final : public Console {
     }
     void before_tia_read(int reg) override;
     void end_frame() override;
-    void map_segments() override;
+    void segments_changed() override;
     const uint8_t* rendered(int buffer) override;
     const uint32_t* looks_of(int buffer) const override { return line_cache_.looks(buffer); }
 
@@ -81,7 +81,7 @@ class FastConsole final : public Console {
     // Returns bits 7 and 6 of one of CXM0P .. CXPPMM, read by a handler while a frame is deferred: at least nine clocks
     // after the last write, which has taken effect.
     uint32_t read_latches(uint32_t reg) {
-        update_latches(static_cast<int>(reg), clock());
+        update_latches(static_cast<int>(reg), clock_at(m_.cycles));
         return (m_.tia.collisions >> (14 - 2 * reg) & 3u) << 6;
     }
     void find_pending_latches();
@@ -93,8 +93,8 @@ class FastConsole final : public Console {
 
     // Read by the interpreter and by translated code; derived from the state or from the cartridge.
     bool deferred_ = false;         // the TIA writes of the frame that is running go to the log
-    bool remapped_ = false;         // segment_ has changed
-    const FastCartridge& program_;  // the same cartridge as cartridge_
+    bool remapped_ = false;         // slot_.segment has changed
+    const FastCartridge& program_;  // the same cartridge as slot_.inserted
     const DecodedInstruction* first_instruction_;
     const DecodedInstruction* base_instruction_;  // the decoded instruction at `origin_`
     // The 1 KiB segments that contain plain image, as a set of bits, by bits 10 to 13 of the address. A program may
@@ -114,7 +114,7 @@ class FastConsole final : public Console {
     uint8_t modes_ = 0;            // D and I as in the status register, and its two bits that are always set
     TiaWrite* log_end_ = nullptr;  // end of the log of the frame that is running
     TiaShadow shadow_{};
-    const uint8_t* bank_ = nullptr;  // the image from segment_[12] on
+    const uint8_t* bank_ = nullptr;  // the image from slot_.segment[12] on
     // By bits 6 to 13 of the address, the 64 bytes there if they are RAM or plain image, which can be read without side
     // effects; otherwise null.
     const uint8_t* pages_[256] = {};

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "fast/tia/collider.hpp"
-#include "machine/console.hpp"
+#include "machine/console_config.hpp"
 
 namespace atari {
 

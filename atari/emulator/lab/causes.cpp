@@ -4,6 +4,8 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "ale/environment_parts.hpp"
+#include "fast/fast_console.hpp"
 #include "shift.hpp"
 #include "vector/thread_pool.hpp"
 
@@ -34,7 +36,7 @@ struct Log {
     std::vector<TiaWrite> writes;
 };
 
-FastConsole& console_of(Environment& environment) { return static_cast<FastConsole&>(environment.console()); }
+FastConsole& console_of(Environment& environment) { return static_cast<FastConsole&>(*environment.parts().console); }
 
 Log log_of(Environment& environment) {
     const FrameLog* const log = console_of(environment).deferred_frame();
@@ -116,13 +118,13 @@ void Causes::Worker::play_twin(const EnvironmentSnapshot& state, const uint8_t* 
     int reward = 0;
     for (int frame = 0; frame < causes_.frames_; ++frame) {
         Moment& moment = moments_[static_cast<size_t>(frame)];
-        reward += environment_.act(actions[frame], 1.0f);
+        reward += environment_.act({actions[frame]})[0];
         ++frames;
-        Console& console = environment_.console();
+        Console& console = console_of(environment_);
         console.settle_latches();
         moment.machine = console.machine();
         moment.cartridge_ram.assign(console.cartridge_ram(), console.cartridge_ram() + console.cartridge_ram_size());
-        std::copy_n(environment_.variables(), kMaxVariables, moment.variables.begin());
+        std::copy_n(environment_.parts().state.variables, kMaxVariables, moment.variables.begin());
         moment.reward = reward;
         moment.lives = environment_.lives();
         moment.over = environment_.game_over();
@@ -132,7 +134,7 @@ void Causes::Worker::play_twin(const EnvironmentSnapshot& state, const uint8_t* 
     environment_.restore(state);
     for (int frame = 0; frame < causes_.frames_; ++frame) {
         Moment& moment = moments_[static_cast<size_t>(frame)];
-        environment_.act(actions[frame], 1.0f);
+        environment_.act({actions[frame]});
         moment.screen.resize(static_cast<size_t>(causes_.height_) * kScreenWidth);
         environment_.screen(moment.screen.data());
     }
@@ -140,9 +142,9 @@ void Causes::Worker::play_twin(const EnvironmentSnapshot& state, const uint8_t* 
 
 // Returns whether the fork will not differ from its twin any more.
 bool Causes::Worker::rejoins(const Moment& twin) {
-    Console& console = environment_.console();
+    Console& console = console_of(environment_);
     if (std::memcmp(console.ram(), twin.machine.riot.ram, kRamBytes) != 0) return false;
-    if (!std::equal(twin.variables.begin(), twin.variables.end(), environment_.variables())) return false;
+    if (!std::equal(twin.variables.begin(), twin.variables.end(), environment_.parts().state.variables)) return false;
     console.settle_latches();
     return std::memcmp(&console.machine(), &twin.machine, sizeof(Machine)) == 0 &&
            std::equal(twin.cartridge_ram.begin(), twin.cartridge_ram.end(), console.cartridge_ram());
@@ -158,7 +160,7 @@ void Causes::Worker::play_fork(const EnvironmentSnapshot& state, const uint8_t* 
     int reward = 0;
     for (int frame = 0; frame < causes_.frames_; ++frame) {
         const Moment& twin = moments_[static_cast<size_t>(frame)];
-        reward += environment_.act(actions[frame], 1.0f);
+        reward += environment_.act({actions[frame]})[0];
         ++frames;
         const uint8_t* const ram = environment_.ram();
         for (int byte = 0; byte < kRamBytes; ++byte)
@@ -198,7 +200,7 @@ void Causes::Worker::play_fork(const EnvironmentSnapshot& state, const uint8_t* 
 
 // Compares the present screen with the twin's. Returns whether a pixel differs, and describes the difference.
 bool Causes::Worker::compare_screens(const Moment& twin, ForkEffect& effect) {
-    const uint8_t* const screen = environment_.console().framebuffer();
+    const uint8_t* const screen = console_of(environment_).framebuffer();
     uint16_t* const counts = pixels.data() + static_cast<size_t>(effect.byte) * causes_.height_ * kScreenWidth;
     ScreenDifference& d = difference_;
     d.places.clear();
@@ -235,7 +237,7 @@ bool Causes::Worker::compare_screens(const Moment& twin, ForkEffect& effect) {
 }
 
 Causes::Causes(std::shared_ptr<const Game> game, int values, int frames, int threads, uint64_t seed)
-    : values_(values), frames_(frames), height_(std::max(game->console.height, 200)), seed_(seed), bytes_(kRamBytes),
+    : values_(values), frames_(frames), height_(game->height()), seed_(seed), bytes_(kRamBytes),
       pixels_(static_cast<size_t>(kRamBytes) * height_ * kScreenWidth) {
     if (values < 1 || values > kMostForkValues || frames < 1 || frames > kMostForkFrames || threads < 1)
         throw std::invalid_argument("values must be within 1..64, frames within 1..60, threads at least 1");

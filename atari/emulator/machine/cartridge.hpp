@@ -1,11 +1,11 @@
-// Cartridges: the ROM image, the detection of its type, and the properties of its bank switching.
+// Cartridges: the ROM image, the detection of its type, the properties of its bank switching, and the registers.
 #pragma once
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include "state.hpp"
+#include "flag.hpp"
 
 namespace atari {
 
@@ -39,6 +39,19 @@ class Cartridge {
   private:
     std::vector<uint8_t> image_;
     CartridgeType type_;
+};
+
+// The registers of a cartridge.
+struct CartridgeState {
+    uint8_t bank;      // also the slice of 3F and 3E
+    uint8_t slice[4];  // E0: 1 KiB each; E7: [0] the low slice, [1] the RAM page; 3E: [1] RAM page, [2] RAM mapped
+    // DPC (Pitfall II)
+    uint8_t top[8], bottom[8], flag[8];
+    uint16_t counter[8];
+    Flag music[8];
+    uint8_t random;
+    int32_t stamp;
+    double fraction;
 };
 
 }  // namespace atari

@@ -8,15 +8,12 @@
 namespace atari {
 
 Console::Console(std::shared_ptr<const Cartridge> cartridge, const ConsoleConfig& config)
-    : plain_(cartridge->plain_window()), image_(cartridge->image()), cart_ram_(cartridge->ram_size()),
-      cartridge_(std::move(cartridge)), config_(config) {
-    watches_tia_ = cartridge_->watches_tia();
-}
+    : slot_(std::move(cartridge), m_.cart, *this), config_(config) {}
 
 void Console::construct(uint32_t seed) {
     m_ = Machine{};
     random_ = MachineRandom(seed);
-    std::fill(cart_ram_.begin(), cart_ram_.end(), uint8_t{0});
+    std::fill(slot_.ram.begin(), slot_.ram.end(), uint8_t{0});
     for (uint8_t& byte : m_.riot.ram) byte = static_cast<uint8_t>(machine_word());
     m_.random_words += 1;  // the timer's first value, which the reset replaces
     m_.cart.random = 1;
@@ -26,14 +23,11 @@ void Console::construct(uint32_t seed) {
 
 void Console::reset() {
     rebase_cycles();
-    Riot& riot = m_.riot;
-    riot.timer = static_cast<uint8_t>(25 + machine_word() % 75);
-    riot.shift = 6;
-    riot.set_at = riot.irq_at = 0;
-    riot.read_after_expiry = false;
-    riot.ddr_a = 0;
-    reset_tia();
-    reset_cartridge();
+    m_.riot.reset(machine_word());
+    tia_.reset();
+    framebuffers_.clear();
+    slot_.reset(m_.cycles);
+    for (size_t i = 0; i < cartridge().random_bytes(); ++i) slot_.ram[i] = static_cast<uint8_t>(machine_word());
     m_.cpu = Cpu{};
     m_.cpu.sp = 0xff;
     m_.cpu.last_access_was_read = true;
@@ -43,24 +37,17 @@ void Console::reset() {
 
 // Makes the current cycle number 0 and moves all time stamps by the same amount. Nothing else changes.
 void Console::rebase_cycles() {
-    const uint32_t cycles = m_.cycles, clocks = 3 * m_.cycles;
-    const auto move = [](int32_t& stamp, uint32_t by) {
-        stamp = static_cast<int32_t>(static_cast<uint32_t>(stamp) - by);
-    };
-    // A stamp without a further use is set to 0, so that states with the same future compare equal.
-    move(m_.riot.set_at, cycles);
-    if (m_.riot.read_after_expiry) move(m_.riot.irq_at, cycles);
-    else m_.riot.irq_at = 0;
-    Tia& t = m_.tia;
-    for (int32_t* stamp :
-         {&t.frame_start, &t.draw_start, &t.draw_stop, &t.drawn_to, &t.pending, &t.vsync_done, &t.last_hmove})
-        move(*stamp, clocks);
-    if (config_.paddles[0] || config_.paddles[1]) move(t.dump_off_cycle, cycles);
-    if (cartridge_->type() == CartridgeType::kDPC) move(m_.cart.stamp, cycles);
+    m_.riot.rebase(m_.cycles);
+    tia_.rebase(m_.cycles);
+    slot_.rebase(m_.cycles);
     m_.cycles = 0;
 }
 
-int Console::scan_lines() const { return static_cast<int>(clocks_since(m_.tia.frame_start) / kClocksPerLine); }
+void Console::start_frame() {
+    const int32_t begun = m_.tia.line_clock(m_.cycles);  // clocks of the unfinished line; the phase of lines continues
+    rebase_cycles();
+    tia_.start_frame(begun);
+}
 
 void Console::run_frame() {
     Tia& t = m_.tia;
@@ -70,7 +57,7 @@ void Console::run_frame() {
     emulate_frame(whole);
     t.current_line = scan_lines();
     if (t.partial) {
-        if (!t.greyed) grey_rest();
+        if (!t.greyed) renderer_.grey_from(t.current_line);
         t.greyed = true;
     } else {
         t.last_line_count = t.current_line;
@@ -78,20 +65,15 @@ void Console::run_frame() {
     }
 }
 
-void Console::emulate_frame(bool) {
-    run_cpu();
-    catch_up();
-}
-
-size_t Console::state_size() const { return sizeof(Machine) + cart_ram_.size() + 2 * kFrameBytes; }
+size_t Console::state_size() const { return sizeof(Machine) + slot_.ram.size() + 2 * kFrameBytes; }
 
 void Console::save(uint8_t* out) {
     for (int buffer : {0, 1}) rendered(buffer);
     settle_latches();
     std::memcpy(out, &m_, sizeof m_);
     out += sizeof m_;
-    std::copy(cart_ram_.begin(), cart_ram_.end(), out);
-    out += cart_ram_.size();
+    std::copy(slot_.ram.begin(), slot_.ram.end(), out);
+    out += slot_.ram.size();
     for (int buffer : {0, 1}) {
         framebuffers_.save(buffer, out);
         out += kFrameBytes;
@@ -132,17 +114,17 @@ bool sound_indices(const Machine& m, const Cartridge& cartridge) {
 bool Console::load(const uint8_t* in) {
     Machine machine;
     std::memcpy(&machine, in, sizeof machine);
-    if (!sound_indices(machine, *cartridge_)) return false;
+    if (!sound_indices(machine, cartridge())) return false;
     m_ = machine;
     in += sizeof machine;
-    std::copy_n(in, cart_ram_.size(), cart_ram_.begin());
-    in += cart_ram_.size();
+    std::copy_n(in, slot_.ram.size(), slot_.ram.begin());
+    in += slot_.ram.size();
     for (int buffer : {0, 1}) {
         std::memcpy(framebuffers_.use(buffer, Framebuffers::kMost), in, kFrameBytes);
         in += kFrameBytes;
     }
-    touch_all();
-    map_segments();
+    renderer_.touch(kAllObjects);
+    slot_.map_segments();
     return true;
 }
 
@@ -154,7 +136,7 @@ std::unique_ptr<ConsoleSnapshot> Console::snapshot() const {
 
 void Console::snapshot_into(ConsoleSnapshot& snapshot, const std::size_t (&skipped)[2]) const {
     snapshot.machine = m_;
-    snapshot.cart_ram = cart_ram_;
+    snapshot.cart_ram = slot_.ram;
     const std::size_t size = config_.framebuffer_bytes();
     for (int buffer : {0, 1})
         snapshot.framebuffers[buffer].assign(framebuffers_[buffer] + skipped[buffer], framebuffers_[buffer] + size);
@@ -168,12 +150,12 @@ void Console::restore(const ConsoleSnapshot& snapshot) {
 void Console::restore_from(const ConsoleSnapshot& snapshot, bool swapped) {
     m_ = snapshot.machine;
     m_.tia.current ^= static_cast<uint8_t>(swapped);
-    cart_ram_ = snapshot.cart_ram;
+    slot_.ram = snapshot.cart_ram;
     for (int buffer : {0, 1})
         framebuffers_.restore(buffer, snapshot.framebuffers[buffer ^ static_cast<int>(swapped)],
                               config_.framebuffer_bytes());
-    touch_all();
-    map_segments();
+    renderer_.touch(kAllObjects);
+    slot_.map_segments();
 }
 
 }  // namespace atari

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "state.hpp"
+#include "raster.hpp"
 
 namespace atari {
 

@@ -2,7 +2,7 @@
 //
 // As in ALE, samples are generated once for each act, from the last values of the registers. The times of writes inside
 // a frame have no effect. The generator is never reset.
-#include "console.hpp"
+#include "sound.hpp"
 
 namespace atari {
 namespace {
@@ -40,18 +40,17 @@ Shifts step(Shifts old, int mode) {
 
 }  // namespace
 
-void Console::make_samples(uint8_t* out) {
-    Sound& sound = m_.sound;
+void Sound::make_samples(uint8_t* out) {
     for (int i = 0; i < kAudioSamples; ++i) {
         int sample = 128;
         for (int k = 0; k < 2; ++k) {
-            if (++sound.counter[k] > sound.audf[k]) {
-                sound.counter[k] = 0;
-                const Shifts next = step({sound.p4[k], sound.p5[k]}, sound.audc[k]);
-                sound.p4[k] = next.p4;
-                sound.p5[k] = next.p5;
+            if (++counter[k] > audf[k]) {
+                counter[k] = 0;
+                const Shifts next = step({p4[k], p5[k]}, audc[k]);
+                p4[k] = next.p4;
+                p5[k] = next.p5;
             }
-            if (sound.p4[k] & 8) sample += 4 * sound.audv[k];
+            if (p4[k] & 8) sample += 4 * audv[k];
         }
         out[i] = static_cast<uint8_t>(sample);
     }

@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "masks.hpp"
-#include "state.hpp"
+#include "raster.hpp"
 #include "tia_registers.hpp"
 
 namespace atari {

@@ -12,7 +12,7 @@
 #include <initializer_list>
 
 #include "masks.hpp"
-#include "state.hpp"
+#include "raster.hpp"
 
 namespace atari {
 
@@ -156,11 +156,6 @@ constexpr uint64_t registers_where(Holds holds) {
     uint64_t set = 0;
     for (unsigned reg = 0; reg < kTiaRegisters.size(); ++reg) set |= uint64_t{holds(kTiaRegisters[reg])} << reg;
     return set;
-}
-
-inline void Sound::write(uint8_t reg, uint8_t value) {
-    uint8_t* const pair = reg < AUDF0 ? audc : reg < AUDV0 ? audf : audv;
-    pair[(reg - AUDC0) & 1] = value & bits_of(reg);
 }
 
 // Bits of VBLANK and CTRLPF.

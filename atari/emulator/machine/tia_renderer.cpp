@@ -1,10 +1,11 @@
-// The reference TIA's renderer. It updates framebuffer and collisions before the state that they depend on changes.
-// Deferred rendering and deferred collisions are tested against it.
-#include "console.hpp"
+#include "tia_renderer.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
+
+#include "object_mask.hpp"
 
 namespace atari {
 namespace {
@@ -24,21 +25,20 @@ constexpr uint64_t repeated(uint8_t byte) { return byte * 0x0101010101010101ull;
 
 }  // namespace
 
-void Console::render_to(int32_t target) {
-    Tia& t = m_.tia;
-    if (target < t.draw_start || t.drawn_to >= t.draw_stop || t.drawn_to >= target) return;
-    target = std::min(target, t.draw_stop);
+void TiaRenderer::render_to(int32_t target) {
+    if (target < t_.draw_start || t_.drawn_to >= t_.draw_stop || t_.drawn_to >= target) return;
+    target = std::min(target, t_.draw_stop);
     do {
-        int from = kClocksPerLine - t.to_line_end;  // the clock of the line at which rendering continues
+        int from = kClocksPerLine - t_.to_line_end;  // the clock of the line at which rendering continues
         int count;
-        if (target > t.drawn_to + t.to_line_end) {
-            count = t.to_line_end;
-            t.to_line_end = kClocksPerLine;
-            t.drawn_to += count;
+        if (target > t_.drawn_to + t_.to_line_end) {
+            count = t_.to_line_end;
+            t_.to_line_end = kClocksPerLine;
+            t_.drawn_to += count;
         } else {
-            count = target - t.drawn_to;
-            t.to_line_end -= count;
-            t.drawn_to = target;
+            count = target - t_.drawn_to;
+            t_.to_line_end -= count;
+            t_.drawn_to = target;
         }
         if (from < kHblankClocks) {
             const int blank = std::min(kHblankClocks - from, count);
@@ -48,88 +48,59 @@ void Console::render_to(int32_t target) {
         uint8_t* pixels = next_pixels(std::max(count, 0));
         if (count > 0) {
             render_span(from - kHblankClocks, count);
-            t.write_pos += count;
+            t_.write_pos += count;
         }
-        if (t.hmove_blank && from < kHblankClocks + kHmoveBlank) {
+        if (t_.hmove_blank && from < kHblankClocks + kHmoveBlank) {
             std::memset(pixels, 0, static_cast<size_t>(kHblankClocks + kHmoveBlank - from));
-            if (count + from >= kHblankClocks + kHmoveBlank) t.hmove_blank = false;
+            if (count + from >= kHblankClocks + kHmoveBlank) t_.hmove_blank = false;
         }
-        if (t.to_line_end == kClocksPerLine) end_line();
-    } while (t.drawn_to < target);
+        if (t_.to_line_end == kClocksPerLine) end_line();
+    } while (t_.drawn_to < target);
 }
 
 // Called only if rendering continues strictly after the end of a visible line.
-void Console::end_line() {
-    Tia& t = m_.tia;
-    if (t.pf_reflect != (t.ctrlpf & 1)) {
-        t.pf_reflect = t.ctrlpf & 1;
-        touch(kPF);
+void TiaRenderer::end_line() {
+    if (t_.pf_reflect != (t_.ctrlpf & 1)) {
+        t_.pf_reflect = t_.ctrlpf & 1;
+        touch(bit_of(kPF));
     }
-    for (int player : {0, 1}) {
-        if (!t.skip_first[player]) continue;
-        t.skip_first[player] = false;
-        touch(kP0 + player);
+    for (unsigned player : {0u, 1u}) {
+        if (!t_.skip_first[player]) continue;
+        t_.skip_first[player] = false;
+        touch(bit_of(player));
     }
-    if (t.cosmic_ark) {
+    if (t_.cosmic_ark) {
         static constexpr uint8_t kStep[4] = {18, 33, 0, 17};
-        t.ark_counter = (t.ark_counter + 1) & 3;
-        t.pos[kM0] = static_cast<uint8_t>((t.pos[kM0] + 160 - kStep[t.ark_counter]) % 160);
-        t.m0_variant = t.ark_counter == 1 ? kWide : t.ark_counter == 2 ? kOff : kPlain;
-        touch(kM0);
+        t_.ark_counter = (t_.ark_counter + 1) & 3;
+        t_.pos[kM0] = static_cast<uint8_t>((t_.pos[kM0] + 160 - kStep[t_.ark_counter]) % 160);
+        t_.m0_variant = t_.ark_counter == 1 ? kWide : t_.ark_counter == 2 ? kOff : kPlain;
+        touch(bit_of(kM0));
     }
 }
 
-namespace {
-
-uint8_t shown_graphics(const Tia& t, int player) { return t.vdelp[player] ? t.old_grp[player] : t.grp[player]; }
-
-}  // namespace
-
-Mask object_mask(const Tia& t, int object) {
+bool TiaRenderer::enabled(int object) const {
     switch (object) {
         case kP0:
-        case kP1: {
-            const uint8_t graphics = shown_graphics(t, object);  // its high bit is rendered first, unless reflected
-            return player_mask(t.refp[object] ? graphics : kReversed[graphics], t.pos[object], t.nusiz[object] & 7,
-                               t.skip_first[object]);
-        }
+        case kP1: return shown_graphics(t_, object) != 0;
         case kM0:
-        case kM1: {
-            const uint8_t nusiz = t.nusiz[object - kM0];
-            const MissileVariant variant = object == kM0 ? t.m0_variant : kPlain;
-            const int size = (nusiz >> 4 & 3) | (variant == kWide ? 1 : 0);
-            return variant == kOff ? Mask{} : missile_mask(t.pos[object], nusiz & 7, size);
-        }
-        case kBL: return ball_mask(t.pos[kBL], t.ctrlpf >> 4 & 3);
-        default: return playfield_mask(t.playfield, t.pf_reflect);
+        case kM1: return t_.enam[object - kM0] && !t_.resmp[object - kM0];
+        case kBL: return t_.vdelbl ? t_.old_enabl : t_.enabl;
+        default: return t_.playfield != 0;
     }
 }
 
-bool Console::enabled(int object) const {
-    const Tia& t = m_.tia;
-    switch (object) {
-        case kP0:
-        case kP1: return shown_graphics(t, object) != 0;
-        case kM0:
-        case kM1: return t.enam[object - kM0] && !t.resmp[object - kM0];
-        case kBL: return t.vdelbl ? t.old_enabl : t.enabl;
-        default: return t.playfield != 0;
-    }
-}
-
-const Mask& Console::mask(int object) {
+const Mask& TiaRenderer::mask(int object) {
     if (stale_ & 1u << object) {
         stale_ &= ~(1u << object);
-        make_mask(masks_[object], m_.tia, object);
+        make_mask(masks_[object], t_, object);
     }
     return masks_[object];
 }
 
 // Renders pixels x .. x+count-1 of the current line and latches their collisions.
-void Console::render_span(int x, int count) {
-    Tia& t = m_.tia;
+void TiaRenderer::render_span(int x, int count) {
     uint8_t* pixels = next_pixels(count);
-    if (t.vblank & 2) {
+    if (t_.vblank & 2) {
         std::memset(pixels, 0, static_cast<size_t>(count));
         return;
     }
@@ -142,7 +113,7 @@ void Console::render_span(int x, int count) {
         lit[object] = mask(object) & span;
     }
     if (!enabled_objects) {
-        std::memset(pixels, t.colour[3], static_cast<size_t>(count));
+        std::memset(pixels, t_.colour[3], static_cast<size_t>(count));
         return;
     }
     Mask once, twice;  // pixels of at least one object, of at least two
@@ -152,11 +123,11 @@ void Console::render_span(int x, int count) {
     }
     if (twice.any())
         for (const Pair& pair : kPairs)
-            if (meets(lit[pair.a], lit[pair.b])) t.collisions |= pair.latch;
+            if (meets(lit[pair.a], lit[pair.b])) t_.collisions |= pair.latch;
 
     // Which pixels take the colour of player 0, of player 1, of the playfield; the rest is background.
     static constexpr Mask kLeft = Mask::range(0, 80);
-    const bool score = t.ctrlpf & 2, playfield_first = t.ctrlpf & 4;
+    const bool score = t_.ctrlpf & 2, playfield_first = t_.ctrlpf & 4;
     const Mask side0 = lit[kP0] | lit[kM0], side1 = lit[kP1] | lit[kM1];
     Mask colour0, colour1, colour_pf;
     if (playfield_first) {
@@ -176,22 +147,29 @@ void Console::render_span(int x, int count) {
     paint(colour0, colour1, colour_pf, x, count);
 }
 
-void Console::paint(const Mask& p0, const Mask& p1, const Mask& pf, int x, int count) {
-    const Tia& t = m_.tia;
+void TiaRenderer::paint(const Mask& p0, const Mask& p1, const Mask& pf, int x, int count) {
     uint8_t* pixels = next_pixels(count);
     if (!(p0 | p1 | pf).any()) {
-        std::memset(pixels, t.colour[3], static_cast<size_t>(count));
+        std::memset(pixels, t_.colour[3], static_cast<size_t>(count));
         return;
     }
     uint64_t line[20];
-    const uint64_t c0 = repeated(t.colour[0]), c1 = repeated(t.colour[1]);
-    const uint64_t cf = repeated(t.colour[2]), cb = repeated(t.colour[3]);
+    const uint64_t c0 = repeated(t_.colour[0]), c1 = repeated(t_.colour[1]);
+    const uint64_t cf = repeated(t_.colour[2]), cb = repeated(t_.colour[3]);
     for (int group = x / 8; group <= (x + count - 1) / 8; ++group) {
         const auto eight = [&](const Mask& mask) { return kByteMasks[mask.word[group / 8] >> (group % 8 * 8) & 0xff]; };
         const uint64_t m0 = eight(p0), m1 = eight(p1), mf = eight(pf);
         line[group] = (m0 & c0) | (m1 & c1) | (mf & cf) | (~(m0 | m1 | mf) & cb);
     }
     std::memcpy(pixels, reinterpret_cast<const uint8_t*>(line) + x, static_cast<size_t>(count));
+}
+
+void TiaRenderer::grey_from(int scan_line) {
+    uint8_t* pixels = framebuffers_.use(t_.current, config_.framebuffer_bytes());
+    // A restored state may be in any line; after the framebuffer's end nothing is left.
+    const int first = std::clamp(scan_line - config_.first_line, 0, config_.height);
+    for (int i = first * kScreenWidth; i < config_.height * kScreenWidth; ++i)
+        pixels[i] = static_cast<uint8_t>((pixels[i] & 15) >> 1);
 }
 
 }  // namespace atari

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "ale/environment.hpp"
+#include "ale/environment_parts.hpp"
 
 namespace atari {
 
@@ -21,8 +21,8 @@ class FrameSource {
   public:
     // Reads an environment without averaged colours, for which no other source holds frames.
     explicit FrameSource(Environment& environment)
-        : rows_(environment.height()), palette_(environment.game()->palette), environment_(&environment), holds_(true) {
-    }
+        : rows_(environment.height()), palette_(environment.parts().game->palette), environment_(&environment),
+          holds_(true) {}
     // Reads what `read` gives: frames of rows x 160.
     FrameSource(int rows, const Palette& palette) : rows_(rows), palette_(&palette) {}
 
@@ -41,9 +41,8 @@ class FrameSource {
 
     Frame current() {
         if (!environment_) return {pixels_};
-        Console& console = environment_->console();
-        const uint8_t* const pixels = console.framebuffer();
-        return {pixels, console.looks(), console.machine().tia.current};
+        const uint8_t* const pixels = console().framebuffer();  // rendered first
+        return {pixels, console().looks(), console().machine().tia.current};
     }
 
     // The present RAM: that of the environment, or what the caller gave in place of a frame.
@@ -52,7 +51,7 @@ class FrameSource {
     // Notes the present frame; `noted` returns it after the next frame. A console renders the next frame into its other
     // framebuffer. It continues a partial frame in place, so a partial frame is copied.
     void note() {
-        copied_ = !environment_ || environment_->console().machine().tia.partial;
+        copied_ = !environment_ || console().machine().tia.partial;
         if (!copied_) return std::vector<uint8_t>().swap(copy_);  // frees the memory
         const uint8_t* const pixels = current().pixels;
         copy_.assign(pixels, pixels + rows_ * kScreenWidth);
@@ -60,23 +59,24 @@ class FrameSource {
     Frame noted() {
         if (copied_) return {copy_.data()};
         if (!environment_) return current();
-        Console& console = environment_->console();
-        const uint8_t* const pixels = console.previous_framebuffer();
-        return {pixels, console.previous_looks(), console.machine().tia.current ^ 1};
+        const uint8_t* const pixels = console().previous_framebuffer();
+        return {pixels, console().previous_looks(), console().machine().tia.current ^ 1};
     }
 
     // Keeps the console's framebuffers, of which one has this frame, until `let_go`. False if this source cannot.
     bool hold(Frame frame) {
         if (!holds_ || frame.framebuffer < 0) return false;
-        environment_->console().framebuffers().hold();
+        console().framebuffers().hold();
         return true;
     }
     void let_go() {
-        if (holds_) environment_->console().framebuffers().let_go();
+        if (holds_) console().framebuffers().let_go();
     }
-    Frame held(int framebuffer) const { return {environment_->console().framebuffers().held(framebuffer)}; }
+    Frame held(int framebuffer) const { return {console().framebuffers().held(framebuffer)}; }
 
   private:
+    Console& console() const { return *environment_->parts().console; }
+
     int rows_;
     const Palette* palette_;
     Environment* environment_ = nullptr;

@@ -27,6 +27,14 @@ using namespace nb::literals;
 namespace atari {
 namespace {
 
+// A method of `Environment`, bound as one of `Emulator`.
+template <typename... Arguments>
+auto call(void (Environment::*method)(Arguments...)) {
+    return [method](Emulator& emulator, Arguments... arguments) {
+        emulator.locked([&](Environment& e) { (e.*method)(arguments...); });
+    };
+}
+
 Array colours_of(const std::string& format) {
     const Palette& palette = palette_of(format);
     auto* const colours = new uint8_t[256 * 3];
@@ -37,51 +45,49 @@ Array colours_of(const std::string& format) {
     return Array(colours, {256, 3}, owner);
 }
 
-Shared<Game> make_game(nb::bytes image, const std::string& cartridge, const std::string& format, bool detect_format,
-                       int first_line, int height, bool hmove_blanks, std::pair<bool, bool> paddles, bool swap_ports,
-                       bool swap_paddles, std::pair<int, int> paddle_range, int power_on_switches,
-                       const std::vector<int>& legal_actions, const std::vector<int>& starting_actions,
-                       int default_mode, int variables, const std::vector<int32_t>& initial,
-                       const std::vector<bool>& kept, std::vector<int> outputs, const std::vector<int32_t>& step,
-                       const std::vector<int32_t>& select_mode) {
-    auto game = std::make_shared<Game>();
-    const auto* bytes = static_cast<const uint8_t*>(image.data());
-    game->cartridge =
-        std::make_shared<const FastCartridge>(std::vector<uint8_t>(bytes, bytes + image.size()), cartridge);
-    game->console.first_line = first_line;
-    game->console.height = height;
-    game->console.pal = format == "PAL";
-    game->console.hmove_blanks = hmove_blanks;
-    game->console.paddles[0] = paddles.first;
-    game->console.paddles[1] = paddles.second;
-    game->console.swap_ports = swap_ports;
-    game->console.swap_paddles = swap_paddles;
-    game->palette = &palette_of(format);
-    game->detect_format = detect_format;
-    game->power_on_switches = static_cast<uint8_t>(power_on_switches);
-    game->paddle_min = paddle_range.first;
-    game->paddle_max = paddle_range.second;
-    game->legal_actions = 0;
-    for (int action : legal_actions) game->legal_actions |= action >= 0 && action < 18 ? 1u << action : 0u;
-    game->starting_actions = starting_actions;
-    game->default_mode = default_mode;
+Shared<Game> bound_game(nb::bytes image, const std::string& cartridge, const std::string& format, bool detect_format,
+                        int first_line, int height, bool hmove_blanks, std::pair<bool, bool> paddles, bool swap_ports,
+                        bool swap_paddles, std::pair<int, int> paddle_range, int power_on_switches,
+                        const std::vector<int>& legal_actions, const std::vector<int>& starting_actions,
+                        int default_mode, int variables, const std::vector<int32_t>& initial,
+                        const std::vector<bool>& kept, std::vector<int> outputs, const std::vector<int32_t>& step,
+                        const std::vector<int32_t>& select_mode) {
     if (outputs.size() < 4 || outputs.size() > 10 || outputs.size() % 2)
         throw std::invalid_argument("a game's outputs are terminal, mode, and reward and lives of each player");
-    game->variables = variables;
-    game->initial = initial;
-    for (bool keep : kept) game->kept.push_back(keep);
-    game->terminal = outputs[0];
-    game->mode_variable = outputs[1];
-    game->players = static_cast<int>(outputs.size()) / 2 - 1;
-    for (size_t player = 0; player < kMaxPlayers; ++player) {  // those that do not play share the first one's
-        const size_t at = player < static_cast<size_t>(game->players) ? 2 * player + 2 : 2;
-        game->rewards[player] = outputs[at];
-        game->lives[player] = outputs[at + 1];
+    GameDefinition game;
+    const auto* bytes = static_cast<const uint8_t*>(image.data());
+    game.image.assign(bytes, bytes + image.size());
+    game.cartridge = cartridge;
+    game.format = format;
+    game.detect_format = detect_format;
+    game.first_line = first_line;
+    game.height = height;
+    game.hmove_blanks = hmove_blanks;
+    game.paddles[0] = paddles.first;
+    game.paddles[1] = paddles.second;
+    game.swap_ports = swap_ports;
+    game.swap_paddles = swap_paddles;
+    game.power_on_switches = static_cast<uint8_t>(power_on_switches);
+    game.paddle_min = paddle_range.first;
+    game.paddle_max = paddle_range.second;
+    game.legal_actions = 0;
+    for (int action : legal_actions) game.legal_actions |= action >= 0 && action < kActions ? 1u << action : 0u;
+    game.starting_actions = starting_actions;
+    game.default_mode = default_mode;
+    game.variables = variables;
+    game.initial = initial;
+    game.kept.assign(kept.begin(), kept.end());
+    game.terminal = outputs[0];
+    game.mode_variable = outputs[1];
+    game.players = static_cast<int>(outputs.size()) / 2 - 1;
+    for (size_t player = 0; player < kMaxPlayers; ++player) {  // players that do not play share player 1's
+        const size_t at = player < static_cast<size_t>(game.players) ? 2 * player + 2 : 2;
+        game.rewards[player] = outputs[at];
+        game.lives[player] = outputs[at + 1];
     }
-    game->step = Program(step, variables, false);
-    game->select_mode = Program(select_mode, variables, true);
-    game->check();
-    return {game};
+    game.step = step;
+    game.select_mode = select_mode;
+    return {make_game(game)};
 }
 
 }  // namespace
@@ -118,7 +124,7 @@ NB_MODULE(_emulator, m) {
             "cartridge_type", [](const Shared<Game>& game) { return game.value->cartridge->type_name(); },
             "The bank switching that was given or recognised, for example \"F8\".");
 
-    m.def("make_game", &make_game, nb::kw_only(), "image"_a, "cartridge"_a, "format"_a, "detect_format"_a,
+    m.def("make_game", &bound_game, nb::kw_only(), "image"_a, "cartridge"_a, "format"_a, "detect_format"_a,
           "first_line"_a, "height"_a, "hmove_blanks"_a, "paddles"_a, "swap_ports"_a, "swap_paddles"_a, "paddle_range"_a,
           "power_on_switches"_a, "legal_actions"_a, "starting_actions"_a, "default_mode"_a, "variables"_a, "initial"_a,
           "kept"_a, "outputs"_a, "step"_a, "select_mode"_a,
@@ -148,22 +154,8 @@ NB_MODULE(_emulator, m) {
              "sound"_a, "color_averaging"_a, "seed"_a, "plain"_a = false, "one_generator"_a = false,
              "second_player_starts"_a = false, "player_probabilities"_a = std::vector<double>{},
              "`plain`: by the plain interpreter and TIA, which are slower and give the same.")
-        .def(
-            "seed",
-            [](Emulator& x, uint32_t seed) {
-                x.locked([&](Environment& e) {
-                    e.seed(seed);
-                    return 0;
-                });
-            },
-            "seed"_a)
-        .def("reset",
-             [](Emulator& x) {
-                 x.locked([](Environment& e) {
-                     e.reset();
-                     return 0;
-                 });
-             })
+        .def("seed", call(&Environment::seed), "seed"_a)
+        .def("reset", call(&Environment::reset))
         .def("act", &Emulator::act, "action"_a.none(), "strength"_a.none() = 1.0,
              nb::sig("def act(self, action: int, strength: float = 1.0) -> int"))
         .def(
@@ -174,25 +166,9 @@ NB_MODULE(_emulator, m) {
         .def("act_players", &Emulator::act_players, "actions"_a,
              nb::sig("def act_players(self, actions: collections.abc.Sequence[int]) -> list[int]"),
              "Hold an action of each of the first players; a reward for each.")
-        .def_prop_ro("player_lives", &Emulator::player_lives, "Of each player that the rules know.")
-        .def(
-            "set_mode",
-            [](Emulator& x, int mode) {
-                x.locked([&](Environment& e) {
-                    e.set_mode(mode);
-                    return 0;
-                });
-            },
-            "mode"_a)
-        .def(
-            "set_difficulty",
-            [](Emulator& x, int difficulty) {
-                x.locked([&](Environment& e) {
-                    e.set_difficulty(difficulty);
-                    return 0;
-                });
-            },
-            "difficulty"_a)
+        .def_prop_ro("player_lives", &Emulator::player_lives, "The lives of each player that the rules know.")
+        .def("set_mode", call(&Environment::set_mode), "mode"_a)
+        .def("set_difficulty", call(&Environment::set_difficulty), "difficulty"_a)
         .def_prop_ro("lives", [](Emulator& x) { return x.briefly([](Environment& e) { return e.lives(); }); })
         .def_prop_ro("game_over", number(&Environment::game_over))
         .def_prop_ro("truncated", number(&Environment::truncated))
@@ -221,10 +197,7 @@ NB_MODULE(_emulator, m) {
             [](Emulator& x, int index, int value) {
                 if (index < 0 || index > 127) throw nb::value_error("index must be within 0..127");
                 if (value < 0 || value > 255) throw nb::value_error("value must be within 0..255");
-                x.locked([&](Environment& e) {
-                    e.set_ram(index, value);
-                    return 0;
-                });
+                x.locked([&](Environment& e) { e.set_ram(index, value); });
             },
             "index"_a, "value"_a)
         .def("redraw", array(&Environment::redraw, true), "out"_a = nb::none(), nb::sig(RETURNS_ARRAY("redraw")))

@@ -119,7 +119,7 @@ class BoundStack : Exclusive {
 
     void read(Environment& environment, uint64_t number) {
         FrameSource& source = stack_->source();
-        if (environment.height() != source.rows() || environment.game()->palette != &source.palette())
+        if (environment.height() != source.rows() || environment.parts().game->palette != &source.palette())
             throw std::invalid_argument(
                 "the core's frames have another size or TV format than this stack's, which "
                 "are " +
@@ -127,7 +127,7 @@ class BoundStack : Exclusive {
         if (of_ram(stack_->settings())) return source.read(environment);
         if (number != emulator_) stack_->forget_looks();
         emulator_ = number;
-        if (environment.averages_colours()) {
+        if (environment.parts().settings.color_averaging) {
             averaged_.resize(static_cast<size_t>(source.rows() * kScreenWidth));
             environment.screen(averaged_.data());
             source.read(averaged_.data());

@@ -9,7 +9,7 @@
 #include <memory>
 
 #include "threads.hpp"
-#include "vector/members.hpp"
+#include "vector/lanes.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -20,29 +20,31 @@ void register_settings(nb::module_& m) {
         .value("NEVER", FirePress::kNever)
         .value("BEFORE_NOOPS", FirePress::kBeforeNoops)
         .value("AFTER_NOOPS", FirePress::kAfterNoops);
-    nb::enum_<OnReset>(m, "OnReset", "What a reset does after a lost life.")
+    nb::enum_<OnReset>(m, "OnReset", "The effect of a reset after a lost life.")
         .value("NOOP", OnReset::kNoop)
         .value("CONTINUE", OnReset::kContinue)
         .value("NEW_GAME", OnReset::kNewGame);
-    nb::enum_<Unit>(m, "Unit", "What FIRE is played for, and after what lives are compared: a frame, or a whole skip.")
+    nb::enum_<Unit>(m, "Unit",
+                    "The time that FIRE is played, and after which lives are compared: a frame, or a whole skip.")
         .value("FRAME", Unit::kFrame)
         .value("SKIP", Unit::kSkip);
     nb::enum_<Seeding>(m, "Seeding", "How generators are seeded: as by AtariEnv.reset, or as by ale-py's vector.")
         .value("GYMNASIUM", Seeding::kGymnasium)
         .value("ALE", Seeding::kAle);
-    nb::enum_<PixelFormat>(m, "PixelFormat",
-                           "Of observations; GRAY_OF_RGB pools colours and makes the result gray; RAM has no pixels.")
+    nb::enum_<PixelFormat>(
+        m, "PixelFormat",
+        "The pixels of observations. GRAY_OF_RGB pools colours and makes the result gray; RAM has no pixels.")
         .value("NONE", PixelFormat::kNone)
         .value("GRAY", PixelFormat::kGray)
         .value("RGB", PixelFormat::kRgb)
         .value("GRAY_OF_RGB", PixelFormat::kGrayOfRgb)
         .value("RAM", PixelFormat::kRam);
-    nb::enum_<EndFrames>(m, "EndFrames", "What is observed when an episode ends inside a skip.")
+    nb::enum_<EndFrames>(m, "EndFrames", "The frames that are observed when an episode ends inside a skip.")
         .value("LAST", EndFrames::kLast)
         .value("GYMNASIUM", EndFrames::kGymnasium)
         .value("BASELINES", EndFrames::kBaselines)
         .value("ENVPOOL", EndFrames::kEnvpool);
-    nb::enum_<Padding>(m, "Padding", "What a new stack is filled with: zeros, or the first frame of the episode.")
+    nb::enum_<Padding>(m, "Padding", "The content of a new stack: zeros, or the first frame of the episode.")
         .value("ZERO", Padding::kZero)
         .value("RESET", Padding::kReset);
     nb::enum_<Autoreset>(m, "Autoreset", "As gymnasium.vector.AutoresetMode.")
@@ -88,19 +90,19 @@ void register_settings(nb::module_& m) {
         .def_rw("threads", &VectorSettings::threads)
         .def_rw("first_core", &VectorSettings::first_core)
         .def_rw("autoreset", &VectorSettings::autoreset);
-    nb::class_<MemberSpec>(m, "MemberSpec",
-                           "What differs between the environments of a vector. `seed` is nine words: the emulator's, "
-                           "and\n"
-                           "eight of the episode's generator.")
+    nb::class_<LaneSpec>(
+        m, "LaneSpec",
+        "The differences between the environments of a vector. `seed` is nine words: the emulator's, and\n"
+        "eight of the episode's generator.")
         .def(nb::init<>())
         .def_prop_rw(
-            "game", [](const MemberSpec& x) { return Shared<Game>{x.game}; },
-            [](MemberSpec& x, const Shared<Game>& game) { x.game = game.value; })
-        .def_rw("actions", &MemberSpec::actions)
-        .def_rw("action_set", &MemberSpec::action_set)
-        .def_rw("mode", &MemberSpec::mode, nb::arg().none())
-        .def_rw("difficulty", &MemberSpec::difficulty, nb::arg().none())
-        .def_rw("seed", &MemberSpec::seed);
+            "game", [](const LaneSpec& x) { return Shared<Game>{x.game}; },
+            [](LaneSpec& x, const Shared<Game>& game) { x.game = game.value; })
+        .def_rw("actions", &LaneSpec::actions)
+        .def_rw("action_set", &LaneSpec::action_set)
+        .def_rw("mode", &LaneSpec::mode, nb::arg().none())
+        .def_rw("difficulty", &LaneSpec::difficulty, nb::arg().none())
+        .def_rw("seed", &LaneSpec::seed);
 }
 
 }  // namespace atari

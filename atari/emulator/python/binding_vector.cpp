@@ -12,6 +12,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -26,67 +27,55 @@ using namespace nb::literals;
 namespace atari {
 namespace {
 
-template <typename T>
-T* rows_of(BoundBatch& batch, nb::object array, size_t size, const char* what) {
+uint8_t* observations_of(BoundBatch& batch, nb::object array, size_t size, const char* what) {
     if (array.is_none()) return nullptr;
-    Rows<T> rows;
+    Rows<uint8_t> rows;
     if (!nb::try_cast(array, rows, false) || rows.size() != size)
         throw nb::value_error(
             (std::string(what) + " must be a writable C-contiguous array of " + std::to_string(size) + " values")
                 .c_str());
-    batch.arrays.push_back(array);
-    batch.arrays.push_back(prevent_resize(array));
+    batch.observations.push_back(array);
+    batch.observations.push_back(prevent_resize(array));
     return rows.data();
 }
 
-void make_batch(BoundBatch* self, BoundEngine& engine, nb::object pixels, nb::object ram, nb::object final_pixels,
-                nb::object final_ram, nb::object numbers, nb::object games, nb::object flags) {
-    auto bound = BoundBatch{};
-    const size_t rows = bound.rows = engine.rows();
-    bound.pixels = engine.pixels();
-    const size_t columns = (bound.players = engine.players()) * rows;  // of what players have
-    Batch& batch = bound.batch;
-    const size_t size = rows * bound.pixels;
-    batch.observation = {rows_of<uint8_t>(bound, pixels, size, "pixels"),
-                         rows_of<uint8_t>(bound, ram, 128 * rows, "ram")};
-    bound.shown.swap(bound.arrays);
-    batch.final_observation = {rows_of<uint8_t>(bound, final_pixels, size, "final_pixels"),
-                               rows_of<uint8_t>(bound, final_ram, 128 * rows, "final_ram")};
-    int32_t* const number = rows_of<int32_t>(bound, numbers, 6 * rows + 4 * columns, "numbers");
-    double* const game = rows_of<double>(bound, games, 2 * rows + columns, "games");
-    uint8_t* const flag = reinterpret_cast<uint8_t*>(rows_of<bool>(bound, flags, 3 * rows + 2 * columns, "flags"));
-    if (!number || !game || !flag) throw nb::value_error("numbers, games and flags are needed");
-    batch.reward = number;
-    batch.game_reward = number + columns;
-    batch.numbers.lives = number + 2 * columns;
-    batch.final_numbers.lives = number + 3 * columns;
-    int32_t* const one = number + 4 * columns;
-    batch.environment = one;
-    batch.numbers.frame = one + rows;
-    batch.numbers.episode_frame = one + 2 * rows;
-    batch.game_steps = one + 3 * rows;
-    batch.final_numbers.frame = one + 4 * rows;
-    batch.final_numbers.episode_frame = one + 5 * rows;
-    batch.ended_games = {game, game + columns, game + columns + rows};
-    batch.terminated = flag;
-    batch.truncated = flag + columns;
-    uint8_t* const game_flag = flag + 2 * columns;
-    batch.game_over = game_flag;
-    batch.ended = game_flag + rows;
-    batch.game_ended = game_flag + 2 * rows;
+void set_observations(BoundBatch& batch, nb::object pixels, nb::object ram) {
+    batch.batch.pixels = observations_of(batch, pixels, batch.shape.rows * batch.shape.pixels, "pixels");
+    batch.batch.ram = observations_of(batch, ram, batch.shape.rows * batch.shape.ram, "ram");
+}
+
+void make_batch(BoundBatch* self, BoundEngine& engine, nb::object pixels, nb::object ram) {
+    BoundBatch bound{{}, engine.shape(!pixels.is_none(), !ram.is_none()), {}, std::make_shared<BatchMemory>()};
+    set_observations(bound, pixels, ram);
+    bound.memory->complete(bound.batch, bound.shape);
     new (self) BoundBatch(std::move(bound));
 }
 
 // A batch with other arrays of observations; it shares the other arrays.
 BoundBatch aimed_at(const BoundBatch& batch, nb::object pixels, nb::object ram) {
-    BoundBatch bound{{}, {}, {}, batch.rows, batch.pixels, batch.players};
-    const Batch::Observation observation = {rows_of<uint8_t>(bound, pixels, batch.rows * batch.pixels, "pixels"),
-                                            rows_of<uint8_t>(bound, ram, 128 * batch.rows, "ram")};
-    bound.shown.swap(bound.arrays);
-    bound.arrays = batch.arrays;
-    bound.batch = batch.batch;
-    bound.batch.observation = observation;
+    BoundBatch bound{batch.batch, batch.shape, {}, batch.memory};
+    set_observations(bound, pixels, ram);
     return bound;
+}
+
+template <typename T>
+nb::object array_of(T* values, const std::vector<size_t>& shape, const std::shared_ptr<BatchMemory>& memory) {
+    using Owner = std::shared_ptr<BatchMemory>;
+    const nb::capsule owner(new Owner(memory), [](void* kept) noexcept { delete static_cast<Owner*>(kept); });
+    return nb::cast(
+        nb::ndarray<nb::numpy, T, nb::c_contig, nb::device::cpu>(values, shape.size(), shape.data(), owner));
+}
+
+// The arrays of the batch's own, by their names.
+nb::dict arrays_of(const BoundBatch& bound) {
+    nb::dict arrays;
+    Batch::for_each(bound.shape, [&](const char* name, auto member, size_t width) {
+        if constexpr (std::is_same_v<decltype(member), uint8_t* Batch::*>)
+            if (member == &Batch::pixels || member == &Batch::ram) return;
+        const std::vector<size_t> sizes{bound.shape.rows, width};
+        arrays[name] = array_of(bound.batch.*member, {sizes.begin(), sizes.end() - (width == 1)}, bound.memory);
+    });
+    return arrays;
 }
 
 struct LentArray {
@@ -102,7 +91,7 @@ struct Loan {
 };
 
 int export_loan(PyObject* object, Py_buffer* view, int flags) {
-    if (!nb::inst_ready(object)) {  // of `Loan.__new__`
+    if (!nb::inst_ready(object)) {  // made by `Loan.__new__`
         view->obj = nullptr;
         PyErr_SetString(PyExc_BufferError, "this loan is of no array; ArrayLender.lend makes one");
         return -1;
@@ -129,15 +118,15 @@ class ArrayLender {
     std::shared_ptr<LentArray> array_;
 };
 
-void make_engine(BoundEngine* self, const std::vector<const MemberSpec*>& members, EpisodeSettings episode,
+void make_engine(BoundEngine* self, const std::vector<const LaneSpec*>& lanes, EpisodeSettings episode,
                  ObservationSettings observation, VectorSettings settings) {
-    std::vector<MemberSpec> specs;
-    for (const MemberSpec* member : members) specs.push_back(member ? *member : MemberSpec{});
+    std::vector<LaneSpec> specs;
+    for (const LaneSpec* lane : lanes) specs.push_back(lane ? *lane : LaneSpec{});
     if (settings.batch_size < 1 || static_cast<size_t>(settings.batch_size) > specs.size() || settings.threads < 1)
         throw std::invalid_argument("batch_size or threads is out of range");
     auto engine = [&] {
         const GilRelease release;
-        return std::make_unique<VectorEngine>(make_members(specs, episode, observation), settings);
+        return std::make_unique<VectorEngine>(make_lanes(specs, episode, observation), settings);
     }();
     new (self) BoundEngine(std::move(engine));
 }
@@ -146,6 +135,12 @@ void make_engine(BoundEngine* self, const std::vector<const MemberSpec*>& member
 
 void register_settings(nb::module_& m);         // binding_settings.cpp
 void register_vector_ram(EngineClass& engine);  // binding_vector_ram.cpp
+
+// A method of `Environment`, bound as one of `VectorEngine` with the number of the environment.
+template <auto method, typename... Arguments>
+auto call(BoundEngine& engine, int environment, Arguments... arguments) {
+    return engine.get(environment, [&](Environment& e) { return (e.*method)(arguments...); });
+}
 
 #define ARRAY(type) "numpy.typing.NDArray[numpy." type "]"
 
@@ -158,16 +153,13 @@ void register_vector(nb::module_& m) {
         .value("FINAL", VectorEngine::RamOf::kFinal);
     nb::class_<BoundBatch> batch(m, "Batch",
                                  "Arrays for the results of a batch. Threads write to them between start and receive.");
-    batch.def(
-        "__init__", &make_batch, "engine"_a, nb::kw_only(), "pixels"_a.none(), "ram"_a.none(), "final_pixels"_a.none(),
-        "final_ram"_a.none(), "numbers"_a, "games"_a, "flags"_a,
-        nb::sig("def __init__(self, engine: VectorEngine, *, pixels: " ARRAY("uint8") " | None, ram: " ARRAY("uint8") " | None, final_pixels: " ARRAY(
-            "uint8") " | None, final_ram: " ARRAY("uint8") " | None, numbers: " ARRAY("int32") ", games: " ARRAY("float64") ", flags: " ARRAY("bool") ") -> None"),
-        "`numbers` is int32: reward, reward before clipping, lives, lives of the final observation, each (rows,\n"
-        "players); environment, frame and episode frame number, steps of the game, frame and episode frame number\n"
-        "of the final observation, each (rows,). `games` is float64: score (rows, players), frames and seconds\n"
-        "(rows,) of the game that ended. `flags` is bool: terminated and truncated (rows, players); game over, has\n"
-        "a final observation, a game ended, each (rows,).");
+    batch.def("__init__", &make_batch, "engine"_a, "pixels"_a.none(), "ram"_a.none(),
+              nb::sig("def __init__(self, engine: VectorEngine, pixels: " ARRAY("uint8") " | None, ram: " ARRAY(
+                  "uint8") " | None) -> None"),
+              "`pixels` and `ram` are the arrays for observations; None where an observation has no such part.");
+    batch.def_prop_ro("arrays", &arrays_of, nb::sig("def arrays(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"),
+                      "The other arrays by their names (vector/batch.def): (rows,), and (rows, players) where several\n"
+                      "players have a value each. Final pixels and RAM are (rows, bytes).");
     batch.def("aimed_at", &aimed_at, "pixels"_a.none(), "ram"_a.none(),
               nb::sig("def aimed_at(self, pixels: " ARRAY("uint8") " | None, ram: " ARRAY("uint8") " | None) -> Batch"),
               "A batch with other arrays of observations, which shares the other arrays.");
@@ -200,7 +192,7 @@ void register_vector(nb::module_& m) {
             "value"_a.none(), "traceback"_a.none());
     EngineClass engine(m, "VectorEngine",
                        "Environments played by a pool of threads. Use it through atari.AtariVectorEnv.");
-    engine.def("__init__", &make_engine, "members"_a, "episode"_a, "observation"_a, "settings"_a)
+    engine.def("__init__", &make_engine, "lanes"_a, "episode"_a, "observation"_a, "settings"_a)
         .def(
             "start", &BoundEngine::start, "actions"_a, "strengths"_a.none(), "batch"_a.none(),
             "environments"_a = nb::none(),
@@ -221,10 +213,14 @@ void register_vector(nb::module_& m) {
         .def_prop_ro("sent", &BoundEngine::sent, "Whether a batch has been sent and not received.")
         .def("snapshot", &BoundEngine::snapshot, "environments"_a)
         .def("restore", &BoundEngine::restore, "environments"_a, "states"_a)
-        .def("fork", &BoundEngine::fork, "source"_a, "targets"_a)
         .def("save", &BoundEngine::save, "environment"_a, "The state of one environment as bytes.")
-        .def("save_emulator", &BoundEngine::save_emulator, "environment"_a,
-             "The state of one environment's emulator as bytes, for Emulator.load.")
+        .def(
+            "save_emulator",
+            [](BoundEngine& x, int environment) {
+                const auto state = x.get_slowly(environment, [](Environment& e) { return saved(e); });
+                return nb::bytes(state.data(), state.size());
+            },
+            "environment"_a, "The state of one environment's emulator as bytes, for Emulator.load.")
         .def("load", &BoundEngine::load, "environment"_a, "state"_a);
     register_vector_ram(engine);
     engine
@@ -238,19 +234,10 @@ void register_vector(nb::module_& m) {
                 });
             },
             "environment"_a, "Frame number, episode frame number, and the lives of each player.")
-        .def(
-            "mode", [](BoundEngine& x, int i) { return x.get(i, [](Environment& e) { return e.mode(); }); },
-            "environment"_a)
-        .def(
-            "difficulty", [](BoundEngine& x, int i) { return x.get(i, [](Environment& e) { return e.difficulty(); }); },
-            "environment"_a)
-        .def(
-            "set_mode", [](BoundEngine& x, int i, int mode) { x.get(i, [&](Environment& e) { e.set_mode(mode); }); },
-            "environment"_a, "mode"_a)
-        .def(
-            "set_difficulty",
-            [](BoundEngine& x, int i, int value) { x.get(i, [&](Environment& e) { e.set_difficulty(value); }); },
-            "environment"_a, "difficulty"_a);
+        .def("mode", &call<&Environment::mode>, "environment"_a)
+        .def("difficulty", &call<&Environment::difficulty>, "environment"_a)
+        .def("set_mode", &call<&Environment::set_mode, int>, "environment"_a, "mode"_a)
+        .def("set_difficulty", &call<&Environment::set_difficulty, int>, "environment"_a, "difficulty"_a);
 }
 
 }  // namespace atari

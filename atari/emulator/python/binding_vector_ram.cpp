@@ -83,14 +83,14 @@ void register_vector_ram(EngineClass& engine) {
         .def(
             "add_write",
             [](BoundEngine& x, int i, const Shared<Write>& write, bool now) {
-                if (!x.get(i, [&](Environment& e) { return e.add_write(write.value, now); }))
+                if (!x.get(i, [&](Environment& e) { return e.parts().add_write(write.value, now); }))
                     throw nb::value_error(kTooManyWrites);
             },
             "environment"_a, "write"_a, "now"_a = false, "As Emulator.add_write.")
         .def(
             "remove_write",
             [](BoundEngine& x, int i, const Shared<Write>& write) {
-                x.get(i, [&](Environment& e) { e.remove_write(write.value.get()); });
+                x.get(i, [&](Environment& e) { e.parts().remove_write(write.value.get()); });
             },
             "environment"_a, "write"_a);
 }

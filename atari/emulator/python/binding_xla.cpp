@@ -24,7 +24,7 @@ namespace {
 using xla::Buffer;
 using xla::CallFrame;
 
-// An error of a certain code.
+// An error with its code.
 struct XlaError : std::runtime_error {
     XlaError(xla::ErrorCode code, const std::string& what) : std::runtime_error(what), code(code) {}
     xla::ErrorCode code;
@@ -32,70 +32,30 @@ struct XlaError : std::runtime_error {
 
 [[noreturn]] void refuse(const std::string& what) { throw XlaError(xla::kInvalidArgument, what); }
 
+template <typename T>
+constexpr xla::DataType kType = std::is_same_v<T, bool>      ? xla::kPred
+                                : std::is_same_v<T, uint8_t> ? xla::kU8
+                                                             : xla::kS32;
+
 // An engine under its handle. Calls through the handle run one at a time.
 struct Port {
-    Port(BoundEngine& engine, bool pixels, bool ram) : engine(&engine), pixels(pixels), ram(ram) {}
+    Port(BoundEngine& engine, bool pixels, bool ram) : engine(&engine), shape(engine.shape(pixels, ram)) {
+        memory.complete(own, {shape.rows, shape.players, 0, 0, shape.has_final});
+    }
 
     Lock lock;
-    BoundEngine* engine;     // null after the port has been closed
-    const bool pixels, ram;  // the parts of an observation
-    size_t rows = engine->rows(), players = engine->players();
-    bool final = engine->keeps_final();
-    // Parts of results that compiled functions do not get: doubles, which JAX has only if it is configured so.
-    std::vector<double> scores = std::vector<double>((players + 2) * rows);
-    std::vector<uint8_t> games_ended = std::vector<uint8_t>(rows);
-    // Where results wait between send and recv.
-    Batch staging;
-    std::vector<int32_t> staged;
+    BoundEngine* engine;  // null after the port has been closed
+    const BatchShape shape;
+    Batch own;  // where results wait between send and recv, and those that compiled functions do not get
+    BatchMemory memory;
 
-    // Calls `part(pointer, type, values in a row)` for what compiled functions get, in the order of
-    // atari/integrations/jax/results.py.
+    // Calls `part(name, member, type, values in a row)` for each array that compiled functions get: all but doubles,
+    // which JAX has only if it is configured so.
     template <typename Part>
-    void for_parts(Batch& batch, Part&& part) {
-        if (pixels) part(batch.observation.pixels, xla::kU8, engine->pixels());
-        if (ram) part(batch.observation.ram, xla::kU8, kRamSize);
-        part(batch.reward, xla::kS32, players);
-        part(batch.terminated, xla::kPred, players);
-        part(batch.truncated, xla::kPred, players);
-        part(batch.environment, xla::kS32, 1);
-        part(batch.numbers.lives, xla::kS32, players);
-        part(batch.numbers.frame, xla::kS32, 1);
-        part(batch.numbers.episode_frame, xla::kS32, 1);
-        part(batch.game_reward, xla::kS32, players);
-        part(batch.game_steps, xla::kS32, 1);
-        part(batch.game_over, xla::kPred, 1);
-        if (!final) return;
-        if (pixels) part(batch.final_observation.pixels, xla::kU8, engine->pixels());
-        if (ram) part(batch.final_observation.ram, xla::kU8, kRamSize);
-        part(batch.ended, xla::kPred, 1);
-        part(batch.final_numbers.lives, xla::kS32, players);
-        part(batch.final_numbers.frame, xla::kS32, 1);
-        part(batch.final_numbers.episode_frame, xla::kS32, 1);
-    }
-
-    Batch without_parts() {
-        Batch batch;
-        batch.ended_games = {scores.data(), scores.data() + players * rows, scores.data() + (players + 1) * rows};
-        batch.game_ended = games_ended.data();
-        return batch;
-    }
-
-    void stage() {
-        if (!staged.empty()) return;
-        Batch batch = without_parts();
-        size_t words = 0;
-        const auto words_of = [this](const auto* pointer, size_t width) {
-            return (width * rows * sizeof *pointer + sizeof(int32_t) - 1) / sizeof(int32_t);
-        };
-        for_parts(batch, [&](auto* pointer, xla::DataType, size_t width) { words += words_of(pointer, width); });
-        std::vector<int32_t> memory(words);
-        int32_t* next = memory.data();
-        for_parts(batch, [&](auto*& pointer, xla::DataType, size_t width) {
-            pointer = reinterpret_cast<std::remove_reference_t<decltype(pointer)>>(next);
-            next += words_of(pointer, width);
+    void for_each(Part&& part) const {
+        Batch::for_each(shape, [&]<typename T>(const char* name, T* Batch::* member, size_t width) {
+            if constexpr (!std::is_same_v<T, double>) part(name, member, kType<T>, width);
         });
-        staged = std::move(memory);
-        staging = batch;
     }
 };
 
@@ -143,7 +103,7 @@ template <typename T>
 std::vector<int64_t> widened(const Buffer& buffer) {
     const T* const values = static_cast<const T*>(buffer.data);
     std::vector<int64_t> wide(values, values + values_of(buffer));
-    // Of uint64, larger ones have become negative: out of range in either case.
+    // Larger values of uint64 become negative: out of range in either case.
     return wide;
 }
 
@@ -175,18 +135,17 @@ uint64_t pass_handle(const CallFrame& call) {
 
 // A batch of the results' buffers.
 Batch results_of(Port& port, const xla::Operands& results) {
-    Batch batch = port.without_parts();
+    Batch batch = port.own;
     int64_t at = 1;
-    port.for_parts(batch, [&](auto*& pointer, xla::DataType type, size_t width) {
-        const Buffer& buffer = operand(results, at, "buffer of a result");
-        if (buffer.type != type || values_of(buffer) != width * port.rows)
-            refuse("result " + std::to_string(at) + " is not as this environment has it");
-        pointer = static_cast<std::remove_reference_t<decltype(pointer)>>(buffer.data);
-        ++at;
+    port.for_each([&]<typename T>(const char* name, T* Batch::* member, xla::DataType type, size_t width) {
+        const Buffer& buffer = operand(results, at++, "result");
+        if (buffer.type != type || values_of(buffer) != width * port.shape.rows)
+            refuse(std::string("the result ") + name + " is not as this environment has it");
+        batch.*member = static_cast<T*>(buffer.data);
     });
     if (at != results.size) refuse("there are more results than this environment has");
     // As if each row had an older final observation, so that rows without one are zeroed.
-    if (port.final) std::memset(batch.ended, 1, port.rows);
+    if (port.shape.has_final) std::memset(batch.ended, 1, port.shape.rows);
     return batch;
 }
 
@@ -197,10 +156,10 @@ void step(Port& port, const CallFrame& call) {
 
 void send(Port& port, const CallFrame& call) {
     const std::vector<int64_t> actions = integers(operand(call.arguments, 1, "action"), "actions");
-    port.stage();
-    if (call.arguments.size == 2) return port.engine->send_natively(actions, nullptr, port.staging);
+    port.memory.complete(port.own, port.shape);
+    if (call.arguments.size == 2) return port.engine->send_natively(actions, nullptr, port.own);
     const std::vector<int64_t> environments = integers(operand(call.arguments, 2, "env_id"), "env_id");
-    port.engine->send_natively(actions, &environments, port.staging);
+    port.engine->send_natively(actions, &environments, port.own);
 }
 
 void recv(Port& port, const CallFrame& call) { port.engine->receive_natively(results_of(port, call.results)); }
@@ -230,7 +189,7 @@ xla::Error* handle(CallFrame* call) noexcept {
         if (extension->type != xla::kMetadata) continue;
         xla::ApiVersion& version = reinterpret_cast<xla::MetadataExtension*>(extension)->metadata->version;
         version.major = 0;
-        // What is used is the same in all of them. Those that do not pass their functions here accept 1.
+        // The used part of the interface is the same in all versions. Versions that pass no functions here accept 1.
         version.minor = call->api ? call->api->version.minor : 1;
         return nullptr;
     }
@@ -251,7 +210,7 @@ xla::Error* handle(CallFrame* call) noexcept {
     }
 }
 
-// What holds an engine under a handle. The environments are closed for compiled functions when it has gone.
+// Holds an engine under a handle. Compiled functions find it until this object is destroyed.
 class XlaPort {
   public:
     XlaPort(nb::handle_t<BoundEngine> engine, bool pixels, bool ram)
@@ -267,10 +226,21 @@ class XlaPort {
         try {
             ports().remove(handle_);
             const std::lock_guard guard(port_->lock);
-            port_->engine->forget_natively(port_->staging);
+            port_->engine->forget_natively(port_->own);
             port_->engine = nullptr;
         } catch (const std::exception&) {  // in a forked process, where a call was running: XLA does not run there
         }
+    }
+
+    // Name, dtype and shape of each result of a compiled function, in order.
+    nb::list results() const {
+        nb::list all;
+        port_->for_each([&](const char* name, auto, xla::DataType type, size_t width) {
+            const char* const dtype = type == xla::kPred ? "bool" : type == xla::kU8 ? "uint8" : "int32";
+            const size_t rows = port_->shape.rows;
+            all.append(nb::make_tuple(name, dtype, width == 1 ? nb::make_tuple(rows) : nb::make_tuple(rows, width)));
+        });
+        return all;
     }
 
     nb::bytes handle() const { return nb::bytes(&handle_, sizeof handle_); }
@@ -298,6 +268,8 @@ void register_xla(nb::module_& m) {
     nb::class_<XlaPort>(m, "XlaPort", "A vector engine for functions compiled by JAX, until this object has gone.")
         .def(nb::init<nb::handle_t<BoundEngine>, bool, bool>(), "engine"_a, "pixels"_a, "ram"_a,
              nb::sig("def __init__(self, engine: VectorEngine, pixels: bool, ram: bool) -> None"))
+        .def("results", &XlaPort::results, nb::sig("def results(self) -> list[tuple[str, str, tuple[int, ...]]]"),
+             "Name, dtype and shape of each result of a compiled function, in their order.")
         .def_prop_ro("handle", &XlaPort::handle, "Eight bytes by which handlers find the engine.");
     m.def("xla_targets", &targets, nb::sig("def xla_targets() -> dict[str, object]"),
           "The handlers by their names, for `jax.ffi.register_ffi_target`.");

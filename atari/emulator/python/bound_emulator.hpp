@@ -4,6 +4,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <memory>
@@ -13,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "ale/environment.hpp"
+#include "ale/environment_parts.hpp"
 #include "state.hpp"
 #include "threads.hpp"
 
@@ -54,12 +55,12 @@ class Emulator : Exclusive {
     const uint64_t number = ++made_;  // that no other of the process has
 
     Emulator(const Shared<Game>& game, double probability, int frame_skip, int max_frames, bool sound,
-             bool colour_averaging, uint32_t seed, bool plain, bool one_generator, bool second_player_starts,
+             bool color_averaging, uint32_t seed, bool plain, bool one_generator, bool second_player_starts,
              const std::vector<double>& player_probabilities) {
         if (frame_skip < 1 || frame_skip > kMaxFrameSkip)
             throw std::invalid_argument("frame_skip must be within 1..10000");
         const Settings settings{probability,   frame_skip,           max_frames,
-                                sound,         colour_averaging,     plain,
+                                sound,         color_averaging,     plain,
                                 one_generator, second_player_starts, player_probabilities};
         environment_ = std::make_unique<Environment>(game.value, settings, seed);
     }
@@ -84,12 +85,7 @@ class Emulator : Exclusive {
     }
 
     nb::bytes save() {
-        std::vector<uint8_t> state;
-        locked([&](Environment& e) {
-            state.resize(e.state_size());
-            e.save(state.data());
-            return 0;
-        });
+        const auto state = locked([](Environment& e) { return saved(e); });
         return nb::bytes(state.data(), state.size());
     }
 
@@ -101,7 +97,7 @@ class Emulator : Exclusive {
     }
 
     State clone_state(bool include_rng) {
-        return locked([&](Environment& e) { return State{e.game(), include_rng, e.snapshot(), {}, 0}; });
+        return locked([&](Environment& e) { return State{e.parts().game, include_rng, e.snapshot(), {}, 0}; });
     }
 
     void restore_state(const State& state) {
@@ -110,18 +106,18 @@ class Emulator : Exclusive {
     }
 
     void add_write(const Shared<Write>& write, bool now) {
-        if (!locked([&](Environment& e) { return e.add_write(write.value, now); }))
+        if (!locked([&](Environment& e) { return e.parts().add_write(write.value, now); }))
             throw nb::value_error(kTooManyWrites);
     }
 
     int remove_write(const Shared<Write>& write) {
-        return locked([&](Environment& e) { return e.remove_write(write.value.get()); });
+        return locked([&](Environment& e) { return e.parts().remove_write(write.value.get()); });
     }
 
     using Slots = std::vector<std::optional<Shared<Write>>>;
 
     Slots writes() {
-        const Writes::Slots writes = locked([](Environment& e) { return e.writes().slots(); });
+        const Writes::Slots writes = locked([](Environment& e) { return e.parts().writes.slots(); });
         Slots slots;
         for (const auto& write : writes) slots.push_back(write ? std::optional(Shared<Write>{write}) : std::nullopt);
         return slots;
@@ -132,7 +128,7 @@ class Emulator : Exclusive {
         for (const auto& slot : slots) writes.push_back(slot ? slot->value : nullptr);
         while (!writes.empty() && !writes.back()) writes.pop_back();
         if (writes.size() > kMaxWrites) throw nb::value_error(kTooManyWrites);
-        locked([&](Environment& e) { return e.set_writes(std::move(writes)), 0; });
+        locked([&](Environment& e) { e.parts().set_writes(std::move(writes)); });
     }
 
     // Returns a new array, or `out`, filled by `fill(environment, pointer)`.
@@ -146,18 +142,12 @@ class Emulator : Exclusive {
             for (size_t i = 0; good && i < shape.size(); ++i) good = array.shape(i) == shape[i];
             if (!good) throw nb::value_error(expectation(shape).c_str());
             const nb::object fixed = prevent_resize(out);
-            locked([&](Environment& e) {
-                fill(e, array.data());
-                return 0;
-            });
+            locked([&](Environment& e) { fill(e, array.data()); });
             return out;
         }
         auto* bytes = new uint8_t[size];
         nb::capsule owner(bytes, [](void* memory) noexcept { delete[] static_cast<uint8_t*>(memory); });
-        locked([&](Environment& e) {
-            fill(e, bytes);
-            return 0;
-        });
+        locked([&](Environment& e) { fill(e, bytes); });
         return nb::cast(Array(bytes, shape.size(), shape.data(), owner));
     }
 
@@ -175,7 +165,7 @@ class Emulator : Exclusive {
     int act(nb::handle action, nb::handle strength) {
         const int number = action_number(action);
         const double factor = strength_factor(strength);
-        return locked([&](Environment& e) { return e.act(number, static_cast<float>(factor)); });
+        return locked([&](Environment& e) { return e.act({number}, 1, static_cast<float>(factor))[0]; });
     }
 
     // Plays up to `frames` frames. Returns the sum of the rewards, and how many were played.
@@ -187,7 +177,7 @@ class Emulator : Exclusive {
             const int lives = e.lives();
             while (played < frames) {
                 ++played;
-                reward += e.act(number, factor);
+                reward += e.act({number}, 1, factor)[0];
                 if (e.game_over() || e.truncated() || e.lives() != lives) break;
             }
             return std::pair(reward, played);
@@ -197,21 +187,22 @@ class Emulator : Exclusive {
     std::vector<int> act_players(const nb::sequence& actions) {
         std::vector<int> numbers;
         for (nb::handle action : actions) numbers.push_back(action_number(action));
-        std::vector<int> rewards(numbers.size());
-        locked([&](Environment& e) {
-            if (numbers.empty() || static_cast<int>(numbers.size()) > e.game()->players)
-                throw std::invalid_argument("act_players takes 1 to " + std::to_string(e.game()->players) +
-                                            " actions of this game, got " + std::to_string(numbers.size()));
-            e.act(numbers.data(), static_cast<int>(numbers.size()), rewards.data());
-            return 0;
+        return locked([&](Environment& e) {
+            const int players = static_cast<int>(numbers.size()), most = e.parts().game->players;
+            if (players < 1 || players > most)
+                throw std::invalid_argument("act_players takes 1 to " + std::to_string(most) +
+                                            " actions of this game, got " + std::to_string(players));
+            OfPlayers<int> held{};
+            std::copy(numbers.begin(), numbers.end(), held.begin());
+            const OfPlayers<int> rewards = e.act(held, players);
+            return std::vector<int>(rewards.begin(), rewards.begin() + players);
         });
-        return rewards;
     }
 
     std::vector<int> player_lives() {
         return briefly([](Environment& e) {
             std::vector<int> lives;
-            for (int player = 0; player < e.game()->players; ++player) lives.push_back(e.lives(player));
+            for (int player = 0; player < e.parts().game->players; ++player) lives.push_back(e.lives(player));
             return lives;
         });
     }

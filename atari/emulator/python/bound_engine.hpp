@@ -19,7 +19,7 @@
 #include "ale/labels.hpp"
 #include "state.hpp"
 #include "threads.hpp"
-#include "vector/members.hpp"
+#include "vector/lanes.hpp"
 #include "vector_lock.hpp"
 
 namespace atari {
@@ -40,16 +40,15 @@ inline SeedWords words_of(const Seeds& seeds, size_t i) {
     return words;
 }
 
-// Arrays for the results of a batch, with the pointers to their parts.
+// A batch whose observations are the user's arrays.
 struct BoundBatch {
     Batch batch;
-    std::vector<nb::object> shown;   // arrays of observations, and weak references to them, see `prevent_resize`
-    std::vector<nb::object> arrays;  // the other arrays
-    size_t rows = 0, pixels = 0;     // bytes of pixels in an observation
-    size_t players = 1;
+    BatchShape shape;
+    std::vector<nb::object> observations;  // the arrays, and weak references to them, see `prevent_resize`
+    std::shared_ptr<BatchMemory> memory;   // the other arrays
 };
 
-// A member's state in memory. After unpickling it consists of bytes, and `snapshot` is null.
+// The state of a lane in memory. After unpickling it consists of bytes, and `snapshot` is null.
 struct BoundSnapshot {
     VectorEngine::Snapshot snapshot;
     std::vector<uint8_t> bytes;
@@ -211,26 +210,11 @@ class BoundEngine : Exclusive {
         });
     }
 
-    void fork(int source, const std::vector<int>& targets) {
-        const BoundSnapshot state = snapshot({source})[0];
-        restore(targets, std::vector<const BoundSnapshot*>(targets.size(), &state));
-    }
-
     nb::bytes save(int environment) {
         const auto state = locked([&] {
             check_idle({environment});
             std::vector<uint8_t> bytes(engine_->state_size(environment));
             engine_->save(environment, bytes.data());
-            return bytes;
-        });
-        return nb::bytes(state.data(), state.size());
-    }
-
-    nb::bytes save_emulator(int environment) {
-        const auto state = locked([&] {
-            check_idle({environment});
-            std::vector<uint8_t> bytes(engine_->emulator_state_size(environment));
-            engine_->save_emulator(environment, bytes.data());
             return bytes;
         });
         return nb::bytes(state.data(), state.size());
@@ -294,8 +278,7 @@ class BoundEngine : Exclusive {
 
     size_t rows() const { return static_cast<size_t>(engine_->batch_size()); }
     size_t players() const { return static_cast<size_t>(engine_->players()); }
-    size_t pixels() const { return engine_->pixels(); }
-    bool keeps_final() const { return engine_->keeps_final(); }
+    BatchShape shape(bool pixels, bool ram) const { return engine_->shape(pixels, ram); }
 
   private:
     // The batch of an object, which threads write to; null for None, where results wait for `receive`.
@@ -310,11 +293,11 @@ class BoundEngine : Exclusive {
     }
 
     void check_size(const BoundBatch& batch) const {
-        if (batch.rows != rows() || batch.pixels != pixels() || batch.players != players())
+        if (!batch.shape.fits(shape(true, true)))
             throw nb::value_error("the batch is of an engine with batches, observations or players of another number");
     }
 
-    // What is below is done with the lock.
+    // The functions below need the lock.
     //
     // Begins a step; nothing has changed if it throws. `keep()` keeps the memory of `target`.
     template <typename Keep>
@@ -362,27 +345,15 @@ class BoundEngine : Exclusive {
 
     // Copies the results of all environments, in the order in which a step has named them.
     void copy_rows(const Batch& from, const Batch& to) const {
-        const auto copy = [this](const auto* values, auto* out, size_t width) {
-            if (!values || !out) return;
+        Batch::for_each(shape(true, true), [&](const char*, auto member, size_t width) {
+            const auto* const values = from.*member;
+            auto* const out = to.*member;
+            if (!values || !out || values == out) return;
             for (size_t row = 0; row < rows(); ++row) {
                 const size_t source = order_.empty() ? row : static_cast<size_t>(order_[row]);
                 std::copy_n(values + source * width, width, out + row * width);
             }
-        };
-        const size_t each = players();
-        copy(from.observation.pixels, to.observation.pixels, pixels());
-        copy(from.observation.ram, to.observation.ram, kRamSize);
-        copy(from.final_observation.pixels, to.final_observation.pixels, pixels());
-        copy(from.final_observation.ram, to.final_observation.ram, kRamSize);
-        for (const auto part : {&Batch::reward, &Batch::game_reward}) copy(from.*part, to.*part, each);
-        for (const auto part : {&Batch::environment, &Batch::game_steps}) copy(from.*part, to.*part, 1);
-        for (const auto part : {&Batch::terminated, &Batch::truncated}) copy(from.*part, to.*part, each);
-        for (const auto part : {&Batch::ended, &Batch::game_over, &Batch::game_ended}) copy(from.*part, to.*part, 1);
-        for (const auto part : {&Batch::numbers, &Batch::final_numbers}) {
-            copy((from.*part).lives, (to.*part).lives, each);
-            copy((from.*part).frame, (to.*part).frame, 1);
-            copy((from.*part).episode_frame, (to.*part).episode_frame, 1);
-        }
+        });
     }
 
     // The environments of a step: some of all, or those of the last batch in any order if a batch has fewer than all.

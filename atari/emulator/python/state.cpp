@@ -72,14 +72,18 @@ uint64_t image_digest(const Game& game) {
 }
 
 bool State::restore(Environment& environment) const {
-    const Environment::Generators generators = environment.generators();
+    Environment::Parts& parts = environment.parts();
+    const MersenneTwister random = parts.state.random;
+    const WriteState writes = parts.state.writes;
     if (game) {
-        if (!same_cartridge(*game, *environment.game()) || !environment.restore(snapshot)) return false;
-    } else if (image != image_digest(*environment.game()) || bytes.size() != environment.state_size() ||
+        if (!same_cartridge(*game, *parts.game) || !environment.restore(snapshot)) return false;
+    } else if (image != image_digest(*parts.game) || bytes.size() != environment.state_size() ||
                !environment.load(bytes.data())) {
         return false;
     }
-    if (!include_rng) environment.set_generators(generators);
+    if (include_rng) return true;
+    parts.state.random = random;
+    std::copy_n(writes.random, 2, parts.state.writes.random);
     return true;
 }
 

@@ -5,12 +5,19 @@
 #include <memory>
 #include <vector>
 
-#include "ale/environment.hpp"
+#include "ale/environment_parts.hpp"
 
 namespace atari {
 
 // A digest of a game's image (FNV-1a): a pickled state fits environments of games with the same digest.
 uint64_t image_digest(const Game& game);
+
+// The bytes of Environment::save.
+inline std::vector<uint8_t> saved(Environment& environment) {
+    std::vector<uint8_t> bytes(environment.state_size());
+    environment.save(bytes.data());
+    return bytes;
+}
 
 // A state of an emulator in memory. A state that was unpickled consists of bytes, and its `game` is null.
 struct State {

@@ -8,7 +8,7 @@
 
 namespace atari::xla {
 
-// Of a buffer's elements.
+// The type of a buffer's elements.
 enum DataType : int32_t {
     kPred = 1,
     kS8 = 2,

@@ -32,13 +32,13 @@ long process_number() {
 
 }  // namespace
 
-VectorEngine::VectorEngine(std::vector<Member> members, const VectorSettings& settings)
-    : settings_(settings), players_(members[0].episode->players()), process_(process_number()) {
-    slots_.resize(members.size());
+VectorEngine::VectorEngine(std::vector<Lane> lanes, const VectorSettings& settings)
+    : settings_(settings), players_(lanes[0].episode->players()), process_(process_number()) {
+    slots_.resize(lanes.size());
     recent_.resize(static_cast<size_t>(settings.batch_size));
-    result_rams_.resize(128 * members.size());
+    result_rams_.resize(128 * lanes.size());
     std::iota(recent_.begin(), recent_.end(), 0);
-    for (size_t i = 0; i < members.size(); ++i) slots_[i].member = std::move(members[i]);
+    for (size_t i = 0; i < lanes.size(); ++i) slots_[i].lane = std::move(lanes[i]);
     pool_ = std::make_unique<ThreadPool>(size(), settings.threads, queued(), settings.first_core,
                                          [this](int environment) { run_task(environment); });
 }
@@ -72,7 +72,7 @@ void VectorEngine::step(const std::vector<int>& environments, const int64_t* act
         Slot& slot = this->slot(environments[i]);
         slot.task = Task::kStep;
         for (int player = 0; player < players_; ++player)
-            slot.actions[player] = slot.member.actions[static_cast<size_t>(*actions++)];
+            slot.actions[player] = slot.lane.actions[static_cast<size_t>(*actions++)];
         slot.strength = strengths ? strengths[i] : 1.0f;
     }
     batch_ = batch;
@@ -107,7 +107,7 @@ void VectorEngine::drain() {
 
 void VectorEngine::apply_restore(Slot& slot) {
     if (!slot.pending_restore) return;
-    slot.member.episode->restore(slot.pending_restore->episode);
+    slot.lane.episode->restore(slot.pending_restore->episode);
     slot.outcome = slot.pending_restore->outcome;
     slot.outcome.reward = {};  // of the step before the snapshot
     slot.has_final = false;
@@ -116,16 +116,16 @@ void VectorEngine::apply_restore(Slot& slot) {
 
 void VectorEngine::run_task(int environment) {
     apply_restore(slot(environment));
-    if (!queued() && batch_->observation.pixels) {
+    if (!queued() && batch_->pixels) {
         const size_t size = episode(environment).observation().size();
-        prefetch(batch_->observation.pixels + size * static_cast<size_t>(environment), size);
+        prefetch(batch_->pixels + size * static_cast<size_t>(environment), size);
     }
     play(slot(environment), environment);
     if (!queued()) write_results(slot(environment), environment, environment, *batch_);
 }
 
 void VectorEngine::play(Slot& slot, int environment) {
-    Episode& episode = *slot.member.episode;
+    Episode& episode = *slot.lane.episode;
     slot.has_final = false;
     const bool over = slot.outcome.ended;
     const bool idle = over && settings_.autoreset == Autoreset::kDisabled;  // until it is reset
@@ -149,14 +149,14 @@ void VectorEngine::play(Slot& slot, int environment) {
 
 void VectorEngine::keep_final(Slot& slot, int environment) {
     slot.has_final = true;
-    Episode& episode = *slot.member.episode;
+    Episode& episode = *slot.lane.episode;
     Environment& e = episode.environment();
     if (queued()) {
         slot.final_pixels.resize(episode.observation().size());
         episode.observation().write(slot.final_pixels.data());
-    } else if (batch_->final_observation.pixels) {
+    } else if (batch_->final_pixels) {
         const size_t at = episode.observation().size() * static_cast<size_t>(environment);
-        episode.observation().write(batch_->final_observation.pixels + at);
+        episode.observation().write(batch_->final_pixels + at);
     }
     std::copy_n(e.ram(), 128, slot.final_ram);
     for (int player = 0; player < players_; ++player) slot.final_lives[player] = e.lives(player);
@@ -165,20 +165,19 @@ void VectorEngine::keep_final(Slot& slot, int environment) {
 }
 
 void VectorEngine::write_results(Slot& slot, int environment, int row, const Batch& batch) {
-    Episode& episode = *slot.member.episode;
+    Episode& episode = *slot.lane.episode;
     Environment& e = episode.environment();
     const auto at = static_cast<size_t>(row);
     const Outcome& outcome = slot.outcome;
-    if (batch.observation.pixels)
-        episode.observation().write(batch.observation.pixels + episode.observation().size() * at);
+    if (batch.pixels) episode.observation().write(batch.pixels + episode.observation().size() * at);
     std::copy_n(e.ram(), 128, result_rams_.data() + 128 * static_cast<size_t>(environment));
-    if (batch.observation.ram) std::copy_n(e.ram(), 128, batch.observation.ram + 128 * at);
-    batch.environment[at] = environment;
-    batch.game_steps[at] = outcome.game_steps;
+    if (batch.ram) std::copy_n(e.ram(), 128, batch.ram + 128 * at);
+    batch.env_id[at] = environment;
+    batch.elapsed_step[at] = outcome.game_steps;
     batch.game_over[at] = outcome.game_over;
     write_players(slot, row, batch);
-    batch.numbers.frame[at] = e.frame_number();
-    batch.numbers.episode_frame[at] = e.episode_frame_number();
+    batch.frame_number[at] = e.frame_number();
+    batch.episode_frame_number[at] = e.episode_frame_number();
     write_ended_game(slot, row, batch);
     if (settings_.autoreset == Autoreset::kSameStep) write_final(slot, row, batch);
 }
@@ -192,7 +191,7 @@ void VectorEngine::write_players(Slot& slot, int row, const Batch& batch) {
         batch.game_reward[at] = outcome.game_reward[from];
         batch.terminated[at] = outcome.terminated || out;
         batch.truncated[at] = outcome.truncated && !out;
-        batch.numbers.lives[at] = slot.member.episode->environment().lives(player);
+        batch.lives[at] = slot.lane.episode->environment().lives(player);
     }
 }
 
@@ -201,17 +200,17 @@ void VectorEngine::write_ended_game(const Slot& slot, int row, const Batch& batc
     const EndedGame game = slot.ended_game.value_or(EndedGame{{}, 0, 0.0});
     batch.game_ended[at] = slot.ended_game.has_value();
     for (int player = 0; player < players_; ++player)
-        batch.ended_games.score[row * players_ + player] = static_cast<double>(game.score[static_cast<size_t>(player)]);
-    batch.ended_games.frames[at] = game.frames;
-    batch.ended_games.seconds[at] = game.seconds;
+        batch.score[row * players_ + player] = static_cast<double>(game.score[static_cast<size_t>(player)]);
+    batch.frames[at] = game.frames;
+    batch.seconds[at] = game.seconds;
 }
 
 // A row of the final observations is zero if no episode of its environment ended in this step.
 void VectorEngine::write_final(Slot& slot, int row, const Batch& batch) {
     const auto at = static_cast<size_t>(row);
-    const size_t size = slot.member.episode->observation().size();
-    uint8_t* const pixels = batch.final_observation.pixels ? batch.final_observation.pixels + size * at : nullptr;
-    uint8_t* const ram = batch.final_observation.ram ? batch.final_observation.ram + 128 * at : nullptr;
+    const size_t size = slot.lane.episode->observation().size();
+    uint8_t* const pixels = batch.final_pixels ? batch.final_pixels + size * at : nullptr;
+    uint8_t* const ram = batch.final_ram ? batch.final_ram + 128 * at : nullptr;
     if (slot.has_final) {
         if (pixels && queued()) std::copy(slot.final_pixels.begin(), slot.final_pixels.end(), pixels);
         if (ram) std::copy_n(slot.final_ram, 128, ram);
@@ -222,9 +221,9 @@ void VectorEngine::write_final(Slot& slot, int row, const Batch& batch) {
     batch.ended[at] = slot.has_final;
     const auto number = [&](int i) { return slot.has_final ? slot.final_numbers[i] : 0; };
     for (int player = 0; player < players_; ++player)
-        batch.final_numbers.lives[row * players_ + player] = slot.has_final ? slot.final_lives[player] : 0;
-    batch.final_numbers.frame[at] = number(0);
-    batch.final_numbers.episode_frame[at] = number(1);
+        batch.final_lives[row * players_ + player] = slot.has_final ? slot.final_lives[player] : 0;
+    batch.final_frame_number[at] = number(0);
+    batch.final_episode_frame_number[at] = number(1);
 }
 
 namespace {
@@ -251,7 +250,7 @@ bool VectorEngine::load(int environment, const uint8_t* in) {
     return true;
 }
 
-std::vector<uint8_t> VectorEngine::MemberSnapshot::bytes() const {
+std::vector<uint8_t> VectorEngine::LaneSnapshot::bytes() const {
     const std::vector<uint8_t> environment = episode.environment.bytes(*game);
     std::vector<uint8_t> bytes(1 + environment.size() + episode.rest.size());
     uint8_t* const out = write_outcome(outcome, bytes.data());
@@ -262,9 +261,9 @@ std::vector<uint8_t> VectorEngine::MemberSnapshot::bytes() const {
 VectorEngine::Snapshot VectorEngine::snapshot(int environment) {
     const Slot& source = slot(environment);
     if (source.pending_restore) return source.pending_restore;
-    auto snapshot = std::make_shared<MemberSnapshot>();
-    snapshot->game = source.member.episode->environment().game();
-    source.member.episode->snapshot(snapshot->episode);
+    auto snapshot = std::make_shared<LaneSnapshot>();
+    snapshot->game = source.lane.episode->environment().parts().game;
+    source.lane.episode->snapshot(snapshot->episode);
     snapshot->outcome = source.outcome;
     return snapshot;
 }
@@ -277,9 +276,9 @@ VectorEngine::Snapshot VectorEngine::parse(int environment, const uint8_t* in) {
     return parsed;
 }
 
-bool VectorEngine::fits(int environment, const MemberSnapshot& snapshot) const {
-    Episode& episode = *slot(environment).member.episode;
-    return snapshot.game == episode.environment().game() &&
+bool VectorEngine::fits(int environment, const LaneSnapshot& snapshot) const {
+    Episode& episode = *slot(environment).lane.episode;
+    return snapshot.game == episode.environment().parts().game &&
            snapshot.episode.rest.size() + 1 + episode.environment().state_size() == state_size(environment);
 }
 

@@ -10,15 +10,12 @@
 #include <utility>
 #include <vector>
 
-#include "ale/environment.hpp"
+#include "ale/environment_parts.hpp"
 #include "observations/observation_stack.hpp"
 #include "episode_random.hpp"
 #include "episode_settings.hpp"
 
 namespace atari {
-
-template <typename T>
-using OfPlayers = std::array<T, kMaxPlayers>;  // zero for players that do not play
 
 struct Outcome {
     OfPlayers<int> reward{};
@@ -42,7 +39,7 @@ struct EndedGame {
 struct StartActions {
     bool has_noop, has_fire;
     int third;  // ALE's number of the action with index 2
-    int idle;   // of the action with index 0 that a user gives: what players who are out do
+    int idle;   // ALE's number of the user's action with index 0, which is played for players who are out
 };
 
 // The state of an episode in memory, for episodes of the same game and settings.

@@ -60,16 +60,14 @@ void Episode::reset_game(const Request& request) {
 
 // AtariEnv.step, of one frame
 Episode::Ends Episode::step_game(const Move& move) {
-    OfPlayers<int> rewards{};
-    if (settings_.players == 1) rewards[0] = environment_->act(move.actions[0], move.strength);
-    else environment_->act(move.actions.data(), settings_.players, rewards.data());
+    const OfPlayers<int> rewards = environment_->act(move.actions, settings_.players, move.strength);
     for (size_t player = 0; player < kMaxPlayers; ++player) score_[player] += rewards[player];
     const Ends ends{environment_->game_over(), environment_->truncated()};
     if (ends.any()) end_game();
     return ends;
 }
 
-// Whether a life has been lost since there were so many.
+// Returns whether fewer lives are left than before.
 bool Episode::has_lost_life(int lives_before) const {
     const int lives = environment_->lives();
     return lives < lives_before && (lives > 0 || settings_.last_life);
@@ -157,7 +155,7 @@ Episode::Ends Episode::step_skip(size_t level, const Move& move) {
         observation_->frame_played(left, ends.any());
     }
     observation_->skip_ended(left, ends.any());
-    for (; settings_.acts_after_end && left > 0; --left) environment_->act(move.actions[0], move.strength);
+    for (; settings_.acts_after_end && left > 0; --left) environment_->act(move.actions, 1, move.strength);
     if (settings_.seamless_lives && state_.life_lost) ends.terminated = !ends.truncated;
     state_.frame_number = environment_->frame_number();
     return ends;

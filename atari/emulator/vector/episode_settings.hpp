@@ -10,7 +10,7 @@ namespace atari {
 
 enum class FirePress { kNever, kBeforeNoops, kAfterNoops };
 enum class Unit { kFrame, kSkip };                  // single frames inside of the frame skip, or whole skips
-enum class OnReset { kNoop, kContinue, kNewGame };  // what a reset does after a lost life
+enum class OnReset { kNoop, kContinue, kNewGame };  // the effect of a reset after a lost life
 enum class Seeding { kGymnasium, kAle };            // as AtariEnv.reset, or as ale-py's vector environment
 
 // The defaults are those of ale-py's vector environment.
@@ -24,14 +24,14 @@ struct EpisodeSettings {
     bool acts_after_end = false;
 
     // How an episode begins.
-    std::pair<int, int> noops{0, 29};          // with so many no-ops, drawn from first .. second
+    std::pair<int, int> noops{0, 29};          // the number of no-ops is drawn from first .. second
     FirePress fire = FirePress::kBeforeNoops;  // in games that have FIRE
     bool fire_counts = true;                   // whether FIRE is one of the no-ops
     bool third_action = false;                 // whether the action with index 2 follows FIRE
     Unit fire_unit = Unit::kFrame;             // for how long both are played
     bool fire_again = false;                   // whether they are, after a game that ended in the no-ops
 
-    // What a lost life does.
+    // The effects of a lost life.
     bool episodic_life = false;
     Unit lives_unit = Unit::kFrame;  // after which lives are compared
     OnReset on_reset = OnReset::kNewGame;

@@ -26,8 +26,8 @@ class EnvPool:
     `terminated`, int32, whether the game is over, also where a lost life ends an episode; `TimeLimit.truncated`, bool;
     `players`, a dict with `env_id`; and `ram`, uint8 (batch, 128).
 
-    The step after an end ignores its action and returns the first observation of the next episode. Observations stay
-    as they are while you hold them.
+    The step after an end ignores its action and returns the first observation of the next episode. Observations do not
+    change while you hold them.
 
     Attributes may be set, as scripts do with `num_envs` and `single_action_space`; nothing depends on them.
 
@@ -74,7 +74,7 @@ class EnvPool:
         Args:
             env_id: integers (rows,), each once; the rows of the results are theirs, in this order.
             seed: environment i is seeded with seed + i; None continues, or begins with the seed of `make`.
-            options: none.
+            options: None, or empty.
 
         Raises:
             TypeError, ValueError, IndexError: `env_id` or `seed` does not fit.
@@ -109,7 +109,7 @@ class EnvPool:
         return self.recv()
 
     def send(self, action: Any, env_id: Any = None) -> None:
-        """Begin a step; `recv` returns its results. Errors are those of `step`.
+        """Begin a step; `recv` returns its results. It raises the errors of `step`.
 
         Raises:
             gymnasium.error.AlreadyPendingCallError: the last step has not been received.
@@ -137,7 +137,7 @@ class EnvPool:
     def xla(self) -> Any:
         """`handle`, `recv`, `send` and `step` for functions compiled by JAX, as `AtariVectorEnv.xla` returns them.
 
-        `recv` and `step` return a handle and what the methods of these names return.
+        `recv` and `step` return a handle and the results of the methods of these names.
 
         Raises:
             gymnasium.error.DependencyNotInstalled: JAX is not installed, or is older than 0.5.0.
@@ -158,7 +158,7 @@ class EnvPool:
     __str__ = __repr__
 
     def _take_seed(self, seed: Any) -> Any:
-        """The given seed, or the one that waits for a reset."""
+        """The given seed, or else the seed that waits for a reset."""
         seed, self._seed = self._seed if seed is None else seed, None
         if isinstance(seed, (int, np.integer)):
             return int(seed) % SEED_LIMIT
@@ -186,7 +186,7 @@ def shown(results: Any, returns_done: bool) -> tuple[Any, ...]:
     """Results of the vector environment as EnvPool's `step` returns them, of NumPy's arrays or of JAX's.
 
     Args:
-        results: what `AtariVectorEnv.step` returns.
+        results: the results of `AtariVectorEnv.step`.
         returns_done: whether there is one array of ends, not two.
     """
     observation, reward, terminated, truncated, theirs = results

@@ -72,7 +72,7 @@ class EnvPoolSpec:
 
     Attributes:
         config: every option of EnvPool's with its value, a named tuple.
-        played: what these options play.
+        played: the task that these options define.
 
     Example:
         >>> import atari.integrations.envpool as envpool
@@ -144,8 +144,8 @@ def make_spec(task_id: GameLike, **options: Any) -> EnvPoolSpec:
     Args:
         task_id: a name of EnvPool's, or a game's name, the path of a game file or a `Game`, which have EnvPool's
             defaults; an environment ID ("ALE/Breakout-v5"), which has its own sticky actions and actions; or an
-            `atari.Task`, which has its own of all that EnvPool has an option for.
-        options: EnvPool's.
+            `atari.Task`, whose fields replace all of EnvPool's defaults.
+        options: EnvPool's options.
 
     Raises:
         TypeError: there is no such option; the nearest is suggested.
@@ -220,7 +220,7 @@ def _of_task(base: Task, task_id: GameLike) -> dict[str, Any]:
 
 
 def _as_fields(config: Any, options: Mapping[str, Any]) -> dict[str, Any]:
-    """The fields of a task that EnvPool's options say; those that were not given are the base's.
+    """The fields of a task that EnvPool's options set; other fields keep the values of the base.
 
     Raises:
         TypeError, ValueError: an option is of the wrong kind or out of range.

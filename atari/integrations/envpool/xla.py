@@ -1,4 +1,4 @@
-"""`EnvPool` inside functions that JAX compiles: the functions of its vector environment, with EnvPool's results."""
+"""`xla`: functions of an `EnvPool` for functions that JAX compiles."""
 
 from collections.abc import Callable
 from typing import Any
@@ -7,11 +7,11 @@ from typing import Any
 def xla(
     functions: tuple[Any, Callable[..., Any], Callable[..., Any], Callable[..., Any]], shown: Callable[[Any], Any]
 ) -> tuple[Any, Callable[..., Any], Callable[..., Any], Callable[..., Any]]:
-    """`(handle, recv, send, step)` from those of `AtariVectorEnv.xla`.
+    """EnvPool's `(handle, recv, send, step)`, made of the functions of `AtariVectorEnv.xla`.
 
     Args:
-        functions: of the vector environment.
-        shown: makes EnvPool's results of the vector environment's; compiled functions may keep it.
+        functions: the functions of the vector environment.
+        shown: converts the vector environment's results to EnvPool's; compiled functions may keep it.
     """
     handle, vector_recv, send, vector_step = functions
 

@@ -1,9 +1,16 @@
 """Vector environments inside functions that JAX compiles: `xla`.
 
-`functions.py` has the functions; `results.py`, what they return; `callback.py`, the way through Python for GPUs. JAX is
+`functions.py` has the functions, `results.py` their results, `callback.py` the way through Python for GPUs. JAX is
 imported when `xla` is called.
 """
 
-from atari.integrations.jax.functions import XlaFunctions, xla
+from typing import Any
 
-__all__ = ["XlaFunctions", "xla"]
+from atari._renamed import missing
+from atari.integrations.jax.functions import xla
+
+__all__ = ["xla"]
+
+
+def __getattr__(name: str) -> Any:
+    raise missing("atari.integrations.jax", name)

@@ -21,13 +21,13 @@ def callbacks(envs: Any, parts: ResultParts) -> tuple[Callable[..., Any], Callab
 
     Args:
         envs: the vector environment; compiled functions do not keep it alive.
-        parts: what `recv` returns.
+        parts: the arrays that `recv` returns.
     """
-    # JAX may keep compiled functions, and what they refer to, until the process ends.
+    # JAX may keep compiled functions, and the objects that they refer to, until the process ends.
     proxy = weakref.proxy(envs)
-    declared = [jax.ShapeDtypeStruct(shape, dtype) for _, shape, dtype in parts.declared()]
+    declared = [jax.ShapeDtypeStruct(shape, dtype) for _, shape, dtype in parts.declared]
     results = jax.eval_shape(parts.assemble, declared)
-    # In turn: the device may still be copying from the one while the environments write to the other.
+    # Two arrays in turn: the device may copy from one while the environments write to the other.
     arrays = pinned_arrays(results[0]) if parts.as_written else None
     outs = cycle(arrays or [None])
 
@@ -51,7 +51,7 @@ def callbacks(envs: Any, parts: ResultParts) -> tuple[Callable[..., Any], Callab
 
 
 def filled(value: Any, wanted: Any) -> Any:
-    """An array, or dict of arrays, as declared: what is absent is zero, and what is not declared is left out."""
+    """An array, or dict of arrays, as declared: absent arrays are zero, and undeclared arrays are left out."""
     if isinstance(wanted, dict):
         return {name: filled((value or {}).get(name), part) for name, part in wanted.items()}
     return np.zeros(wanted.shape, wanted.dtype) if value is None else np.asarray(value).astype(wanted.dtype, copy=False)
@@ -61,8 +61,8 @@ def pinned_arrays(like: Any, count: int = 2) -> list[Any] | None:
     """NumPy arrays in page-locked memory; None if the default device has none, or `like` is not of uint8.
 
     Args:
-        like: what the arrays are like: its `shape` and `dtype`.
-        count: how many.
+        like: an object with the `shape` and `dtype` of the arrays.
+        count: the number of arrays.
     """
     device = jax.devices()[0]
     kinds = {memory.kind for memory in device.addressable_memories()}

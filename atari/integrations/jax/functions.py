@@ -13,15 +13,7 @@ _registered = False
 
 
 class XlaFunctions(NamedTuple):
-    """The functions that `xla` returns.
-
-    Example:
-        >>> import atari
-        >>> envs = atari.AtariVectorEnv("pong", 2)
-        >>> functions = envs.xla()
-        >>> functions._fields, functions.handle.shape
-        (('handle', 'recv', 'send', 'step'), (8,))
-    """
+    """The functions that `xla` returns."""
 
     handle: Any
     recv: Callable[..., Any]
@@ -37,9 +29,9 @@ def xla(envs: Any, *, callback: bool | None = None) -> XlaFunctions:
     which calls run. `env_id` must have as many rows as a batch. Reset the environments by `reset`, or `reset_async`
     before `recv`. Compiled functions fail after the environments have been closed or collected.
 
-    Results are equal to those of `step` to the byte, with `info` of the same arrays in each step: without the masks of
-    keys that all rows have, and without `episode`; in SAME_STEP always with `final_obs` and `final_info`, zero
-    where nothing ended, and their masks.
+    Results equal those of `AtariVectorEnv.step` to the byte. `info` has the same arrays in each step: it leaves out the
+    masks of keys that all rows have, and `episode`. In SAME_STEP it always has `final_obs` and `final_info`, zero in
+    the rows of episodes that go on, and their masks.
 
     Args:
         envs: the environments; `envs.xla()` is the same call.
@@ -47,7 +39,7 @@ def xla(envs: Any, *, callback: bool | None = None) -> XlaFunctions:
             in Python, on any device; None is False if JAX's default device is a CPU, otherwise True.
 
     Returns:
-        A named tuple; `handle` is uint8 (8,).
+        A named tuple with these four fields; `handle` is uint8 (8,).
 
     Raises:
         gymnasium.error.DependencyNotInstalled: JAX is not installed, or is older than 0.5.0, without `jax.ffi`.
@@ -68,7 +60,7 @@ def xla(envs: Any, *, callback: bool | None = None) -> XlaFunctions:
         raise ValueError("xla() needs actions that are integers: leave continuous=True out")
     if options.layout.indicators:
         raise ValueError("xla() has no indicators: leave agent_indicator=True out")
-    parts = ResultParts(options)
+    parts = ResultParts(options, port)
     rows = options.batch_size
     shape = (rows,) if options.players == 1 else (rows, options.players)
     handle = jax.numpy.asarray(np.frombuffer(port.handle, np.uint8))
@@ -102,7 +94,7 @@ def _foreign_functions(jax: Any, parts: ResultParts) -> tuple[Callable[..., Any]
             jax.ffi.register_ffi_target(name, target, platform="cpu")
         _registered = True
     handle_like = jax.ShapeDtypeStruct((8,), np.uint8)
-    declared = [jax.ShapeDtypeStruct(shape, dtype) for _, shape, dtype in parts.declared()]
+    declared = [jax.ShapeDtypeStruct(shape, dtype) for _, shape, dtype in parts.declared]
 
     def function(name: str, results: list[Any]) -> Callable[..., Any]:
         return jax.ffi.ffi_call(name, [handle_like, *results], has_side_effect=True, input_output_aliases={0: 0})  # type: ignore[no-any-return]

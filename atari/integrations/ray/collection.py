@@ -26,7 +26,7 @@ _SEEDS = 2**32
 
 @dataclass(frozen=True)
 class _Task:
-    """A game that a worker plays, and what it makes of it."""
+    """A game that a worker plays, and the format of its output."""
 
     seed: int
     entry: Entry
@@ -58,32 +58,31 @@ def collect(
     labels: Sequence[str] | None = None,
     progress: Callable[[int], object] | None = None,
 ) -> dict[str, Any]:
-    """Let workers of Ray play a game for each seed, and write a data set, with columns as of `write_dataset`.
+    """Let workers of Ray play a game for each seed, and write a data set, with the columns of `write_dataset`.
 
-    The cluster is the one that this process is connected to. Without one, `ray.init()` connects it, or starts Ray on
-    this machine.
-    Games come to this process through the object store, so workers need no common file system. At most two games for
-    each CPU of the cluster are under way.
+    The workers belong to the cluster that this process is connected to. Otherwise `ray.init()` connects it, or starts
+    Ray on this machine. Games come to this process through the object store, so workers need no common file system. At
+    most two games for each CPU of the cluster are under way.
 
     - "parquet": `output` is a folder with a file for each seed, `seed-0000000003.parquet`. The number of an episode is
       its seed. `pyarrow.parquet.read_table(output)` and `ray.data.read_parquet(output)` read the folder. The workers
       play, render and compress.
     - "hdf5", "minari": the workers play, and return replays, which are kept in the folder `OUTPUT.parts` ("/" becomes
       "-"). When all are there, this process renders and writes the output, because these formats have one writer, and
-      deletes the folder. The output is that of `write_dataset` with the replays in the order of the seeds.
+      deletes the folder. `write_dataset` would write the same output of the replays in the order of the seeds.
 
     The folder has a manifest of the finished seeds. The same call goes on where a killed one stopped, and more seeds
     add to a Parquet folder; seeds that are finished are not played again. The rows are the same to the bit for any
     number of workers, provided that the policy's actions depend only on its observations and seeds.
 
     Args:
-        game: a game, an ID or a `Task`. A policy that does not say what it needs plays an ID or a `Task` as it is. The
-            manifest has what is played; the files have it and the policy.
+        game: a game, an ID or a `Task`. A policy without a task plays an ID or a `Task` unchanged. The manifest and
+            the files have the task that is played.
         output: the folder (.parquet), the file (.h5, .hdf5) or the ID of the Minari dataset. The latter two must not
             exist.
-        policy: as of `load_policy`, which the workers load. The manifest and the files have its name.
-        seeds: of the games, 0..2**32 - 1; one that comes twice counts once.
-        format, frames, labels: as of `write_dataset`.
+        policy: a policy as for `load_policy`; the workers load it. The manifest and the files have its name.
+        seeds: the seeds of the games, 0..2**32 - 1; a seed that comes twice counts once.
+        format, frames, labels: see `write_dataset`.
         progress: called with the number of games that are finished, once at the start and after each.
 
     Returns:
@@ -142,7 +141,7 @@ def collect(
 
 
 def _played(tasks: Sequence[_Task]) -> Iterator[_Part]:
-    """What the workers return, in any order. An error cancels what is under way."""
+    """Yield the workers' parts, in any order. An error cancels the games that are under way."""
     if not ray.is_initialized():
         ray.init()
     cluster: Any = ray  # whose functions have no types
@@ -192,7 +191,7 @@ class _Manifest:
     def __init__(self, folder: Path, facts: dict[str, Any]) -> None:
         self._folder, self._path = folder, folder / _MANIFEST
         self.finished: dict[int, dict[str, Any]] = {}
-        """The line of each seed whose file is there."""
+        """The line of each seed that has a file."""
         if folder.is_file() or (folder.is_dir() and not self._path.exists() and any(folder.iterdir())):
             raise ValueError(f"{folder} is there already, without a manifest; delete it, or choose another name")
         folder.mkdir(parents=True, exist_ok=True)

@@ -1,7 +1,7 @@
 """RLlib's new API stack on `AtariVectorEnv`: one vector environment in each env runner.
 
-RLlib's env runner assumes autoreset in NEXT_STEP mode: it takes the observation after an end for the first one of the
-next episode.
+RLlib's env runner assumes autoreset in NEXT_STEP mode: it takes the observation after an end for the first
+observation of the next episode.
 """
 
 import inspect
@@ -27,7 +27,7 @@ _RUN_OPTIONS = frozenset(inspect.signature(AtariVectorEnv.__init__).parameters) 
     "num_envs",
     "options",
 }
-"""Options of `AtariVectorEnv` that do not change what is played."""
+"""Options of `AtariVectorEnv` that are no fields of the task."""
 
 
 def register(name: str = "atari") -> str:
@@ -49,8 +49,8 @@ def env_creator(env_config: Mapping[str, Any]) -> "EpisodeVectorEnv":
 
     Args:
         env_config: `game`, as `AtariVectorEnv` takes it ("pong", "ALE/Pong-v5", an `atari.Task`), or a list of them;
-            RLlib's `num_envs`; all others are options of `AtariVectorEnv`. Of several games, environment i plays the
-            i-th, and then again from the first one. Workers do not have IDs that your program registered itself: give
+            RLlib's `num_envs`; all others are options of `AtariVectorEnv`. Environment i plays game i of a list, which
+            repeats after its end. Workers do not have IDs that your program registered itself: give
             `Task.of(ID)`, as `config` does. `num_threads` is the number of CPUs of the env runner, unless given.
 
     Returns:
@@ -82,7 +82,7 @@ def env_creator(env_config: Mapping[str, Any]) -> "EpisodeVectorEnv":
 
 
 def _cpus() -> int:
-    """The CPUs of this Ray worker; 0, which means those of the machine, outside of workers."""
+    """The number of CPUs of this Ray worker; outside of workers 0, which stands for all CPUs of the machine."""
     if not ray.is_initialized() or ray.get_runtime_context().get_actor_id() is None:
         return 0
     return max(1, int(ray.get_runtime_context().get_assigned_resources().get("CPU", 1)))
@@ -184,15 +184,15 @@ def config(
 ) -> Any:
     """RLlib's configuration of an algorithm on Atari, ready for `build_algo()` and to be changed before.
 
-    An ID decides sticky actions, actions, and whether RAM or pixels are observed; the preset decides the rest, and for
-    a game's name all. A `Task` is played as it is. `env_config["game"]` has the tasks.
+    An ID decides sticky actions, actions, and whether RAM or pixels are observed; the preset decides the rest. For a
+    game's name, the preset decides all of it. A `Task` is played unchanged. `env_config["game"]` has the tasks.
 
     Observations are bytes, and the networks scale them. Pixels have the network of Mnih et al. (2015).
 
     Args:
         algorithm: "PPO", "DQN", "IMPALA" or "APPO".
         game: a game, an ID or a task, or a list of them.
-        preset: name of a preprocessing; None is "baselines", and for a task what it says.
+        preset: name of a preset; None is "baselines", or for a task its own fields.
         num_envs: environments of each env runner.
         num_env_runners: processes that play; with 0 the algorithm's own process does.
         options: fields of `atari.Task`, such as obs_type="ram", and the other options of `AtariVectorEnv`.

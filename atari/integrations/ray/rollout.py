@@ -1,4 +1,4 @@
-"""`Rollout`: what an actor returns, a batch of steps of its environments; and `Frames`, which stores images once."""
+"""`Rollout`: a batch of steps of an actor's environments; and `Frames`, which stores images once."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -19,8 +19,8 @@ class Rollout:
 
     Attributes:
         actor: index of the actor.
-        number: of this batch among those of its actor, 0, 1, ... without gaps.
-        version: of the weights that chose the actions, 0 before the first `set_weights`.
+        number: number of this batch among the batches of its actor, 0, 1, ... without gaps.
+        version: version of the weights that chose the actions, 0 before the first `set_weights`.
         observations_table: uint8 (entries, ...), single frames, or whole observations where nothing is stacked.
         observations_index: int32 (steps + 1, num_envs, stack_num), for each frame of each observation its entry in the
             table; None where nothing is stacked: then the table is (steps + 1, num_envs, ...).
@@ -29,9 +29,9 @@ class Rollout:
         terminations, truncations: bool (steps, num_envs).
         valid: bool (steps, num_envs), false where the step only began a new episode and ignored its action: no
             transition.
-        extras: what the policy returned beside actions, by name, (steps, num_envs, ...) each.
-        scores, lengths: of the whole games that ended, in order: the sum of the rewards, not clipped, float64 (n,), and
-            emulated frames, int64 (n,).
+        extras: the arrays that the policy returned beside actions, by name, (steps, num_envs, ...) each.
+        scores, lengths: for the whole games that ended, in order: the sum of the rewards without clipping, float64
+            (n,), and the number of emulated frames, int64 (n,).
 
     Example:
         >>> for rollout in actors:  # doctest: +SKIP
@@ -57,7 +57,7 @@ class Rollout:
     def observations(self) -> Bytes:
         """All observations, uint8 (steps + 1, num_envs, ...): row t is before step t, row t + 1 after it.
 
-        Where frames are stacked this is a new array at each call; `observations_at` makes those of a minibatch.
+        If frames are stacked, each call makes a new array; `observations_at` makes the observations of a minibatch.
         """
         if self.observations_index is None:
             return self.observations_table
@@ -74,7 +74,7 @@ class Rollout:
             IndexError: there is no such step or environment.
 
         Example:
-            `rollout.observations_at(*np.nonzero(rollout.valid))` are those of all transitions.
+            `rollout.observations_at(*np.nonzero(rollout.valid))` are the observations of all transitions.
         """
         if self.observations_index is None:
             found: Bytes = self.observations_table[steps, environments]
@@ -92,12 +92,12 @@ class Rollout:
 class Frames:
     """Stacked observations of a rollout, as a table of single frames and an index.
 
-    An observation has one new frame, and the others are those of the observation before it. Where that does not hold,
-    at the start and after the end of an episode, `whole` says so, and all frames are stored.
+    An observation has one new frame, and shares the others with the observation before it. At the start and after the
+    end of an episode it shares none: `whole` marks these observations, and all their frames are stored.
 
     Args:
-        steps: of a rollout.
-        shape: of the observations, (num_envs, stack_num, ...).
+        steps: number of steps of a rollout.
+        shape: shape of the observations, (num_envs, stack_num, ...).
     """
 
     def __init__(self, steps: int, shape: tuple[int, ...]) -> None:
@@ -109,12 +109,12 @@ class Frames:
         self._used = 0
 
     def begin(self, observations: Bytes) -> None:
-        """Begin a rollout with its first observations; what `table` returned before is written again."""
+        """Begin a rollout with its first observations; it overwrites the memory of earlier tables."""
         self._used = 0
         self._add_whole(0, np.arange(self._num_envs), observations)
 
     def add(self, row: int, observations: Bytes, whole: Bools) -> None:
-        """Add the observations of row `row`, of which those of `whole` (num_envs,) have no frames of the row before."""
+        """Add the observations of row `row`; those in `whole` (num_envs,) share no frames with the last row."""
         self.index[row, :, :-1] = self.index[row - 1, :, 1:]
         self.index[row, :, -1] = self._add(observations[:, -1])
         if whole.any():

@@ -24,7 +24,7 @@ from atari.task.resolution import is_id
 from atari.validation import check_integer
 
 _LOST = (RayActorError, ObjectLostError, OutOfMemoryError, RaySystemError)
-_MOST_LOSSES = 5  # of one actor without a batch between them: it will not come back
+_MOST_LOSSES = 5  # after that many losses without a batch between them, an actor does not come back
 
 _log = logging.getLogger(__name__)
 
@@ -41,7 +41,7 @@ class _Order:
 
 @dataclass
 class _Seat:
-    """The place of an actor: the actor that has it now, where it was after the last delivered batch, and its orders."""
+    """The place of an actor: the present actor, its position after the last delivered batch, and its orders."""
 
     actor: Any
     position: Position
@@ -54,35 +54,38 @@ class _Seat:
 class RolloutActors:
     """Plays `num_actors` x `num_envs` environments in actors of Ray; iterating returns their batches without end.
 
-    A batch is a `Rollout`: its observations are read-only views of Ray's object store, without a copy in this process.
+    A batch is a `Rollout`, in `atari.integrations.ray.rollout`: `actions`, `rewards`, `terminations`, `truncations` and
+    `valid` (steps, num_envs), where `valid` is false for steps that only began an episode; `observations` (steps + 1,
+    num_envs, ...) and `observations_at(steps, environments)`; `extras` by name; `scores` and `lengths` of the games
+    that ended; `actor`, `number`, and the `version` of the weights. Arrays are read-only views of Ray's object store.
     Batches of one actor come in order and each once, also when actors are lost. With `in_order`, a policy whose actions
     depend only on its arguments, its weights and `state` gives the same batches in each run, with any number of nodes
     and lost actors, provided that `set_weights` is called after the same batches.
 
     Args:
-        game: of the environments, as `AtariVectorEnv` takes it, or a sequence of `num_envs`.
-        num_actors: how many actors.
-        num_envs: environments of each.
-        policy: as of `atari.learning.load_policy`, such as a class or a function without parameters, which each actor
-            calls. `policy(observations, lanes)` returns actions (num_envs,), or (actions, extras) with a mapping of
-            arrays (num_envs, ...) that come with the batch, such as logits. `observations` are (num_envs, ...) uint8 as
-            of `AtariVectorEnv`, valid until the next call. A policy with weights has `load(weights)`; a policy that
-            draws numbers, or has a memory, has `begin`, `state()`, which returns what can be pickled, and
-            `restore(state)`. In the successor of a lost actor the order is: a new policy is made; `begin`;
-            `restore(state)`; `load(weights)` with the weights of the next batch; that batch. So `restore` must not need
-            weights, and `load` must not change what `state` saves: it may be called again with weights that the lost
-            actor had.
-        steps: of each environment in a batch.
+        game: the game of the environments, as `AtariVectorEnv` takes it, or a sequence of `num_envs` games.
+        num_actors: the number of actors.
+        num_envs: the number of environments of each actor.
+        policy: a policy as for `atari.learning.load_policy`, such as a class or a function without parameters, which
+            each actor calls. `policy(observations, lanes)` returns actions (num_envs,), or (actions, extras) with a
+            mapping of arrays (num_envs, ...) that come with the batch, such as logits. `observations` are those of
+            `AtariVectorEnv`, (num_envs, ...) uint8, valid until the next call. A policy with weights has
+            `load(weights)`; a policy that draws numbers, or has a memory, has `begin`, `state()`, which returns a
+            picklable object, and `restore(state)`. In the successor of a lost actor the order is: a new policy is made;
+            `begin`; `restore(state)`; `load(weights)` with the weights of the next batch; that batch. So `restore` must
+            not need weights, and `load` must not change what `state` saves: it may be called again with weights that
+            the lost actor had.
+        steps: the steps of each environment in a batch.
         seed: environment j of actor i has seed + i * num_envs + j.
         in_flight: batches of each actor that are being played or wait for delivery: no more are played until the
             learner takes one. With 2, an actor plays while the learner learns.
-        snapshot_every: batches between two snapshots of an actor's environments. A lost actor's successor plays again
-            what was played since.
+        snapshot_every: batches between two snapshots of an actor's environments. A lost actor's successor plays the
+            batches since the last snapshot again.
         in_order: deliver batches of actors 0, 1, ... in turn; otherwise in the order in which they are ready.
         unstacked: store each frame of stacked images once, in a quarter of the bytes.
-        actor_options: of Ray's actors, such as {"num_cpus": 2, "scheduling_strategy": "SPREAD"}; one CPU each
-            otherwise.
-        **options: of `AtariVectorEnv`; `num_threads` is 1 otherwise. The autoreset mode is NEXT_STEP.
+        actor_options: options of Ray's actors, such as {"num_cpus": 2, "scheduling_strategy": "SPREAD"}; the default
+            is one CPU each.
+        **options: options of `AtariVectorEnv`; `num_threads` is 1 by default. The autoreset mode is NEXT_STEP.
 
     Raises:
         TypeError, ValueError, FileNotFoundError: an argument is of the wrong kind or out of range, or there is no ROM
@@ -226,7 +229,7 @@ class RolloutActors:
         return self._worker.remote(self._settings, index, self._policy, position)
 
     def _replace(self, index: int, error: Exception) -> None:
-        """Put another actor into the place of a lost one, and order what was in flight again."""
+        """Replace a lost actor by a new one, and order the batches that were in flight again."""
         seat = self._seats[index]
         seat.losses += 1
         self.lost += 1
@@ -254,7 +257,7 @@ class RolloutActors:
 
 
 def _resolved(game: Any) -> Any:
-    """A game for actors, where no ID is registered that a program has registered here."""
+    """A game for actors, in which IDs that this program has registered are missing."""
     if isinstance(game, str):
         return Task.of(game) if is_id(game) else game
     return [_resolved(one) for one in game] if isinstance(game, Sequence) else game

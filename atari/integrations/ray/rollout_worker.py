@@ -21,15 +21,15 @@ from atari.vector.results import ends_of_stacks
 
 @dataclass(frozen=True)
 class WorkerSettings:
-    """What the workers of a run have in common.
+    """The settings that the workers of a run share.
 
     Attributes:
-        game: of the environments, or one for each.
-        num_envs: environments of a worker.
-        steps: of each environment in a rollout.
-        seed: of all workers: environment j of worker i has seed + i * num_envs + j.
+        game: the game of the environments, or a list with one for each.
+        num_envs: number of environments of a worker.
+        steps: number of steps of each environment in a rollout.
+        seed: first seed: environment j of worker i has seed + i * num_envs + j.
         unstacked: whether frames are stored once.
-        options: of `AtariVectorEnv`.
+        options: options of `AtariVectorEnv`.
     """
 
     game: Any
@@ -65,12 +65,12 @@ class WorkerSettings:
 
 @dataclass(frozen=True)
 class Position:
-    """Where a worker is after a rollout: all that the next one depends on, but the weights.
+    """The position of a worker after a rollout: all that the next rollout depends on, except the weights.
 
     Attributes:
-        number: of the next rollout.
+        number: number of the next rollout.
         environments: snapshots of the environments after rollout `snapshot_number - 1`, packed; None is their reset.
-        actions: those played since the snapshot, (steps, num_envs, ...) for each rollout.
+        actions: the actions played since the snapshot, (steps, num_envs, ...) for each rollout.
         policy: the state of the policy after the last rollout, pickled; None is the beginning.
     """
 
@@ -82,12 +82,12 @@ class Position:
 
 @dataclass(frozen=True)
 class Played:
-    """What `RolloutWorker.play` returns.
+    """The result of `RolloutWorker.play`.
 
     Attributes:
         rollout: the steps.
-        environments: snapshots after it, packed, where they were to be taken.
-        policy: as of `Position`.
+        environments: snapshots after the rollout, packed; None without `take_snapshot`.
+        policy: the state of the policy, as in `Position`.
     """
 
     rollout: Rollout
@@ -99,10 +99,10 @@ class RolloutWorker:
     """Plays rollouts one after another.
 
     Args:
-        settings: of all workers.
-        index: of this one.
+        settings: the settings of all workers.
+        index: the index of this worker.
         policy: see `RolloutActors`.
-        position: where to go on.
+        position: the position to continue from.
     """
 
     def __init__(self, settings: WorkerSettings, index: int, policy: Any, position: Position) -> None:
@@ -113,8 +113,8 @@ class RolloutWorker:
         self._envs = settings.make()
         self._number = position.number
         self._observations, _ = self._envs.reset(seed=(settings.seed + index * settings.num_envs) % SEED_LIMIT)
-        self._ended = np.zeros(settings.num_envs, np.bool_)  # whose next step begins an episode
-        self._renewed = self._ended  # and a new stack of images
+        self._ended = np.zeros(settings.num_envs, np.bool_)  # lanes in which the next step begins an episode
+        self._renewed = self._ended  # lanes in which it begins a stack of images, too
         shape = self._observations.shape
         stacked = settings.unstacked and len(shape) > 3 and shape[1] > 1
         self._frames = Frames(settings.steps, shape) if stacked else None
@@ -126,8 +126,8 @@ class RolloutWorker:
 
         Args:
             weights: for the policy's `load`, before the first step; None leaves them.
-            version: of the weights, with which the rollout is marked.
-            take_snapshot: whether to return the state of the environments after it.
+            version: the version of the weights, which marks the rollout.
+            take_snapshot: whether to return the state of the environments after the rollout.
 
         Raises:
             ValueError: the policy returns no actions for the environments, or other extras than before.
@@ -227,7 +227,7 @@ class RolloutWorker:
             raise RuntimeError(
                 f"restore(state) of the policy {self._policy.name} failed in the successor of a lost actor "
                 f"({type(error).__name__}: {error}); it is called on a new policy, before load(weights), and must not "
-                "need weights: let it keep the state until load(), or save in state() what it needs"
+                "need weights: let it keep the state until load(), or save more in state()"
             ) from error
 
 
@@ -266,7 +266,7 @@ class _Rows:
                 self._games.append((float(info["episode"]["r"][lane]), int(info["episode"]["l"][lane])))
 
     def rollout(self, index: int, number: int, version: int, table: Any, table_index: Any) -> Rollout:
-        """All of it."""
+        """The rollout of all rows."""
         scores = np.array([score for score, _ in self._games], np.float64)
         lengths = np.array([length for _, length in self._games], np.int64)
         actions, rewards, terminations, truncations, valid = self._columns

@@ -1,17 +1,17 @@
-"""What a session exports: labels and interventions as TOML, what was played as a replay, a part of it as a video."""
+"""The exports of a session: labels and interventions as TOML, the game as a replay, a part of it as a video."""
 
 from pathlib import Path
 
 from atari.env import AtariEnv
 from atari.lab.inspector.session import Session
 from atari.lab.inspector.timeline import Timeline
-from atari.recording import RecordReplay, VideoWriter, frame_rate
+from atari.recording import RecordReplay, VideoWriter
 
 NAMES = ("labels.toml", "interventions.toml", "replay.a26")
 """The exports of `write`."""
 
-MOST_CLIP_FRAMES = 3600
-"""A minute."""
+MOST_CLIP_FRAMES = 60 * 60
+"""The longest clip: a minute."""
 
 
 def labels_toml(session: Session) -> str:
@@ -35,7 +35,7 @@ def interventions_toml(session: Session) -> str:
     """The frozen bytes and the pokes, as a file of interventions.
 
     Raises:
-        ValueError: there is neither.
+        ValueError: there are neither.
     """
     pokes = [change for change in session.changes if change.kind == "poke"]
     if not session.frozen and not pokes:
@@ -68,7 +68,7 @@ def interventions_toml(session: Session) -> str:
 
 
 def write_replay(session: Session, path: Path) -> Path:
-    """Write what was played, up to the present frame, as a replay (.a26). Frozen bytes and pokes are in it.
+    """Write the played frames, up to the present one, with frozen bytes and pokes, as a replay (.a26).
 
     Raises:
         ValueError: no frame was played.
@@ -105,10 +105,9 @@ def write_clip(session: Session, path: Path, start: int, stop: int) -> None:
         raise ValueError(f"a clip has at most {MOST_CLIP_FRAMES} frames, got {stop - start}; export the replay instead")
     env = _at_first_frame(session)
     env.driver.make_sound()
-    rate = frame_rate(session.game)
     try:
         again = Timeline(env.core, timeline.first)
-        with VideoWriter(path, session.game.screen.shape, rate, scale=2, sound=True) as video:
+        with VideoWriter(path, session.game, scale=2, sound=True) as video:
             for frame in timeline.frames(timeline.first, stop):
                 again.play(frame)
                 if again.at > start:

@@ -4,7 +4,7 @@ The calls of a core determine a game: wrappers, no-op resets and frame skips res
 from the core's seed. An action repeated for several frames is one event. The end of a step of the environment is a bit
 of its last event. Repeating the calls reproduces the game on every core.
 
-The codes of all events come first and all arguments after them, which compresses better than alternating them:
+The codes of all events come first and all arguments after them, because this order compresses better:
 
     code         arguments                 meaning
     0x00..0x11   frames                    an action, the last one of a step
@@ -24,7 +24,7 @@ The codes of all events come first and all arguments after them, which compresse
     0x90         actions, frames           the actions of several players, digits in base 18, the first player's lowest
 
 Whole numbers are in base 128, the lowest digit first, with 128 added to all digits but the last. The number of codes is
-such a number and comes first. All is compressed with raw DEFLATE.
+such a number and comes first. The whole is compressed with raw DEFLATE.
 """
 
 import struct
@@ -131,7 +131,7 @@ def _events(text: BytesIO) -> Iterator[Event]:
             frames = _number(text)
             acts += frames
             if action >= len(PLAYER_ACTIONS) or acts > ACTS_PER_CHUNK:
-                raise ValueError(f"there is an action {action}, or more than {ACTS_PER_CHUNK} of them")
+                raise ValueError(f"there is an action {action}, or there are more than {ACTS_PER_CHUNK} actions")
             strength = _FLOAT.unpack(text.read(_FLOAT.size)) if code & _STRENGTH else ()
             yield Event(Kind.ACT, (action, frames), strength, not code & _GOES_ON)
         elif code == Kind.CONTINUOUS_ACTION:

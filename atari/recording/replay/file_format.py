@@ -18,16 +18,17 @@ integers are little-endian:
     H     header, JSON in UTF-8: "format" is the version of this format, 1, or 2 in a replay of several players, whose
           header has "players". The first chunk, only once
     S     snapshot of the recording core, to which events refer by number, counted from 0
-    W     a write to RAM, JSON, as `atari.cores.writes.write_of` takes it; events refer to it by number, from 0
+    W     a write to RAM, JSON, the argument of `atari.cores.writes.write_of`; events refer to it by number, from 0
     P     play: the events (see `events`) and the hashes of the frames they played:
           0   4   frames before this chunk
           4   2   frames of this chunk, f
           6   2   size of the events, e
           8   e   the events
-          ...     (f + 3) // 4 bytes with two bits for each frame, the lowest first: of a CRC-32 of the RAM and the end
+          ...     (f + 3) // 4 bytes with two bits for each frame, the lowest first: the lowest bits of a CRC-32 of
+                  the RAM and the end of the game
           ...     for each frame whose number, counted from 1, is a multiple of 60: the full hash, a CRC-32
-    E     end, JSON: the episodes, and "check", the full hash of the last frame. The last chunk; a file without it was
-          cut while it was recorded
+    E     end, JSON: the episodes, and "check", the full hash of the last frame. It is the last chunk; a file without
+          it was cut while it was recorded
 
 A difference changes the two bits of its frame with a probability of 3/4, and the next full hash except by a collision
 of CRC-32.
@@ -128,7 +129,7 @@ class PlayChunk(NamedTuple):
         bits_at = _PLAY.size + size
         full_hashes_at = bits_at + (frames + 3) // 4
         if said != first or len(payload) != full_hashes_at + 4 * count:
-            raise _corrupt(offset, "a chunk of play does not fit the one before, or its own size")
+            raise _corrupt(offset, "a chunk of play does not fit the chunk before, or its own size")
         short_hashes = bytes(bits >> shift & 3 for bits in payload[bits_at:full_hashes_at] for shift in (0, 2, 4, 6))
         full_hashes = struct.unpack_from(f"<{count}I", payload, full_hashes_at)
         return cls(first, short_hashes[:frames], full_hashes, payload[_PLAY.size : bits_at], offset)
@@ -225,7 +226,7 @@ def read(path: str | PathLike[str]) -> ReplayContent:
         if (kind == b"H") != (header is None):
             raise _corrupt(offset, "the header must be the first chunk, and the only one of its kind")
         if end is not None:
-            raise _corrupt(offset, "there is a chunk after the end")
+            raise _corrupt(offset, "a chunk comes after the end")
         if kind == b"H":
             header = _object(payload, offset)
             reads = FORMAT_OF_PLAYERS if "players" in header else FORMAT
@@ -253,7 +254,7 @@ def _chunks(path: Path) -> Iterator[tuple[int, bytes, bytes]]:
     check_file(path)
     with path.open("rb") as file:
         if file.read(len(_MAGIC)) != _MAGIC:
-            raise Corrupt(f"{path} is no replay of atari-envs; those begin with {_MAGIC!r}")
+            raise Corrupt(f"{path} is no replay of atari-envs, which begins with {_MAGIC!r}")
         while True:
             offset = file.tell()
             head = file.read(_HEAD_SIZE)
@@ -285,7 +286,7 @@ def _object(payload: bytes, offset: int) -> dict[str, Any]:
     except (ValueError, RecursionError):
         value = None
     if not isinstance(value, dict):
-        raise _corrupt(offset, "what should be a JSON object is none")
+        raise _corrupt(offset, "the chunk is no JSON object")
     return value
 
 

@@ -1,4 +1,4 @@
-"""Replays of several players: `RecordMatch`, a `MultiplayerCore` whose calls are recorded, and how they are played."""
+"""Replays of several players: `RecordMatch` records a `MultiplayerCore`, and `PlayersRunner` plays a replay on one."""
 
 from collections.abc import Mapping, Sequence
 from os import PathLike
@@ -16,25 +16,20 @@ _ACTIONS = 18
 
 
 class RecordMatch(RecordedCore):
-    """A `MultiplayerCore` whose calls are recorded in a replay: its seeds, resets, actions and snapshots, the bytes of
-    RAM that are set, and the writes of `atari.lab.Freeze` and `Poke`.
+    """A `MultiplayerCore` whose calls are recorded in a replay: `RecordReplay(core, path)` makes it.
 
-    It has the methods of the core. `Replay.load` reads the file. A recording that begins in the middle of a game
-    contains a snapshot, which only releases with the same version of the emulator's state restore.
-
-    Args:
-        core: the core, with frameskip=1.
-        path: the file, with the suffix ".a26". Its folder is created, and a file of this name replaced.
+    A recording that begins in the middle of a game contains a snapshot, which only releases with the same version of
+    the emulator's state restore.
 
     Raises:
-        ValueError: the name has another suffix, or the core has a frame skip.
+        ValueError: the name of the file does not end in ".a26", or the core has a frame skip.
         OSError: the file cannot be written. During the game, the error is raised by the next call of `act_players`,
             `reset` or `close`, before it does anything; the game can continue without a recording.
 
     Example:
         >>> from atari.multiplayer import MultiplayerCore
-        >>> from atari.recording import RecordMatch, Replay
-        >>> with RecordMatch(MultiplayerCore("pong"), "match.a26") as match:
+        >>> from atari.recording import RecordReplay, Replay
+        >>> with RecordReplay(MultiplayerCore("pong"), "match.a26") as match:
         ...     match.reset()
         ...     rewards = [match.act_players([1, 2]) for _ in range(60)]
         >>> replay = Replay.load("match.a26")
@@ -69,7 +64,7 @@ class RecordMatch(RecordedCore):
         self._recorder.flush_if_full()
 
     def act_players(self, actions: Sequence[int]) -> list[int]:
-        """Play a frame with an action of each player; a reward for each. See `MultiplayerCore.act_players`."""
+        """Play a frame with an action of each player, as `MultiplayerCore.act_players`, and record it."""
         self._recorder.raise_deferred_error()
         core = self.inner
         before = core.frame_number

@@ -1,4 +1,4 @@
-"""`RecordReplay`: a wrapper that records all calls of the core in a file of a few kilobytes a minute."""
+"""`RecordReplay`: records a game in a file of a few kilobytes a minute."""
 
 import weakref
 from os import PathLike
@@ -8,33 +8,45 @@ import gymnasium
 import numpy as np
 from gymnasium.utils import RecordConstructorArgs
 
+from atari._gymnasium import VectorEnv, VectorWrapper
 from atari.cores.options import SEED_LIMIT
 from atari.env import AtariEnv
+from atari.multiplayer.core import MultiplayerCore
 from atari.recording.replay.events import Kind
+from atari.recording.replay.players import RecordMatch
 from atari.recording.replay.recorder import RecordedCore, ReplayRecorder, header_of
+from atari.recording.replay.vector_shadow import make_shadow
+from atari.recording.vectors import is_vector, recorded_vector
 from atari.restorable import Restorable
+from atari.validation import check_integer
+from atari.vector.seeds import seed_values
 
 
 class RecordReplay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
-    """Record everything that is played, by any wrapper, in one replay.
+    """Records everything that is played, by any wrapper, in one replay, which `Replay.load` reads.
 
-    The replay has the calls of the core: no-op resets, the frames of a frame skip, sticky actions, `set_ram`,
-    `restore`, seeds, and the writes of `atari.lab.Freeze` and `Poke`. `Replay.load` reads the file. Close the
-    environment to complete it. If the process is killed, the file holds everything but the last seconds.
+    - Of an `AtariEnv`, in any wrappers, the replay has the calls of the core: no-op resets, the frames of a frame skip,
+      sticky actions, `set_ram`, `restore`, seeds, and the writes of `atari.lab.Freeze` and `Poke`. As the outermost
+      wrapper, `RecordReplay` also records where steps end, which `to_minari` needs.
+    - Of an `AtariVectorEnv`, `RecordReplay(envs, path, index=0)` records environment `index` alone. The vector needs
+      batches of all environments; after a reset without a recorder, the first reset needs a seed.
+    - Of a `MultiplayerCore` with frameskip=1, the replay has the seeds, resets, actions, snapshots and writes to RAM.
+      The recorder has the methods of the core, but for `set_mode` and `set_difficulty`, because the file has both.
+
+    Close the recorder to complete the file. If the process is killed, the file holds everything but the last seconds.
 
     If the environment was not reset before, it gets a random seed, which the file holds. If the recording begins in
     the middle of a game, the file begins with a snapshot, and the replay plays only on the same core. The same holds
     after `restore` of a snapshot that was not taken during the recording.
 
-    As the outermost wrapper it also records where steps end, which `to_minari` needs.
-
     Args:
-        env: an `AtariEnv`, in any wrappers.
+        env: the environment, the vector or the core.
         path: the file, with the suffix ".a26". Its folder is created, and a file of this name replaced.
 
     Raises:
-        TypeError: the environment is not an `AtariEnv`.
-        ValueError: the name has another suffix, or the environment is being recorded already.
+        TypeError: the environment is another one.
+        ValueError: the name has another suffix; there is no environment `index`; the environment is being recorded
+            already, or the vector or the core cannot be recorded.
         OSError: the file cannot be written.
 
     If the file cannot be written any more, for example because the disk is full, the recording ends. The error is
@@ -51,13 +63,21 @@ class RecordReplay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
         >>> env.close()
         >>> Replay.load("game.a26").frames_total
         80
+        >>> envs = RecordReplay(atari.AtariVectorEnv("pong", 4), "third.a26", index=2)
+        >>> observations, info = envs.reset(seed=0)
+        >>> envs.close()
     """
 
+    def __new__(cls, env: Any = None, *args: Any, **kwargs: Any) -> Any:
+        """The recorder of this kind of environment; copying calls this without arguments."""
+        if is_vector(env):
+            return RecordVectorReplay(env, *args, **kwargs)
+        return RecordMatch(env, *args, **kwargs) if isinstance(env, MultiplayerCore) else super().__new__(cls)
+
     def __init__(self, env: gymnasium.Env[Any, Any], path: str | PathLike[str]) -> None:
-        inner = env.unwrapped
+        inner = getattr(env, "unwrapped", env)
         if not isinstance(inner, AtariEnv):
-            hint = "; for an atari.AtariVectorEnv there is RecordVectorReplay" if hasattr(inner, "num_envs") else ""
-            raise TypeError(f"RecordReplay records an atari.AtariEnv, got {type(inner).__name__}{hint}")
+            raise TypeError(f"RecordReplay records an AtariEnv or an AtariVectorEnv, got {type(inner).__name__}")
         if isinstance(inner.core, RecordedCore):
             raise ValueError("this environment is being recorded already; close that RecordReplay first")
         RecordConstructorArgs.__init__(self, path=path)
@@ -66,7 +86,7 @@ class RecordReplay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
         started = inner.core.snapshot() if inner.driver.phase != "new" else None
         self.recorder = ReplayRecorder(path, header_of(inner, type(inner).__name__), inner.core)
         """The recorder, which has the number of frames and the score so far."""
-        self._finalizer = weakref.finalize(self, self.recorder.close)  # without a call of close
+        self._finalizer = weakref.finalize(self, self.recorder.close)  # completes the file if `close` is not called
         self.path = self.recorder.path
         core = RecordedCore(inner.core, self.recorder)
         core.record_writes()
@@ -117,3 +137,85 @@ class RecordReplay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
         except (TypeError, ValueError):
             return  # the environment's step raises a better error
         self.recorder.record(Kind.CONTINUOUS_ACTION, (), (radius, angle, fire))
+
+
+class RecordVectorReplay(VectorWrapper):
+    """Records one environment of an `AtariVectorEnv` in a replay: `RecordReplay(envs, path, index)` makes it.
+
+    If the first `reset` has no seed, all environments get random seeds, because the replay needs the seed of its
+    environment. If the mode, difficulty or state of the environment is set from outside, the recording ends with an
+    error.
+    """
+
+    def __init__(self, envs: VectorEnv, path: str | PathLike[str], index: int = 0) -> None:
+        inner = recorded_vector(envs, "RecordReplay")
+        super().__init__(envs)
+        self._vector = inner
+        self._index = check_integer("index", index, 0, inner.num_envs - 1)
+        self._added = inner.lanes[self._index].added
+        if self._added.slots:
+            raise ValueError("the environment has a Freeze or a Poke; release it, and make it after RecordReplay")
+        self._seeded = not inner.started
+        self._shadow = make_shadow(inner, self._index, lambda env: RecordReplay(env, path))
+        self._recorder = self._shadow.env.recorder
+        self.path = self._recorder.path
+        self._core = self._shadow.env.unwrapped.core
+        self._added.shadows.append(self._core)
+
+    def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Reset environments; if the recorded one is among them, reset its shadow.
+
+        Raises:
+            ValueError: the vector was reset before it was wrapped, and this first reset has no seed.
+        """
+        vector = self._vector
+        self._recorder.raise_deferred_error()
+        if seed is None and not vector.started and self._seeded:
+            seed = np.random.SeedSequence().generate_state(vector.num_envs).astype(np.int64)
+        mask = vector.reset_mask(options)
+        chosen = seed_values(seed, mask).get(self._index)
+        if mask[self._index] and chosen is None and not self._seeded:
+            raise ValueError("the vector was reset before it was recorded; give this first reset a seed")
+        result: tuple[Any, dict[str, Any]] = self.env.reset(seed=seed, options=options)
+        if mask[self._index] and self._recorder.open:
+            self._seeded = True
+            self._shadow.reset(chosen)
+            self._compare()
+        return result
+
+    def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """Play a step.
+
+        Raises:
+            RuntimeError: the recorded environment and its shadow differ.
+        """
+        indices, strengths = self._vector.options.moves(actions)
+        row = self._index
+        self._recorder.raise_deferred_error()
+        result = self.env.step(actions)
+        if not self._recorder.open:
+            return result
+        info = result[4]
+        final = info["final_info"]["frame_number"][row] if info.get("_final_info", [False] * (row + 1))[row] else None
+        self._shadow.step(int(indices[row]), 1.0 if strengths is None else float(strengths[row]), final)
+        self._compare()
+        return result
+
+    def stop(self) -> None:
+        """Complete the file; the environments can continue without a recording."""
+        self._added.shadows = [each for each in self._added.shadows if each is not self._core]
+        self._shadow.env.close()
+
+    def close(self, **kwargs: Any) -> None:
+        """Complete the file and close the environments."""
+        self.stop()
+        super().close(**kwargs)
+
+    def _compare(self) -> None:
+        lane, core = self._shadow.lane, self._shadow.env.unwrapped.core
+        if core.frame_number != lane.frame_number or core.ram().tobytes() != lane.ram().tobytes():
+            self.stop()
+            raise RuntimeError(
+                f"environment {self._index} differs from its recording; was its mode or state set from outside, "
+                f"or its action changed by a wrapper inside this one? {self.path} ends before this step"
+            )

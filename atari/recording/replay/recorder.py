@@ -38,7 +38,7 @@ def header_of(env: AtariEnv, source: str) -> dict[str, Any]:
     """Return the header of a replay of this environment; `source` is the name of the recorded class.
 
     Raises:
-        ValueError: `env.ale` has set what a task has no field for, and a replay cannot play.
+        ValueError: `env.ale` has set a value that a task has no field for, and that a replay cannot play.
     """
     for name, played in (("frame_skip", 1), ("color_averaging", False)):
         if (value := env.driver.core_options[name]) != played:
@@ -91,7 +91,7 @@ class ReplayRecorder(DeferredErrorMixin):
 
     @property
     def open(self) -> bool:
-        """Whether the recording goes on: neither closed nor ended by an error."""
+        """Whether the recording goes on: it was not closed, and no error has ended it."""
         return self._writer is not None
 
     def record_act(self, action: int, strength: float, reward: Any, played: bool) -> None:
@@ -215,7 +215,7 @@ class ReplayRecorder(DeferredErrorMixin):
         return True
 
     def end_episode(self) -> None:
-        """Keep the summary of the present episode. Call it before the core forgets the episode."""
+        """Keep the summary of the present episode. Call it before the core drops the episode."""
         if self._in_episode:
             self._episodes.append(episode_summary(self.core, self.score))
         self._in_episode = False
@@ -242,7 +242,7 @@ class RecordedCore:
 
     def seed(self, seed: int) -> None:
         """Start over with a seed."""
-        self._recorder.end_episode()  # the core forgets the episode
+        self._recorder.end_episode()  # the seed drops the episode
         self.inner.seed(seed)
         self._recorder.record(Kind.SEED, (operator.index(seed),))
 
@@ -256,7 +256,7 @@ class RecordedCore:
         core = self.inner
         before = core.frame_number
         reward: int = core.act(action, strength)
-        stored = float(np.float32(strength))  # so that equal strengths in the file are one event
+        stored = float(np.float32(strength))  # equal strengths in the file become one event
         self._recorder.record_act(operator.index(action), stored, reward, core.frame_number != before)
         return reward
 
@@ -266,7 +266,7 @@ class RecordedCore:
         self._recorder.record(Kind.POKE, (operator.index(index), operator.index(value)))
 
     def add_write(self, write: Any, now: bool = False) -> None:
-        """Apply a write at each frame from here on."""
+        """Apply a write at each frame from now on."""
         self.inner.add_write(write, now)
         self._recorder.record_write(write.definition, now=now)
 
@@ -293,7 +293,7 @@ class RecordedCore:
         self.record_writes()
 
     def record_writes(self) -> None:
-        """Record the writes that the core has beside those of its interventions."""
+        """Record the writes that do not belong to the core's interventions."""
         first = own_writes(self.inner)
         slots = getattr(self.inner, "writes", [])[first:]
         for write in slots:
@@ -313,12 +313,12 @@ class RecordedCore:
         self._recorder.record(Kind.DIFFICULTY, (operator.index(difficulty),))
 
     def with_sound(self) -> "RecordedCore":
-        """This core, with sound from here on."""
+        """This core, with sound from now on."""
         self.inner = self._recorder.core = self.inner.with_sound()
         return self
 
     def snapshot(self) -> bytes:
-        """The whole state."""
+        """The whole state, which the replay can restore."""
         data: bytes = self.inner.snapshot()
         self._recorder.record_snapshot(data)
         return data
@@ -344,7 +344,7 @@ class RecordedCore:
 
 
 def own_writes(core: Any) -> int:
-    """The number of slots that the writes of a core's interventions have, which come first."""
+    """The number of slots of the writes of a core's interventions; these slots come first."""
     return sum(len(intervention.writes) for intervention in getattr(core, "interventions", ()))
 
 

@@ -78,7 +78,7 @@ class Replay:
         self.players = int(self.header.get("players", 1))
         self._content = content
         self.rom = rom
-        self._uses: Counter[int] = Counter()  # by snapshot: how often it is restored
+        self._uses: Counter[int] = Counter()  # by snapshot: the number of times that it is restored
         seeds = [self.header["options"]["seed"]] if self.players > 1 else []
         for event in chain.from_iterable(map(self._events, range(len(content.plays)))):  # raises now if one is damaged
             if event.kind == Kind.RESTORE:
@@ -96,7 +96,7 @@ class Replay:
         game: "str | PathLike[str] | Game | None" = None,
         rom: str | PathLike[str] | None = None,
     ) -> "Replay":
-        """Read a file of `RecordReplay` or `RecordMatch`. If the file was cut, return its complete chunks and warn.
+        """Read a file of `RecordReplay`. If the file was cut, return its complete chunks and warn.
 
         Args:
             path: the file.
@@ -125,7 +125,7 @@ class Replay:
         md5 = rom_md5(found, rom)
         if md5 != header.get("rom"):
             raise ValueError(
-                f"the replay was recorded with a ROM of MD5 {header.get('rom')}, but the one of {found.id} here has "
+                f"the replay was recorded with a ROM of MD5 {header.get('rom')}, but the ROM of {found.id} here has "
                 f"{md5}; pass the right one as rom="
             )
         if "players" in header:
@@ -146,6 +146,9 @@ class Replay:
     def episodes(self) -> tuple[Episode, ...]:
         """The episodes. If the recording was cut, the replay is played to count them.
 
+        An episode has the number of its `frames`, its `score`, and its `end`: "game over", "truncated", or "open" if
+        it did not end. With several players, `scores` has the score of each, and `score` is the first player's.
+
         Raises:
             Corrupt: the end chunk of the file has no episodes.
         """
@@ -160,7 +163,7 @@ class Replay:
 
     @property
     def best_episode(self) -> int:
-        """The number of the episode with the highest score (the first player's), the first of equal ones.
+        """The number of the episode with the highest score of the first player; of equal scores, the first.
 
         Raises:
             ValueError: the replay has no episodes.
@@ -183,7 +186,7 @@ class Replay:
         return f"Replay({str(self.path)!r}, {self.game.id}, {self.frames_total} frames{cut})"
 
     def _repr_html_(self) -> str | None:
-        """The beginning as a moving picture, for a notebook; None if the ROM is not there any more."""
+        """The first seconds as an animation, for a notebook; None without the ROM or without frames."""
         try:
             screens = (frame.screen for frame in self.frames(0, _SECONDS_SHOWN * 60))
             data, shown = animation(pooled(screens, 2), round(frame_rate(self.game) / 2))
@@ -203,6 +206,13 @@ class Replay:
         """Play the replay and yield each frame.
 
         The first call plays the frames before `start` too and keeps checkpoints. Later calls resume from a checkpoint.
+
+        A frame's `index` counts from 0 over all episodes, its `episode` from 0. `action` is ALE's number 0..17 and
+        `strength` the paddle's; with sticky actions the core may have repeated the previous action. `reward`, `lives`,
+        `terminated` and `truncated` are results of the frame, and `score` is the sum of the episode's rewards up to
+        it. `ends_step` is True for the last frame of a step of the environment. `ram` is (128,) and `screen`
+        (height, 160, 3), uint8. `audio` is (512,) uint8 samples, all zero without sound=True. `actions`, `rewards` and
+        `all_lives` have a number for each player; `action`, `reward`, `score` and `lives` are the first player's.
 
         Args:
             start: the first frame, 0 or more.
@@ -241,6 +251,11 @@ class Replay:
         Args:
             core: the core to play on, "native", "plain" or "ale".
             progress: called after each chunk with the number of its frames.
+
+        Returns:
+            An object that is true if all is equal: the `core`, the number of compared `frames`, and the `divergence`,
+            or None. The hashes of frame `divergence.frame`, counted from 0, are the first that differ, in
+            `divergence.what`; the frames before `divergence.since` are equal.
 
         Raises:
             ValueError: there is no such core, or the replay cannot be played on it.
@@ -292,7 +307,7 @@ class Replay:
             sound: write the game's sound, if the format has sound.
             start, stop, core: see `frames`.
             episode: the number of the only episode that is shown, such as `best_episode`; without `start` and `stop`.
-            overlay: what is shown below the frame: some of "score", "action", "ram" and "curve", the score of the
+            overlay: parts of the text below the frame: some of "score", "action", "ram" and "curve", the score of the
                 episode up to each frame.
             progress: called with 1 after each frame.
 
@@ -332,7 +347,7 @@ class Replay:
                 yield _frame(runner, call)
 
     def make_env(self, *, core: str = "native", **options: Any) -> AtariEnv:
-        """Return an environment with the options of the recorded one; `options` override them.
+        """Return an environment with the options of the recorded environment; `options` override them.
 
         Raises:
             TypeError, ValueError: see `AtariEnv`.
@@ -344,9 +359,9 @@ class Replay:
 
     @property
     def task(self) -> Task:
-        """What was played, with the wrappers that `atari.make` has put around the recorded environment.
+        """The task that was played, with the wrappers that `atari.make` has put around the recorded environment.
 
-        Files of older releases do not say which wrappers there were; this is what the `AtariEnv` played.
+        Files of older releases do not name the wrappers; for them, it is the task of the `AtariEnv` alone.
 
         Raises:
             ValueError: several players played.
@@ -380,7 +395,7 @@ class Replay:
 
     def _require_one_player(self, what: str) -> None:
         if self.players > 1:
-            raise ValueError(f"{self.path} is of {self.players} players, and {what} is for one; use frames() or seek()")
+            raise ValueError(f"{self.path} has {self.players} players, and {what} is for one; use frames() or seek()")
 
     def _events(self, number: int) -> list[Event]:
         play = self._content.plays[number]
@@ -445,7 +460,7 @@ class Replay:
 
 
 _MAY_BE_NONE = ("mode", "difficulty", "max_num_frames_per_episode", "interventions")
-"""Options of which None is a value in a header."""
+"""The options that may be None in a header."""
 
 
 def _check_options(header: Mapping[str, Any], game: Game) -> None:
@@ -473,7 +488,7 @@ def _check_options(header: Mapping[str, Any], game: Game) -> None:
 
 
 def emulator_task(options: Mapping[str, Any], game: Game) -> Task:
-    """The task of the options in a header, which are ale-py's: what an `AtariEnv` plays without wrappers.
+    """The task that an `AtariEnv` plays without wrappers, by the options in a header, which are ale-py's.
 
     Raises:
         TypeError, ValueError: an option is wrong.

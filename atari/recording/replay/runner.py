@@ -137,7 +137,7 @@ class ReplayRunner:
             self.episode += 1
             self.score = file_format.no_score(self.core)
         elif kind == Kind.SEED:
-            self.end_episode()  # the core forgets the episode
+            self.end_episode()  # the seed drops the episode
             core.seed(first)
         elif kind == Kind.POKE:
             core.set_ram(first, second)
@@ -164,7 +164,7 @@ class ReplayRunner:
                 raise ValueError(f"{core.game.id} has {kind.name.lower()} {', '.join(map(str, choices))}")
             (core.set_mode if kind == Kind.MODE else core.set_difficulty)(first)
         elif kind in (Kind.ACT, Kind.ACTIONS):
-            raise ValueError("it is an action for another number of players")
+            raise ValueError("the action is for another number of players")
 
     def _do_write(self, kind: Kind, number: int, now: bool) -> None:
         core = self.core

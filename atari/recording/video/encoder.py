@@ -90,7 +90,7 @@ class FFmpegEncoder:
 
 
 class PngEncoder:
-    """Files "...000000.png", "...000001.png", ...: `path` has a placeholder for the number, such as "%06d"."""
+    """Writes files "...000000.png", "...000001.png", ...; `path` has a placeholder for the number, such as "%06d"."""
 
     def __init__(self, path: Path) -> None:
         self._path = path

@@ -20,14 +20,14 @@ def facts_of(task: Task) -> dict[str, Any]:
 
 
 def video_facts(path: str | PathLike[str]) -> dict[str, Any]:
-    """The facts that a video of this package carries: `task` and `package`; if a replay was rendered, `core_seeds`.
+    """The facts that a video of this package carries: `task` and `package`; a rendered replay adds `core_seeds`.
 
-    Without a task, in a game of several players or of an old replay, there are `game`, `players` and `options`.
-    `atari.Task.from_json(json.dumps(facts["task"]))` is the task of a game that is not your own.
+    Games of several players and old replays have no `task`; their facts are `game`, `players` and `options`.
+    `atari.Task.from_json(json.dumps(facts["task"]))` makes the task, unless the game is your own.
 
     Raises:
         FileNotFoundError: there is no such file.
-        ValueError: it is no video, or says nothing, as those of other programs, and GIF and PNG.
+        ValueError: the file is no video, or has no facts: videos of other programs, GIF and PNG have none.
         gymnasium.error.DependencyNotInstalled: PyAV is not installed.
 
     Example:
@@ -48,5 +48,5 @@ def video_facts(path: str | PathLike[str]) -> dict[str, Any]:
     except (av.FFmpegError, json.JSONDecodeError, RecursionError) as error:
         raise ValueError(f"{path} has no facts of a video of atari-envs: {error}") from None
     if not isinstance(facts, dict) or not str(facts.get("package", "")).startswith("atari-envs "):
-        raise ValueError(f"{path} says nothing about what was played; MP4, MKV and WebM of atari-envs do")
+        raise ValueError(f"{path} has no facts about the game; MP4, MKV and WebM of atari-envs have them")
     return facts

@@ -22,11 +22,6 @@ class Format:
     codec and `sound_rate` its sample rate; None keeps the console's samples unchanged. With `fades_in`, packets before
     time 0 are dropped, and the first 20 milliseconds of sound fade in. `max_rate` is the greatest frame rate; from a
     higher one frames are dropped.
-
-    Example:
-        >>> from atari.recording import FORMATS
-        >>> sorted(FORMATS), FORMATS[".mkv"].codec
-        (['.gif', '.mkv', '.mp4', '.png', '.webm'], 'ffv1')
     """
 
     name: str
@@ -44,7 +39,7 @@ class Format:
     codec_options: Mapping[str, str] = field(default_factory=dict)
 
 
-_CLUSTERS = {"cluster_time_limit": "500", "flush_packets": "1"}  # of half a second each
+_CLUSTERS = {"cluster_time_limit": "500", "flush_packets": "1"}  # half a second each
 
 FORMATS: Mapping[str, Format] = MappingProxyType(
     {
@@ -53,7 +48,7 @@ FORMATS: Mapping[str, Format] = MappingProxyType(
             container="mp4",
             codec="libx264",
             pixels="yuv420p",
-            limit=8192,  # of common decoders
+            limit=8192,  # common decoders' limit
             multiple=2,
             enlarges=True,
             sound="aac",

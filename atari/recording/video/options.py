@@ -19,7 +19,7 @@ class VideoOptions:
 
     path: Path
     format: Format
-    shape: tuple[int, int, int]  # of a frame before scaling
+    shape: tuple[int, int, int]  # a frame's, before scaling
     rate: Fraction
     scale: int
     pixel_aspect: tuple[int, int]
@@ -47,7 +47,7 @@ class VideoOptions:
         if sound and format.sound is None:
             raise ValueError(f"{format.name} has no sound; write it with sound=False")
         if not isinstance(size, (tuple, list)) or len(size) != 2:
-            raise TypeError(f"size is (rows, columns) of the screens, got {size!r}")
+            raise TypeError(f"size is a Game, or (rows, columns) of the frames, got {size!r}")
         if not isinstance(pixel_aspect, (tuple, list)) or len(pixel_aspect) != 2:
             raise TypeError(f"pixel_aspect is (columns, rows) of a pixel, such as (1, 1), got {pixel_aspect!r}")
         across, down = (check_integer("a side of pixel_aspect", side, 1, 16) for side in pixel_aspect)
@@ -87,14 +87,14 @@ def _check_format(path: Path) -> Format:
         raise ValueError(f"a video's name must end in one of {', '.join(FORMATS)}, got {str(path)!r}")
     if suffix == ".png" and not re.fullmatch(r"[^%]*%0?\d*d[^%]*", path.name):
         raise ValueError(
-            f"a PNG is one screen, so a name must have a place for its number, such as '%06d.png', got {str(path)!r}"
+            f"a PNG is one frame, so a name must have a place for its number, such as '%06d.png', got {str(path)!r}"
         )
     return FORMATS[suffix]
 
 
 def _check_rate(fps: Any) -> Fraction:
     if not isinstance(fps, Real):
-        raise TypeError(f"fps is a number of screens a second, got {fps!r}")
+        raise TypeError(f"fps is a number of frames a second, which only a Game implies, got {fps!r}")
     if not 0.001 <= float(fps) <= 1000:
         raise ValueError(f"fps must be within 0.001..1000, got {fps}")
     # MP4 stores times as 32-bit fractions of a second; the console's frame rates have far smaller denominators.

@@ -19,7 +19,7 @@ class Overlay:
     """The score, the action and the RAM as text, and the score of the game so far as a curve.
 
     Args:
-        parts: some of `OVERLAYS`; None is none.
+        parts: some of `OVERLAYS`; None means no part.
 
     Raises:
         ValueError: there is no such part.

@@ -1,4 +1,4 @@
-"""`RecordVectorVideo`: videos of a vector environment, of one of its environments or of all in a mosaic.
+"""`RecordVectorVideo`: videos of one environment of a vector, or of all in a mosaic.
 
 An `AtariVectorEnv` plays its games in C++ and returns only the last frame of a frame skip. So each recorded environment
 has a `ShadowCore`: a second core that starts from the same state and plays the same action frame by frame, with the
@@ -16,6 +16,7 @@ import numpy.typing as npt
 from gymnasium.utils import RecordConstructorArgs
 
 from atari._gymnasium import AutoresetMode, VectorWrapper
+from atari.recording.vectors import recorded_vector
 from atari.recording.video.record_video_base import RecordVideoBase, make_folder
 from atari.recording.video.recorder import VideoSettings
 from atari.recording.video.schedule import Schedule, Trigger
@@ -23,38 +24,30 @@ from atari.recording.video.shadow_core import ShadowCore
 from atari.recording.video.writer import frame_rate
 from atari.rendering import tile
 from atari.validation import check_integer
-from atari.vector import AtariVectorEnv
 
 
 class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
-    """Record videos of a vector environment.
+    """Records videos of an `AtariVectorEnv`: `RecordVideo(envs, video_folder, ...)` makes it, and documents the rest.
 
-    The arguments, the file names and the recorded episodes are those of `gymnasium.wrappers.vector.RecordVideo`. The
-    videos have every emulated frame, as those of `atari.recording.RecordVideo`, which documents the details. In a
+    The arguments, the file names and the recorded episodes equal those of `gymnasium.wrappers.vector.RecordVideo`. In a
     mosaic, an environment whose episode ends inside a frame skip shows its last frame until the skip is over.
 
     Args:
         env: an `AtariVectorEnv` with batches of all environments, in any wrappers that do not change actions.
-        video_folder: the folder of the videos; it is created.
         record_first_only: record only environment `index`, instead of a mosaic of all.
         video_aspect_ratio: (width, height), the approximate ratio of the mosaic's sides.
-        episode_trigger, step_trigger, video_length, name_prefix, fps, disable_logger, gc_trigger: see `RecordVideo`.
-            Episodes are those of environment `index`; a step is one of all environments.
         index: the environment whose episodes are counted and whose sound and overlay are recorded.
-        format, scale, sound, overlay, keep: see `RecordVideo`.
 
     Raises:
-        TypeError: the environment is not an `AtariVectorEnv`, or an argument has the wrong type.
-        ValueError: an argument is out of range, or batches are smaller than the number of environments.
-        OSError: the folder cannot be created or written to.
+        TypeError, ValueError, OSError: see `RecordVideo`.
         RuntimeError: raised by `step` if a wrapper inside this one has changed the actions.
 
     Example:
         >>> import os
         >>> import atari, numpy
-        >>> from atari.recording import RecordVectorVideo
+        >>> from atari.recording import RecordVideo
         >>> envs = atari.AtariVectorEnv("pong", 4)
-        >>> envs = RecordVectorVideo(envs, "videos", step_trigger=lambda step: step == 0, video_length=5)
+        >>> envs = RecordVideo(envs, "videos", step_trigger=lambda step: step == 0, video_length=5)
         >>> observations, info = envs.reset(seed=0)
         >>> for _ in range(6):
         ...     observations = envs.step(numpy.zeros(4, int))[0]
@@ -86,11 +79,7 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
     ) -> None:
         given = {name: value for name, value in locals().items() if name not in ("self", "env", "__class__")}
         RecordConstructorArgs.__init__(self, **given)
-        inner = getattr(env, "unwrapped", env)
-        if not isinstance(inner, AtariVectorEnv):
-            raise TypeError(f"RecordVectorVideo records an atari.AtariVectorEnv, got {type(inner).__name__}")
-        if inner.batch_size != inner.num_envs:
-            raise ValueError(f"RecordVectorVideo needs batches of all environments, got batch_size={inner.batch_size}")
+        inner = recorded_vector(env, "RecordVideo")
         super().__init__(env)
         self._vector = inner
         self._index = index = check_integer("index", index, 0, inner.num_envs - 1)

@@ -8,6 +8,8 @@ import gymnasium
 from gymnasium.utils import RecordConstructorArgs
 
 from atari.env import AtariEnv
+from atari.recording.vectors import is_vector
+from atari.recording.video.record_vector_video import RecordVectorVideo
 from atari.recording.video.record_video_base import RecordVideoBase, make_folder
 from atari.recording.video.recorder import VideoRecorder, VideoSettings
 from atari.recording.video.schedule import Schedule, Trigger
@@ -16,19 +18,22 @@ from atari.restorable import Restorable
 
 
 class RecordVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
-    """Record videos of chosen episodes.
+    """Records videos of chosen episodes.
 
-    The arguments, the file names and the recorded episodes are those of `gymnasium.wrappers.RecordVideo`. The videos
-    differ: they have every emulated frame, including those inside a frame skip and the no-ops of a reset, whichever
-    wrapper plays them. They have the console's frame rate, its 2:1 pixels and its sound. Frames are written while they
-    are played, and `render_mode` has no effect. `video_facts` reads the task that was played from a file.
+    The arguments, the file names and the recorded episodes equal those of `gymnasium.wrappers.RecordVideo`, and for a
+    vector those of `gymnasium.wrappers.vector.RecordVideo`. The videos differ: they have every emulated frame, also the
+    frames inside a frame skip and the no-ops of a reset, whichever wrapper plays them. They have the console's frame
+    rate, its 2:1 pixels and its sound. Frames are written while they are played, and `render_mode` has no effect.
+    `video_facts` reads the task that was played from a file.
 
     The environment's results do not change. For sound, the environment's core is replaced by a core with sound. A
-    snapshot of an environment with sound fits only environments with sound: call `make_sound` of the other
-    environment, or pass sound=False here.
+    snapshot of an environment with sound fits only environments with sound: call `unwrapped.driver.make_sound()` of
+    the other environment, or pass sound=False here.
 
     Args:
-        env: an `AtariEnv`, in any wrappers.
+        env: an `AtariEnv`, in any wrappers; or an `AtariVectorEnv` with batches of all environments, in any wrappers
+            that do not change actions. A vector has these arguments, too: after `video_folder`, `record_first_only`
+            and `video_aspect_ratio`; by name, `index`. See `RecordVectorVideo`.
         video_folder: the folder of the videos; it is created.
         episode_trigger: returns whether to record an episode, by its number from 0. Without triggers it is
             Gymnasium's: episodes 0, 1, 8, 27, ... 1000, and every 1000th.
@@ -41,13 +46,13 @@ class RecordVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, Any, 
         format: "mp4", "mkv", "webm", "gif" or "png", see `VideoWriter`. With "png" a video is a folder.
         scale: a pixel becomes `2 * scale` x `scale` pixels of the video.
         sound: record the sound, if the format has it. Each frame costs some microseconds more, recorded or not.
-        overlay: what is shown below the frame: some of "score", "action", "ram" and "curve", the score of the game so
-            far.
-        keep: "all" videos, or only the "best" so far, whose sum of rewards, not clipped, is highest.
+        overlay: parts of the text below the frame: some of "score", "action", "ram" and "curve", the score of the game
+            so far.
+        keep: "all" videos, or only the "best" so far, which has the highest sum of rewards without clipping.
 
     Raises:
-        TypeError: the environment is not an `AtariEnv`, or an argument has the wrong type.
-        ValueError: an argument is out of range.
+        TypeError: the environment is another one, or an argument has the wrong type.
+        ValueError: an argument is out of range, or a vector has smaller batches.
         OSError: the folder cannot be created or written to.
 
     If a video cannot be written any more, for example because the disk is full, the video ends. The error is deferred:
@@ -65,6 +70,10 @@ class RecordVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, Any, 
         >>> os.listdir("videos")
         ['rl-video-episode-0.mp4']
     """
+
+    def __new__(cls, env: Any = None, *args: Any, **kwargs: Any) -> Any:
+        """A `RecordVectorVideo` of a vector; copying calls this without arguments."""
+        return RecordVectorVideo(env, *args, **kwargs) if is_vector(env) else super().__new__(cls)
 
     def __init__(
         self,
@@ -88,9 +97,10 @@ class RecordVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, Any, 
         RecordConstructorArgs.__init__(self, **given)
         inner = getattr(env, "unwrapped", env)
         if not isinstance(inner, AtariEnv):
-            vector = isinstance(inner, gymnasium.vector.VectorEnv)
-            other = "RecordVectorVideo" if vector else "gymnasium.wrappers.RecordVideo"
-            raise TypeError(f"RecordVideo records an atari.AtariEnv, got {type(inner).__name__}; for that use {other}")
+            raise TypeError(
+                f"RecordVideo records an AtariEnv or an AtariVectorEnv, got {type(inner).__name__}; for other "
+                "environments use gymnasium.wrappers.RecordVideo"
+            )
         super().__init__(env)
         self._atari = inner
         rate = frame_rate(inner.game) if fps is None else fps

@@ -86,7 +86,7 @@ class VideoRecorder(DeferredErrorMixin):
         return None if self._writer is None else self._writer.path
 
     def start(self, path: Path) -> None:
-        """Begin a video of what is played now.
+        """Begin a video of the task that is played now.
 
         Raises:
             OSError: the file cannot be written.
@@ -98,7 +98,7 @@ class VideoRecorder(DeferredErrorMixin):
         """Complete the video.
 
         Raises:
-            OSError: the last of it cannot be written.
+            OSError: the rest of the file cannot be written.
         """
         writer, self._writer = self._writer, None
         if writer is not None:
@@ -115,7 +115,7 @@ class VideoRecorder(DeferredErrorMixin):
 
         Args:
             core: the core whose screen, sound and overlay values are recorded.
-            action: ALE's number of the action of the frame; None is no action and silence.
+            action: ALE's number of the frame's action; None means no action, and silence.
             reward: the reward of the frame.
             image: recorded in place of the core's screen.
         """

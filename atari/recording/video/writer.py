@@ -1,6 +1,6 @@
 """`VideoWriter`: writes frames and their sound to a video file, frame by frame.
 
-A video shows what the console showed on a television. The console's pixels are about twice as wide as high, so each
+A video looks as the console did on a television. The console's pixels are about twice as wide as high, so each
 becomes a block of 2 x 1 times an integer scale, without blur. The frame rate is exact: it follows from the console's
 colour clock. A frame's sound lasts exactly as long as the frame.
 
@@ -36,16 +36,10 @@ LINES_PER_FRAME = MappingProxyType({"NTSC": 262, "PAL": 312, "SECAM": 312})
 
 
 def frame_rate(game: Game) -> Fraction:
-    """Return the console's frames a second for `game`: 59.92 with NTSC, 49.86 with PAL.
+    """The console's frames a second for `game`: 59.92 with NTSC, 49.86 with PAL.
 
     It is exact for a game that draws the lines of its TV format (262 or 312 of 228 colour clocks each), as nearly all
-    games do. Divide it by the frame skip for a video of one frame a step.
-
-    Example:
-        >>> import atari
-        >>> from atari.recording import frame_rate
-        >>> round(float(frame_rate(atari.games["breakout"])), 2)
-        59.92
+    games do.
     """
     tv = game.screen.format
     return COLOUR_CLOCK_HZ[tv] / (COLOUR_CLOCKS_PER_LINE * LINES_PER_FRAME[tv])
@@ -61,7 +55,7 @@ class VideoWriter:
 
     ======= ===================== ===============================================================================
     .mp4    H.264, AAC            plays nearly everywhere
-    .mkv    FFV1, FLAC            lossless: pixels and samples as they were written, `(samples - 128) * 128`
+    .mkv    FFV1, FLAC            lossless: pixels as written, samples as `(samples - 128) * 128`
     .webm   VP9, Opus             for web pages
     .gif    exact colours, silent at most 50 frames a second; from 59.92, one frame in six is dropped
     .png    lossless, silent      a file a frame; the name has a placeholder for the number, such as "pong/%06d.png"
@@ -69,15 +63,21 @@ class VideoWriter:
 
     Args:
         path: the file. Its folder is created, and a file of this name replaced.
-        size: (rows, columns) of the frames, such as `game.screen.shape`.
-        fps: frames a second, such as `frame_rate(game)`.
+        size: the `Game` whose frames are written, or (rows, columns) of the frames.
+        fps: frames a second; None is the console's rate for a `Game`, 59.92 with NTSC and 49.86 with PAL. Divide that
+            by the frame skip for a video of one frame a step.
         scale: a pixel of the frame becomes `2 * scale` columns and `scale` rows of the video. MP4 and WebM store
             colours for blocks of 2 x 2, so with an odd scale the colours of neighbouring rows mix at edges.
         pixel_aspect: (columns, rows) of a pixel at scale 1: (2, 1) on this console; other environments have (1, 1).
         sound: whether the video has a sound track. A frame's samples last as long as the frame, so `fps` must be the
             rate of emulated frames, not of steps.
         caption_lines: lines of text below the frame, `8 * scale` rows each, for the captions passed to `write`.
-        comment: a text in the metadata of the file, what `video_facts` reads, for example; GIF and PNG have none.
+        comment: a text in the metadata of the file, from which `video_facts` reads; GIF and PNG have none.
+
+    Attributes:
+        path: the file.
+        fps: frames a second, a `Fraction`.
+        sound: whether the video has a sound track.
 
     Raises:
         TypeError, ValueError: an argument has the wrong type or is out of range.
@@ -86,15 +86,15 @@ class VideoWriter:
 
     Example:
         >>> import atari
-        >>> from atari.recording import VideoWriter, frame_rate
+        >>> from atari.recording import VideoWriter
         >>> core = atari.cores.NativeCore("pong", seed=0)
         >>> core.reset()
-        >>> with VideoWriter("pong.gif", (210, 160), frame_rate(core.game)) as writer:
+        >>> with VideoWriter("pong.gif", core.game) as writer:
         ...     for _ in range(10):
         ...         reward = core.act(2)
         ...         writer.write(core.screen_rgb())
-        >>> writer.frames
-        10
+        >>> writer.frames, round(float(writer.fps), 2)
+        (10, 59.92)
     """
 
     frames: int = 0
@@ -103,8 +103,8 @@ class VideoWriter:
     def __init__(
         self,
         path: str | PathLike[str],
-        size: tuple[int, int],
-        fps: Fraction | float,
+        size: Game | tuple[int, int],
+        fps: Fraction | float | None = None,
         *,
         scale: int = 2,
         pixel_aspect: tuple[int, int] = (2, 1),
@@ -112,18 +112,19 @@ class VideoWriter:
         caption_lines: int = 0,
         comment: str = "",
     ) -> None:
+        if isinstance(size, Game):
+            size, fps = size.screen.shape, frame_rate(size) if fps is None else fps
         options = VideoOptions.check(
             path, size, fps, scale=scale, pixel_aspect=pixel_aspect, sound=sound, caption_lines=caption_lines
         )
         self._options = options
-        self.path = options.path
-        self.sound = options.sound
+        self.path, self.fps, self.sound = options.path, options.rate, options.sound
         self._encoder: FFmpegEncoder | PngEncoder | None = (
             FFmpegEncoder(options, comment) if options.format.container else PngEncoder(self.path)
         )
 
     def write(self, rgb: ByteArray, samples: ByteArray | None = None, caption: str = "") -> None:
-        """Append one frame and its sound.
+        """Append a frame and its sound.
 
         Args:
             rgb: the frame, (rows, columns, 3) uint8.
@@ -169,7 +170,7 @@ class VideoWriter:
             raise self._incomplete(error) from error
 
     def _incomplete(self, error: Exception) -> Exception:
-        """`error`, or for an OSError one that names the file and says what it contains."""
+        """`error`; an OSError gets the name of the file and the number of frames in it."""
         if not isinstance(error, OSError):
             return error
         number = error.errno or errno.EIO

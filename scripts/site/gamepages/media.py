@@ -13,7 +13,7 @@ from atari.actions import Action
 from atari.cores import NativeCore
 from atari.games.game import Game
 from atari.multiplayer import MultiplayerCore
-from atari.recording import Replay, VideoWriter, frame_rate
+from atari.recording import Replay, VideoWriter
 from atari.task import PRESETS
 from gamepages.contents import MODES, SCREEN, VIDEO, VIEWS, modes
 from gamepages.plays import Play, play_of
@@ -95,7 +95,7 @@ def _write_random(game: Game, path: Path) -> list[Image]:
     """Write a video of random play; its screens."""
     core, play = _advance(game, None, sound=True)
     screens: list[Image] = []
-    with VideoWriter(path, game.screen.shape, frame_rate(game), sound=True) as video:
+    with VideoWriter(path, game, sound=True) as video:
         for _ in range(SECONDS * 60):
             play()
             screens.append(core.screen_rgb().copy())

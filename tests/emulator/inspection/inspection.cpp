@@ -21,6 +21,7 @@
 #include "fast/jit/assembler.hpp"
 #include "ale/colour_conversion.hpp"
 #include "machine/console.hpp"
+#include "machine/cpu_instructions.hpp"
 #include "fast/fast_console.hpp"
 #include "observations/area_resize.hpp"
 #include "observations/pooling.hpp"
@@ -83,8 +84,7 @@ Array as_array(const uint8_t* data, std::initializer_list<size_t> shape) {
     return Array(copy, shape.size(), shape.begin(), owner);
 }
 
-nb::dict registers(const Console& console) {
-    const Cpu& cpu = console.machine().cpu;
+nb::dict registers(const Cpu& cpu) {
     nb::dict dict;
     dict["a"] = cpu.a;
     dict["x"] = cpu.x;
@@ -97,8 +97,8 @@ nb::dict registers(const Console& console) {
     return dict;
 }
 
-void set_registers(Console& console, nb::kwargs changes) {
-    Cpu cpu = console.machine().cpu;
+// Returns the processor with some registers changed, given by name.
+Cpu with_registers(Cpu cpu, nb::kwargs changes) {
     const std::pair<const char*, uint8_t*> bytes[4] = {{"a", &cpu.a}, {"x", &cpu.x}, {"y", &cpu.y}, {"sp", &cpu.sp}};
     const std::pair<const char*, Flag*> flags[6] = {{"n", &cpu.n}, {"v", &cpu.v}, {"d", &cpu.d},
                                                     {"i", &cpu.i}, {"z", &cpu.z}, {"c", &cpu.c}};
@@ -114,10 +114,20 @@ void set_registers(Console& console, nb::kwargs changes) {
         }
         if (!good) throw nb::value_error(("there is no register '" + name + "', or the value does not fit it").c_str());
     }
-    console.raw_machine().cpu = cpu;
+    return cpu;
 }
 
-// Returns the registers and latches of the chips that programs cannot read, by their names in state.hpp.
+// A processor without a console, on a bus that a test writes in Python.
+struct Processor {
+    Cpu cpu{};
+    nb::object bus;
+
+    uint8_t read(uint16_t address) { return nb::cast<uint8_t>(bus.attr("read")(address)); }
+    void write(uint16_t address, uint8_t value) { bus.attr("write")(address, value); }
+    void spend(int cycles) { bus.attr("cycles") = nb::cast<int>(bus.attr("cycles")) + cycles; }
+};
+
+// Returns the registers and latches of the chips that programs cannot read, by their names in the chips' headers.
 nb::dict state(const Console& console) {
     const Machine& m = console.machine();
     const Tia& t = m.tia;
@@ -364,10 +374,15 @@ NB_MODULE(atari_inspection, m) {
             [](Console& x, uint32_t cycles) { x.raw_machine().cycles = cycles; },
             "Processor cycles since the frame began; the chips see what is set here as time.")
         .def_prop_ro("scan_lines", &Console::scan_lines, "Lines since the frame began.")
-        .def_prop_ro("registers", &registers, nb::for_getter(nb::sig("def registers(self, /) -> dict[str, int]")),
-                     "Of the processor: a, x, y, sp, pc, and the flags n, v, d, i, z, c as bools.")
-        .def("set_registers", &set_registers, "changes"_a, nb::sig("def set_registers(self, **changes: int) -> None"),
-             "Change some of `registers`, given by name.")
+        .def_prop_ro(
+            "registers", [](const Console& x) { return registers(x.machine().cpu); },
+            nb::for_getter(nb::sig("def registers(self, /) -> dict[str, int]")),
+            "Of the processor: a, x, y, sp, pc, and the flags n, v, d, i, z, c as bools.")
+        .def(
+            "set_registers",
+            [](Console& x, nb::kwargs changes) { x.raw_machine().cpu = with_registers(x.machine().cpu, changes); },
+            "changes"_a, nb::sig("def set_registers(self, **changes: int) -> None"),
+            "Change some of `registers`, given by name.")
         .def_prop_rw(
             "ram", [](const Console& x) { return as_bytes(x.ram(), 128); }, &set_ram, "The 128 bytes of RAM.")
         .def_prop_ro(
@@ -402,6 +417,21 @@ NB_MODULE(atari_inspection, m) {
         .def("snapshot", &snapshot, "The whole state in memory, deferred frames included.")
         .def("restore", &restore, "snapshot"_a,
              "Continue from a `snapshot` of this console; ValueError if it is of another one.");
+
+    nb::class_<Processor>(m, "Processor",
+                          "A processor without a console. `bus` is an object with `read(address)`, `write(address,\n"
+                          "value)` and a number `cycles`, to which the processor adds.")
+        .def(
+            "__init__", [](Processor* x, nb::object bus) { new (x) Processor{Cpu{}, std::move(bus)}; }, "bus"_a)
+        .def(
+            "step", [](Processor& x) { x.cpu.run_instruction(x); }, "Run one instruction.")
+        .def_prop_ro(
+            "registers", [](const Processor& x) { return registers(x.cpu); },
+            nb::for_getter(nb::sig("def registers(self, /) -> dict[str, int]")), "As of a `Console`.")
+        .def(
+            "set_registers", [](Processor& x, nb::kwargs changes) { x.cpu = with_registers(x.cpu, changes); },
+            "changes"_a, nb::sig("def set_registers(self, **changes: int) -> None"),
+            "Change some of `registers`, given by name.");
 
     nb::enum_<SimdLevel>(m, "SimdLevel", "A level of SIMD instructions. The results of all levels are equal.")
         .value("SCALAR", SimdLevel::kScalar)

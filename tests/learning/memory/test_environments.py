@@ -19,7 +19,7 @@ MODES = [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP, AutoresetMode.DISABLE
 def play(
     memory: ReplayMemory, envs: Any, stacked: Any, steps: int, mode: AutoresetMode, copied: bool = False
 ) -> dict[int, dict[str, Any]]:
-    """Plays the same in both; by index, the transitions that the stacked environments have shown."""
+    """Play the same in both, and return the transitions of the stacked environments by index."""
     random = np.random.default_rng(0)
     lanes = envs.num_envs
     observations, _ = envs.reset(seed=7)

@@ -191,7 +191,7 @@ def test_another_version_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         ([(b"H", b"[" * 100_000)], "JSON object"),
         ([(b"H", b'{"format":1}'), (b"X", b"")], "no kind of chunk b'X'"),
         ([(b"H", b'{"format":1}'), (b"P", b"abc")], "too short"),
-        ([(b"H", b'{"format":1}'), (b"P", b"\1\0\0\0\0\0\0\0")], "does not fit the one before"),
+        ([(b"H", b'{"format":1}'), (b"P", b"\1\0\0\0\0\0\0\0")], "does not fit the chunk before"),
         ([(b"H", b'{"format":1}'), (b"E", b"{}"), (b"S", b"")], "after the end"),
     ],
 )

@@ -1,4 +1,4 @@
-"""`RecordVectorReplay`: the replay equals what the environment played, with every option of the vector."""
+"""`RecordReplay` of a vector: the replay equals what the environment played, with every option of the vector."""
 
 import itertools
 from pathlib import Path
@@ -10,7 +10,7 @@ import pytest
 from gymnasium.vector import SyncVectorEnv
 
 import atari
-from atari.recording import RecordReplay, RecordVectorReplay, Replay
+from atari.recording import RecordReplay, Replay
 
 MODES = ["NextStep", "SameStep", "Disabled"]
 
@@ -28,7 +28,7 @@ def play(envs: Any, steps: int, index: int, seed: Any = 3) -> list[np.ndarray[An
         else:
             actions = generator.integers(0, envs.single_action_space.n, count)
         _, _, terminated, truncated, _ = envs.step(actions)
-        rams.append(envs.unwrapped.members[index].ram())
+        rams.append(envs.unwrapped.lanes[index].ram())
         done = terminated | truncated
         if done.any() and envs.metadata["autoreset_mode"].value == "Disabled":
             envs.reset(options={"reset_mask": done})
@@ -60,7 +60,7 @@ def check(path: Path, rams: list[np.ndarray[Any, Any]], core: str = "ale") -> Re
     ],
 )
 def test_every_rule_of_ale_py(mode: str, game: Any, options: dict[str, Any], tmp_path: Path) -> None:
-    envs = RecordVectorReplay(
+    envs = RecordReplay(
         atari.AtariVectorEnv(game, 3, autoreset_mode=mode, num_threads=1, **options), tmp_path / "a.a26", index=1
     )
     rams = play(envs, 110, 1)
@@ -73,7 +73,7 @@ def test_every_rule_of_ale_py(mode: str, game: Any, options: dict[str, Any], tmp
 @pytest.mark.parametrize("name", atari.PRESETS)
 def test_every_preset(name: str, tmp_path: Path) -> None:
     mode = MODES[len(name) % 3]
-    envs = RecordVectorReplay(
+    envs = RecordReplay(
         atari.AtariVectorEnv("breakout", 2, preset=name, autoreset_mode=mode, num_threads=1), tmp_path / "a.a26", 1
     )
     rams = play(envs, 80, 1)
@@ -84,7 +84,7 @@ def test_every_preset(name: str, tmp_path: Path) -> None:
 def test_without_a_seed_all_get_random_ones(tmp_path: Path) -> None:
     seeds = set()
     for name in ("a.a26", "b.a26"):
-        envs = RecordVectorReplay(atari.AtariVectorEnv("seaquest", 2, num_threads=1), tmp_path / name)
+        envs = RecordReplay(atari.AtariVectorEnv("seaquest", 2, num_threads=1), tmp_path / name)
         rams = play(envs, 40, 0, seed=None)
         envs.reset()
         envs.close()
@@ -93,7 +93,7 @@ def test_without_a_seed_all_get_random_ones(tmp_path: Path) -> None:
 
 
 def test_several_seeds_and_resets(tmp_path: Path) -> None:
-    envs = RecordVectorReplay(atari.AtariVectorEnv("pong", 2, num_threads=1), tmp_path / "a.a26", 1)
+    envs = RecordReplay(atari.AtariVectorEnv("pong", 2, num_threads=1), tmp_path / "a.a26", 1)
     for seed in ([1, 2], None, [5, None], 9):
         play(envs, 10, 1, seed=seed)
     envs.close()
@@ -103,7 +103,7 @@ def test_several_seeds_and_resets(tmp_path: Path) -> None:
 
 def test_results_are_those_of_the_vector(tmp_path: Path) -> None:
     plain = atari.AtariVectorEnv("breakout", 2, num_threads=1)
-    envs = RecordVectorReplay(atari.AtariVectorEnv("breakout", 2, num_threads=1), tmp_path / "a.a26")
+    envs = RecordReplay(atari.AtariVectorEnv("breakout", 2, num_threads=1), tmp_path / "a.a26")
     assert np.array_equal(plain.reset(seed=2)[0], envs.reset(seed=2)[0])
     for _ in range(20):
         actions = np.array([3, 1])
@@ -113,7 +113,7 @@ def test_results_are_those_of_the_vector(tmp_path: Path) -> None:
 
 
 def test_what_is_changed_from_outside_ends_the_recording(tmp_path: Path) -> None:
-    envs: Any = RecordVectorReplay(atari.AtariVectorEnv("breakout", 2, num_threads=1), tmp_path / "a.a26")
+    envs: Any = RecordReplay(atari.AtariVectorEnv("breakout", 2, num_threads=1), tmp_path / "a.a26")
     play(envs, 10, 0)
     envs.unwrapped.fork(1, [0])
     with pytest.raises(RuntimeError, match="environment 0 differs from its recording"):
@@ -126,7 +126,7 @@ def test_what_is_changed_from_outside_ends_the_recording(tmp_path: Path) -> None
 def test_a_vector_that_was_reset_needs_a_seed(tmp_path: Path) -> None:
     vector = atari.AtariVectorEnv("breakout", 2, num_threads=1)
     vector.reset()
-    envs = RecordVectorReplay(vector, tmp_path / "a.a26")
+    envs = RecordReplay(vector, tmp_path / "a.a26")
     with pytest.raises(ValueError, match="give this first reset a seed"):
         envs.reset()
     play(envs, 10, 0, seed=4)
@@ -137,15 +137,15 @@ def test_a_vector_that_was_reset_needs_a_seed(tmp_path: Path) -> None:
 
 def test_wrong_uses(tmp_path: Path) -> None:
     path = tmp_path / "a.a26"
-    with pytest.raises(TypeError, match=r"records an atari\.AtariVectorEnv, got SyncVectorEnv"):
-        RecordVectorReplay(SyncVectorEnv([lambda: atari.make("pong")]), path)
+    with pytest.raises(TypeError, match=r"records an AtariEnv or an AtariVectorEnv, got SyncVectorEnv"):
+        RecordReplay(SyncVectorEnv([lambda: atari.make("pong")]), path)
     with pytest.raises(ValueError, match=r"index must be within 0\.\.1, got 2"):
-        RecordVectorReplay(atari.AtariVectorEnv("pong", 2), path, 2)
+        RecordReplay(atari.AtariVectorEnv("pong", 2), path, 2)
     with pytest.raises(ValueError, match="batches of all environments"):
-        RecordVectorReplay(atari.AtariVectorEnv("pong", 2, batch_size=1), path)
+        RecordReplay(atari.AtariVectorEnv("pong", 2, batch_size=1), path)
     with pytest.raises(ValueError, match="all games have the same actions"):
-        RecordVectorReplay(atari.AtariVectorEnv(["pong", "breakout"], preset="dqn2015"), path)
-    envs = RecordVectorReplay(atari.AtariVectorEnv("pong", 2), path)
+        RecordReplay(atari.AtariVectorEnv(["pong", "breakout"], preset="dqn2015"), path)
+    envs = RecordReplay(atari.AtariVectorEnv("pong", 2), path)
     with pytest.raises(gymnasium.error.ResetNeeded):
         envs.step(np.zeros(2, int))
     envs.close()
@@ -164,7 +164,7 @@ def test_single_environments_of_gymnasiums_vectors_are_recorded_by_the_other_wra
 def test_a_task_of_ones_own(tmp_path: Path) -> None:
     own = {"noops": (3, 9), "pool_rgb": False, "end_frames": "envpool", "padding": "reset", "frameskip": (2, 5)}
     envs = atari.AtariVectorEnv("breakout", 2, preset="baselines", **own)
-    envs = RecordVectorReplay(envs, tmp_path / "a.a26", index=1)
+    envs = RecordReplay(envs, tmp_path / "a.a26", index=1)
     rams = play(envs, 300, 1)
     envs.close()
     replay = Replay.load(tmp_path / "a.a26")

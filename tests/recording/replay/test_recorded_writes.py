@@ -9,7 +9,7 @@ import pytest
 
 import atari
 from atari.lab import Freeze, Poke, Ram
-from atari.recording import RecordReplay, RecordVectorReplay, Replay
+from atari.recording import RecordReplay, Replay
 
 SCORE = 77
 
@@ -115,7 +115,7 @@ def test_writes_made_before_the_recording(tmp_path: Path) -> None:
 @pytest.mark.parametrize("options", [{}, {"preset": "dqn2015"}, {"autoreset_mode": "Disabled"}])
 def test_a_vector(options: dict[str, Any], tmp_path: Path) -> None:
     envs: Any = atari.AtariVectorEnv("breakout", 3, num_threads=1, **options)
-    envs = RecordVectorReplay(envs, tmp_path / "a.a26", index=1)
+    envs = RecordReplay(envs, tmp_path / "a.a26", index=1)
     envs.reset(seed=3)
     generator = np.random.default_rng(0)
     rams = []
@@ -123,7 +123,7 @@ def test_a_vector(options: dict[str, Any], tmp_path: Path) -> None:
     def steps(count: int) -> None:
         for _ in range(count):
             envs.step(generator.integers(0, 4, 3))
-            rams.append(envs.unwrapped.members[1].ram().tobytes())
+            rams.append(envs.unwrapped.lanes[1].ram().tobytes())
 
     steps(10)
     with Freeze(envs, {99: np.array([1, 2, 3])}), Freeze(envs, {99: 200}, index=0):
@@ -142,10 +142,10 @@ def test_a_vector(options: dict[str, Any], tmp_path: Path) -> None:
 def test_a_vector_with_writes_already(tmp_path: Path) -> None:
     envs = atari.AtariVectorEnv("breakout", 2)
     freeze = Freeze(envs, {99: 1}, index=1)
-    with pytest.raises(ValueError, match="release it, and make it after RecordVectorReplay"):
-        RecordVectorReplay(envs, tmp_path / "a.a26", index=1)
+    with pytest.raises(ValueError, match="release it, and make it after RecordReplay"):
+        RecordReplay(envs, tmp_path / "a.a26", index=1)
     freeze.release()
-    RecordVectorReplay(envs, tmp_path / "a.a26", index=1).close()
+    RecordReplay(envs, tmp_path / "a.a26", index=1).close()
 
 
 def test_writes_that_are_refused_are_not_recorded(tmp_path: Path) -> None:

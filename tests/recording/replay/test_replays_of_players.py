@@ -12,7 +12,7 @@ import pytest
 import atari
 from atari.lab import Freeze
 from atari.multiplayer import MultiplayerCore
-from atari.recording import RecordMatch, Replay
+from atari.recording import RecordReplay, Replay
 from atari.recording.replay import file_format
 from atari.recording.replay.events import ACTS_PER_CHUNK, Event, Kind, pack, unpack
 
@@ -37,7 +37,7 @@ def frames_of(replay: Replay, start: int = 0) -> Played:
 
 
 def record(path: Path, game: str = "pong", frames: int = 300, **options: Any) -> Played:
-    with RecordMatch(MultiplayerCore(game, **options), path) as match:
+    with RecordReplay(MultiplayerCore(game, **options), path) as match:
         match.reset()
         return play(match, frames)
 
@@ -57,7 +57,7 @@ def test_a_game_plays_again(game: str, tmp_path: Path) -> None:
 def test_writes_are_recorded(when: str, tmp_path: Path) -> None:
     core = MultiplayerCore("pong", seed=7)
     frozen = [Freeze(core, {13: 5})] if when == "before" else []
-    with RecordMatch(core, tmp_path / "a.a26") as match:
+    with RecordReplay(core, tmp_path / "a.a26") as match:
         match.reset()
         frozen = frozen or [Freeze(match, {13: 5})]
         played = play(match, 90)
@@ -95,7 +95,7 @@ def test_options_are_kept(tmp_path: Path) -> None:
     kept = MultiplayerCore("pong", **{**options, "mode": 3}).options
     assert replay.options == kept
     assert MultiplayerCore("pong", **kept).options == kept
-    with RecordMatch(MultiplayerCore("flag_capture", corrected_scores=True), tmp_path / "b.a26") as match:
+    with RecordReplay(MultiplayerCore("flag_capture", corrected_scores=True), tmp_path / "b.a26") as match:
         match.reset()
     assert Replay.load(tmp_path / "b.a26").options["corrected_scores"] is True
 
@@ -116,7 +116,7 @@ def test_from_the_middle_on_and_with_snapshots_writes_and_seeds(tmp_path: Path) 
     core = MultiplayerCore("combat", seed=5)
     core.reset()
     play(core, 50)
-    with RecordMatch(core, tmp_path / "a.a26") as match:
+    with RecordReplay(core, tmp_path / "a.a26") as match:
         before = match.snapshot()
         played = play(match, 100)
         match.restore(before)
@@ -145,8 +145,8 @@ def test_a_replay_becomes_a_video(tmp_path: Path) -> None:
 
 def test_wrong_uses(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="frameskip=1, got 4"):
-        RecordMatch(MultiplayerCore("pong", frameskip=4), tmp_path / "a.a26")
-    with RecordMatch(MultiplayerCore("pong"), tmp_path / "a.a26") as match:
+        RecordReplay(MultiplayerCore("pong", frameskip=4), tmp_path / "a.a26")
+    with RecordReplay(MultiplayerCore("pong"), tmp_path / "a.a26") as match:
         match.reset()
         for call in (lambda: match.act(0), lambda: match.set_mode(3), lambda: match.set_difficulty(1)):
             with pytest.raises(RuntimeError):

@@ -11,8 +11,9 @@ import pytest
 from video_reader import NTSC, PAL, frame_times, loudness, sound, video_frames
 
 from atari.cores import NativeCore
-from atari.recording import FORMATS, VideoWriter, frame_rate
+from atari.recording import VideoWriter
 from atari.recording.video.audio import AudioEncoder, to_16_bit
+from atari.recording.video.formats import FORMATS
 
 SILENCE = np.full(512, 128, np.uint8)
 TONE = np.tile(np.repeat(np.array([128, 188], np.uint8), 16), 16)
@@ -108,7 +109,7 @@ def test_a_games_sound_is_in_sync_with_its_frames(tmp_path: Path) -> None:
     core = NativeCore("seaquest", seed=1, sound=True)
     core.reset()
     moves = []
-    with VideoWriter(tmp_path / "a.mp4", core.game.screen.shape, frame_rate(core.game), sound=True) as video:
+    with VideoWriter(tmp_path / "a.mp4", core.game, sound=True) as video:
         for i in range(600):
             core.act([1, 0, 4, 1, 3, 0][i // 7 % 6])
             moves.append(np.ptp(core.audio().astype(float)))

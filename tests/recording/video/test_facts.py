@@ -11,7 +11,7 @@ from cli_tools import read, read_json
 
 import atari
 from atari.cli import main
-from atari.recording import RecordReplay, RecordVectorVideo, RecordVideo, Replay, VideoWriter, video_facts
+from atari.recording import RecordReplay, RecordVideo, Replay, VideoWriter, video_facts
 from atari.task import Task
 
 PACKAGE = f"atari-envs {atari.__version__}"
@@ -54,7 +54,7 @@ def test_wrappers(tmp_path: Path) -> None:
     played = Task.from_json(json.dumps(video_facts(path)["task"]))
     assert Task.of("pong", preset="baselines").differences(played) == {"repeat_action_probability": (0.0, 0.5)}
     tasks = [Task.of("pong"), Task.of("pong", interventions=["lazy_enemy"])]
-    envs = RecordVectorVideo(atari.AtariVectorEnv(tasks, 2), str(tmp_path / "b"), index=1, scale=1)
+    envs = RecordVideo(atari.AtariVectorEnv(tasks, 2), str(tmp_path / "b"), index=1, scale=1)
     envs.reset(seed=0)
     envs.step(np.zeros(2, np.int64))
     envs.close()
@@ -80,7 +80,7 @@ def test_videos_without_facts(tmp_path: Path) -> None:
     with VideoWriter(tmp_path / "a.gif", (210, 160), 60, comment="{}") as video:
         video.write(np.zeros((210, 160, 3), np.uint8))
     (tmp_path / "b.mp4").write_bytes(b"no video")
-    for name, text in (("a.mp4", "says nothing about"), ("a.gif", "says nothing about"), ("b.mp4", "has no facts")):
+    for name, text in (("a.mp4", "has no facts about"), ("a.gif", "has no facts about"), ("b.mp4", "has no facts")):
         with pytest.raises(ValueError, match=text):
             video_facts(tmp_path / name)
     with pytest.raises(FileNotFoundError):

@@ -14,7 +14,8 @@ import pytest
 from video_reader import NTSC, PAL, Screen, frame_times, video_frames
 
 from atari.cores import NativeCore
-from atari.recording import FORMATS, VideoWriter
+from atari.recording import VideoWriter
+from atari.recording.video.formats import FORMATS
 from atari.recording.video.images import Palette, add_caption, enlarge, line_height
 
 SOUNDING = ["mp4", "mkv", "webm"]
@@ -193,7 +194,7 @@ def test_a_full_disk_is_an_error_and_no_crash(tmp_path: Path, name: str, limit: 
     program = """if True:
         import resource, sys
         import numpy as np
-        from atari.recording import FORMATS, VideoWriter
+        from atari.recording import VideoWriter
         resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]),) * 2)
         noise = np.random.default_rng(0)
         try:

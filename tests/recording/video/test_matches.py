@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from atari.multiplayer import MultiplayerCore
-from atari.recording import RecordMatch, Replay
+from atari.recording import RecordReplay, Replay
 
 av = pytest.importorskip("av")
 
@@ -14,7 +14,7 @@ av = pytest.importorskip("av")
 def test_a_video_has_the_frames_and_the_sound_of_the_game(tmp_path: Path) -> None:
     source = np.random.default_rng(0)
     actions = source.integers(0, 18, (120, 2)).tolist()
-    with RecordMatch(MultiplayerCore("combat"), tmp_path / "match.a26") as match:
+    with RecordReplay(MultiplayerCore("combat"), tmp_path / "match.a26") as match:
         match.reset()
         for action in actions:
             match.act_players(action)
@@ -38,5 +38,5 @@ def test_a_video_has_the_frames_and_the_sound_of_the_game(tmp_path: Path) -> Non
 
 
 def test_the_name_before_says_the_new_one() -> None:
-    with pytest.raises(ImportError, match=r"record_game is now atari\.recording\.RecordMatch, whose replay"):
+    with pytest.raises(ImportError, match=r"record_game is now atari\.recording\.RecordReplay, whose replay"):
         from atari.multiplayer.video import record_game  # noqa: F401

@@ -16,8 +16,9 @@ from video_reader import NTSC, Screen, video_frames
 
 import atari
 from atari.cores import AleCore
-from atari.recording import VideoWriter, frame_rate
+from atari.recording import VideoWriter
 from atari.recording.video.encoder import FFmpegEncoder
+from atari.recording.video.writer import frame_rate
 
 
 def moving_bar(frames: int, size: tuple[int, int] = (210, 160)) -> list[Screen]:
@@ -38,7 +39,9 @@ def test_frame_rate_follows_from_the_colour_clock() -> None:
 def test_every_game_has_a_frame_rate_and_an_even_size(tmp_path: Path) -> None:
     for game in atari.games.values():
         assert 49 < frame_rate(game) < 60
-        VideoWriter(tmp_path / f"{game.id}.mp4", game.screen.shape, frame_rate(game), scale=1).close()
+        writer = VideoWriter(tmp_path / f"{game.id}.mp4", game, scale=1)
+        assert writer.fps == frame_rate(game)
+        writer.close()
 
 
 def test_file_has_codec_size_rate_and_duration(tmp_path: Path) -> None:
@@ -177,8 +180,8 @@ def test_missing_folders_are_made_and_an_old_file_replaced(tmp_path: Path) -> No
     ("arguments", "error", "text"),
     [
         ({"path": "a.avi"}, ValueError, r"name must end in one of .*, got '.*a\.avi'"),
-        ({"size": (210, 160, 3)}, TypeError, r"size is \(rows, columns\)"),
-        ({"size": 210}, TypeError, r"size is \(rows, columns\)"),
+        ({"size": (210, 160, 3)}, TypeError, r"size is a Game, or \(rows, columns\)"),
+        ({"size": 210}, TypeError, r"size is a Game, or \(rows, columns\)"),
         ({"size": (0, 160)}, ValueError, "side of size must be within 1"),
         ({"size": (210.0, 160)}, TypeError, "side of size must be an integer"),
         ({"size": (211, 160), "scale": 1}, ValueError, "320x211, but MP4 .* needs even sides"),
@@ -187,7 +190,8 @@ def test_missing_folders_are_made_and_an_old_file_replaced(tmp_path: Path) -> No
         ({"scale": 1.5}, TypeError, "scale must be an integer"),
         ({"fps": 0}, ValueError, "fps must be within"),
         ({"fps": float("nan")}, ValueError, "fps must be within"),
-        ({"fps": "60"}, TypeError, "fps is a number of screens a second, got '60'"),
+        ({"fps": "60"}, TypeError, "fps is a number of frames a second, which only a Game implies, got '60'"),
+        ({"fps": None}, TypeError, "fps is a number of frames a second, which only a Game implies, got None"),
     ],
 )
 def test_wrong_arguments_are_refused_before_a_file_is_made(

@@ -7,6 +7,7 @@
 
 #include "fast/fast_console.hpp"
 #include "fast/inline.hpp"
+#include "machine/dpc.hpp"
 #include "machine/opcodes.hpp"
 
 namespace atari {
@@ -64,7 +65,7 @@ struct Interpreter {
     INLINE static const DecodedInstruction* enter(FastConsole& c, uint32_t pc) {
         const uint32_t segment = pc >> 10 & 15;
         if (!(c.code_segments_ >> segment & 1)) return enter_ram(c, pc);
-        const DecodedInstruction* base = c.first_instruction_ + c.segment_[segment];
+        const DecodedInstruction* base = c.first_instruction_ + c.slot_.segment[segment];
         const DecodedInstruction* instruction = base + (pc & 0x3ff);
         if (instruction->handler == kStep) return nullptr;
         c.origin_ = pc & 0xfc00;
@@ -116,11 +117,11 @@ struct Interpreter {
     }
 
     static bool is_input(const FastConsole& c, uint32_t address) {
-        return (address & 0x1088) == 8 && c.deferred_ && !c.watches_tia_;
+        return (address & 0x1088) == 8 && c.deferred_ && !c.slot_.watches_tia;
     }
 
     static bool is_latches(const FastConsole& c, uint32_t address) {
-        return (address & 0x1088) == 0 && c.deferred_ && !c.watches_tia_;
+        return (address & 0x1088) == 0 && c.deferred_ && !c.slot_.watches_tia;
     }
 
     // Reads INPT0 .. INPT5, or one of two addresses that no chip drives. In a deferred frame a read changes nothing,
@@ -180,8 +181,7 @@ struct Interpreter {
         } else if constexpr (operand == Operand::Input) {
             value = input(c, r.cycles, given, given);
         } else if constexpr (operand == Operand::Dpc) {
-            c.m_.cycles = r.cycles;
-            value = c.read_fetcher(given & 0x3f);
+            value = read_dpc(c.m_.cart, c.slot_.image, given & 0x3f, r.cycles);
         } else if constexpr (operand == Operand::RomX || operand == Operand::RomY) {
             const uint32_t index = operand == Operand::RomX ? r.x : r.y;
             r.cycles += page_crossed(given, index);
@@ -259,7 +259,7 @@ struct Interpreter {
         Cpu& cpu = c.m_.cpu;
         cpu.a = static_cast<uint8_t>(a);
         cpu.c = carry != 0;
-        op == ADC ? c.adc(static_cast<uint8_t>(o)) : c.sbc(static_cast<uint8_t>(o));
+        op == ADC ? cpu.adc(static_cast<uint8_t>(o)) : cpu.sbc(static_cast<uint8_t>(o));
         c.overflow_ = cpu.v;
         return cpu.a | (cpu.c ? 0x100u : 0u);
     }
@@ -373,7 +373,7 @@ struct Interpreter {
         const uint32_t sp = c.m_.cpu.sp--, reg = tia_register(sp);
         r.cycles += 3;
         r.at += 1;
-        const bool direct = !(sp & 0x80) && r.cycles < c.deadline_ && !c.watches_tia_;
+        const bool direct = !(sp & 0x80) && r.cycles < c.deadline_ && !c.slot_.watches_tia;
         if (direct && kStoredIn[reg] == Operand::Tia) {
             write_tia<Operand::Tia>(r.cycles, c, reg, value);
             return kNext;
@@ -456,8 +456,8 @@ struct Interpreter {
         const uint32_t place = r.at->operand;
         if ((place & 0xff) == 0xff) return kInterpret;
         if (is_ram(place)) return jump(r, c, pointer(c, place & 0x7f), 5);
-        if (!(place & 0x1000) || (place & 0xfff) - c.plain_.from >= c.plain_.size - 1) return kInterpret;
-        const uint8_t* low = c.image_ + c.segment_[place >> 10 & 15] + (place & 0x3ff);
+        if (!(place & 0x1000) || (place & 0xfff) - c.slot_.plain.from >= c.slot_.plain.size - 1) return kInterpret;
+        const uint8_t* low = c.slot_.image + c.slot_.segment[place >> 10 & 15] + (place & 0x3ff);
         return jump(r, c, low[0] | uint32_t{low[1]} << 8, 5);
     }
 

@@ -230,7 +230,7 @@ uint16_t Interpreter::decode_ram(FastConsole& c, const DecodedInstruction* at) {
 }
 
 bool Interpreter::write_port(FastConsole& c, uint32_t cycles, uint32_t address, uint32_t value) {
-    const bool plain_tia = !(address & 0x1080) && !c.watches_tia_ && cycles < c.deadline_;
+    const bool plain_tia = !(address & 0x1080) && !c.slot_.watches_tia && cycles < c.deadline_;
     const bool logged = plain_tia && write_register(cycles, c, tia_register(address), value);
     c.m_.cycles = cycles;
     if (logged) return false;

@@ -59,7 +59,7 @@ struct Offsets {
     OFFSET(base_instruction, FastConsole, base_instruction_, 8)
     OFFSET(origin, FastConsole, origin_, 4)
     OFFSET(code_segments, FastConsole, code_segments_, 4)
-    ELEMENTS(segments, FastConsole, segment_, 4, 16)
+    ELEMENTS(segments, FastConsole, slot_.segment, 4, 16)
     OFFSET(bank, FastConsole, bank_, 8)
     ELEMENTS(pages, FastConsole, pages_, 8, 256)
     ELEMENTS(shadow, FastConsole, shadow_.reg, 1, 64)
@@ -68,7 +68,7 @@ struct Offsets {
     OFFSET(old_enabl, FastConsole, shadow_.old_enabl, 1)
     OFFSET(late_reflect, FastConsole, shadow_.late_reflect, 1)
     OFFSET(ark, FastConsole, shadow_.ark, 1)
-    OFFSET(watches_tia, FastConsole, watches_tia_, 1)
+    OFFSET(watches_tia, FastConsole, slot_.watches_tia, 1)
 
     // A decoded instruction, and an entry of the write log.
     OFFSET(instruction_operand, DecodedInstruction, operand, 2)

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "machine/console.hpp"
+#include "machine/console_config.hpp"
 #include "fast/inline.hpp"
 #include "machine/tia_positions.hpp"
 

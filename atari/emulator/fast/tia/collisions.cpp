@@ -5,7 +5,8 @@
 #include <bit>
 
 #include "collider.hpp"
-#include "machine/console.hpp"
+#include "machine/console_config.hpp"
+#include "machine/object_mask.hpp"
 
 namespace atari {
 namespace {

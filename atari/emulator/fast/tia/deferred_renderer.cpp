@@ -4,7 +4,8 @@
 #include <bit>
 #include <cstring>
 
-#include "machine/console.hpp"
+#include "machine/console_config.hpp"
+#include "machine/object_mask.hpp"
 #include "fast/inline.hpp"
 #include "paint.hpp"
 #include "machine/tia_positions.hpp"

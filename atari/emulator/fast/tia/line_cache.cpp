@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "machine/console.hpp"
+#include "machine/console_config.hpp"
 
 namespace atari {
 namespace {
