@@ -6,7 +6,7 @@ from atari.wrappers import StickyActions
 
 @pytest.mark.parametrize("probability", [0.25, 0.5])
 def test_repeats_with_this_probability_drawn_each_step(scripted, probability):
-    env = StickyActions(scripted(), probability)
+    env = StickyActions(scripted(meanings=["NOOP"] * 2000), probability)
     env.reset(seed=4)
     chosen = list(range(2000))
     for action in chosen:
