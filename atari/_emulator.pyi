@@ -428,7 +428,7 @@ class VectorSettings:
     @autoreset.setter
     def autoreset(self, arg: Autoreset, /) -> None: ...
 
-class MemberSpec:
+class LaneSpec:
     """
     The differences between the environments of a vector. `seed` is nine words: the emulator's, and
     eight of the episode's generator.
@@ -536,7 +536,7 @@ class VectorEngine:
 
     def __init__(
         self,
-        members: Sequence[MemberSpec],
+        lanes: Sequence[LaneSpec],
         episode: EpisodeSettings,
         observation: ObservationSettings,
         settings: VectorSettings,

@@ -13,7 +13,7 @@ from typing import Any
 
 import gymnasium
 
-from atari.games.catalog import games
+from atari.games.catalog import playable_ids
 
 LEGACY_GAMES: tuple[str, ...] = tuple(
     """adventure air_raid alien amidar assault asterix asteroids atlantis bank_heist battle_zone beam_rider berzerk
@@ -50,7 +50,7 @@ class Family:
 
     def games(self) -> tuple[str, ...]:
         """The games this family has."""
-        return tuple(game.id for game in games.playable()) if self.version == 5 else LEGACY_GAMES
+        return playable_ids() if self.version == 5 else LEGACY_GAMES
 
     def options(self, game: str) -> dict[str, Any]:
         """The options of `AtariEnv` for the ID of this game."""

@@ -1,4 +1,4 @@
-"""`Policy`: a function that chooses actions, and how this package calls it; and policies of scores of actions."""
+"""`Policy`: a function that chooses actions, and how this package calls it; `ScoresPolicy`: a policy from scores."""
 
 import inspect
 import sys
@@ -15,30 +15,29 @@ Array = npt.NDArray[Any]
 
 @runtime_checkable
 class Policy(Protocol):
-    """What chooses actions for a batch of environments: a function of two arrays, with optional attributes.
+    """A function that chooses actions for a batch of environments, with optional attributes.
 
     - `name`: a string, for results.
-    - `task`: the `atari.Task` that it was trained on. It says which observations the policy needs, and which actions
-      the indices are.
+    - `task`: the `atari.Task` of its training, which decides the policy's observations, and the meaning of its action
+      indices.
     - `environment`: the same as a mapping of options, by the names of `AtariVectorEnv`: `preset` and fields of
       `atari.Task`, such as `obs_type`, `img_height`, `img_width`, `stack_num`, `maxpool`, `full_action_space`, or
       `actions`, a sequence of names such as ("NOOP", "RIGHT", "LEFT"); or `task`, a task as the object of its JSON.
-      Beside either, and beside the attribute `task`, it may have `channels_last` and `dtype` of the observations, and
-      `rom`.
-      An evaluation plays sticky actions, beginnings, lives and limits as its protocol says. It refuses a policy of
-      another frame skip than the protocol's, or of another mode, difficulty or interventions than those of the game to
-      evaluate, and policies of several players or of continuous actions.
-    - `game`: the id of the game that it was trained on.
+      It may also have `channels_last` and `dtype` of the observations, and `rom`, beside the attribute `task`, too.
+      An evaluation plays sticky actions, beginnings, lives and limits as its protocol says. It refuses a policy with
+      another frame skip than the protocol, or with another mode, difficulty or interventions than the game to
+      evaluate, and policies of several players or with continuous actions.
+    - `game`: the id of the game of its training.
     - `protocol`: the `EvaluationProtocol` of its training, which commands play unless --protocol names another one.
     - `training_frames`: emulator frames of its training, an int.
     - `begin(game, actions, lanes, seeds)`: called when games begin in some lanes, before their first observations.
       `game` is the game's id, `actions` the names of all its actions in the order of indices, `lanes` (n,) int64,
       `seeds` (n,) int64. A policy that draws numbers or has a memory sets them up here for these lanes; then results
       do not depend on the number of lanes.
-    - `state()` and `restore(state)`: what its next actions depend on besides their arguments and the weights, such as
-      its generators, which can be pickled; and `load(weights)`. `atari.integrations.ray.RolloutActors` calls them.
-    - `begin_episodes(lanes)`: called where the environment begins an episode in the same game, after a lost life, and a
-      new stack of images.
+    - `state()` and `restore(state)`: everything else that its next actions depend on, such as its generators, in a form
+      that can be pickled; and `load(weights)`. `atari.integrations.ray.RolloutActors` calls them.
+    - `begin_episodes(lanes)`: called where the environment begins an episode, with a new stack, in the same game after
+      a lost life.
 
     Example:
         >>> from atari.learning import evaluate
@@ -51,7 +50,7 @@ class Policy(Protocol):
     def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Any:
         """Actions (n,), integers, for the observations (n, ...) uint8 of the environments `lanes` (n,) int64.
 
-        Or (actions, extras), with a mapping of arrays (n, ...) that a `Rollout` has beside the actions.
+        A policy may also return (actions, extras), with a mapping of arrays (n, ...), which a `Rollout` stores.
         """
 
 
@@ -63,12 +62,12 @@ def show(observations: Any) -> str:
 
 
 class LoadedPolicy:
-    """A policy as all programs of this package call it: with a name, all methods, and checked actions.
+    """The form of a policy that this package calls: with a name, all methods, and checked actions.
 
-    Its other attributes are those of what it was made of.
+    Other attributes are read from the policy itself.
 
     Args:
-        policy: a function of observations and lanes, or of observations alone, with attributes as of `Policy`.
+        policy: a function of observations and lanes, or of observations alone, with the attributes of `Policy`.
 
     Raises:
         TypeError: it is no such function.
@@ -83,7 +82,7 @@ class LoadedPolicy:
         self.name = str(named)
 
     def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):  # a copy that has no attributes yet, or a protocol of Python
+        if name.startswith("_"):  # a copy without attributes yet, or a special method of Python
             raise AttributeError(name)
         return getattr(self._policy, name)
 
@@ -95,7 +94,7 @@ class LoadedPolicy:
             begin(game, self._names, lanes, seeds)
 
     def begin_episodes(self, lanes: npt.NDArray[np.int64]) -> None:
-        """Begin episodes that go on with the games of some lanes, see `Policy`."""
+        """Begin episodes in some lanes, where the games go on, see `Policy`."""
         begin = getattr(self._policy, "begin_episodes", None)
         if begin is not None:
             begin(lanes)
@@ -104,7 +103,7 @@ class LoadedPolicy:
         """The actions (n,) for observations (n, ...) of some lanes.
 
         Raises:
-            ValueError: the policy returns anything else.
+            ValueError: the policy returns no such actions.
         """
         return self.checked(self.choose(observations, lanes)[0], lanes)
 
@@ -133,7 +132,7 @@ class LoadedPolicy:
         """The values that the policy returns, unchecked: actions, and extras by name.
 
         Raises:
-            ValueError: it returns no array.
+            ValueError: the policy returns no array.
         """
         returned = self._policy(observations, lanes) if self._takes_lanes else self._policy(observations)
         extras: Mapping[str, Any] = {}
@@ -149,13 +148,13 @@ class LoadedPolicy:
 
 
 def is_network(policy: Any) -> bool:
-    """Whether it is a network of PyTorch, of which there is none before PyTorch is imported."""
+    """Whether a policy is a network of PyTorch. PyTorch is not imported for this."""
     torch = sys.modules.get("torch")
     return torch is not None and isinstance(policy, torch.nn.Module)
 
 
 def makes_policy(source: Any) -> bool:
-    """Whether it is a class, or a function without parameters, which returns a policy."""
+    """Whether an object makes a policy: a class, or a function without parameters."""
     if isinstance(source, type) or not callable(source) or is_network(source):
         return isinstance(source, type)
     try:
@@ -168,7 +167,7 @@ def takes_lanes(policy: Any) -> bool:
     """Whether a function takes observations and lanes, not observations alone.
 
     Raises:
-        TypeError: it takes neither.
+        TypeError: the function takes neither.
     """
     if not callable(policy):
         raise TypeError(f"a policy is a function of observations and lanes, got {policy!r}")
@@ -187,13 +186,13 @@ def takes_lanes(policy: Any) -> bool:
 
 
 class ScoresPolicy:
-    """A policy of a function that gives a score for each action: action values, or logits.
+    """A policy from a function that returns a score for each action: action values, or logits.
 
     Args:
         scores: a function of observations (n, ...) uint8 that returns scores (n, actions), or actions (n,), integers.
         sample: whether actions are drawn with the probabilities softmax(scores), with a generator for each game;
             otherwise the action with the highest score is taken.
-        name, task, environment, training_frames, game: as of `Policy`.
+        name, task, environment, training_frames, game, protocol: see `Policy`.
 
     Example:
         >>> import numpy as np
@@ -213,6 +212,7 @@ class ScoresPolicy:
         environment: Mapping[str, Any] | None = None,
         training_frames: int | None = None,
         game: str | None = None,
+        protocol: Any = None,
     ) -> None:
         self._scores = scores
         self._sample = sample
@@ -223,6 +223,7 @@ class ScoresPolicy:
         self.environment = dict(environment or {})
         self.training_frames = training_frames
         self.game = game
+        self.protocol = protocol
 
     def begin(self, game: str, actions: Sequence[str], lanes: npt.NDArray[np.int64], seeds: Array) -> None:
         """Set up the generators of some lanes."""
@@ -255,7 +256,7 @@ class ScoresPolicy:
         """The actions (n,) for observations (n, ...) of some lanes.
 
         Raises:
-            ValueError: the function returns neither scores nor actions, or scores of another number of actions.
+            ValueError: the function returns neither scores nor actions, or scores for another number of actions.
         """
         scores = np.asarray(self._scores(observations))
         if scores.ndim == 1 and scores.dtype.kind in "iu":

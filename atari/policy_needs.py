@@ -1,4 +1,4 @@
-"""`Needs`: what a policy says of the environments that it plays in: its task, or options by name."""
+"""`Needs`: the environments that a policy needs, as its attributes `task` and `environment` say."""
 
 import json
 from collections.abc import Mapping
@@ -19,16 +19,16 @@ from atari.vector.ale_names import NAMES
 from atari.vector.options import resolve_one
 
 _LAYOUT = ("channels_last", "dtype", "rom")
-"""Options of a policy that are not of a task."""
+"""Options of a policy that are no fields of a task."""
 
 
 @dataclass(frozen=True)
 class Needs:
-    """What a policy says of the environments that it plays in.
+    """The environments that a policy needs.
 
     Attributes:
-        task: what it sees, and which actions its indices are; None if it does not say.
-        options: `channels_last`, `dtype` and `rom`, those that it says, as `AtariVectorEnv` takes them.
+        task: the task with the policy's observations and actions; None if the policy has no `task` and `environment`.
+        options: `channels_last`, `dtype` and `rom`, as far as the policy gives them, as `AtariVectorEnv` takes them.
     """
 
     task: Task | None = None
@@ -36,7 +36,7 @@ class Needs:
 
     @property
     def actions(self) -> tuple[str, ...] | None:
-        """The names of its actions by index."""
+        """The names of the policy's actions by index."""
         return None if self.task is None else tuple(action.name for action in self.task.action_set)
 
     def layout(self, task: Task) -> Layout:
@@ -45,14 +45,14 @@ class Needs:
 
 
 def needs_of(policy: Any, game: Game) -> Needs:
-    """What a policy says by its attributes `task` and `environment`, see `atari.learning.Policy`.
+    """The environments that a policy needs by its attributes `task` and `environment`, see `atari.learning.Policy`.
 
     Args:
         policy: a policy.
-        game: that is played. `environment` is resolved as `AtariVectorEnv` resolves the same options of this game.
+        game: the game that is played. `environment` is resolved as `AtariVectorEnv` resolves options for this game.
 
     Raises:
-        ValueError: an option is wrong, or is not a policy's.
+        ValueError: an option is wrong, or no option of policies.
     """
     environment = getattr(policy, "environment", None)
     try:
@@ -75,10 +75,10 @@ def needs_of(policy: Any, game: Game) -> Needs:
 
 
 def _checked(environment: Any) -> dict[str, Any]:
-    """The options of an environment, with names that a policy may use.
+    """The options of a policy's `environment`.
 
     Raises:
-        TypeError, ValueError: it is no mapping, or has another option.
+        TypeError, ValueError: it is no mapping, or has an option that policies may not have.
     """
     if not isinstance(environment, Mapping):
         raise TypeError(f"it must be a mapping of options, got {environment!r}")
@@ -92,7 +92,7 @@ def _checked(environment: Any) -> dict[str, Any]:
 
 
 def _task(task: Any) -> Task | None:
-    """A task, or one as a JSON object, as files of networks have it."""
+    """A task from a task or from a JSON object, which files of networks have."""
     if task is None or isinstance(task, Task):
         return task
     if isinstance(task, Mapping):
@@ -101,7 +101,7 @@ def _task(task: Any) -> Task | None:
 
 
 def composed(game: Task, **fields: Any) -> Task:
-    """A task of another task's game, mode, difficulty, players and interventions, with these fields.
+    """A task with the game, mode, difficulty, players and interventions of `game`, and with these fields.
 
     Fields that have no effect beside the others take their defaults.
     """

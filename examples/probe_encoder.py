@@ -13,7 +13,8 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from atari.lab.probes import ProbeResult, majority, play_episodes, probe, split_episodes
+from atari.lab.probes import majority, play_episodes, probe, split_episodes
+from atari.lab.probes.probe import ProbeResult
 from atari.learning.agents import find_agent
 from atari.learning.run import RunFolder
 from atari.learning.training import read_options

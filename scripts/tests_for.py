@@ -55,7 +55,7 @@ PLACES: dict[str, tuple[str, ...]] = {
     ),
     "atari/restorable.py": ("tests/wrappers/test_snapshots.py",),
     "atari/_version.py": ("tests/cli/test_main.py",),
-    "atari/_renamed.py": ("tests/test_import.py",),
+    "atari/_renamed.py": ("tests/test_renamed.py",),
     "atari/protocols.py": ("tests/test_import.py",),
     "atari/env_ids.py": ("tests/conformance/test_ids.py", "tests/test_registration.py"),
     "atari/making.py": ("tests/test_registration.py", "tests/vector/test_registration.py", "tests/task"),

@@ -104,6 +104,12 @@ def test_everything_in_all_is_there(tmp_path: Path) -> None:
     assert run(program, tmp_path) == "[]\n"
 
 
+def test_no_game_definition_is_read(tmp_path: Path) -> None:
+    """Parsing all of them would double the time of `import atari`."""
+    program = "import atari\nfrom atari.games import catalog\nprint(catalog._load.cache_info().currsize)"
+    assert run(program, tmp_path) == "0\n"
+
+
 def test_making_and_playing_prints_nothing(tmp_path: Path) -> None:
     program = (
         "import gymnasium, atari\nenv = gymnasium.make('ALE/Breakout-v5')\nenv.reset(seed=0)\n"

@@ -16,7 +16,7 @@ from atari.task.resolution import BY_FRAME
 
 if TYPE_CHECKING:
     from atari.cli.arguments import Commands
-    from atari.lab.causal import CausalMap
+    from atari.lab.causal.map import CausalMap
 
 
 def register(commands: "Commands") -> None:
@@ -42,7 +42,7 @@ def register(commands: "Commands") -> None:
 
 
 def _causes(args: argparse.Namespace) -> int:
-    from atari.lab.causal import causes
+    from atari.lab.causal.explore import causes
     from atari.lab.causal.files import save
     from atari.lab.causal.picture import write_png
 

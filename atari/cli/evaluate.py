@@ -14,18 +14,14 @@ from atari.cli.printing import print_json, print_table
 from atari.learning import (
     GAME_SETS,
     PROTOCOLS,
-    Comparison,
     Policy,
     Published,
     Result,
     compare,
     evaluate,
-    human_scores,
     load_policy,
-    published,
-    published_names,
 )
-from atari.learning.evaluation.compare import budget_faults, protocol_faults
+from atari.learning.evaluation.compare import Comparison, budget_faults, protocol_faults
 from atari.learning.evaluation.played import Entry
 from atari.learning.evaluation.protocols import find_protocol
 from atari.task.arguments import add_task, seed, show_task
@@ -101,7 +97,7 @@ def _evaluate(args: argparse.Namespace) -> int:
 def _check_before_playing(args: argparse.Namespace) -> None:
     """Refuse what would be refused after the games, which may take hours."""
     protocol = find_protocol(args.protocol)
-    human_scores(args.human)
+    Published.human_scores(args.human)
     _check_comparable(args, lambda agent: protocol_faults(protocol, agent))
     if args.plot:
         if not args.compare:
@@ -121,7 +117,7 @@ def _check_budgets(args: argparse.Namespace, policies: dict[str, Policy]) -> Non
 
 def _check_comparable(args: argparse.Namespace, faults_of: Callable[[Published], list[str]]) -> None:
     for name in args.compare:
-        if (faults := faults_of(published(name))) and not args.mixed:
+        if (faults := faults_of(Published(name))) and not args.mixed:
             raise ValueError(f"{name} is not comparable: {'; '.join(faults)}; --mixed compares it, and says so")
 
 
@@ -171,7 +167,7 @@ def _print(args: argparse.Namespace, result: Result, comparison: Comparison | No
 
 
 def _list(args: argparse.Namespace) -> int:
-    agents = [published(name) for name in published_names()]
+    agents = [Published(name) for name in Published.names()]
     if args.json:
         print_json({"protocols": PROTOCOLS, "sets": GAME_SETS, "published": [agent.name for agent in agents]})
         return 0

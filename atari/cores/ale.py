@@ -167,17 +167,20 @@ class AleCore:
         # the rules of two games keep over a reset. With those, only a journal since loading is complete.
         kept = self.game.rules is not None and bool(self.game.rules.kept_over_reset)
         self._sound_or_rules_outlive_reset = self.sound or kept
-        self._ale: Any = ALEInterface()
-        self._ale.setFloat("repeat_action_probability", self._options.repeat_action_probability)
-        self._ale.setInt("frame_skip", self._options.frame_skip)
-        self._ale.setInt("max_num_frames_per_episode", self._options.max_num_frames_per_episode)
-        self._ale.setBool("sound_obs", self.sound)
-        self._ale.setBool("color_averaging", self._options.color_averaging)
-        self._load(seed)
+        ale = ALEInterface()
+        ale.setFloat("repeat_action_probability", self._options.repeat_action_probability)
+        ale.setInt("frame_skip", self._options.frame_skip)
+        ale.setInt("max_num_frames_per_episode", self._options.max_num_frames_per_episode)
+        ale.setBool("sound_obs", self.sound)
+        ale.setBool("color_averaging", self._options.color_averaging)
+        self._ale: Any = _Unloaded(self, ale)
+        self._seed = seed
+        self._begin_journal()
 
     def seed(self, seed: int) -> None:
         """Start over with this seed. ale-py takes its seed from loading, so this loads the game again."""
         self._load(check_integer("seed", seed, 0, SEED_LIMIT - 1))
+        self._begin_journal()
 
     def reset(self) -> None:
         """Start a new game."""
@@ -357,17 +360,17 @@ class AleCore:
         self._ale = _Closed()
 
     def _load(self, seed: int) -> None:
-        """Load the ROM, which also resets ale-py's counters and generators, and start an empty journal."""
+        """Load the ROM, which also resets ale-py's counters and generators."""
         rom = find(self.game.id, self._rom)  # checked again: ale-py ends the process if the file is missing or wrong
-        self._seed = seed
+        ale = self._ale.ale if isinstance(self._ale, _Unloaded) else self._ale
         word = min(seed, SEED_LIMIT - 2)  # 2**32 - 1 is -1 as int32, which ale-py replaces by the clock
-        self._ale.setInt("random_seed", word if word < 2**31 else word - 2**32)
-        self._ale.loadROM(rom)
+        ale.setInt("random_seed", word if word < 2**31 else word - 2**32)
+        ale.loadROM(rom)
         if self._mode is not None:
-            self._ale.setMode(self._mode)
+            ale.setMode(self._mode)
         if self._difficulty is not None:
-            self._ale.setDifficulty(self._difficulty)
-        self._begin_journal()
+            ale.setDifficulty(self._difficulty)
+        self._ale, self._seed = ale, seed
 
     def _begin_journal(self, base: bytes = b"") -> None:
         """Start a journal from this point, with the mode and difficulty, which may not be those of the options."""
@@ -428,6 +431,17 @@ class AleCore:
             digest.update(array.tobytes())
         digest.update(f"{self.lives} {self.frame_number} {self.episode_frame_number}".encode())
         return digest.digest()
+
+
+class _Unloaded:
+    """Loads a core's game at its first use: it takes a tenth of a second, which a seed before that would repeat."""
+
+    def __init__(self, core: AleCore, ale: ALEInterface) -> None:
+        self.core, self.ale = core, ale
+
+    def __getattr__(self, name: str) -> Any:
+        self.core._load(self.core._seed)
+        return getattr(self.ale, name)
 
 
 class _Closed:

@@ -43,7 +43,7 @@ class Games(Mapping[str, Game]):
 
     def playable(self) -> Iterator[Game]:
         """The games that can be made into an environment: those with single-player rules."""
-        return (game for game in self.values() if game.single_player)
+        return map(self.__getitem__, playable_ids())
 
     def resolve(self, game: "str | PathLike[str] | Game") -> Game:
         """The game of an argument: an id, a game definition of your own (a path that ends in .toml), or a `Game`.
@@ -83,6 +83,12 @@ class Games(Mapping[str, Game]):
         near = difflib.get_close_matches(wanted, compact, n=1, cutoff=0.5)
         hint = f"did you mean {compact[near[0]]!r}?" if near else "see `atari list` for all of them"
         return f"there is no game {game_id!r}; {hint}"
+
+
+@cache
+def playable_ids() -> tuple[str, ...]:
+    """The ids of `Games.playable`. `import atari` registers them, so this searches the files without parsing them."""
+    return tuple(name for name in _IDS if "\n[rules]\n" in (_FOLDER / f"{name}.toml").read_text(encoding="utf-8"))
 
 
 @cache

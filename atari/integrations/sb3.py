@@ -52,7 +52,7 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
     Stable-Baselines3 transposes them like the images of its own environments. A training then ends with the same
     weights, to the bit. With channels first, convolutions add in another order, and weights differ by rounding.
 
-    `vector` is the `AtariVectorEnv`; `get_attr`, `set_attr` and `env_method` are about its `members`. `RecordVideo` and
+    `vector` is the `AtariVectorEnv`; `get_attr`, `set_attr` and `env_method` are about its `lanes`. `RecordVideo` and
     `RecordReplay` record it. A wrapper that does not change observations, rewards and actions can replace it.
 
     Args:
@@ -162,11 +162,11 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         return self.env_method("screen_rgb")
 
     def get_attr(self, attr_name: str, indices: Indices = None) -> list[Any]:
-        """An attribute of each member, or else of the vector, once for each. Spaces are a single environment's."""
-        chosen = [self._atari.members[index] for index in self._get_indices(indices)]
+        """An attribute of each lane, or else of the vector, once for each. Spaces are a single environment's."""
+        chosen = [self._atari.lanes[index] for index in self._get_indices(indices)]
         if attr_name in ("action_space", "observation_space"):
             return [getattr(self, attr_name)] * len(chosen)
-        return [getattr(member if hasattr(member, attr_name) else self._atari, attr_name) for member in chosen]
+        return [getattr(lane if hasattr(lane, attr_name) else self._atari, attr_name) for lane in chosen]
 
     def set_attr(self, attr_name: str, value: Any, indices: Indices = None) -> None:
         """Set `mode` or `difficulty`; it raises the errors of `AtariVectorEnv.set_attr`."""
@@ -176,8 +176,8 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
 
     def env_method(self, method_name: str, *args: Any, indices: Indices = None, **kwargs: Any) -> list[Any]:
         """Call a method of each environment, and return the results."""
-        members = self._atari.members
-        return [getattr(members[index], method_name)(*args, **kwargs) for index in self._get_indices(indices)]
+        lanes = self._atari.lanes
+        return [getattr(lanes[index], method_name)(*args, **kwargs) for index in self._get_indices(indices)]
 
     def env_is_wrapped(self, wrapper_class: type[Any], indices: Indices = None) -> list[bool]:
         """True for `Monitor`, because `infos` have its statistics; `evaluate_policy` then counts whole games."""

@@ -1,4 +1,4 @@
-"""`access`: reads and writes the RAM of a core, of an environment, or of the environments of a vector."""
+"""`access`: reads and writes the RAM of a core, of an environment, or of the lanes of a vector."""
 
 from typing import Any
 
@@ -14,28 +14,26 @@ from atari.vector import AtariVectorEnv
 
 
 def access(target: Any, index: int | None = None) -> "_Single | _Vector":
-    """The access to an environment or a wrapper around one, to a core, or to a vector or its member `index`.
+    """The access to an environment or a wrapper around one, to a core, or to a vector or its lane `index`.
 
-    Its `games` are those of its machines, `single` is whether it is one machine and no vector, `read` returns a copy of
-    RAM, (machines, 128) uint8, and `write` changes one byte.
+    An access has the `games` of its lanes. `single` is true for a core, an environment and one lane. `read` returns a
+    copy of RAM, (lanes, 128) uint8, and `write` changes one byte.
 
     Raises:
         TypeError: `target` is something else, or `index` is given for something that is no vector.
-        IndexError: there is no such member.
+        IndexError: there is no such lane.
     """
     inner: Any = target.unwrapped if isinstance(target, (gymnasium.Env, gymnasium.vector.VectorEnv)) else target
     if isinstance(inner, AtariVectorEnv):
-        numbers = list(range(inner.num_envs)) if index is None else [_check_index(inner, index)]
-        return _Vector(inner, numbers, single=index is not None)
+        lanes = list(range(inner.num_envs)) if index is None else [_check_index(inner, index)]
+        return _Vector(inner, lanes, single=index is not None)
     if index is not None:
-        raise TypeError(
-            f"index is the number of an environment of an AtariVectorEnv, but this is {target!r}; leave it out"
-        )
+        raise TypeError(f"index is the number of a lane of an AtariVectorEnv, but this is {target!r}; leave it out")
     if isinstance(inner, AtariEnv) or (isinstance(getattr(inner, "game", None), Game) and hasattr(inner, "set_ram")):
         return _Single(inner)
     raise TypeError(
         f"RAM is read from an AtariEnv (or a wrapper around one), a core, or an AtariVectorEnv, got {target!r}; "
-        "of the environments of another vector, take one"
+        "take one environment of another vector"
     )
 
 
@@ -43,7 +41,7 @@ def _check_index(envs: AtariVectorEnv, index: Any) -> int:
     try:
         return check_integer("index", index, 0, envs.num_envs - 1)
     except ValueError as error:
-        raise IndexError(f"{error}; there are {envs.num_envs} environments") from None
+        raise IndexError(f"{error}; the vector has {envs.num_envs} lanes") from None
 
 
 class _Single:
@@ -66,19 +64,19 @@ class _Single:
     def read(self) -> ByteArray:
         return self._core().ram()[None]
 
-    def write(self, _machine: int, index: int, byte: int) -> None:
+    def write(self, _row: int, index: int, byte: int) -> None:
         self._core().set_ram(index, byte)
 
 
 class _Vector:
-    """The environments of a vector with these numbers."""
+    """These lanes of a vector."""
 
-    def __init__(self, envs: AtariVectorEnv, numbers: list[int], single: bool) -> None:
-        self._envs, self._numbers, self.single = envs, np.array(numbers), single
-        self.games = tuple(envs.games[number] for number in numbers)
+    def __init__(self, envs: AtariVectorEnv, lanes: list[int], single: bool) -> None:
+        self._envs, self._lanes, self.single = envs, np.array(lanes), single
+        self.games = tuple(envs.games[lane] for lane in lanes)
 
     def read(self) -> ByteArray:
-        return self._envs.ram(self._numbers)
+        return self._envs.ram(self._lanes)
 
-    def write(self, machine: int, index: int, byte: int) -> None:
-        self._envs.members[self._numbers[machine]].set_ram(index, byte)
+    def write(self, row: int, index: int, byte: int) -> None:
+        self._envs.lanes[self._lanes[row]].set_ram(index, byte)

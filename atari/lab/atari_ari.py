@@ -1,9 +1,9 @@
 """AtariARI's names of RAM bytes and their categories.
 
 AtariARI is from Anand et al. 2019, "Unsupervised State Representation Learning in Atari". Its `AtariARIWrapper` returns
-`info["labels"]`, raw bytes by these names; `RamLabels(env, names="atari_ari")` returns the same. The facts are those of
-https://github.com/mila-iqia/atari-representation-learning (MIT licence). Which of them were confirmed is in the game
-files, where the labels have names of this package.
+`info["labels"]`, raw bytes by these names; `RamLabels(env, names="atari_ari")` returns the same. The source of the
+facts is https://github.com/mila-iqia/atari-representation-learning (MIT licence). The game files say which were
+confirmed; the labels have names of this package there.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,7 +20,7 @@ CATEGORIES = (
     "score_clock_lives_display",
     "misc_keys",
 )
-"""AtariARI's categories, of which its benchmark reports an F1 score each."""
+"""AtariARI's categories. Its benchmark reports an F1 score for each."""
 
 # Indices by game and name. Several indices are several names, with _0, _1, ... appended.
 _INDICES: dict[str, dict[str, int | Sequence[int]]] = {
@@ -140,7 +140,7 @@ def _split(indices: Mapping[str, int | Sequence[int]]) -> Mapping[str, int]:
 
 
 INDICES: Mapping[str, Mapping[str, int]] = MappingProxyType({game: _split(names) for game, names in _INDICES.items()})
-"""By game, the index 0..127 of each name."""
+"""The index 0..127 of each name, by game."""
 
 
 def indices(game: Game) -> Mapping[str, int]:
@@ -167,8 +167,8 @@ def with_names(game: Game) -> Game:
 def categories(name: str) -> tuple[str, ...]:
     """The categories of a name, by AtariARI's rules; few have two, some none.
 
-    The rules look for words in the name, wherever they are: "_x" and the like make it a place, "player" that of the
-    agent, "ball" or "missile" that of a small object.
+    The rules look for words anywhere in the name: "_x" and the like make it a place; "player" makes that the place of
+    the agent, "ball" or "missile" the place of a small object.
     """
     found = []
     if _has(name, "_x", "_y", "_z", "_column"):

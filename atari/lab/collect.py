@@ -1,6 +1,6 @@
 """`write_dataset`: recorded games as data: frames, RAM, values of labels, actions, rewards, in three formats.
 
-Replays are played again, so that what a policy, a person or a training has played becomes data, whatever it observed.
+Replays are played again, so that games of a policy, a person or a training become data, whatever they observed.
 """
 
 import json
@@ -45,27 +45,30 @@ def write_dataset(
 ) -> dict[str, Any]:
     """Write the steps of replays as a data set: frames, RAM, values of labels, actions, rewards, ends.
 
-    A step is one of the recorded environment, as in `to_minari`; an episode of n steps has n + 1 states, that before
-    the first step first. One episode at a time is in memory: 100 kB a step in RGB, a third in grayscale.
+    A step is a step of the recorded environment, as in `to_minari`. An episode of n steps has n + 1 states, beginning
+    with the state before the first step. One episode at a time is in memory: 100 kB a step in RGB, a third in
+    grayscale.
 
     - "hdf5": a group `episode_0`, ... for each episode, with the datasets `frames` (n + 1, height, width[, 3]) and
       `ram` (n + 1, 128), uint8, `actions` (n,) int64 (or (n, 3) float32), `rewards` (n,) float64, `terminations` and
-      `truncations` (n,) bool, and the groups `labels`, with a dataset (n + 1,) int32 of each, and `visible`, (n + 1,)
-      bool of those that can be invisible. The attributes of the file have `game`, `options` and `labels` as JSON.
+      `truncations` (n,) bool. The group `labels` has a dataset (n + 1,) int32 for each label; the group `visible` has
+      a dataset (n + 1,) bool for each label that can be invisible. The attributes of the file have `game`, `options`
+      and `labels` as JSON.
     - "parquet": a row for each state, with the columns `episode`, `step`, `frame` (PNG), `ram` (128 bytes), a column
-      `label.NAME` of each (null where it is not visible), and `action`, `reward`, `terminated`, `truncated` of the
-      step from this state (null in the last state of an episode).
+      `label.NAME` for each label (null where it is not visible), and `action`, `reward`, `terminated`, `truncated` of
+      the step from this state (null in the last state of an episode).
     - "minari": a Minari dataset of dict observations `image` and `ram`. Its infos have `labels` and `visible`.
 
     Args:
         replays: `Replay`s or files, of one game with the same options.
         output: the file, or the ID of the Minari dataset, such as "atari/pong/random-v0". It must not exist.
-        format: None is by the ending of `output`: .parquet, .h5, .hdf5; with "-v0" or the like at the end, "minari".
+        format: the format; None decides by the ending of `output`: .parquet, .h5, .hdf5; with "-v0" or the like at the
+            end, "minari".
         frames: the colours of the frames.
-        labels: names of labels, None is all of the game.
+        labels: names of labels; None writes all labels of the game.
         core: the core to play the replays on.
         first_episode: the number of the first episode, in Parquet and HDF5.
-        facts: of JSON's types. The attributes of an HDF5 file, and the metadata of a Parquet file and of a Minari
+        facts: facts of JSON's types. The attributes of an HDF5 file, and the metadata of a Parquet file and of a Minari
             dataset, have them as JSON, beside the replays' own: `task`, `core_seeds` and `package`, see
             `atari.recording.Replay.facts`. `atari collect` writes the task with all fields, as the object of
             `Task.to_json`, the `policy`, and the `seeds` of the episodes.
@@ -78,7 +81,7 @@ def write_dataset(
         ValueError: there are no replays, they differ in game or options, or have no steps; `output` exists or has
             another ending.
         KeyError: the game has no such label.
-        OSError: the file cannot be written; nothing is left of it.
+        OSError: the file cannot be written; it is removed.
         gymnasium.error.DependencyNotInstalled: the package of the format is not installed; the text names it.
 
     Example:
@@ -135,7 +138,7 @@ def write_dataset(
 
 
 def check_output(output: str | os.PathLike[str], format: str | None = None) -> Format:
-    """The format of an output, as `output_format`, which must not exist.
+    """The format of an output that does not exist yet, as `output_format`.
 
     Raises:
         TypeError, ValueError, gymnasium.error.DependencyNotInstalled: as `output_format`; or there is such a file or
@@ -150,10 +153,10 @@ def check_output(output: str | os.PathLike[str], format: str | None = None) -> F
 
 
 def output_format(output: str | os.PathLike[str], format: str | None = None) -> Format:
-    """The format of an output: as given, or by its ending.
+    """The format of an output: `format`, or by the output's ending.
 
     Raises:
-        TypeError, ValueError: there is no such format, or the ending says none.
+        TypeError, ValueError: there is no such format, or the ending names no format.
         gymnasium.error.DependencyNotInstalled: the package that writes the format is not installed.
     """
     text = os.fspath(output)
@@ -190,7 +193,7 @@ def _values(labels: Labels, ram: npt.NDArray[np.uint8]) -> Values:
 
 @contextmanager
 def _new_file(path: Path) -> Iterator[Path]:
-    """A temporary file that gets the name `path` at the end of the block; without one after an error."""
+    """A temporary file that gets the name `path` at the end of the block, or is removed after an error."""
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(path.name + ".part")
     try:
@@ -239,7 +242,7 @@ def _columns(pyarrow: Any, number: int, episode: EpisodeArrays, values: Values) 
     states = len(episode.rewards) + 1
     last = np.arange(states) == states - 1
 
-    def of_steps(column: npt.NDArray[Any]) -> Any:
+    def with_last(column: npt.NDArray[Any]) -> Any:
         if column.ndim == 1:
             return pyarrow.array(np.append(column, column[-1:]), mask=last)
         return pyarrow.array([*column.tolist(), None], pyarrow.list_(pyarrow.float32()))
@@ -249,10 +252,10 @@ def _columns(pyarrow: Any, number: int, episode: EpisodeArrays, values: Values) 
         "step": pyarrow.array(np.arange(states, dtype=np.int32)),
         "frame": pyarrow.array([_png(frame) for frame in episode.observations["image"]]),
         "ram": pyarrow.array([row.tobytes() for row in episode.observations["ram"]], pyarrow.binary(128)),
-        "action": of_steps(episode.actions),
-        "reward": of_steps(episode.rewards),
-        "terminated": of_steps(episode.terminations),
-        "truncated": of_steps(episode.truncations),
+        "action": with_last(episode.actions),
+        "reward": with_last(episode.rewards),
+        "terminated": with_last(episode.terminations),
+        "truncated": with_last(episode.truncations),
     }
     for name, column in values["labels"].items():
         visible = values["visible"].get(name)

@@ -13,21 +13,21 @@ RAM_BYTES = 128
 
 
 def recorded(source: Any) -> ByteArray | None:
-    """The states of a recording: one after each emulated frame of a replay, or those of an array; else None.
+    """The states of a recording: one after each emulated frame of a replay, or the rows of an array; else None.
 
     Args:
         source: a `Replay`, the path of one (.a26), or an array (T, 128) or (T, N, 128), uint8.
 
     Raises:
-        TypeError, ValueError: the array has another shape, or values that are no bytes; or as `Replay.load`.
+        TypeError, ValueError: the array has another shape, or its values are no bytes; or as `Replay.load`.
         FileNotFoundError: there is no such file.
     """
     if isinstance(source, (str, PathLike)):
         source = Replay.load(source)
     if isinstance(source, Replay):
-        return _of_replay(source)
+        return _replayed(source)
     if isinstance(source, (np.ndarray, list, tuple)):
-        return _of_array(np.asarray(source))
+        return _checked(np.asarray(source))
     return None
 
 
@@ -42,7 +42,7 @@ def check_index(index: Any, count: int) -> int:
     raise IndexError(f"there is no game {index!r} in this history; it has 0..{count - 1}")
 
 
-def _of_replay(replay: Replay) -> ByteArray:
+def _replayed(replay: Replay) -> ByteArray:
     rows = np.empty((replay.frames_total, 1, RAM_BYTES), np.uint8)
     count = 0
     core = replay.make_env().core
@@ -57,7 +57,7 @@ def _of_replay(replay: Replay) -> ByteArray:
     return rows[:count]
 
 
-def _of_array(array: npt.NDArray[Any]) -> ByteArray:
+def _checked(array: npt.NDArray[Any]) -> ByteArray:
     if array.ndim not in (2, 3) or array.shape[-1] != RAM_BYTES:
         raise ValueError(f"a history of RAM is an array (T, 128) or (T, N, 128), got {array.shape}")
     if array.dtype != np.uint8:

@@ -1,7 +1,7 @@
-"""Labels: the values that named bytes of RAM have, compiled once and evaluated by the extension module.
+"""Labels: the values of named bytes of RAM, compiled once and evaluated by the extension module.
 
-The value of a label is that of its `transform`. Without one, it is the bits of the byte that are in `mask`, or the two
-digits of a byte that is binary-coded decimal. A `weight` multiplies it.
+The value of a label is the result of its `transform`. Without one, it is the bits of the byte that are in `mask`, or
+the two digits of a byte that is binary-coded decimal. A `weight` multiplies it.
 """
 
 import difflib
@@ -29,7 +29,7 @@ def byte_index(place: Any) -> int:
     """The index 0..127 of a place in RAM: an index, or an address 0x80..0xFF.
 
     Raises:
-        TypeError, ValueError: it is neither.
+        TypeError, ValueError: `place` is neither.
     """
     try:
         number = check_integer("place", place, 0, 255)
@@ -41,7 +41,7 @@ def byte_index(place: Any) -> int:
 
 
 class UnknownLabelError(KeyError):
-    """No game here has a label of this name."""
+    """The game has no label of this name."""
 
     def __str__(self) -> str:
         return str(self.args[0])  # KeyError itself shows a text in quotation marks
@@ -66,10 +66,10 @@ class Labels:
 
     Args:
         game: the game.
-        names: of its labels; None is all.
+        names: names of its labels; None is all.
 
     Attributes:
-        hiding: the numbers of those that are not always visible.
+        hiding: the numbers of the labels that are not always visible.
 
     Raises:
         KeyError: the game has no such label; the message suggests the nearest.
@@ -120,16 +120,16 @@ class Labels:
         shown = zip(self.names, numbers[:, 0].tolist(), visible[:, 0].tolist(), strict=True)
         return {name: number if seen else None for name, number, seen in shown}
 
-    def evaluate_members(
-        self, engine: _emulator.VectorEngine, members: IntArray, of: _emulator.RamOf
+    def evaluate_lanes(
+        self, engine: _emulator.VectorEngine, lanes: IntArray, of: _emulator.RamOf
     ) -> tuple[IntArray, BoolArray]:
-        """As `evaluate`, in the RAM of these environments of a vector, int32 (rows,), without a copy in Python.
+        """As `evaluate`, in the RAM of these lanes of a vector, int32 (rows,), without a copy in Python.
 
         Raises:
-            RuntimeError: environments are being played.
+            RuntimeError: lanes are being played.
         """
-        values, visible = self._results(len(members))
-        engine.evaluate_labels(self._compiled, members, values, visible, of)
+        values, visible = self._results(len(lanes))
+        engine.evaluate_labels(self._compiled, lanes, values, visible, of)
         return values, visible
 
     def _results(self, rows: int) -> tuple[IntArray, BoolArray]:
@@ -139,17 +139,17 @@ class Labels:
     def byte_of(self, name: str, ram: ByteArray, value: Any) -> int:
         """The byte 0..255 that gives a label a value: the inverse of its transform, found by trying all bytes.
 
-        Bits outside of the label's mask stay as they are. Of several bytes it is the one that changes the fewest bits,
-        then the lowest.
+        Bits outside of the label's mask do not change. If several bytes have the value, the result is the byte that
+        changes the fewest bits, then the lowest.
 
         Args:
-            name: of one of these labels.
+            name: the name of one of these labels.
             ram: (128,) uint8, the other bytes, which a transform may read.
             value: the integer.
 
         Raises:
             TypeError: the value is no integer.
-            ValueError: no byte has this value; the message names those that are possible.
+            ValueError: no byte has this value; the message names the possible values.
         """
         number = self.names.index(name)
         try:

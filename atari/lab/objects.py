@@ -12,18 +12,10 @@ class GameObject:
     """A thing on the screen.
 
     Attributes:
-        name: that of its labels without `x` and `y`, such as "ball" or "asteroid_3".
+        name: the name of its labels without `x` and `y`, such as "ball" or "asteroid_3".
         kind: the name without numbers, such as "asteroid"; alike things have the same.
         x, y: column and row of its left upper corner, in pixels of the screen; None if the game has no label of it.
         width, height: in pixels; None if they are not known.
-
-    Example:
-        >>> import atari
-        >>> from atari.lab import Ram
-        >>> env = atari.make("pong")
-        >>> observation, info = env.reset(seed=0)
-        >>> sorted(thing.name for thing in Ram(env).objects())
-        ['player']
     """
 
     name: str
@@ -35,7 +27,7 @@ class GameObject:
 
 
 Positions = dict[str, dict[str, RamLabel]]
-"""By name of the object, its labels by axis, "x" and "y"."""
+"""The labels of each object by axis, "x" and "y", by the object's name."""
 
 
 def positions(labels: Mapping[str, RamLabel]) -> Positions:
@@ -57,7 +49,7 @@ def positions(labels: Mapping[str, RamLabel]) -> Positions:
 
 
 def visible_objects(found: Positions, values: Mapping[str, int | None]) -> list[GameObject]:
-    """The objects that are on the screen: those whose position has a value, by the values of the labels by name."""
+    """The objects whose position has a value, so that they are on the screen, by the values of the labels by name."""
     objects = []
     for name, axes in found.items():
         place = {axis: values[label.name] for axis, label in axes.items()}

@@ -16,7 +16,7 @@ STRIDES = (1, -1, 2, -2)
 """Distances from the byte of the lowest digits of a number to the next."""
 
 UNITS = (1, 10, 100, 1000)
-"""What the last digit in RAM may count: many games draw one or more zeros after it that are never anything else."""
+"""The worth of the last digit in RAM: many games draw one or more zeros after it that never change."""
 
 _NONE = RAM_BYTES  # the index of a byte that is always 0
 _DIGITS = np.array([10 * (v >> 4) + (v & 15) if v >> 4 < 10 and v & 15 < 10 else -1 for v in range(256)], np.int64)
@@ -24,7 +24,7 @@ _DIGITS = np.array([10 * (v >> 4) + (v & 15) if v >> 4 < 10 and v & 15 < 10 else
 
 @dataclass(frozen=True)
 class Place:
-    """A place of a value. `bytes` are indices 0..127, of a decimal number those of the lowest digits first."""
+    """A place of a value. `bytes` are indices 0..127; a decimal number has the byte of its lowest digits first."""
 
     bytes: tuple[int, ...]
     decimal: bool
@@ -36,7 +36,7 @@ class Place:
 
 
 class Places:
-    """A set of places, the values of which are computed together.
+    """A set of places whose values are computed together.
 
     `bytes` is (M, L): the indices of the L bytes of each of M places, `_NONE` where a number has no byte.
     """
@@ -53,7 +53,7 @@ class Places:
 
     @classmethod
     def numbers(cls, bytes: Sequence[int] | None = None) -> "Places":
-        """All decimal numbers, of one byte each until they are longer; or the one in the given bytes, lowest first."""
+        """All decimal numbers, at first of one byte; or one number in the given bytes, lowest first."""
         units = np.array(UNITS)
         if bytes is not None:
             return cls(np.tile(np.array(bytes), (len(units), 1)), 0 * units, units, decimal=True)
@@ -74,15 +74,15 @@ class Places:
         return [byte for byte in np.unique(self._bytes).tolist() if byte != _NONE]
 
     def pick(self, which: npt.NDArray[Any]) -> "Places":
-        """Those of a mask (M,)."""
+        """The places that a mask (M,) or indices select."""
         return Places(self._bytes[which], self._strides[which], self._units[which], self.decimal)
 
     def with_byte_of(self, indices: Sequence[int]) -> "Places":
-        """Those that have at least one of these bytes."""
+        """The places that have at least one of these bytes."""
         return self.pick(np.asarray(np.isin(self._bytes, indices).any(axis=1)))
 
     def long_enough(self, number: int) -> "Places":
-        """The same numbers with as many bytes as `number` needs; those that do not fit into RAM are left out."""
+        """The same numbers with as many bytes as `number` needs; numbers that do not fit into RAM are left out."""
         places = self
         while len(places):
             lengths = (places._bytes != _NONE).sum(1)
@@ -96,7 +96,7 @@ class Places:
         return places
 
     def values(self, ram: ByteArray) -> IntArray:
-        """The values (..., M) of RAM (..., 128); -1 for what is no decimal number."""
+        """The values (..., M) of RAM (..., 128); -1 where bytes are no decimal number."""
         digits = _DIGITS[ram] if self.decimal else ram.astype(np.int64)
         digits = np.concatenate([digits, np.zeros((*ram.shape[:-1], 1), np.int64)], axis=-1)[..., self._bytes]
         values: IntArray = (digits * 100 ** np.arange(self._bytes.shape[1])).sum(-1) * self._units

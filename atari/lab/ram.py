@@ -20,22 +20,22 @@ class Ram:
 
     `ram["ball_x"]` is the value of a label: its transform, in integers. It is None while the label's `visible` is
     false. A place is an integer: an index 0..127, or an address 0x80..0xFF; `ram[49]` and `ram[0xB1]` are the same
-    byte. Assigning writes: to a label the byte that has the value, to a place the byte itself. The next frame shows
-    it, unless the game writes the byte again.
+    byte. Assigning to a label writes the byte that has the value, and assigning to a place writes the byte itself. The
+    next frame shows it, unless the game writes the byte again.
 
-    Of a whole vector, values are `numpy.ma.MaskedArray` int32 (num_envs,), masked where they are not visible or where
-    the game has no such label; bytes are uint8 (num_envs,). One value is written to all environments, or an array
+    The values of a whole vector are `numpy.ma.MaskedArray` int32 (num_envs,), masked where they are not visible or
+    where the game has no such label; bytes are uint8 (num_envs,). One value is written to all lanes, or an array
     (num_envs,) has one for each; masked entries are not written.
 
     `Ram` holds no copy. It goes on working over resets, restores and replaced cores.
 
     Args:
         target: an `AtariEnv` or a wrapper around one, a core, or an `AtariVectorEnv`.
-        index: of one environment of a vector, which then is used like a single one.
+        index: a lane of a vector, which is then used like a single environment.
 
     Raises:
         TypeError: `target` is something else; or `index` is given for something that is no vector.
-        IndexError: the vector has no environment of this number.
+        IndexError: the vector has no lane of this number.
 
     All methods that read or write raise gymnasium.error.ClosedEnvironmentError after `close` of an environment or
     vector, and RuntimeError after `close` of a core, or between `send` and `recv` of a vector.
@@ -66,7 +66,7 @@ class Ram:
 
         Raises:
             KeyError: there is no such label; the message suggests the nearest.
-            TypeError, ValueError: it is neither a text nor a place.
+            TypeError, ValueError: `place` is neither a text nor a place.
         """
         if isinstance(place, str):
             values, visible = self._evaluate(self._known(place), self._access.read())
@@ -79,8 +79,8 @@ class Ram:
 
         Raises:
             KeyError: there is no such label, or a game of the vector has none.
-            TypeError, ValueError: the value is no integer, or none that the label or a byte can have; the message says
-                which are possible. Or an array is not of shape (num_envs,).
+            TypeError, ValueError: the value is no integer, or the label or a byte cannot have it; the message says the
+                possible values. Or an array is not of shape (num_envs,).
         """
         if isinstance(place, str):
             self._known(place)
@@ -89,12 +89,12 @@ class Ram:
         values = self._values(value)
         rams = self._access.read()
         writes = [
-            (machine, *self._byte(place, machine, rams[machine], wanted))
-            for machine, wanted in enumerate(values)
+            (lane, *self._byte(place, lane, rams[lane], wanted))
+            for lane, wanted in enumerate(values)
             if wanted is not np.ma.masked
         ]
-        for machine, index, byte in writes:
-            self._access.write(machine, index, byte)
+        for lane, index, byte in writes:
+            self._access.write(lane, index, byte)
 
     def __contains__(self, place: object) -> bool:
         """Whether there is a label of this name, or a byte at this place."""
@@ -115,8 +115,8 @@ class Ram:
 
     def __repr__(self) -> str:
         games = ", ".join(game.id for game in self._distinct)
-        machines = "" if self._access.single else f", {len(self._games)} environments"
-        return f"Ram({games}, {len(self)} labels{machines})"
+        lanes = "" if self._access.single else f", {len(self._games)} lanes"
+        return f"Ram({games}, {len(self)} labels{lanes})"
 
     def keys(self) -> list[str]:
         """The names of the labels."""
@@ -149,10 +149,12 @@ class Ram:
         return indices[0]
 
     def objects(self) -> Any:
-        """The things that are on the screen, by their labels of positions.
+        """The things on the screen, by their labels of positions.
 
         Returns:
-            A list of `GameObject`; of a whole vector, a list of such lists.
+            A list of `GameObject`; for a whole vector, a list of such lists. An object has a `name`, such as
+            "asteroid_3"; a `kind`, the name without numbers; and in pixels `x`, `y`, `width` and `height`, None where
+            not known.
         """
         rams = self._access.read()
         each = [
@@ -164,7 +166,7 @@ class Ram:
     def table(self) -> Table:
         """All labels with their places, bytes and values. It prints, and shows in a notebook.
 
-        Of a vector, it has the values of the first eight environments. Without labels, it has all 128 bytes.
+        The table of a vector has the values of the first eight lanes. Without labels, it has all 128 bytes.
         """
         rams = self._access.read()
         if not self._labels:
@@ -184,7 +186,7 @@ class Ram:
     def _titles(self, title: str) -> list[str]:
         if self._access.single:
             return [title]
-        return [f"{title} {machine}" for machine in range(min(len(self._games), _MOST_COLUMNS))]
+        return [f"{title} {lane}" for lane in range(min(len(self._games), _MOST_COLUMNS))]
 
     def _known(self, name: str) -> str:
         if name not in self._labels:
@@ -192,14 +194,14 @@ class Ram:
         return name
 
     def _evaluate(self, name: str, rams: ByteArray) -> tuple[IntArray, BoolArray]:
-        """The values of a label, (machines,) each, and whether they are visible."""
+        """The values of a label, (lanes,) each, and whether they are visible."""
         if len(self._distinct) == 1:
             values, visible = label_of(self._distinct[0], name).evaluate(rams)
             return values[0], visible[0]
         all_values, all_visible = np.zeros(len(rams), np.int32), np.zeros(len(rams), np.bool_)
         for game in self._distinct:
             if name in game.ram_labels:
-                rows = [machine for machine, played in enumerate(self._games) if played == game]
+                rows = [lane for lane, played in enumerate(self._games) if played == game]
                 values, visible = label_of(game, name).evaluate(rams[rows])
                 all_values[rows], all_visible[rows] = values[0], visible[0]
         return all_values, all_visible
@@ -210,20 +212,20 @@ class Ram:
         return np.ma.MaskedArray(values, ~visible)
 
     def _values(self, value: Any) -> list[Any]:
-        """The value for each machine, `numpy.ma.masked` where none is to be written."""
+        """The value for each lane, `numpy.ma.masked` where none is to be written."""
         count = len(self._games)
         if self._access.single or np.ndim(value) == 0:
             return [value] * count
         array = value if isinstance(value, np.ma.MaskedArray) else np.asarray(value)
         if array.shape != (count,):
-            raise ValueError(f"there must be a value for each of the {count} environments, got the shape {array.shape}")
+            raise ValueError(f"there must be a value for each of the {count} lanes, got the shape {array.shape}")
         if array.dtype.kind not in "iu":
             raise TypeError(f"values must be integers, got {array.dtype}")
         return list(array)
 
-    def _byte(self, place: str | int, machine: int, ram: ByteArray, value: Any) -> tuple[int, int]:
+    def _byte(self, place: str | int, lane: int, ram: ByteArray, value: Any) -> tuple[int, int]:
         """The index and the byte to write for a checked place."""
-        game = self._games[machine]
+        game = self._games[lane]
         if isinstance(place, int):
             return place, check_integer("a byte", value, 0, 255)
         if place not in game.ram_labels:

@@ -1,4 +1,4 @@
-"""`RamLabels`: the values of a game's labels in `info` at each step, of an environment or of a vector."""
+"""`RamLabels`: adds the values of a game's labels to `info` at each step of an environment or of a vector."""
 
 import difflib
 from collections.abc import Iterable
@@ -22,7 +22,7 @@ Names = Literal["game", "atari_ari"]
 
 
 class LabelValues(dict[str, int]):
-    """The values of labels by name. Its items are those that are visible; `values[name]` of another one is None.
+    """The values of labels by name. Its items are the visible labels; `values[name]` of an invisible one is None.
 
     Gymnasium's `SyncVectorEnv` and `AsyncVectorEnv` make arrays with masks of such items.
     """
@@ -40,17 +40,17 @@ class LabelValues(dict[str, int]):
 class RamLabels(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """Adds `info["labels"]`, the values of RAM labels at the time of the observation.
 
-    Of a single environment it is a dict of integers by name; the value of a label that is not visible is None (see
-    `LabelValues`). Of an `AtariVectorEnv`, `RamLabels(envs)` is a `VectorRamLabels`.
+    For a single environment it is a dict of integers by name; the value of a label that is not visible is None (see
+    `LabelValues`). `RamLabels(envs)` of an `AtariVectorEnv` is a `VectorRamLabels`.
 
     Args:
         env: an `AtariEnv`, or a wrapper around one, or around an `AtariVectorEnv`.
         labels: the names of the labels; None is all.
-        names: "game" are the names and values of `atari.games[game].ram_labels`, "atari_ari" those of AtariARI's
-            `AtariARIWrapper`: its names, and bytes as they are, always visible.
+        names: "game" selects the names and values of `atari.games[game].ram_labels`, "atari_ari" the names of
+            AtariARI's `AtariARIWrapper`, whose values are unchanged bytes, always visible.
 
     Raises:
-        TypeError: the environment is another one.
+        TypeError: `env` is another environment.
         KeyError: the game has no label of a name; the message suggests the nearest.
         ValueError: the game has no labels, or AtariARI does not have the game.
 
@@ -63,7 +63,7 @@ class RamLabels(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
     """
 
     def __new__(cls, env: Any = None, *args: Any, **kwargs: Any) -> Any:
-        """A `VectorRamLabels` of a vector; copying and pickling call this without arguments."""
+        """A `VectorRamLabels` for a vector; copying and pickling call this without arguments."""
         if isinstance(env, gymnasium.vector.VectorEnv) or isinstance(getattr(env, "unwrapped", None), AtariVectorEnv):
             return VectorRamLabels(env, *args, **kwargs)
         return super().__new__(cls)
@@ -101,11 +101,11 @@ class VectorRamLabels(VectorWrapper):
 
     It is a dict with an int32 array (rows,) for each name, zero where the label is not visible, and its mask, bool
     (rows,), under `_name`, as all of `info`. In SAME_STEP, after the end of an episode, `info["final_info"]["labels"]`
-    has those of the final observation. Where games differ, it has the labels of all, and masks say which game has
-    which.
+    has the labels of the final observation. Where games differ, it has the labels of all, and masks say which lanes
+    have them.
 
-    `RamLabels(envs)` makes it; arguments and errors are those of `RamLabels`. `recv`, `observe` and the other methods
-    of the `AtariVectorEnv` are available.
+    `RamLabels(envs)` makes it, with the same arguments and errors. `recv`, `observe` and the other methods of the
+    `AtariVectorEnv` are available.
     """
 
     def __init__(self, env: VectorEnv, labels: Iterable[str] | None = None, names: Names = "game") -> None:
@@ -126,12 +126,12 @@ class VectorRamLabels(VectorWrapper):
         self._number = np.array([numbers[game] for game in games])
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Reset environments."""
+        """Reset lanes."""
         observation, info = self.env.reset(seed=seed, options=options)
         return observation, self._labelled(info)
 
     def step(self, actions: Any, *args: Any, **kwargs: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
-        """Play a step; `out` and `env_id` are those of `AtariVectorEnv.step`."""
+        """Play a step, with the arguments of `AtariVectorEnv.step`."""
         observation, reward, terminated, truncated, info = self.env.step(actions, *args, **kwargs)
         return observation, reward, terminated, truncated, self._labelled(info)
 
@@ -141,7 +141,7 @@ class VectorRamLabels(VectorWrapper):
         return observation, reward, terminated, truncated, self._labelled(info)
 
     def observe(self) -> tuple[Any, dict[str, Any]]:
-        """What the environments show now."""
+        """The present observations of the lanes."""
         observation, info = self.env.observe()  # type: ignore[attr-defined]
         return observation, self._labelled(info)
 
@@ -160,10 +160,10 @@ class VectorRamLabels(VectorWrapper):
         return info
 
     def _evaluate(self, rows: Any, mask: Any, of: RamOf) -> dict[str, Any]:
-        """The arrays of these environments, where `mask` is true, which is also the mask of labels that cannot hide."""
+        """The arrays of these lanes, where `mask` is true, which is also the mask of labels that cannot hide."""
         with self._atari.engine() as engine:
             if self._only is not None:
-                values, visible = self._only.evaluate_members(engine, rows, of)
+                values, visible = self._only.evaluate_lanes(engine, rows, of)
             else:
                 values, visible = self._evaluate_games(engine, rows, of)
         if of is RamOf.FINAL:
@@ -183,7 +183,7 @@ class VectorRamLabels(VectorWrapper):
             columns = np.flatnonzero(numbers == number)
             if len(columns) and labels.names:
                 where = np.ix_(np.array([self._names.index(name) for name in labels.names]), columns)
-                values[where], visible[where] = labels.evaluate_members(engine, rows[columns], of)
+                values[where], visible[where] = labels.evaluate_lanes(engine, rows[columns], of)
         return values, visible
 
 
@@ -195,13 +195,13 @@ def _checked(labels: Iterable[str]) -> tuple[str, ...]:
 
 
 def _labels_by_game(games: Iterable[Game], chosen: tuple[str, ...] | None, names: Names) -> dict[Game, Labels]:
-    """The labels by game; each has those of the chosen ones that it knows."""
+    """The labels by game; each game has the chosen labels that it knows."""
     check_name("names", names, get_args(Names))
     named = {game: atari_ari.with_names(game) if names == "atari_ari" else game for game in games}
     known = set().union(*(game.ram_labels for game in named.values()))
     if not known:
         raise ValueError(
-            f"there are no labels of {' and '.join(game.id for game in named)}; atari.games has those of others"
+            f"there are no labels of {' and '.join(game.id for game in named)}; atari.games has the labels of others"
         )
     for name in chosen or ():
         if name not in known:

@@ -1,4 +1,4 @@
-"""`Search`: find the bytes of RAM that behave as a value does, filter by filter, while a game is played."""
+"""`Search`: finds the bytes of RAM that behave as a value does, filter by filter, while a game is played."""
 
 import html
 from collections.abc import Callable, Sequence
@@ -25,7 +25,7 @@ _MOST_VALUES = 1 << 22
 
 @dataclass(frozen=True)
 class Filter:
-    """A filter that was applied, as its call is written, and how many places it left."""
+    """An applied filter: its call as text, and the number of places that it left."""
 
     call: str
     left: int
@@ -46,7 +46,7 @@ class Candidates(Table):
 
 @dataclass(frozen=True)
 class _Step:
-    """What a filter has changed."""
+    """The state of a search before a filter, for `undo`."""
 
     places: Places
     ram: ByteArray
@@ -57,21 +57,21 @@ class _Step:
 class Search:
     """The places of RAM that every filter so far has left.
 
-    Each filter reads the RAM, compares it with the RAM at the filter before (at first, with that at the start of the
-    search), keeps the places that fit, and returns the search, so that filters can be chained. In all games of a
-    vector a place has to fit. Before the first `bcd`, a place is a byte; afterwards it is a decimal number of one or
-    more bytes, and all filters compare these numbers.
+    Each filter reads the RAM and compares it with the RAM at the filter before; the first filter compares with the RAM
+    at the start of the search. It keeps the places that fit, and returns the search, so that filters can be chained. A
+    place has to fit in all lanes of a vector. Before the first `bcd`, a place is a byte; afterwards it is a decimal
+    number of one or more bytes, and all filters compare these numbers.
 
     Args:
-        source: what is searched:
+        source: the game to search:
 
             - an `AtariEnv`, an `AtariVectorEnv` (in any wrappers) or a core, which is played between the filters;
             - a recorded history: a `Replay` or its path (.a26), with a state after each emulated frame, or an array
               (T, 128) or (T, N, 128), uint8. The search begins at its first state; `seek` goes to another.
-        index: of a vector, or of N games, the one to search; None is all.
+        index: the lane of a vector, or the one of N games, to search; None searches all.
 
     Raises:
-        TypeError, ValueError, FileNotFoundError: it is none of these.
+        TypeError, ValueError, FileNotFoundError: `source` is none of these.
         IndexError: there is no such index.
 
     Example:
@@ -94,10 +94,10 @@ class Search:
         self._state = 0
         self._labels: dict[int, str] = {}
         if self._states is None:
-            machines = access(source, index)
-            self._read = machines.read
-            if len(set(machines.games)) == 1:
-                self._labels = {label.index: name for name, label in machines.games[0].ram_labels.items()}
+            ram = access(source, index)
+            self._read = ram.read
+            if len(set(ram.games)) == 1:
+                self._labels = {label.index: name for name, label in ram.games[0].ram_labels.items()}
         else:
             if not len(self._states):
                 raise ValueError("a recorded history needs at least one state")
@@ -113,12 +113,12 @@ class Search:
 
     @property
     def candidates(self) -> list[int]:
-        """The indices 0..127 of the bytes that are left, ascending; of numbers, those of all their bytes."""
+        """The indices 0..127 of the remaining bytes, or of all bytes of the remaining numbers, ascending."""
         return self._places.indices()
 
     @property
     def places(self) -> list[Place]:
-        """The places that are left."""
+        """The remaining places."""
         return list(self._places.columns())
 
     @property
@@ -138,28 +138,28 @@ class Search:
         return states[:, 0] if states.shape[1] == 1 else states
 
     def changed(self) -> "Search":
-        """Keep what is not the same as before."""
+        """Keep the places whose value is not the same as before."""
         return self._compare("changed()", np.not_equal)
 
     def unchanged(self) -> "Search":
-        """Keep what is the same as before."""
+        """Keep the places whose value is the same as before."""
         return self._compare("unchanged()", np.equal)
 
     def increased(self) -> "Search":
-        """Keep what is more than before."""
+        """Keep the places whose value is more than before."""
         return self._compare("increased()", np.greater)
 
     def decreased(self) -> "Search":
-        """Keep what is less than before."""
+        """Keep the places whose value is less than before."""
         return self._compare("decreased()", np.less)
 
     def equals(self, n: Any) -> "Search":
-        """Keep what is `n` now: an integer, or (N,) of a vector's games."""
+        """Keep the places whose value is `n` now: an integer, or (N,) integers for N games."""
         numbers = self._numbers("n", n)
         return self._filter(f"equals({n})", lambda places, ram: places.values(ram) == numbers)
 
     def between(self, a: Any, b: Any) -> "Search":
-        """Keep what is at least `a` and at most `b` now.
+        """Keep the places whose value is at least `a` and at most `b` now.
 
         Raises:
             ValueError: `a` is more than `b`.
@@ -178,7 +178,7 @@ class Search:
         with the highest digits first or last. Zeros at the end of `n`, up to three, need not be in RAM.
 
         Args:
-            n: an integer of 0 or more, or (N,) of a vector's games.
+            n: an integer of 0 or more, or (N,) integers for N games.
             bytes: the places of the number, lowest digits first, instead of all of RAM.
 
         Raises:
@@ -198,14 +198,14 @@ class Search:
         return self._filter(call, lambda places, ram: places.values(ram) == numbers, places)
 
     def correlates(self, series: Any, at_least: float = 0.9) -> "Search":
-        """Keep what has followed `series`, up or down: the size of Pearson's correlation is at least `at_least`.
+        """Keep the places that have followed `series`, up or down: |Pearson's correlation| >= `at_least`.
 
         Args:
             series: a number for each state of `history`, (T,) or (T, N).
             at_least: 0..1.
 
         Raises:
-            TypeError, ValueError: it has another shape, or is always the same; `at_least` is out of range.
+            TypeError, ValueError: `series` has another shape, or is constant; `at_least` is out of range.
         """
         states = np.stack(self._kept) if self._states is None else self._states
         wanted = _check_series(series, states.shape[:2])
@@ -224,7 +224,7 @@ class Search:
         return self
 
     def seek(self, state: int) -> "Search":
-        """Go to a state of a recorded history, 0..T-1, of a replay after this many frames and one; filters read it.
+        """Let filters read this state of a recorded history, 0..T-1; state i of a replay is after frame i + 1.
 
         Raises:
             TypeError, ValueError: there is no such state, or the search is of a game that is played.
@@ -235,7 +235,7 @@ class Search:
         return self
 
     def undo(self) -> "Search":
-        """Take the last filter back. The next one compares with the RAM that this one compared with.
+        """Take the last filter back. The next filter compares with the same RAM as that one.
 
         Raises:
             ValueError: there is no filter to take back.
@@ -249,7 +249,7 @@ class Search:
         return self
 
     def table(self) -> Candidates:
-        """The places that are left with their values in `history`, the last ones; it shows in notebooks."""
+        """The remaining places with their last values in `history`; it shows in notebooks."""
         if not len(self._places):
             return Candidates(("place",), (), f"no candidates: {self.emptied_by}")
         states = np.stack(self._kept) if self._states is None else self._states[: self._state + 1]
@@ -265,7 +265,7 @@ class Search:
             for each, column in islice(columns.items(), _ROWS)
         )
         left = len(columns)
-        note = f"{left} candidates" + (f", of which {_ROWS} are shown" if left > _ROWS else "")
+        note = f"{left} candidates" + (f"; {_ROWS} are shown" if left > _ROWS else "")
         return Candidates(("place", "index", "label", *[""] * (len(values) - 1), "now"), rows, note)
 
     def __repr__(self) -> str:

@@ -11,8 +11,8 @@ class Table:
     """A table; `str` aligns its columns, a notebook shows it as HTML. None is an empty cell.
 
     Attributes:
-        columns: their titles.
-        rows: one tuple a row, of as many cells.
+        columns: the titles of the columns.
+        rows: the rows, each with a cell for each column.
     """
 
     columns: tuple[str, ...]

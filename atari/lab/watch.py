@@ -1,4 +1,4 @@
-"""`Watch` and `WatchVector`: wrappers that log chosen labels and bytes of RAM while a game is played."""
+"""`Watch`: a wrapper that logs chosen labels and bytes of RAM while a game is played."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, Literal, TypeAlias
@@ -19,20 +19,47 @@ OnChange: TypeAlias = Callable[[str | int, Any, Any], object]
 Array: TypeAlias = npt.NDArray[Any]
 
 
-class Watch(Restorable, gymnasium.Wrapper[Any, Any, Any, Any]):
+class _History:
+    """The history of a `Watch` and of a `VectorWatch`."""
+
+    _log: "_Log"
+
+    @property
+    def history(self) -> dict[str | int, Array]:
+        """The values by name or place, int32 (T,), masked where a label is not visible; "frame" is the frame number.
+
+        A log of all lanes of a vector has (T, num_envs).
+        """
+        return self._log.history()
+
+    def clear(self) -> None:
+        """Forget the history."""
+        self._log.clear()
+
+    def stop(self) -> None:
+        """End the log; the environment can continue."""
+        self._log.stopped = True
+
+
+class Watch(_History, Restorable, gymnasium.Wrapper[Any, Any, Any, Any]):
     """Log values of RAM after each reset, and after each step or emulated frame.
 
+    The log of an `AtariVectorEnv` has the values of all its lanes, or of one; `Watch(envs, ...)` makes a `VectorWatch`.
+
     Args:
-        env: an `AtariEnv`, in any wrappers. With each="step", a step is one of this wrapper.
+        env: an `AtariEnv` or an `AtariVectorEnv`, in any wrappers. With each="step", a step is one of this wrapper.
         what: names of labels, and places (0..127, or 0x80..0xFF) of bytes.
-        each: "step", or "frame" for all emulated frames, those inside a frame skip and in resets of wrappers too.
+        each: "step", or "frame" for all emulated frames, also inside a frame skip and in resets of wrappers. A vector
+            is logged by steps.
+        index: the lane of a vector to log; None logs all lanes.
         on_change: called with name or place, the value before, and the value now, after each change but the first;
             None is the value of a label that is not visible. It must not change the environment. Its errors end the
             step after it was played.
 
     Raises:
-        TypeError: it is no `AtariEnv`, or a name is of the wrong kind.
+        TypeError: `env` is neither, a name is of the wrong kind, or `index` is given for an `AtariEnv`.
         ValueError, KeyError: there is no such label or place, none is given, or `each` is something else.
+        IndexError: there is no such lane.
 
     Example:
         >>> import atari
@@ -42,31 +69,37 @@ class Watch(Restorable, gymnasium.Wrapper[Any, Any, Any, Any]):
         >>> observation = env.step(1)[0]
         >>> env.history["lives"].tolist()
         [5, 5]
+        >>> envs = Watch(atari.AtariVectorEnv("breakout", 2), "lives")
+        >>> observations, info = envs.reset(seed=0)
+        >>> envs.history["lives"].tolist()
+        [[5, 5]]
+        >>> envs.close()
     """
 
+    def __new__(cls, env: Any = None, *args: Any, **kwargs: Any) -> Any:
+        """A `VectorWatch` for a vector; copying and pickling call this without arguments."""
+        if isinstance(env, gymnasium.vector.VectorEnv) or isinstance(getattr(env, "unwrapped", None), AtariVectorEnv):
+            return VectorWatch(env, *args, **kwargs)
+        return super().__new__(cls)
+
     def __init__(
-        self, env: gymnasium.Env[Any, Any], *what: str | int, each: Each = "step", on_change: OnChange | None = None
+        self,
+        env: gymnasium.Env[Any, Any],
+        *what: str | int,
+        each: Each = "step",
+        index: int | None = None,
+        on_change: OnChange | None = None,
     ) -> None:
         inner: Any = env.unwrapped
         if not isinstance(inner, AtariEnv):
-            hint = "; for an atari.AtariVectorEnv there is WatchVector" if isinstance(inner, AtariVectorEnv) else ""
-            raise TypeError(f"Watch logs the RAM of an atari.AtariEnv, got {type(inner).__name__}{hint}")
+            raise TypeError(f"Watch logs the RAM of an AtariEnv or an AtariVectorEnv, got {env}")
         check_name("each", each, ("step", "frame"))
         super().__init__(env)
         self._atari = inner
-        self._log = _Log(Ram(inner), what, on_change)
+        self._log = _Log(Ram(inner, index=index), what, on_change)
         self._observer = _FrameLogger(self._append) if each == "frame" else None
         if self._observer is not None:
             inner.driver.observers.append(self._observer)
-
-    @property
-    def history(self) -> dict[str | int, Array]:
-        """The values by name or place, (T,) int32, masked where a label is not visible; "frame" is the frame number."""
-        return self._log.history()
-
-    def clear(self) -> None:
-        """Forget the history."""
-        self._log.clear()
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset the environment."""
@@ -84,7 +117,7 @@ class Watch(Restorable, gymnasium.Wrapper[Any, Any, Any, Any]):
         """End the log; the environment can continue."""
         if self._observer is not None and self._observer in self._atari.driver.observers:
             self._atari.driver.observers.remove(self._observer)
-        self._log.stopped = True
+        super().stop()
 
     def close(self) -> None:
         """End the log, and close the environment."""
@@ -100,51 +133,35 @@ class Watch(Restorable, gymnasium.Wrapper[Any, Any, Any, Any]):
         self._log.append(self._atari.core.frame_number)
 
 
-class WatchVector(VectorWrapper):
-    """Log values of RAM of all environments of a vector, or of one, after each reset and step.
+class VectorWatch(_History, VectorWrapper):
+    """Log values of RAM of all lanes of an `AtariVectorEnv`, or of one, after each reset and step.
 
-    Args:
-        envs: an `AtariVectorEnv`, in any wrappers.
-        what, on_change: as of `Watch`; values have the shape (num_envs,) if `index` is None.
-        index: the environment; None is all.
-
-    Raises:
-        TypeError, ValueError, KeyError: as `Watch`.
-        IndexError: there is no such environment.
-
-    Example:
-        >>> import atari, numpy
-        >>> from atari.lab import WatchVector
-        >>> envs = WatchVector(atari.AtariVectorEnv("breakout", 2), "lives")
-        >>> observations, info = envs.reset(seed=0)
-        >>> observations = envs.step(numpy.ones(2, int))[0]
-        >>> envs.history["lives"].tolist()
-        [[5, 5], [5, 5]]
-        >>> envs.close()
+    `Watch(envs, ...)` makes it, with the same arguments and errors.
     """
 
     def __init__(
-        self, envs: VectorEnv, *what: str | int, index: int | None = None, on_change: OnChange | None = None
+        self,
+        envs: VectorEnv,
+        *what: str | int,
+        each: Each = "step",
+        index: int | None = None,
+        on_change: OnChange | None = None,
     ) -> None:
         inner = envs.unwrapped
         if not isinstance(inner, AtariVectorEnv):
-            raise TypeError(f"WatchVector logs the RAM of an atari.AtariVectorEnv, got {type(inner).__name__}")
+            raise TypeError(
+                f"Watch logs the RAM of an AtariEnv or an AtariVectorEnv, got {inner}; in another vector, wrap each "
+                "environment"
+            )
+        if each != "step":
+            raise ValueError(f"a vector is logged by steps, each='step', got each={each!r}; watch an AtariEnv instead")
         super().__init__(envs)
-        self._members = inner.members if index is None else (inner.members[index],)
-        self._one = index is not None
-        self._log = _Log(Ram(inner) if index is None else Ram(inner, index=index), what, on_change)
-
-    @property
-    def history(self) -> dict[str | int, Array]:
-        """The values by name or place, (T, num_envs) or (T,) int32, masked where not visible; and "frame"."""
-        return self._log.history()
-
-    def clear(self) -> None:
-        """Forget the history."""
-        self._log.clear()
+        self._log = _Log(Ram(inner, index=index), what, on_change)
+        self._lanes = inner.lanes if index is None else (inner.lanes[index],)
+        self._single = index is not None
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Reset the environments."""
+        """Reset the lanes."""
         result: tuple[Any, dict[str, Any]] = self.env.reset(seed=seed, options=options)
         self._append()
         return result
@@ -156,8 +173,8 @@ class WatchVector(VectorWrapper):
         return result
 
     def _append(self) -> None:
-        frames = [member.frame_number for member in self._members]
-        self._log.append(frames[0] if self._one else frames)
+        frames = [lane.frame_number for lane in self._lanes]
+        self._log.append(frames[0] if self._single else frames)
         self._log.raise_error()
 
 

@@ -25,18 +25,18 @@ def show(env: gymnasium.Env[Any, Any], *, agent: Any = None) -> Any:
     """Show the inspector of an environment in a notebook.
 
     With anywidget (extra `lab`) and a running notebook it is the inspector of `atari lab`: it plays the environment's
-    core when its Play is pressed. Without, it is a picture of the screen and a table of the RAM.
+    core when its Play is pressed. Otherwise it is a picture of the screen and a table of the RAM.
 
     Args:
-        env: an `AtariEnv` in any wrappers; wrappers do not see what is played here.
-        agent: plays instead of a person; see `atari.lab.inspector.session.Agent`.
+        env: an `AtariEnv` in any wrappers; wrappers do not see the frames that are played here.
+        agent: an agent that plays instead of a person; see `atari.lab.inspector.session.Agent`.
 
     Returns:
-        What the notebook shows. Its `session` is the `Session`, its `export(folder)` writes labels, interventions and
-        the replay.
+        An object that the notebook shows. Its `session` is the `Session`, its `export(folder)` writes labels,
+        interventions and the replay.
 
     Raises:
-        TypeError: it is no `AtariEnv`.
+        TypeError: `env` is no `AtariEnv`.
     """
     session = Session(env, agent=agent)
     made = _widget_class()
@@ -44,17 +44,13 @@ def show(env: gymnasium.Env[Any, Any], *, agent: Any = None) -> Any:
 
 
 class StaticInspector:
-    """A picture of a session: the screen, and the bytes with their names.
-
-    Args:
-        session: that is shown, in its present state.
-    """
+    """A picture of the present state of a session: the screen, and the bytes with their names."""
 
     def __init__(self, session: Session) -> None:
         self.session = session
 
     def export(self, folder: str | Path) -> list[Path]:
-        """Write what there is of labels, interventions and replay into a folder, and return the files."""
+        """Write the session's labels, interventions and replay into a folder; see `export_all`."""
         return export_all(self.session, Path(folder))
 
     def _repr_html_(self) -> str:
@@ -62,7 +58,7 @@ class StaticInspector:
 
 
 def export_all(session: Session, folder: Path) -> list[Path]:
-    """Write what there is of labels, interventions and replay into a folder, and return the files.
+    """Write the session's labels, interventions and replay, if it has them, into a folder, and return the files.
 
     Raises:
         OSError: a file cannot be written.
@@ -71,7 +67,7 @@ def export_all(session: Session, folder: Path) -> list[Path]:
     files = []
     for name in export.NAMES:
         path = folder / (f"{session.game.id}.a26" if name == "replay.a26" else f"{session.game.id}-{name}")
-        with contextlib.suppress(ValueError):  # there is none
+        with contextlib.suppress(ValueError):  # nothing to export
             export.write(session, name, path)
             files.append(path)
     return files
@@ -107,7 +103,7 @@ def static_html(session: Session) -> str:
 def bundle() -> str:
     """The front end as one JavaScript module, as anywidget takes it.
 
-    The modules of the page import only each other and declare different names, so that they are joined as they are.
+    The modules of the page import only each other and declare different names, so that their texts can be joined.
     """
     static = resources.files("atari.lab.inspector") / "static"
     text = "\n".join((static / name).read_text(encoding="utf-8") for name in _MODULES)
@@ -133,11 +129,11 @@ def _widget_class() -> "Callable[[Session], Any] | None":
             super().__init__()
             self.session = session
             self._players: asyncio.Task[None] | None = None
-            self._known_state = ""  # that the front end has
+            self._known_state = ""  # the state that the front end has
             self.on_msg(self._receive)
 
         def export(self, folder: str | Path) -> list[Path]:
-            """Write what there is of labels, interventions and replay into a folder, and return the files."""
+            """Write the session's labels, interventions and replay into a folder; see `export_all`."""
             return export_all(self.session, Path(folder))
 
         def _repr_mimebundle_(self, **options: Any) -> Any:

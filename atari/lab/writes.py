@@ -16,11 +16,11 @@ from atari.games.game import Game
 from atari.games.interventions.writes import LATEST_FRAME, WriteRule
 from atari.validation import check_integer
 from atari.vector.env import AtariVectorEnv
-from atari.vector.members import Member
+from atari.vector.lanes import Lane
 
 
 class _Single:
-    """An environment or a core, with the methods of `Member`. An environment may replace its core by another one, so
+    """An environment or a core, with the methods of `Lane`. An environment may replace its core by another one, so
     the core is read at each use.
     """
 
@@ -46,7 +46,7 @@ class _Single:
         self._core.remove_write(write)
 
 
-_Target: TypeAlias = _Single | Member
+_Target: TypeAlias = _Single | Lane
 
 
 class _Held:
@@ -76,14 +76,14 @@ class _Held:
             raise
 
     def release(self) -> None:
-        """End it; a second call does nothing. The bytes stay as they are until the program changes them."""
+        """End the writes; a second call does nothing. The bytes keep their values until the program changes them."""
         while self._held:
             target, write, _ = self._held.pop()
             with suppress(RuntimeError):  # the core is closed
                 target.remove_write(write)
 
     def __getstate__(self) -> dict[str, Any]:
-        """Of the writes, the number of the environment and the slot."""
+        """The lane and the slot of each write."""
         held = []
         for target, write, slot in self._held:
             with suppress(RuntimeError, IndexError):  # the core is closed, or its slots were set
@@ -95,32 +95,32 @@ class _Held:
         self._env, self._index = state["env"], state["index"]
         self._targets = _targets(self._env, self._index)
         self._held = []
-        for number, slot in state["held"]:
-            target = self._targets[number]
+        for lane, slot in state["held"]:
+            target = self._targets[lane]
             write = target.slots[slot]
             assert write is not None
             self._held.append((target, write, slot))
 
 
 class Freeze(_Held):
-    """Hold bytes of RAM: after every emulated frame they are as given, also within a frame skip.
+    """Hold bytes of RAM at the given values after every emulated frame, also within a frame skip.
 
     Args:
         env: an `AtariEnv` or a wrapper around one, a native core, or an `AtariVectorEnv`.
-        values: values by label or by place, an index 0..127 or an address 0x80..0xFF. A label's value is its
-            `transform`'s; a place's is the byte. A value is an integer, or an expression of interventions, such as
-            "old"; for a vector also an array of integers, (num_envs,).
-        index: of a vector, the one environment that is meant; None is all.
-        paid: whether the rules reward the change, such as that of a score.
+        values: values by label or by place, an index 0..127 or an address 0x80..0xFF. The value of a label is the
+            result of its `transform`; the value of a place is the byte. A value is an integer, or an expression of
+            interventions, such as "old"; for a vector also an array of integers, (num_envs,).
+        index: the lane of a vector to write to; None writes to all.
+        paid: whether the rules reward the change, such as a new score.
         labels: values by label.
 
-    The bytes are written at once and after each frame, also that of a reset, until `release`, the end of the `with`
-    block, or `close` of the environment. Copies of the environment by `pickle` and `copy.deepcopy` hold them too. To
-    release them in a copy, copy both in one call: `env, freeze = copy.deepcopy((env, freeze))`.
+    The bytes are written at once, after a reset and after each frame, until `release`, the end of the `with` block, or
+    `close` of the environment. Copies of the environment by `pickle` and `copy.deepcopy` hold them too. To release them
+    in a copy, copy both in one call: `env, freeze = copy.deepcopy((env, freeze))`.
 
     Raises:
         TypeError: `env` is none of these.
-        ValueError: there is no such label or place, or it cannot have the value; or the core is ale-py's.
+        ValueError: there is no such label, place or lane, or it cannot have the value; or the core is ale-py's.
 
     Example:
         >>> import atari
@@ -156,18 +156,15 @@ class Poke(_Held):
     """Write bytes of RAM once, after the first emulated frame that fits.
 
     Args:
-        env: as of `Freeze`.
-        values: as of `Freeze`.
+        env, values, index, paid: as in `Freeze`.
         frame: the number of that frame in its episode; the first after a reset has the number 1.
         when: a condition over labels, `ram[...]`, `old` and `frame`, which is read after each frame.
-        index: as of `Freeze`.
-        paid: as of `Freeze`.
 
     Without `frame` and `when`, it is the next frame. The writes of a `Poke` are independent: each is done at its first
-    fitting frame. A snapshot has which are done, so after `restore` of an earlier one they are done again.
+    fitting frame. A snapshot says which are done, so after `restore` of an earlier one they are done again.
 
     Raises:
-        TypeError, ValueError: as `Freeze`; also for a condition that is wrong.
+        TypeError, ValueError: as `Freeze`; or the condition is wrong.
 
     Example:
         >>> import atari
@@ -197,21 +194,21 @@ class Poke(_Held):
 
 
 def _targets(env: Any, index: int | None) -> list[_Target]:
-    """The native cores, or the members of a vector, that are meant."""
+    """The native core, or the lanes of a vector, to write to."""
     if isinstance(env, AtariVectorEnv):
-        members = env.members
+        lanes = env.lanes
         if index is None:
-            return list(members)
-        return [members[check_integer("index", index, 0, len(members) - 1)]]
+            return list(lanes)
+        return [lanes[check_integer("index", index, 0, len(lanes) - 1)]]
     if index is not None:
         raise ValueError("index is for an AtariVectorEnv; leave it out")
-    if isinstance(env, Member):
+    if isinstance(env, Lane):
         return [env]
     core: Any = env.core if isinstance(env, AtariEnv) else env
     if getattr(core, "name", None) == "ale":
         raise ValueError("ale-py's core cannot write RAM within a frame; use core='native'")
     if not hasattr(core, "add_write"):
-        kinds = "an AtariEnv, a core, an AtariVectorEnv or one of its members"
+        kinds = "an AtariEnv, a core, an AtariVectorEnv or one of its lanes"
         raise TypeError(f"{kinds} is needed, got {type(env).__name__}")
     return [_Single(env)]
 
@@ -221,7 +218,7 @@ def _spread(value: Any, count: int, place: Any) -> list[int | str]:
     if isinstance(value, (np.ndarray, list, tuple)):
         array = np.asarray(value)
         if array.shape != (count,):
-            raise ValueError(f"{place!r} needs a value for each of {count} environments, got the shape {array.shape}")
+            raise ValueError(f"{place!r} needs a value for each of {count} lanes, got the shape {array.shape}")
         return [_number(one, place) for one in array.tolist()]
     return [value if isinstance(value, str) else _number(value, place)] * count
 

@@ -1,36 +1,36 @@
 """Learning from the environments: a replay memory, evaluation by protocols, comparison with published results.
 
-Nothing of it is imported by `import atari`. Memory and evaluation need NumPy alone; trained policies need what they
-were made with (extra `learn`: PyTorch).
+Memory and evaluation need NumPy alone; trained policies need the library that they were made with (extra `learn`:
+PyTorch).
 """
 
-from atari.learning.evaluation.compare import Comparison, compare
+from typing import Any
+
+from atari._renamed import missing
+from atari.learning.evaluation.compare import compare
 from atari.learning.evaluation.evaluate import evaluate, record_games
 from atari.learning.evaluation.protocols import GAME_SETS, PROTOCOLS, EvaluationProtocol
-from atari.learning.evaluation.published import Curve, Published, human_scores, published, published_names
-from atari.learning.evaluation.results import GameResult, Result
-from atari.learning.memory import Batch, ReplayMemory, Sequences
-from atari.learning.policies import Policy, ScoresPolicy, load_policy
+from atari.learning.evaluation.published import Published
+from atari.learning.evaluation.results import Result
+from atari.learning.memory import ReplayMemory
+from atari.learning.policies import load_policy
+from atari.policy import Policy, ScoresPolicy
 
 __all__ = [
     "GAME_SETS",
     "PROTOCOLS",
-    "Batch",
-    "Comparison",
-    "Curve",
     "EvaluationProtocol",
-    "GameResult",
     "Policy",
     "Published",
     "ReplayMemory",
     "Result",
     "ScoresPolicy",
-    "Sequences",
     "compare",
     "evaluate",
-    "human_scores",
     "load_policy",
-    "published",
-    "published_names",
     "record_games",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    raise missing(__name__, name)

@@ -1,4 +1,4 @@
-"""`Agent`: what the training loop needs of an agent."""
+"""`Agent`: the interface between the training loop and an agent."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
@@ -12,19 +12,19 @@ from atari.learning.options import TrainingOptions
 
 
 class Agent(ABC):
-    """Plays in environments and learns from it.
+    """An agent: it plays in environments and learns from the steps.
 
     Attributes:
-        options_class: class of the options.
+        options_class: the class of the options.
         fast: options found by measurement, for pixels, as `options_class.of` takes them.
-        sample: whether the policy draws its actions; otherwise it takes the one with the highest score.
+        sample: whether the policy draws its actions; otherwise it takes the action with the highest score.
         steps: agent steps so far, of all environments together.
-        network: the weights; its method `scores` rates the actions.
-        environments: those that it plays.
+        network: the network with the weights; its method `scores` rates the actions.
+        environments: the environments that the agent plays.
 
     Args:
-        options: of the training.
-        folder: where a large memory may have its file; None keeps it in RAM.
+        options: the options of the training.
+        folder: the folder for the file of a large replay memory; None keeps it in main memory.
     """
 
     options_class: ClassVar[type[TrainingOptions]]
@@ -45,21 +45,21 @@ class Agent(ABC):
 
     @abstractmethod
     def update(self) -> Mapping[str, float]:
-        """Play some steps and learn from them; returns what belongs into the log, `loss` among it."""
+        """Play some steps and learn from them. Returns the columns of the log, `loss` among them."""
 
     @abstractmethod
     def state(self) -> dict[str, Any]:
-        """All that the next update depends on, but for what `commit` saves."""
+        """Everything that the next update depends on, except what `commit` saves."""
 
     @abstractmethod
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Continue from a state, as if nothing had happened."""
+        """Continue from a state of `state`."""
 
-    def commit(self) -> None:  # noqa: B027 - most agents have nothing else
-        """Save what belongs to the last `state` but is not in it."""
+    def commit(self) -> None:  # noqa: B027 - most agents have everything in `state`
+        """Save what the last `state` refers to, such as the file of a replay memory."""
 
     def fits(self, state: Mapping[str, Any]) -> bool:
-        """Whether what `commit` has saved belongs to this state."""
+        """Whether the last `commit` belongs to this state."""
         return True
 
     @property

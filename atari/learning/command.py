@@ -41,15 +41,14 @@ def train(
 ) -> Path | None:
     """Train an agent as a command line says, and return the run folder.
 
-    With `--print-task` nothing is trained, and there is no folder.
+    With `--print-task` nothing is trained, and the result is None.
 
     Args:
-        agent: its name.
+        agent: the agent's name.
         argv: the command line without the agent.
         prog: the command, for help and errors.
-        output: a parser of flags that the caller obeys, and of `--json`, with which the task is printed as JSON, and
-            before a training not at all.
-        args: the values of these flags so far; the command line's are set in it.
+        output: a parser of the caller's flags and of `--json`, with which the task is printed as JSON.
+        args: the values of these flags so far, to which the values of the command line are added.
     """
     found = find_agent(agent)
     parser = _parser(found, prog, output)
@@ -70,12 +69,12 @@ def train(
 
 
 def _options(agent: Any, args: argparse.Namespace) -> Any:
-    """The options of a training of the arguments.
+    """The options of the training that a command line describes.
 
     Raises:
-        TypeError, ValueError, gymnasium.error.NameNotFound: as `TrainingOptions.of`.
+        TypeError, ValueError, gymnasium.error.NameNotFound: see `TrainingOptions.of`.
     """
-    game, kind, of_task = game_of(args.game), agent.options_class, given_options(args)
+    game, kind, fields_of_task = game_of(args.game), agent.options_class, given_options(args)
     names = {field.name for field in fields(kind)}
     own = {name: value for name, value in vars(args).items() if name in names}
     measured: dict[str, Any] = {}
@@ -85,11 +84,11 @@ def _options(agent: Any, args: argparse.Namespace) -> Any:
         ram = task_of(args, agent=True, default=agent.fast["preset"]).obs_type == "ram"
         measured = {**agent.fast, **(FAST_RAM if ram else {})}
     named = {} if args.preset is None else {"preset": args.preset}
-    return kind.of(game, **{**measured, **named, **of_task, **own})
+    return kind.of(game, **{**measured, **named, **fields_of_task, **own})
 
 
 def resume(folder: Path, as_json: bool = False) -> None:
-    """Continue a training; without `as_json`, the first line that is printed says what is played."""
+    """Continue a training. Without `as_json`, the first printed line is a summary of its task."""
     training = Training.resume(folder)
     if not as_json:
         print(summary(training.options.task), flush=True)
@@ -115,7 +114,7 @@ def _run(training: Training) -> None:
     """Train with a progress bar.
 
     Raises:
-        KeyboardInterrupt: after Ctrl-C, when all is saved.
+        KeyboardInterrupt: after Ctrl-C, when the training is saved.
     """
     agent, options, folder = training.agent, training.options, training.folder.path
     bar = tqdm(total=options.total_steps, initial=agent.steps, unit="step", unit_scale=True, disable=None)
@@ -171,7 +170,7 @@ _OLD_FLAGS = {
     **dict.fromkeys(("--stack", "--ram-stack"), "it is --stack-num, as in `{prog} GAME --stack-num 2`"),
     "--ram-padding": "it is --padding, as in `{prog} GAME --padding reset`",
 }
-"""Flags of earlier releases, and the new calls."""
+"""Flags of earlier releases, and the calls that replace them."""
 
 
 def _option_type(options: type[TrainingOptions], name: str) -> Any:

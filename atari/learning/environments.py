@@ -17,14 +17,14 @@ class TrainingEnvironments:
     """Environments with SAME_STEP autoreset, and the scores of the whole games that were played in them.
 
     Args:
-        options: of the training.
-        num_envs: how many environments.
+        options: the options of the training.
+        num_envs: the number of environments.
         num_threads: threads that play them.
         stacked: whether observations are stacks; otherwise each is a single image or RAM vector.
 
     Attributes:
-        actions: names of the actions; action i of `step` is the i-th of them.
-        shape: of an observation.
+        actions: names of the actions by their index in `step`.
+        shape: the shape of an observation.
     """
 
     def __init__(self, options: TrainingOptions, num_envs: int, num_threads: int = 1, stacked: bool = True) -> None:
@@ -39,7 +39,7 @@ class TrainingEnvironments:
         self.games: list[tuple[float, int]] = []
 
     def reset(self, seed: int | npt.NDArray[np.int64]) -> ByteArray:
-        """Begin new games; environment i is seeded with seed + i, or with its own of several."""
+        """Begin new games. Environment i gets the seed `seed + i`, or element i of an array."""
         observations: ByteArray
         observations, info = self._envs.reset(seed=seed)
         self._count_games(info)
@@ -48,7 +48,7 @@ class TrainingEnvironments:
     def step(
         self, actions: npt.NDArray[np.int64], out: Any = None
     ) -> tuple[ByteArray, Any, Any, Any, Mapping[str, Any]]:
-        """Play one step; rewards are clipped. See `AtariVectorEnv.step`."""
+        """Play one step, as `AtariVectorEnv.step`."""
         results = self._envs.step(actions, out=out)
         self._count_games(results[4].get("final_info", {}))
         return results
@@ -59,7 +59,7 @@ class TrainingEnvironments:
             self.games += zip(info["episode"]["r"][ended].tolist(), info["episode"]["l"][ended].tolist(), strict=True)
 
     def take_games(self) -> list[tuple[float, int]]:
-        """Score and length in frames of the whole games that have ended since the last call."""
+        """The score and the length in frames of each whole game that has ended since the last call."""
         taken, self.games = self.games, []
         return taken
 

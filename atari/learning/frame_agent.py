@@ -1,4 +1,4 @@
-"""`FrameAgent`: a policy that plays a core frame by frame, as programs that show every frame need it."""
+"""`FrameAgent`: a policy that plays a core frame by frame, for programs that show every frame."""
 
 from collections.abc import Generator, Iterator
 from typing import Any, Literal
@@ -22,16 +22,16 @@ Start = Literal["game", "life", "middle"]
 class FrameAgent:
     """A policy with the observations that it needs, made from the frames of a core.
 
-    The agent plays the policy's task: it presses what an episode begins with, at the start of a game and after a lost
-    life, chooses an action for each step, and repeats it for the frames of the step. Observations, no-ops and frame
-    skips are those of `AtariVectorEnv`, for equal seeds; with `seeding="ale"` no-ops and frame skips are drawn
-    otherwise. A core plays whole games: where the task would begin a new one after a lost life, the agent goes on.
-    Sticky actions, mode and interventions are those of the core. A policy that does not say what it needs gets preset
-    "baselines".
+    The agent plays the policy's task: it plays the no-ops and FIRE with which an episode begins, at the start of a game
+    and after a lost life, chooses an action for each step, and repeats it for the frames of the step. Observations,
+    no-ops and frame skips equal those of `AtariVectorEnv` for equal seeds; with `seeding="ale"` the vector draws other
+    no-ops and frame skips. A core plays whole games: where the task would begin a new game after a lost life, the agent
+    goes on. The core decides sticky actions, mode and interventions. A policy without `task` and `environment` gets the
+    preset "baselines".
 
     Args:
-        policy: as of `load_policy`.
-        seed: of no-ops, random frame skips, and policies that draw numbers, 0..2**32-1.
+        policy: a policy as `load_policy` takes it.
+        seed: the seed of no-ops, random frame skips, and policies that draw numbers, 0..2**32-1.
 
     Raises:
         TypeError, ValueError, FileNotFoundError, gymnasium.error.DependencyNotInstalled: see `load_policy`.
@@ -51,7 +51,7 @@ class FrameAgent:
         """The task that the policy plays in a game.
 
         Raises:
-            ValueError: what the policy needs is wrong, or no task of one player with a choice of actions.
+            ValueError: an option of the policy is wrong, or its task has several players or continuous actions.
         """
         return self._task_of(needs_of(self._policy, game), game)
 
@@ -68,23 +68,23 @@ class FrameAgent:
             )
         if task.definition == game:
             return task
-        groups = ("play", "begin", "lives", "limits", "observation")  # of a policy of another game
+        groups = ("play", "begin", "lives", "limits", "observation")  # the policy is of another game
         fields = {name: getattr(task, name) for group in groups for name in GROUPS[group] if name != "interventions"}
         return composed(self._unsaid(game), **fields)
 
     def _unsaid(self, game: Game) -> Task:
-        """The task of a policy that does not say what it needs."""
+        """The task of a policy without `task` and `environment`."""
         return Task.of(game, preset="baselines")
 
     def begin(self, core: Core, seed: int | None = None) -> None:
         """Begin a game, or go on from another state of it: the first observation fills the stack.
 
         Args:
-            core: that is played.
-            seed: instead of the agent's.
+            core: the core that is played.
+            seed: a seed in place of the agent's.
 
         Raises:
-            ValueError: as `task_in`.
+            ValueError: see `task_in`.
         """
         seed = self._seed if seed is None else seed
         needs = needs_of(self._policy, core.game)
@@ -144,7 +144,7 @@ class FrameAgent:
         return int(self._random.integers(low, high + 1)) - self._fire_counts if high else 0
 
     def _skip(self, action: int) -> Generator[int, None, bool]:
-        """The frames of a step; returns whether a life was lost that ends the episode."""
+        """The frames of a step. Returns whether a lost life ends the episode."""
         task = self._task
         low, high = task.frames
         left = low if high == low + 1 else int(self._random.integers(low, high))

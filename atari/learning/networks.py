@@ -1,4 +1,4 @@
-"""The networks of the agents: observations of bytes in, a number for each action out."""
+"""The networks of the agents: from observations of bytes to a number for each action."""
 
 from collections.abc import Sequence
 
@@ -9,8 +9,8 @@ from torch import Tensor, nn
 class Normalize(nn.Module):
     """Observations, (batch, ...) uint8, as float32: divided by 255, or normalised.
 
-    Normalised, each pixel or byte has a mean of 0 and a variance of 1 over all observations that `update` has seen,
-    and is clipped to -5..5. What moves then stands out from the background.
+    A normalised pixel or byte has a mean of 0 and a variance of 1 over all observations that `update` has seen, and is
+    clipped to -5..5. Moving objects then stand out from the background.
     """
 
     def __init__(self, shape: Sequence[int], running: bool) -> None:
@@ -35,7 +35,7 @@ class Normalize(nn.Module):
         mean = self.total / self.count
         variance = self.total_of_squares / self.count - mean.square()
         self.mean.copy_(mean)
-        self.scale.copy_((variance.clamp_min(0) + 1).rsqrt())  # 1: pixels that hardly ever change are not noise
+        self.scale.copy_((variance.clamp_min(0) + 1).rsqrt())  # + 1, so that pixels that hardly change are no noise
 
     def forward(self, observations: Tensor) -> Tensor:
         """Normalised observations, float32, of the same shape."""
@@ -47,7 +47,7 @@ class Encoder(nn.Module):
     """From observations to features, (batch, `width`) float32.
 
     Args:
-        shape: of an observation.
+        shape: the shape of an observation.
         kind: "nature", "small" or "mlp", see `TrainingOptions.network`.
         normalize: see `TrainingOptions.normalize`.
         layer_norm: normalise the layers, as PQN needs it.

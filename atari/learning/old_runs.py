@@ -8,8 +8,8 @@ from typing import Any
 def migrated(config: Mapping[str, Any]) -> dict[str, Any]:
     """The configuration of format 1 as format 2 has it.
 
-    In format 1, `options` has the game, the preset as `protocol` with what overrides it, and what the network sees.
-    Format 2 has a task, as JSON of its format 1, and the other options.
+    In format 1, `options` has the game, the preset as `protocol`, fields that replace those of the preset, and the
+    network's observations. Format 2 has a task, as JSON of its format 1, and the other options.
 
     Raises:
         KeyError, TypeError, ValueError: the configuration is damaged.
@@ -37,7 +37,7 @@ def migrated(config: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def with_stacks_in_task(config: Mapping[str, Any]) -> dict[str, Any]:
-    """The configuration with the stack of RAM in the task, where the first ones of format 2 have it in the options."""
+    """The configuration with the stack of RAM in the task; the first releases of format 2 had it in the options."""
     options = dict(config["options"])
     stack, padding = options.pop("ram_stack", None), options.pop("ram_padding", None)
     own = {} if stack is None else {"stack_num": stack, "padding": padding}
@@ -111,4 +111,4 @@ _PRESETS: Mapping[str, Mapping[str, Any]] = {
         "image": {"padding": "zero", "end_frames": "gymnasium"},
     },
 }
-"""What the presets of format 1 played, by the names of a task. The stack began anew after each lost life."""
+"""The presets of format 1 as fields of a task. The stack began anew after each lost life."""

@@ -1,4 +1,4 @@
-"""The options that all agents have: what is played, and how long and with what it is learned."""
+"""The options that all agents have: the task, the length of the training, the network, and the machine's resources."""
 
 import dataclasses
 import types
@@ -16,7 +16,7 @@ from atari.task.resolution import ALIASES, OPTIONS, GameLike, resolve_for_agent
 from atari.validation import check_integer, check_known
 
 SEEDS = 2**32
-"""Seeds are below it."""
+"""The number of seeds, 0..2**32-1."""
 
 FAST_PIXELS: Mapping[str, Any] = {
     "total_steps": 2_000_000,
@@ -40,7 +40,7 @@ FAST_RAM: Mapping[str, Any] = {
     "stack_num": 2,
     "padding": "reset",
 }
-"""Options for RAM, which replace those of the same name."""
+"""Options for RAM, which replace the options for pixels."""
 
 _Options = TypeVar("_Options", bound="TrainingOptions")
 
@@ -50,24 +50,24 @@ class TrainingOptions:
     """The options that all agents have. `of` makes them from a game and options by name.
 
     Attributes:
-        task: what the agent plays, sees and is paid.
-        seed: of environments, weights and actions, 0..2**32-1; equal seeds give equal weights, to the bit, on one
-            machine. Weights and actions are drawn from the seed itself. Environment i is seeded with
-            seed * num_envs + i, with DQN seed + i; where these are not all below 2**32, with words of NumPy's
+        task: the task that the agent plays.
+        seed: the seed of environments, weights and actions, 0..2**32-1; equal seeds give equal weights, to the bit, on
+            one machine. Weights and actions are drawn from the seed itself. Environment i has the seed
+            seed * num_envs + i, with DQN seed + i; if one of these is 2**32 or more, environments have words of NumPy's
             SeedSequence.
         total_steps: agent steps of all environments together.
         stop_score: stop when the mean score of the last 100 whole games reaches this; none is never.
         num_envs: environments that are played together.
         network: nature (Mnih et al. 2015), small (two convolutions, 256 units), or, for RAM, mlp (two layers of 256
             units) or bits (the same on the bits of RAM).
-        normalize: subtract the mean of each pixel or byte and divide by its standard deviation, both of all
-            observations so far, instead of dividing by 255.
+        normalize: subtract the mean of each pixel or byte and divide by its standard deviation, over all observations
+            so far, instead of dividing by 255.
         bfloat16: compute convolutions and wide layers in bfloat16; parameters stay float32.
         learning_rate: step size of the optimiser.
-        gamma: discount of a reward for each step until it comes.
-        device: where the network is computed, cpu or cuda.
-        workers: threads, each with environments of its own, that play and compute gradients; on cpu, one for each
-            core. Another number gives other weights.
+        gamma: discount of a reward for each step before it.
+        device: the device of the network, cpu or cuda.
+        workers: threads that play and compute gradients, each in its own environments; on cpu, one for each core is
+            best. Another number gives other weights.
         checkpoint_minutes: minutes between checkpoints.
 
     Raises:
@@ -100,7 +100,7 @@ class TrainingOptions:
     checkpoint_minutes: float = 5.0
 
     def __new__(cls, *args: Any, **given: Any) -> Any:
-        """Refuse the options of earlier releases with a sentence."""
+        """Refuse the options of earlier releases."""
         refuse_old_options(given, cls.__name__)
         return super().__new__(cls)
 
@@ -108,25 +108,23 @@ class TrainingOptions:
     def of(cls: type[_Options], game: GameLike, *, preset: str | None = None, **options: Any) -> _Options:
         """The options of a training in a game.
 
-        Rewards are clipped, a lost life that ends an episode clears the stack, and a stack has four RAM vectors if the
-        agent sees RAM, unless `options` say otherwise: so the task has `reward_clipping=True`, `seamless_lives=False`
-        and, for RAM, `stack_num=4`. A `Task` is played as it is.
+        Unless `options` say otherwise, the task has `reward_clipping=True`, `seamless_lives=False` (a lost life that
+        ends an episode clears the stack) and, for RAM, `stack_num=4`. A given `Task` is not changed.
 
         Args:
             game: a game's name, the path of a game file or a `Game`; an environment ID, which decides sticky actions,
                 the actions, and RAM or pixels; or a `Task`.
-            preset: name of a preprocessing, one of `atari.PRESETS`; None is `default_preset`, but for a `Task`.
+            preset: a name of `atari.PRESETS`; None is `default_preset`, except for a `Task`.
             **options: fields of this class and of `atari.Task`.
 
         Raises:
-            gymnasium.error.NameNotFound: there is no such ID.
-            TypeError, ValueError: there is no such option (the nearest is suggested), or as the class.
+            gymnasium.error.NameNotFound: the ID is not known.
+            TypeError, ValueError: an option is not known (the nearest is suggested), or see the class.
         """
         refuse_old_options(options, cls.__name__)
         own = {field.name for field in dataclasses.fields(cls)} - {"task"}
-        of_task = (*OPTIONS, *ALIASES)
-        wrong = [name for name in options if name not in own and name not in of_task]
-        check_known(cls.__name__, wrong, (*own, *of_task))
+        known = (*own, *OPTIONS, *ALIASES)
+        check_known(cls.__name__, [name for name in options if name not in known], known)
         given = {name: value for name, value in options.items() if name not in own}
         if not (isinstance(game, Task) and preset is None):
             given.setdefault("seamless_lives", False)  # the stack begins anew where the learner's episode does
@@ -191,14 +189,14 @@ _OLD: Mapping[str, str] = {
     "ram_padding": "padding={0!r}",
     "sticky": "repeat_action_probability={0}",
 }
-"""Options of earlier releases, and what replaces them; {0} is the value."""
+"""Options of earlier releases, and the text of their replacements; {0} is the value."""
 
 
 def refuse_old_options(options: Mapping[str, Any], owner: str) -> None:
     """Refuse the options of earlier releases.
 
     Raises:
-        TypeError: there is one; the message shows the new call.
+        TypeError: `options` has one; the message shows the new call.
     """
     for name, new in _OLD.items():
         if name in options:
@@ -211,7 +209,7 @@ def check_task(task: Task) -> None:
     """Refuse a task that the agents cannot play.
 
     Raises:
-        ValueError: their networks or their learning have no place for one of its fields.
+        ValueError: a field of the task is not supported.
     """
     if task.obs_type not in ("grayscale", "ram"):
         raise ValueError(
@@ -231,17 +229,17 @@ def check_task(task: Task) -> None:
 
 
 def check_choice(name: str, value: Any, choices: tuple[Any, ...]) -> None:
-    """Check an option.
+    """Check that the value of an option is one of its choices.
 
     Raises:
-        ValueError: it is none of the choices.
+        ValueError: the value is no choice.
     """
     if value not in choices:
         raise ValueError(f"{name} must be one of {', '.join(map(str, choices))}, got {value!r}")
 
 
 def members(options: type, name: str) -> tuple[Any, ...]:
-    """The types that an option of a class may have."""
+    """The types of the values of an option."""
     kind = typing.get_type_hints(options)[name]
     return typing.get_args(kind) if typing.get_origin(kind) in (types.UnionType, typing.Union) else (kind,)
 
@@ -250,7 +248,7 @@ def parse(options: type, name: str, text: str) -> Any:
     """The value of an option from its text on a command line.
 
     Raises:
-        ValueError: the text is none.
+        ValueError: the text is no value of the option.
     """
     kinds = members(options, name)
     kind = kinds[0]

@@ -1,4 +1,4 @@
-"""`load_policy`: a policy of a run folder, a file, the name of a function, or an object.
+"""`load_policy`: a policy from a run folder, a file, the name of a function, or an object.
 
 Files are models of Stable-Baselines3, TorchScript and ONNX. Each format needs its package.
 """
@@ -17,17 +17,14 @@ import numpy.typing as npt
 from atari.policy import Array, LoadedPolicy, Policy, ScoresPolicy, is_network, makes_policy, show, takes_lanes
 from atari.validation import check_file, import_extra
 
-__all__ = ["LoadedPolicy", "Policy", "ScoresPolicy", "load_policy"]
-
 _KINDS = "a run folder, an SB3 zip, a TorchScript or ONNX file, or module:name"
 _SB3_VERSION = "_stable_baselines3_version"
 
 
 def load_policy(source: Any, *, sample: bool = False) -> LoadedPolicy:
-    """Load a policy. All functions and commands that take a policy take what this function takes.
+    """Load a policy. All functions and commands with a policy accept the same sources.
 
-    SB3 zips, TorchScript files and functions are programs: load them only from authors whom you trust (see
-    docs/trust.md).
+    SB3 zips, TorchScript files and functions are programs: load them only from trusted authors (see docs/trust.md).
 
     Args:
         source: one of
@@ -36,23 +33,22 @@ def load_policy(source: Any, *, sample: bool = False) -> LoadedPolicy:
             - a run folder of `atari train`;
             - a model that Stable-Baselines3 has saved (.zip): PPO, A2C, DQN, QR-DQN (with sb3-contrib). It gets the
               images of preset "baselines", or RAM, as its observation space says;
-            - a TorchScript file. An extra file "environment.json" in it, if there is one, is the policy's
-              `environment`;
+            - a TorchScript file, which may contain the policy's `environment` as an extra file "environment.json";
             - an ONNX file (.onnx). The metadata "environment", JSON, is the policy's `environment`; without it, the
-              shape of its input says which images it needs;
-            - "module:name", which is one of the following; a module in this folder is found;
+              shape of the input decides the images;
+            - "module:name", the name of an object as below; modules in the current folder are found, too;
             - a `torch.nn.Module`, which may have the attributes of a `Policy`;
             - a `Policy`, or a function of observations alone;
             - a class of these that is made without arguments, or a function without parameters that returns one.
 
             Networks are called in their evaluation mode with uint8 observations (n, ...), and return scores
             (n, actions), floats, or actions (n,), integers.
-        sample: draw actions with the probabilities softmax(scores) of a network, instead of the most probable one.
+        sample: draw actions with the probabilities softmax(scores) of a network, instead of the highest score.
 
     Raises:
-        FileNotFoundError: there is no such file or folder.
+        FileNotFoundError: the file or folder does not exist.
         TypeError: the object is no policy.
-        ValueError: it is none of these, or it is damaged; or `sample` is for a policy without probabilities.
+        ValueError: the source is no policy, or is damaged; or `sample` is given for a policy without probabilities.
         gymnasium.error.DependencyNotInstalled: a package is needed that is not installed; the text names it.
 
     Example:
@@ -77,10 +73,10 @@ def load_policy(source: Any, *, sample: bool = False) -> LoadedPolicy:
 
 
 def import_named(name: str, owner: str) -> Any:
-    """The object of a name "module:name"; modules of the current folder are found, too.
+    """The object with the name "module:name"; modules of the current folder are found, too.
 
     Raises:
-        ValueError: there is none; `owner` is what the error is about.
+        ValueError: the object does not exist. The error begins with `owner`.
     """
     module, _, attribute = name.partition(":")
     sys.path.insert(0, "")  # modules of this folder, as with `python -m`
@@ -93,7 +89,7 @@ def import_named(name: str, owner: str) -> Any:
 
 
 def _of_object(source: Any, sample: bool) -> Policy:
-    """The policy of an object, or of what a class or a function without parameters makes."""
+    """The policy from an object, or from a class or a function without parameters that makes one."""
     if makes_policy(source):
         try:
             source = source()
@@ -110,7 +106,7 @@ def _of_object(source: Any, sample: bool) -> Policy:
 
 def _run_folder(folder: Path, sample: bool) -> Policy:
     """The newest weights of a run folder of `atari train`."""
-    if not (folder / "config.json").is_file():  # said without torch, too
+    if not (folder / "config.json").is_file():  # this error needs no PyTorch
         raise ValueError(f"{folder} is no run folder of `atari train`: it has no config.json")
     _need("torch", f"{folder}, a run folder,", "'atari-envs[learn]'")
     from atari.learning.run_policy import run_policy
@@ -119,7 +115,7 @@ def _run_folder(folder: Path, sample: bool) -> Policy:
 
 
 class _Random(ScoresPolicy):
-    """Uniformly random actions."""
+    """A policy with uniformly random actions."""
 
     def __init__(self) -> None:
         super().__init__(np.asarray, name="random")
@@ -131,7 +127,7 @@ class _Random(ScoresPolicy):
 
 
 class _Noop:
-    """NOOP, always."""
+    """A policy that always plays NOOP."""
 
     name = "noop"
     _noop: int | None = None
@@ -145,15 +141,17 @@ class _Noop:
 
     def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Array:
         if self._noop is None:
-            raise ValueError("noop does not know its action; call begin(game, actions, lanes, seeds) before")
+            raise ValueError(
+                "noop needs the names of the actions; call begin(game, actions, lanes, seeds) before it plays"
+            )
         return np.full(len(lanes), self._noop)
 
 
 def _file(file: Path, sample: bool) -> Policy:
-    """The policy of a file; the content says of which kind it is, but for ONNX, which its ending says.
+    """The policy in a file. The ending .onnx decides for ONNX; the content decides for all other kinds.
 
     Raises:
-        FileNotFoundError, ValueError, gymnasium.error.DependencyNotInstalled: as `load_policy`.
+        FileNotFoundError, ValueError, gymnasium.error.DependencyNotInstalled: see `load_policy`.
     """
     if not file.exists():
         raise FileNotFoundError(f"there is no file {file}; a policy is random, noop, {_KINDS}")
@@ -184,7 +182,7 @@ def _need(module: str, what: str, install: str) -> Any:
 
 
 def _sb3(file: Path, facts: Mapping[str, Any], sample: bool) -> Policy:
-    """A model of Stable-Baselines3. What only its training needs is not loaded."""
+    """A model of Stable-Baselines3, without the parts that only its training needs."""
     _need("stable_baselines3", f"{file}, a model of Stable-Baselines3,", "'atari-envs[sb3]'")
     module, name = _algorithm(file, facts)
     algorithm = getattr(_need(module, f"{file}, a model of {name},", "sb3-contrib"), name)
@@ -203,7 +201,7 @@ def _sb3(file: Path, facts: Mapping[str, Any], sample: bool) -> Policy:
         model = algorithm.load(file, device="cpu", custom_objects={key: unused[key] for key in unused if key in facts})
         model.policy.set_training_mode(False)
         scores, actions = _sb3_scores(model, name), int(model.action_space.n)
-    except Exception as error:  # of many kinds: they are pickles
+    except Exception as error:  # pickles raise errors of all kinds
         raise ValueError(f"{file} cannot be loaded as a model of {name}: {error}") from error
     steps = facts.get("num_timesteps")
     if sample and name not in ("PPO", "A2C"):
@@ -222,7 +220,7 @@ def _zero(_: float) -> float:
 
 
 def _algorithm(file: Path, facts: Mapping[str, Any]) -> tuple[str, str]:
-    """The module and the class of a model, which Stable-Baselines3 does not store by name."""
+    """The module and the class of a model, found by its fields: Stable-Baselines3 does not store the name."""
     policy = facts.get("policy_class")
     module = str(policy.get("__module__", "")) if isinstance(policy, dict) else ""
     if "qrdqn" in module:
@@ -278,14 +276,14 @@ def _torch_script(file: Path, sample: bool) -> Policy:
     return _network(module, file.name, sample, environment=_environment(file, extra["environment.json"]))
 
 
-_OF_NETWORKS = ("name", "task", "environment", "game", "training_frames")
-"""Attributes of a policy that a network may have; `protocol` is another one."""
+_NETWORK_ATTRIBUTES = ("name", "task", "environment", "game", "protocol", "training_frames")
+"""Attributes of a policy that a network may have."""
 
 
 def _network(module: Any, name: str, sample: bool, **facts: Any) -> ScoresPolicy:
-    """The policy of a network of PyTorch, which stays in its mode between calls."""
+    """The policy of a network of PyTorch, whose training mode is the same after each call."""
     torch = import_module("torch")
-    own = {key: getattr(module, key) for key in _OF_NETWORKS if getattr(module, key, None) is not None}
+    own = {key: getattr(module, key) for key in _NETWORK_ATTRIBUTES if getattr(module, key, None) is not None}
     facts = {"name": name, **own, **facts}
     parameter = next(module.parameters(), None)
 
@@ -312,14 +310,11 @@ def _network(module: Any, name: str, sample: bool, **facts: Any) -> ScoresPolicy
         returned = returned.cpu()
         return returned.float().numpy() if returned.is_floating_point() else returned.numpy()
 
-    policy = ScoresPolicy(scores, sample=sample, **facts)
-    if getattr(module, "protocol", None) is not None:
-        policy.protocol = module.protocol  # type: ignore[attr-defined]
-    return policy
+    return ScoresPolicy(scores, sample=sample, **facts)
 
 
 def _failed(name: str, observations: Any, error: Exception) -> ValueError:
-    """The error of a network that does not take the observations."""
+    """The error of a network that cannot be computed on the observations."""
     return ValueError(
         f"{name} cannot be computed on observations {show(observations)}: {_first_line(error)}; a network takes "
         "observations as its task or environment says, and divides them by 255 itself"
@@ -334,7 +329,7 @@ def _onnx(file: Path, sample: bool) -> Policy:
     onnxruntime = _need("onnxruntime", f"{file}, an ONNX file,", "onnxruntime")
     try:
         session = onnxruntime.InferenceSession(file.read_bytes(), providers=["CPUExecutionProvider"])
-    except Exception as error:  # of classes that are not public
+    except Exception as error:  # onnxruntime's classes of errors are not public
         raise ValueError(f"{file} is no ONNX file, or damaged: {error}") from error
     if len(session.get_inputs()) != 1:
         raise ValueError(f"{file} must have one input, has {len(session.get_inputs())}")
@@ -346,7 +341,7 @@ def _onnx(file: Path, sample: bool) -> Policy:
     def scores(observations: Any) -> Any:
         try:
             return session.run(None, {entry.name: np.ascontiguousarray(observations, dtype)})[0]
-        except Exception as error:  # of classes that are not public
+        except Exception as error:  # onnxruntime's classes of errors are not public
             raise _failed(file.name, observations, error) from error
 
     stored = session.get_modelmeta().custom_metadata_map.get("environment", "")
@@ -355,7 +350,7 @@ def _onnx(file: Path, sample: bool) -> Policy:
 
 
 def _of_shape(shape: list[Any]) -> dict[str, Any]:
-    """The options of an environment whose observations fit an input; none if its dimensions are not fixed."""
+    """The options of an environment whose observations fit the shape of an input; {} if its sizes are not fixed."""
     if shape[1:] == [128]:
         return {"obs_type": "ram"}
     if len(shape) == 4 and all(isinstance(size, int) for size in shape[1:]):
@@ -364,7 +359,7 @@ def _of_shape(shape: list[Any]) -> dict[str, Any]:
 
 
 def _environment(file: Path, text: str | bytes) -> dict[str, Any]:
-    """The environment that a file of a network names."""
+    """The `environment` in a file of a network."""
     if not text:
         return {}
     try:

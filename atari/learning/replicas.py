@@ -12,13 +12,13 @@ Network = TypeVar("Network", bound=nn.Module)
 
 
 class Replicas(Generic[Network]):
-    """Copies of a network, one for each thread, with the same weights and gradients of their own.
+    """Copies of a network, one for each thread. They share weights, and each has its own gradients.
 
     PyTorch's own threads wait for each other in every layer, and take many times as long when another process is busy.
     Here each thread computes its share of a minibatch, and the threads wait once.
 
     Attributes:
-        networks: the copies. Their weights and buffers are those of `network`, the same memory.
+        networks: the copies, whose weights and buffers are the memory of `network`.
     """
 
     def __init__(self, network: Network, count: int) -> None:
@@ -30,7 +30,7 @@ class Replicas(Generic[Network]):
         self._threads = ThreadPoolExecutor(count, initializer=torch.set_num_threads, initargs=(1,))
 
     def map(self, function: Callable[..., Any], *arguments: Iterable[Any]) -> list[Any]:
-        """Call a function for each of the arguments, at the same time, and return the results in order."""
+        """Call a function for each of the arguments, in parallel, and return the results in order."""
         return list(self._threads.map(function, *arguments))
 
     def average_gradients(self) -> None:

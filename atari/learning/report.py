@@ -1,4 +1,4 @@
-"""What a run folder shows when the training has ended: an evaluation, the best game, and a page about both."""
+"""The end of a training: an evaluation, the best game, and a page about both, in the run folder."""
 
 import html
 import io
@@ -9,7 +9,7 @@ from string import Template
 from typing import Any
 
 from atari.learning.evaluation.evaluate import evaluate, record_games
-from atari.learning.evaluation.published import human_scores, published, published_names
+from atari.learning.evaluation.published import Published
 from atari.learning.evaluation.results import Result
 from atari.learning.policies import load_policy
 from atari.learning.run import RunFolder, replacing
@@ -18,7 +18,7 @@ from atari.learning.training import WINDOW
 from atari.recording import Replay
 
 CURVES = ("dopamine/dqn", "dopamine/rainbow", "dreamerv3/atari57/ppo")
-"""Published learning curves that are drawn beside one's own."""
+"""Published learning curves that are drawn beside the training's."""
 
 
 def finish(folder: RunFolder, episodes: int = 30, progress: Callable[[int, int], Any] | None = None) -> Result:
@@ -38,7 +38,7 @@ def finish(folder: RunFolder, episodes: int = 30, progress: Callable[[int, int],
     replay = Replay.load(folder.path / "best.a26")
     try:
         replay.render(folder.path / "best.mp4")
-    except ImportError:  # without the extra `video` there is the replay alone
+    except ImportError:  # PyAV is not installed: the replay is enough
         (folder.path / "best.mp4").unlink(missing_ok=True)
     write_report(folder, result)
     return result
@@ -97,17 +97,17 @@ def learning_curve(rows: Sequence[Mapping[str, float]], game: str) -> str:
 def draw_published(axes: Any, game: str, most: float) -> None:
     """Draw published curves of a game until `most` frames, in Matplotlib's axes."""
     for name in CURVES:
-        if name in published_names() and game in published(name).games:
-            curve = published(name).curve(game)
+        if name in Published.names() and game in Published(name).games:
+            curve = Published(name).curve(game)
             known = curve.frames <= most
             if known.sum() > 1:
                 axes.plot(curve.frames[known] / 1e6, curve.mean[known], label=name, linewidth=1)
 
 
 def draw_levels(axes: Any, game: str) -> None:
-    """Draw the scores of random play and of a human, but one far above the curves, which would flatten them."""
+    """Draw the scores of random play and of a human, unless they are so far above the curves that these look flat."""
     low, high = axes.get_ylim()
-    for name, score in zip(("random", "human"), human_scores().get(game, ()), strict=False):
+    for name, score in zip(("random", "human"), Published.human_scores().get(game, ()), strict=False):
         if score <= high + (high - low):
             axes.axhline(score, color="gray", linewidth=0.8, linestyle=":" if name == "random" else "--", label=name)
     axes.grid(alpha=0.3)

@@ -34,11 +34,11 @@ class RunFolder:
     - `best.a26`, `best.mp4`, `evaluation.json`, `report.html`: see `atari.learning.report`.
 
     A file is replaced only when its successor is complete. If a disk is full, rows of the log are kept in memory and
-    written when there is room again.
+    written when the disk has room again.
 
     Attributes:
-        path: of the folder.
-        config: the contents of `config.json`; those of an older format as this one would have them.
+        path: the path of the folder.
+        config: the contents of `config.json`, converted from older formats.
     """
 
     def __init__(self, path: Path, config: dict[str, Any]) -> None:
@@ -53,7 +53,7 @@ class RunFolder:
         """Make a new folder.
 
         Raises:
-            FileExistsError: there is something already.
+            FileExistsError: the folder has files.
         """
         if path.exists() and any(path.iterdir()):
             raise FileExistsError(f"{path} is not empty; give another folder, or continue with --resume {path}")
@@ -64,7 +64,7 @@ class RunFolder:
         """Write `config.json`.
 
         Raises:
-            ValueError: the task is of a game that no file has.
+            ValueError: the task has a game without a file.
         """
         names = (field.name for field in dataclasses.fields(options) if field.name != "task")
         self.config = {
@@ -86,7 +86,7 @@ class RunFolder:
         """Open the folder of a training.
 
         Raises:
-            FileNotFoundError, ValueError: it is none, damaged, or of another version of this package.
+            FileNotFoundError, ValueError: the folder is no run folder, damaged, or of another version.
         """
         file = path / "config.json"
         if not file.is_file():
@@ -109,7 +109,7 @@ class RunFolder:
 
     @property
     def task(self) -> Task:
-        """What was played.
+        """The task of the training.
 
         Raises:
             ValueError: the configuration is damaged, or its game file is gone.
@@ -178,7 +178,7 @@ class RunFolder:
         `commit` is called when the new checkpoint is complete, and before it takes the place of the old one.
 
         Raises:
-            OSError: the disk is full, or the like; the files are as they were.
+            OSError: the disk is full, for example; the files are unchanged.
         """
         with replacing(self.path / "checkpoint.pt", commit) as file:
             torch.save(state, file)
@@ -186,12 +186,12 @@ class RunFolder:
             torch.save(network.state_dict(), file)
 
     def load_checkpoints(self) -> list[dict[str, Any]]:
-        """The state in `checkpoint.pt`, and the one that was about to replace it when the training was killed.
+        """The state in `checkpoint.pt`, and the state that was about to replace it if the training was killed.
 
         Their pickles are executed: open only folders that you trust.
 
         Raises:
-            FileNotFoundError, ValueError: there is none, or it is damaged.
+            FileNotFoundError, ValueError: the file does not exist, or is damaged.
         """
         states = [dict(_load(self.path / "checkpoint.pt", weights_only=False))]
         with suppress(ValueError, FileNotFoundError):
@@ -202,12 +202,12 @@ class RunFolder:
         """The weights in `policy.pt`; nothing in the file is executed.
 
         Raises:
-            FileNotFoundError, ValueError: there is none, or it is damaged.
+            FileNotFoundError, ValueError: the file does not exist, or is damaged.
         """
         return dict(_load(self.path / "policy.pt", weights_only=True))
 
     def close(self) -> None:
-        """Write what is left of TensorBoard's events."""
+        """Write the rest of TensorBoard's events."""
         if self._board:
             self._board.close()
 
@@ -232,7 +232,7 @@ def append(path: Path, data: bytes) -> None:
     """Add all of `data` to a file, or nothing.
 
     Raises:
-        OSError: the disk is full, or the like; the file is as it was.
+        OSError: the disk is full, for example; the file is unchanged.
     """
     with path.open("ab", buffering=0) as file:
         size = file.seek(0, os.SEEK_END)

@@ -18,11 +18,11 @@ def run_policy(path: Path, sample: bool) -> ScoresPolicy:
     """The newest weights of a run folder as a policy; nothing in the folder is executed.
 
     Args:
-        path: of the folder.
-        sample: draw the actions of agents whose actions are drawn in training.
+        path: the path of the folder.
+        sample: draw actions, as agents with `Agent.sample` do in any case.
 
     Raises:
-        FileNotFoundError, ValueError: it is no run folder, damaged, or of another version.
+        FileNotFoundError, ValueError: the folder is no run folder, damaged, or of another version.
     """
     folder = RunFolder.open(path)
     options, weights = read_options(folder), folder.load_weights()
@@ -41,6 +41,7 @@ def run_policy(path: Path, sample: bool) -> ScoresPolicy:
         "task": task,
         "sample": sample or agent.sample,
         "game": task.game,
+        "protocol": training_protocol(folder),
     }
 
     def scores(observations: Any) -> npt.NDArray[np.float32]:
@@ -49,15 +50,13 @@ def run_policy(path: Path, sample: bool) -> ScoresPolicy:
         return values
 
     torch.set_num_threads(1)
-    policy = ScoresPolicy(scores, **facts)
-    policy.protocol = training_protocol(folder)  # type: ignore[attr-defined]
-    return policy
+    return ScoresPolicy(scores, **facts)
 
 
 def training_protocol(folder: RunFolder) -> EvaluationProtocol:
-    """A protocol of the whole games of the training's task: they begin, and go on after lost lives, as in the training.
+    """The protocol of whole games that begin, and go on after lost lives, as the games of the training.
 
-    A part of the actions is random, as at the end of the training: without sticky actions, a greedy policy plays the
+    A part of the actions is random, as at the end of the training. Without sticky actions, a greedy policy plays the
     same few games again and again.
     """
     options = read_options(folder)

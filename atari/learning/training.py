@@ -18,14 +18,14 @@ from atari.learning.options import TrainingOptions
 from atari.learning.run import RunFolder
 
 WINDOW = 100
-"""Whole games whose mean is the score in the log."""
+"""The number of whole games whose mean is the score in the log."""
 
 
 class Training:
     """A training in a run folder.
 
-    Training stops after `total_steps`, at `stop_score`, when `stop` is set, or with an error. It can go on later, and
-    then ends with the same weights, to the bit (on one machine, without a GPU).
+    A training stops after `total_steps`, at `stop_score`, when `stop` is set, or with an error. A training that is
+    resumed ends with the same weights, to the bit (on one machine, without a GPU).
     """
 
     def __init__(self, folder: RunFolder, agent: Agent, options: TrainingOptions) -> None:
@@ -77,14 +77,14 @@ class Training:
         return training
 
     def run(self, stop: Event | None = None, progress: Callable[[int, float], None] = lambda steps, score: None) -> str:
-        """Train; returns why it stopped: "steps", "score" or "stop".
+        """Train until the end, and return its reason: "steps", "score" or "stop".
 
         Args:
-            stop: ends the training after the present update.
+            stop: an event that ends the training after the present update.
             progress: called after each update with the steps of the update and the mean score.
 
         Raises:
-            FloatingPointError: the loss is not finite; the last checkpoint stays.
+            FloatingPointError: the loss is not finite. The last checkpoint is kept.
         """
         options, agent = self.options, self.agent
         reason = self._reason(stop)
@@ -133,7 +133,7 @@ class Training:
         }
 
     def save(self) -> None:
-        """Write a checkpoint. If that is impossible, the last one stays, and a warning says so."""
+        """Write a checkpoint. If that fails, the last checkpoint is kept, and a warning is given."""
         self._saved_at, self._saved_step = time.monotonic(), self.agent.steps
         state = {
             "agent": self.agent.state(),

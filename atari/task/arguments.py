@@ -6,6 +6,7 @@ import re
 import typing
 from collections.abc import Collection, Mapping
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -250,6 +251,7 @@ def _metavar(name: str) -> str:
     return _METAVARS.get(name, "N")
 
 
+@cache
 def _kinds() -> dict[str, Any]:
     """The type of each field."""
     return typing.get_type_hints(Task)

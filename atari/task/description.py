@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from atari import env_ids
-from atari.games.catalog import games
+from atari.games.catalog import playable_ids
 from atari.games.players import rules_of
 from atari.task.presets import PRESETS
 from atari.task.task import Task
@@ -56,7 +56,7 @@ def _changed(task: Task, other: Task) -> dict[str, Any]:
 
 def _named(task: Task) -> dict[str, Task]:
     """The tasks of the game that have a name: by its IDs, and by presets."""
-    if task.definition.file is not None or task.game not in {game.id for game in games.playable()}:
+    if task.definition.file is not None or task.game not in playable_ids():
         return {f"{task.game!r}": Task.of(task.definition)}
     families = sorted(env_ids.FAMILIES, key=lambda family: -family.version)  # the newest first
     known = [family.id(task.game) for family in families if task.game in family.games()]

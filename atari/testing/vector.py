@@ -110,7 +110,7 @@ def _check_spaces(envs: Any) -> None:
 def ended(result: tuple[Any, ...]) -> Bools:
     """The environments (n,) whose episode a step has ended; with several players, for all of them."""
     ends: Bools = result[2] | result[3]
-    return ends.reshape(len(ends), -1).all(axis=1)
+    return np.logical_and.reduce(ends.reshape(len(ends), -1), axis=1)
 
 
 def _rollout(envs: Any, mode: AutoresetMode, actions: list[Any]) -> Results:

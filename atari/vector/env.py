@@ -10,7 +10,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from os import PathLike
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import gymnasium
 import numpy as np
@@ -21,12 +21,13 @@ from typing_extensions import Unpack
 
 from atari import _emulator
 from atari._gymnasium import AutoresetMode, VectorEnv
+from atari._renamed import missing_attribute
 from atari.cores import ByteArray
 from atari.games.game import Game
 from atari.task.options import VectorTaskOptions
 from atari.task.resolution import GameLike
 from atari.validation import FirstResetNeeded, check_name
-from atari.vector.members import AddedWrites, Member
+from atari.vector.lanes import AddedWrites, Lane
 from atari.vector.options import VectorOptions
 from atari.vector.results import Results, pick_rows
 from atari.vector.seeds import seed_words
@@ -350,25 +351,30 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         return self._options.grayscale
 
     @property
-    def members(self) -> tuple[Member, ...]:
+    def lanes(self) -> tuple[Lane, ...]:
         """The environments one by one: their counters, RAM, mode and difficulty."""
         self._open()
-        return tuple(Member(self, index) for index in range(self.num_envs))
+        return tuple(Lane(self, index) for index in range(self.num_envs))
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            raise missing_attribute(self, name)
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
-        """The attribute of this name of each of `members`, or its result when it is called with these arguments."""
-        values = [getattr(member, name) for member in self.members]
+        """The attribute of this name of each of `lanes`, or its result when it is called with these arguments."""
+        values = [getattr(lane, name) for lane in self.lanes]
         return tuple(value(*args, **kwargs) if callable(value) else value for value in values)
 
     def get_attr(self, name: str) -> tuple[Any, ...]:
-        """The attribute of this name of each of `members`."""
+        """The attribute of this name of each of `lanes`."""
         return self.call(name)
 
     def set_attr(self, name: str, values: Any) -> None:
-        """Set an attribute of each of `members`, to one value or to a list or tuple of them.
+        """Set an attribute of each of `lanes`, to one value or to a list or tuple of them.
 
         Raises:
-            AttributeError: the members have no attribute of this name that can be set.
+            AttributeError: the lanes have no attribute of this name that can be set.
             TypeError, ValueError: a value is of the wrong kind or out of range; nothing has been set.
         """
         if not isinstance(values, (list, tuple)):
@@ -377,9 +383,9 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
             raise ValueError(f"there must be a value for each of the {self.num_envs} environments, got {len(values)}")
         if name not in ("mode", "difficulty"):
             raise AttributeError(f"'mode' and 'difficulty' can be set, {name!r} cannot")
-        checked = [member.checked(name, value) for member, value in zip(self.members, values, strict=True)]
-        for member, value in zip(self.members, checked, strict=True):
-            setattr(member, name, value)
+        checked = [lane.checked(name, value) for lane, value in zip(self.lanes, values, strict=True)]
+        for lane, value in zip(self.lanes, checked, strict=True):
+            setattr(lane, name, value)
 
     def close_extras(self, **kwargs: Any) -> None:
         """Join the threads and release the environments, after the calls of other threads.

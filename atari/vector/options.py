@@ -139,9 +139,9 @@ class VectorOptions:
         compile_game = compiled if self.players == 1 else compiled_for_players
         native = {game: compile_game(game, read_image(find(game, self.rom))) for game in games}
         seeds = np.random.SeedSequence().generate_state(9 * len(self.games)).reshape(-1, 9).tolist()
-        members = [
+        lanes = [
             filled(
-                _emulator.MemberSpec(),
+                _emulator.LaneSpec(),
                 game=native[game],
                 actions=list(map(int, self.actions[index])),
                 action_set=list(map(int, self.tasks[index].begin_actions)),
@@ -159,7 +159,7 @@ class VectorOptions:
             autoreset=_emulator.Autoreset[self.autoreset_mode.name],
         )
         engine = _emulator.VectorEngine(
-            members,
+            lanes,
             _episode_settings(self.task),
             observation_settings(self.task),
             threads,

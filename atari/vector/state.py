@@ -14,7 +14,7 @@ from atari.cores import writes
 from atari.games.game import Game
 from atari.task import Task
 from atari.task.storage import require_same
-from atari.vector.members import AddedWrites
+from atari.vector.lanes import AddedWrites
 from atari.vector.options import VectorOptions
 from atari.vector.results import Results
 

@@ -1,4 +1,4 @@
-"""The interface of an agent, and the loop that plays its episodes. The other scripts in this folder have the agents."""
+"""The interface of an agent, and the loop that plays its episodes. The agents are the other scripts in this folder."""
 
 import argparse
 from typing import Any, Protocol
@@ -7,7 +7,7 @@ import gymnasium
 
 
 class Agent(Protocol):
-    """Chooses actions and learns from their results."""
+    """An agent, which chooses actions and learns from their results."""
 
     def select_action(self, observation: Any) -> Any:
         """The action to take."""
@@ -38,5 +38,5 @@ def evaluate(env: gymnasium.Env[Any, Any], agent: Agent, episodes: int) -> list[
 def count(text: str) -> int:
     """A number on the command line: 1 or more."""
     if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"this is a number, 1 or more, got {text!r}")
+        raise argparse.ArgumentTypeError(f"give a number, 1 or more, got {text!r}")
     return int(text)

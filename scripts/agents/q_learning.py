@@ -23,12 +23,12 @@ class QLearner:
     """A table of Q-values, one row a state.
 
     Args:
-        states: how many there are.
-        actions: how many there are.
+        states: the number of states.
+        actions: the number of actions.
         learning_rate: the part of the difference that each step corrects.
         discount: the factor by which a reward counts less for each later step.
         exploration: steps over which the probability of a random action falls from 1 to 0.05.
-        seed: of the random actions.
+        seed: the seed of the random actions.
     """
 
     def __init__(
@@ -65,10 +65,13 @@ def main(arguments: list[str] | None = None) -> None:
     """The command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument(
-        "env", nargs="?", default="FrozenLake-v1", help="ID of one whose spaces are Discrete (default: %(default)s)"
+        "env",
+        nargs="?",
+        default="FrozenLake-v1",
+        help="ID of an environment with Discrete spaces (default: %(default)s)",
     )
-    parser.add_argument("--episodes", type=count, default=8_000, help="to learn from (default: %(default)s)")
-    parser.add_argument("--seed", type=int, default=0, help="of environment and agent (default: %(default)s)")
+    parser.add_argument("--episodes", type=count, default=8_000, help="episodes to learn from (default: %(default)s)")
+    parser.add_argument("--seed", type=int, default=0, help="seed of environment and agent (default: %(default)s)")
     options = parser.parse_args(arguments)
 
     try:

@@ -34,7 +34,7 @@ MOVES = (0, 2, 3)
 BALL_X, BALL_Y, PADDLE_Y = (atari.games["pong"].ram_labels[name].index for name in ("ball_x", "ball_y", "player_y"))
 
 PADDLE_X, TOP, BOTTOM = 188, 44, 207
-"""Where the ball turns back, in the units of its bytes."""
+"""The column of the paddle and the rows of the walls, which turn the ball back, in the units of its bytes."""
 
 GRIDS = 4
 Tile = tuple[int, ...]
@@ -46,7 +46,7 @@ def make_pong() -> gymnasium.Env[Any, Any]:
 
 
 def landing(x: int, y: int, right: int, down: int) -> float:
-    """The row in which a ball reaches the paddle, reflected by the walls on its way; its own if it flies away."""
+    """The row in which a ball reaches the paddle, reflected by the walls on its way; its own row if it flies away."""
     if right <= 0:
         return y
     height = BOTTOM - TOP
@@ -72,7 +72,7 @@ class LinearQLearner:
         learning_rate: the part of the difference that each step corrects.
         discount: the factor by which a reward counts less for each later step.
         exploration: steps over which the probability of a random action falls from 0.3 to 0.01.
-        seed: of the random actions.
+        seed: the seed of the random actions.
     """
 
     def __init__(
@@ -101,7 +101,7 @@ class LinearQLearner:
         return MOVES[values.index(max(values))]
 
     def train(self, observation: Any, action: int, reward: float, new_observation: Any) -> None:
-        """Move Q(observation, action) towards the reward, or if it is 0, towards the discounted Q that follows."""
+        """Move Q(observation, action) towards the reward; if it is 0, towards the next discounted Q."""
         move = MOVES.index(action)
         target = reward if reward else self.discount * max(self.q(new_observation))
         difference = target - self.q(observation)[move]
@@ -114,7 +114,8 @@ def main(arguments: list[str] | None = None) -> None:
     """The command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--episodes", type=count, default=60, help="games to learn from (default: %(default)s)")
-    parser.add_argument("--seed", type=int, default=0, help="of environment and agent (default: %(default)s)")
+    parser.add_argument("--games", type=count, default=20, help="games to play after it (default: %(default)s)")
+    parser.add_argument("--seed", type=int, default=0, help="seed of environment and agent (default: %(default)s)")
     options = parser.parse_args(arguments)
 
     env = make_pong()
@@ -126,9 +127,10 @@ def main(arguments: list[str] | None = None) -> None:
         if episode % 10 == 0:
             print(f"{episode} games: {statistics.mean(returns[-10:]):.1f} points ahead, epsilon {agent.epsilon:.2f}")
 
-    learned = evaluate(env, agent, 20)
-    by_chance = evaluate(env, RandomAgent(env.action_space, options.seed), 20)
-    print(f"points ahead in 20 games: {statistics.mean(learned):.1f}, random {statistics.mean(by_chance):.1f}")
+    learned = evaluate(env, agent, options.games)
+    by_chance = evaluate(env, RandomAgent(env.action_space, options.seed), options.games)
+    means = f"{statistics.mean(learned):.1f}, random {statistics.mean(by_chance):.1f}"
+    print(f"points ahead in {options.games} games: {means}")
 
 
 if __name__ == "__main__":

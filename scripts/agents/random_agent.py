@@ -1,5 +1,5 @@
 #!/usr/bin/env python
-"""A random agent: the smallest agent, and the baseline of the others.
+"""A random agent: the smallest agent, and the baseline for all others.
 
 It plays any ID: ALE/Breakout-v5, CartPole-v1, Copy-v0.
 """
@@ -19,7 +19,7 @@ from loop import count, play_episode
 
 
 class RandomAgent:
-    """Draws each action with the same probability."""
+    """An agent that draws each action with the same probability."""
 
     def __init__(self, action_space: gymnasium.Space[Any], seed: int | None = None) -> None:
         self.action_space = action_space
@@ -39,8 +39,8 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument(
         "env", nargs="?", default="ALE/Pong-ram-v5", help="ID of the environment (default: %(default)s)"
     )
-    parser.add_argument("--episodes", type=count, default=5, help="how many to play (default: %(default)s)")
-    parser.add_argument("--seed", type=int, default=0, help="of environment and agent (default: %(default)s)")
+    parser.add_argument("--episodes", type=count, default=5, help="episodes to play (default: %(default)s)")
+    parser.add_argument("--seed", type=int, default=0, help="seed of environment and agent (default: %(default)s)")
     options = parser.parse_args(arguments)
 
     try:

@@ -18,9 +18,10 @@ from tqdm import tqdm
 from atari.games.catalog import games
 from atari.games.frozen import FrozenDict
 from atari.games.game import Game, RamLabel
-from atari.lab.causal import CausalMap, causes
+from atari.lab import causes
 from atari.lab.causal.files import DATA, save
 from atari.lab.causal.fit import samples, table
+from atari.lab.causal.map import CausalMap
 from atari.lab.causal.suggestion import POSITIONS, Suggestion
 from atari.lab.labels import Labels, label_of
 

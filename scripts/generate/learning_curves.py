@@ -19,7 +19,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from atari.learning import published
+from atari.learning import Published
 from atari.task.description import summary
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
@@ -120,7 +120,7 @@ def table() -> None:
 
 
 def _beside(name: str, game: str, frames: int) -> str:
-    source = published(name)
+    source = Published(name)
     if game not in source.games:
         return "–"
     scores = source.at(game, frames) if source.has_curves else source.final(game)

@@ -25,7 +25,6 @@ MODULES: dict[str, tuple[str, ...]] = {
     "atari.recording": (),
     "atari.play": (),
     "atari.lab": (),
-    "atari.lab.causal": (),
     "atari.lab.interventions": (),
     "atari.lab.probes": (),
     "atari.learning": (),

@@ -18,7 +18,7 @@ def attack(seed: int) -> None:
     env = atari.AtariEnv("breakout", obs_type="ram")
     vector = atari.AtariVectorEnv("breakout", 2, num_threads=source.choice((1, 2)), obs_type="ram")
     env.reset(seed=0), vector.reset(seed=0)
-    saved, saved_members = env.snapshot(), vector.snapshot()
+    saved, saved_lanes = env.snapshot(), vector.snapshot()
     actions = np.zeros(2, np.int64)
     calls: list[Any] = [
         lambda: env.step(0),
@@ -31,7 +31,7 @@ def attack(seed: int) -> None:
         lambda: vector.step(actions),
         lambda: vector.reset(),
         lambda: vector.snapshot(),
-        lambda: vector.restore(None, saved_members),
+        lambda: vector.restore(None, saved_lanes),
         lambda: actions.fill(source.choice((0, 1, 3, 2**44, -1))),
     ]
     findings: list[BaseException] = []

@@ -6,7 +6,7 @@ import pytest
 from cli_tools import read, read_json
 
 from atari.cli import main
-from atari.learning import PROTOCOLS, Result, evaluate, published_names
+from atari.learning import PROTOCOLS, Published, Result, evaluate
 
 
 @pytest.fixture(autouse=True)
@@ -47,7 +47,7 @@ def test_lists(capsys):
     text = read(capsys, "evaluate", "--list")
     content = read_json(capsys, "evaluate", "--list")
     assert list(content["protocols"]) == list(PROTOCOLS)
-    assert content["published"] == list(published_names())
+    assert content["published"] == list(Published.names())
     for name in (*PROTOCOLS, *content["sets"], *content["published"]):
         assert name in text
 

@@ -136,6 +136,17 @@ def test_a_rom_file_that_goes_away_raises_at_the_next_seed(tmp_path: Path) -> No
             core.restore(saved)
 
 
+def test_a_seed_before_the_first_use_loads_the_game_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    loads: list[object] = []
+    load = ale_py.ALEInterface.loadROM
+    monkeypatch.setattr(ale_py.ALEInterface, "loadROM", lambda ale, rom: (loads.append(ale), load(ale, rom)))
+    core = AleCore("breakout")
+    assert not loads
+    core.seed(1)
+    core.reset()
+    assert len(loads) == 1
+
+
 def test_a_rom_of_any_file_name_is_played(tmp_path: Path) -> None:
     """ale-py chooses the rules by the file name; the core does not."""
     copy = tmp_path / "game (1978).a26"

@@ -118,7 +118,7 @@ def test_an_id_plays_what_it_says(env_id: str) -> None:
 
 def test_several_games_are_played_in_turn() -> None:
     envs = env_creator({"game": ["pong", "breakout"], "num_envs": 5})
-    played = [member.game.id for member in envs.unwrapped.members]
+    played = [lane.game.id for lane in envs.unwrapped.lanes]
     assert played == ["pong", "breakout", "pong", "breakout", "pong"]
     assert envs.single_action_space.n == 18
 

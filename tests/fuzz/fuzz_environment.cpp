@@ -131,7 +131,7 @@ Settings read_settings(Reader& in) {
     Settings settings;
     const uint8_t flags = in.byte();
     settings.sound = flags & 1;
-    settings.colour_averaging = flags & 2;
+    settings.color_averaging = flags & 2;
     settings.frame_skip = 1 + (flags >> 2 & 3);
     settings.repeat_action_probability = in.byte() / 255.0;
     settings.max_frames_per_episode = in.number();

@@ -45,7 +45,7 @@ class EnvironmentRun {
     static Settings settings(size_t number) {
         Settings settings;
         settings.sound = true;
-        settings.colour_averaging = number % 2 != 0;
+        settings.color_averaging = number % 2 != 0;
         settings.frame_skip = 1 + static_cast<int>(number % 3);
         return settings;
     }

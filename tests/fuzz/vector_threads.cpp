@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "games.hpp"
-#include "vector/members.hpp"
+#include "vector/lanes.hpp"
 
 namespace atari {
 namespace {
@@ -34,9 +34,9 @@ uint64_t digest_of(const Batch& batch, const BatchShape& shape, size_t row) {
 Digests play(const Games& games, int threads, int batch_size, bool forks = false) {
     EpisodeSettings episode;
     episode.max_frames = 40;
-    std::vector<MemberSpec> specs;
+    std::vector<LaneSpec> specs;
     for (uint32_t i = 0; i < kEnvironments; ++i) {
-        MemberSpec spec;
+        LaneSpec spec;
         spec.game = games[i % games.size()];
         spec.actions = {0, 1, 2, 3, 4, 5};
         spec.action_set = {0, 1, 2};
@@ -50,7 +50,7 @@ Digests play(const Games& games, int threads, int batch_size, bool forks = false
     const auto rows = static_cast<size_t>(batch_size);
     Batch arrays;  // must outlive the threads
     BatchMemory memory;
-    VectorEngine vector(make_members(specs, episode, ObservationSettings{}), settings);
+    VectorEngine vector(make_lanes(specs, episode, ObservationSettings{}), settings);
     const BatchShape shape = vector.shape(true, false);
     memory.complete(arrays, shape);
     const Batch* const batch = batch_size == kEnvironments ? &arrays : nullptr;

@@ -66,6 +66,7 @@ ball_x = {index = 5, kind = "position_x", transform = "v - 7", visible = "ram[6]
 def test_there_are_108_games_and_104_can_be_played() -> None:
     assert len(atari.games) == len(list(atari.games.values())) == 108
     assert len(list(atari.games.playable())) == 104
+    assert list(atari.games.playable()) == [game for game in atari.games.values() if game.single_player]
 
 
 def test_the_two_player_cartridges_are_marked() -> None:

@@ -48,7 +48,7 @@ def test_every_kind_of_file_is_checked(tmp_path: Path) -> None:
     for read in (
         lambda: load_game(file),
         lambda: load_manual(file, {}),
-        lambda: interventions.load_file(file, atari.games["pong"]),
+        lambda: interventions.load("pong", file),
         lambda: atari.AtariEnv(file),
         lambda: atari.AtariEnv("pong", interventions=[f"{file}#name"]),
     ):

@@ -207,7 +207,7 @@ class TestResults:
     def test_ram(self) -> None:
         envs = make()
         _, info = envs.reset()
-        assert np.array_equal(info["ram"][1], envs.vector.members[1].ram())
+        assert np.array_equal(info["ram"][1], envs.vector.lanes[1].ram())
 
 
 class TestTasks:

@@ -10,10 +10,11 @@ import atari
 from atari import _emulator
 from atari.cli import main
 from atari.cores.native import NativeCore, compiled
-from atari.lab import CausalMap, causes, shipped_causes
+from atari.lab import causes, shipped_causes
 from atari.lab.causal.explore import _play
 from atari.lab.causal.files import DATA, load, save, to_arrays
 from atari.lab.causal.fit import COLUMNS
+from atari.lab.causal.map import CausalMap
 from atari.lab.causal.picture import draw
 from atari.roms import find
 from atari.roms import image as rom_image

@@ -154,7 +154,7 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeyp
     Path("own_policy.py").write_text(
         "import numpy as np\ndef right(observations):\n    return np.full(len(observations), 2)\n"
     )
-    words = ["lab", "collect", "pong", "--frames", "grayscale", "--labels", "ball_x,ball_y", "-o"]
+    words = ["collect", "pong", "--frames", "grayscale", "--labels", "ball_x,ball_y", "-o"]
     assert main([*words, "a.h5", "--policy", "own_policy:right", "--json"]) == 0
     result = json.loads(capsys.readouterr().out)
     assert result["labels"] == ["ball_x", "ball_y"]

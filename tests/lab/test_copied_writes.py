@@ -125,7 +125,7 @@ def test_a_copy_of_a_vector_and_its_freeze(duplicate: Copier) -> None:
     twin, held = duplicate((envs, freeze))
     held.release()
     for each in (envs, twin):
-        each.members[1].set_ram(BALL_X, 60)
+        each.lanes[1].set_ram(BALL_X, 60)
         each.step(np.full(3, RIGHT))
     assert envs.ram()[1, BALL_X] == 120
     assert twin.ram()[1, BALL_X] != 120

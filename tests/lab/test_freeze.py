@@ -142,11 +142,11 @@ def test_lanes_of_a_vector() -> None:
     with Freeze(envs, {BALL_X: np.array([100, 110, 120])}), Freeze(envs, {PLAYER_Y: 66}, index=1):
         for _ in range(5):
             envs.step(np.full(3, RIGHT))
-        assert [member.ram()[BALL_X] for member in envs.members] == [100, 110, 120]
-        assert [bool(member.ram()[PLAYER_Y] == 66) for member in envs.members] == [False, True, False]
-    envs.members[2].set_ram(BALL_X, 60)
+        assert [lane.ram()[BALL_X] for lane in envs.lanes] == [100, 110, 120]
+        assert [bool(lane.ram()[PLAYER_Y] == 66) for lane in envs.lanes] == [False, True, False]
+    envs.lanes[2].set_ram(BALL_X, 60)
     envs.step(np.full(3, RIGHT))
-    assert envs.members[2].ram()[BALL_X] != 120
+    assert envs.lanes[2].ram()[BALL_X] != 120
 
 
 def test_a_vector_that_is_closed_and_reset_is_still_frozen() -> None:
@@ -159,7 +159,7 @@ def test_a_vector_that_is_closed_and_reset_is_still_frozen() -> None:
         envs.step(np.full(2, RIGHT))
         assert (envs.ram()[:, BALL_X] == 100).tolist() == [False, True]
     freeze.release()
-    envs.members[1].set_ram(BALL_X, 60)
+    envs.lanes[1].set_ram(BALL_X, 60)
     envs.step(np.full(2, RIGHT))
     assert envs.ram()[1, BALL_X] != 100
 
@@ -219,7 +219,7 @@ def test_at_most_64() -> None:
         (lambda env: Freeze(env, {3: "print(1)"}), ValueError, r"print\(\) is not one of the helpers"),
         (lambda env: Freeze(env, {3: "ram[256]"}), ValueError, "an address is a number within 0x0..0xff"),
         (lambda env: Freeze(env, {3: "-" * 120 + "1"}), ValueError, "nested too deeply"),
-        (lambda env: Freeze(env, {3: np.array([1, 2])}), ValueError, "needs a value for each of 1 environments"),
+        (lambda env: Freeze(env, {3: np.array([1, 2])}), ValueError, "needs a value for each of 1 lanes"),
         (lambda env: Freeze(env), ValueError, "Freeze needs a label or a place"),
         (lambda env: Freeze(env, {3: 1}, index=0), ValueError, "index is for an AtariVectorEnv"),
         (lambda env: Freeze(gymnasium.make("CartPole-v1"), {3: 1}), TypeError, "an AtariEnv, a core"),

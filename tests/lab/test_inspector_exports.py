@@ -8,7 +8,7 @@ from inspector_tools import LIVES, PADDLE, Sweeper, new_session, play
 from numpy.testing import assert_array_equal
 
 from atari.env import AtariEnv
-from atari.games.interventions import load_file
+from atari.games.interventions import load
 from atari.lab.inspector import export
 from atari.lab.inspector.sources import session_of_replay, session_of_snapshot
 from atari.lab.interventions import check
@@ -150,7 +150,7 @@ def test_an_environment_plays_the_exported_interventions(tmp_path: Path) -> None
     play(session, 60)
     path = tmp_path / "own.toml"
     path.write_text(export.interventions_toml(session))
-    known = load_file(path, "breakout")
+    known = load("breakout", path)
     assert sorted(known) == ["frozen_lives", "frozen_mine", "poke_1_player_x"]
     assert all(check("breakout", one) for one in known.values() if one.check)
     names = ("frozen_lives", "poke_1_player_x")

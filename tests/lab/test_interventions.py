@@ -14,7 +14,7 @@ import pytest
 
 import atari
 from atari.cores import AleCore, NativeCore, PlainCore
-from atari.games.interventions import load_file, resolve
+from atari.games.interventions import resolve
 from atari.lab.interventions import check, load
 from atari.recording.replay.record_replay import RecordReplay
 from atari.recording.replay.replay import Replay
@@ -72,7 +72,7 @@ def test_every_environment_takes_a_name(make_vector: Any) -> None:
     vector.reset(seed=0)
     for _ in range(20):
         vector.step(vector.action_space.sample())
-    enemies = {int(member.ram()[50]) for member in vector.unwrapped.members}
+    enemies = {int(lane.ram()[50]) for lane in vector.unwrapped.lanes}
     enemies |= {int(env.unwrapped.core.ram()[50]) for env in (single, preset)}
     assert len(enemies) == 1
 
@@ -96,9 +96,9 @@ def test_a_vector_plays_as_single_environments() -> None:
     for step in range(100):
         actions = np.array([step, step // 2, step // 3]) % 6
         rewards = envs.step(actions)[1]
-        for member, env, action, reward in zip(envs.members, singles, actions, rewards, strict=True):
+        for lane, env, action, reward in zip(envs.lanes, singles, actions, rewards, strict=True):
             assert env.step(int(action))[1] == reward
-            assert env.core.ram().tobytes() == member.ram().tobytes()
+            assert env.core.ram().tobytes() == lane.ram().tobytes()
 
 
 def test_random_numbers_follow_the_seed_and_leave_sticky_actions_alone() -> None:
@@ -298,7 +298,7 @@ def test_a_file_of_ones_own(tmp_path: Path) -> None:
     assert env.step(0)[0][49] == 52
     assert check("pong", f"{path}#one")
     path.write_text(GOOD.replace("value = 3", "value = 5"))
-    assert load_file(path, "pong")["one"].writes[0].value == 5
+    assert load("pong", path)["one"].writes[0].value == 5
 
 
 @pytest.mark.parametrize(

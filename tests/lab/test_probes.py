@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import atari
-from atari.lab.probes import Episode, ProbeData, majority, play_episodes, probe, split_episodes
+from atari.lab.probes import majority, play_episodes, probe, split_episodes
+from atari.lab.probes.data import Episode, ProbeData
 from atari.lab.probes.probe import weighted_f1
 from atari.learning import load_policy
 

@@ -1,4 +1,4 @@
-"""`Ram`: values by name and bytes by place, of environments, cores, vectors and their members."""
+"""`Ram`: values by name and bytes by place, of environments, cores, vectors and their lanes."""
 
 from dataclasses import replace
 
@@ -10,8 +10,8 @@ import atari
 from atari import AtariEnv, AtariVectorEnv
 from atari.cores import NativeCore
 from atari.games.frozen import FrozenDict
-from atari.lab import GameObject, Ram
-from atari.lab.objects import positions, visible_objects
+from atari.lab import Ram
+from atari.lab.objects import GameObject, positions, visible_objects
 from atari.lab.table import Table
 from atari.wrappers import DqnPreprocessing
 
@@ -137,12 +137,12 @@ def test_a_core():
         ram[3]
 
 
-def test_a_member_of_a_vector(envs):
+def test_a_lane_of_a_vector(envs):
     ram = Ram(envs, index=1)
-    assert ram["ball_y"] == Ram(envs.members[1])["ball_y"]
-    before = [int(member.ram()[13]) for member in envs.members]
+    assert ram["ball_y"] == Ram(envs.lanes[1])["ball_y"]
+    before = [int(lane.ram()[13]) for lane in envs.lanes]
     ram["score_enemy"] = 7
-    assert [int(member.ram()[13]) for member in envs.members] == [before[0], 7, before[2]]
+    assert [int(lane.ram()[13]) for lane in envs.lanes] == [before[0], 7, before[2]]
     for index in (3, -1):
         with pytest.raises(IndexError, match=r"index must be within 0\.\.2, got"):
             Ram(envs, index=index)
@@ -152,7 +152,7 @@ def test_a_member_of_a_vector(envs):
 
 def test_a_whole_vector(envs):
     ram, rams = Ram(envs), envs.ram()
-    assert rams.tolist() == [member.ram().tolist() for member in envs.members]
+    assert rams.tolist() == [lane.ram().tolist() for lane in envs.lanes]
     values = ram["ball_x"]
     assert isinstance(values, np.ma.MaskedArray)
     assert values.dtype == np.int32
@@ -167,13 +167,13 @@ def test_a_whole_vector(envs):
     assert ram[49].tolist() == [60, rams[1, 49], 61]
     ram[49] = [0, 50, 51]
     assert ram["ball_x"].mask.tolist() == [True, False, False]
-    assert repr(ram) == "Ram(pong, 8 labels, 3 environments)"
+    assert repr(ram) == "Ram(pong, 8 labels, 3 lanes)"
 
 
 @pytest.mark.parametrize(
     ("value", "error", "message"),
     [
-        ([1, 2], ValueError, r"a value for each of the 3 environments, got the shape \(2,\)"),
+        ([1, 2], ValueError, r"a value for each of the 3 lanes, got the shape \(2,\)"),
         ([1.0, 2.0, 3.0], TypeError, "values must be integers, got float64"),
         ([1, 2, 300], ValueError, "cannot be 300"),
     ],
@@ -225,7 +225,7 @@ def test_a_vector_of_several_games():
 def test_what_has_no_ram_is_refused(pong):
     with pytest.raises(TypeError, match="RAM is read from an AtariEnv"):
         Ram(3)
-    with pytest.raises(TypeError, match="index is the number of an environment of an AtariVectorEnv"):
+    with pytest.raises(TypeError, match="index is the number of a lane of an AtariVectorEnv"):
         Ram(pong, index=0)
 
 

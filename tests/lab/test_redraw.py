@@ -61,7 +61,7 @@ def test_sound_and_recording_do_not_notice() -> None:
         assert (core.audio() == twin.audio()).all()
 
 
-def test_a_member_of_a_vector() -> None:
+def test_a_lane_of_a_vector() -> None:
     envs, twins = (atari.AtariVectorEnv("breakout", 2) for _ in range(2))
     for one in (envs, twins):
         one.reset(seed=0)
@@ -70,14 +70,14 @@ def test_a_member_of_a_vector() -> None:
         a, b = envs.step(actions), twins.step(actions)
         assert (a[0] == b[0]).all()
         assert (a[1] == b[1]).all()
-        member = envs.members[step % 2]
-        states = [one.save(member.index) for one in (envs._engine, twins._engine)]  # type: ignore[union-attr]
-        before = member.redraw()
-        assert envs._engine.save(member.index) == states[0] == states[1]  # type: ignore[union-attr]
-    member.set_ram(72, 100 if member.ram()[72] > 120 else 150)  # the paddle
-    assert (member.redraw() != before).any()
+        lane = envs.lanes[step % 2]
+        states = [one.save(lane.index) for one in (envs._engine, twins._engine)]  # type: ignore[union-attr]
+        before = lane.redraw()
+        assert envs._engine.save(lane.index) == states[0] == states[1]  # type: ignore[union-attr]
+    lane.set_ram(72, 100 if lane.ram()[72] > 120 else 150)  # the paddle
+    assert (lane.redraw() != before).any()
     out = np.empty_like(before)
-    assert member.redraw(out) is out
+    assert lane.redraw(out) is out
 
 
 def test_bad_arguments() -> None:

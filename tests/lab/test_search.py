@@ -149,7 +149,7 @@ def test_in_a_vector_all_games_must_fit() -> None:
     envs = atari.AtariVectorEnv("breakout", 3, obs_type="ram")
     envs.reset(seed=0)
     search, one = Search(envs), Search(envs, index=1)
-    lives = [member.lives for member in envs.members]
+    lives = [lane.lives for lane in envs.lanes]
     assert 57 in search.equals(lives).candidates
     assert 57 in one.equals(lives[1]).candidates
     assert set(search.candidates) <= set(one.candidates)

@@ -1,12 +1,16 @@
-"""`Watch` and `WatchVector`: what is logged, when, and what changes are reported."""
+"""`Watch`: the logged values of environments and vectors, and the reported changes."""
 
+import copy
 from typing import Any
 
+import gymnasium
 import numpy as np
 import pytest
+from gymnasium.vector import SyncVectorEnv
 
 import atari
-from atari.lab import Ram, Watch, WatchVector
+from atari.lab import Ram, Watch
+from atari.lab.watch import VectorWatch
 
 
 def make(**options: Any) -> atari.AtariEnv:
@@ -86,17 +90,20 @@ def test_an_error_of_the_callback_comes_after_the_step() -> None:
 
 def test_vectors() -> None:
     seen: list[Any] = []
-    envs = WatchVector(
-        atari.AtariVectorEnv("breakout", 3, obs_type="ram"), "lives", 99, on_change=lambda *c: seen.append(c)
-    )
+    vector = atari.AtariVectorEnv("breakout", 3, obs_type="ram")
+    envs = Watch(vector, "lives", 99, on_change=lambda *change: seen.append(change))
+    assert type(envs) is VectorWatch
     rows = [envs.reset(seed=0)[0]] + [envs.step(np.full(3, action))[0] for action in [1, 2, 3] * 10]
     assert np.array_equal(envs.history[99], np.stack(rows)[..., 99])
     assert envs.history["lives"].shape == envs.history["frame"].shape == (31, 3)
     assert {name for name, _, _ in seen} >= {99}
-    one = WatchVector(envs, 99, index=1)
+    one = Watch(envs, 99, index=1)
     one.step(np.zeros(3, np.int64))
     assert one.history[99].shape == one.history["frame"].shape == (1,)
     assert one.history[99][0] == envs.history[99][-1, 1]
+    envs.stop()
+    envs.step(np.zeros(3, np.int64))
+    assert len(envs.history["frame"]) == 32
     envs.close()
 
 
@@ -125,10 +132,28 @@ def test_wrong_arguments(what: Any, options: Any, error: type[Exception], text: 
     assert not env.driver.observers
 
 
-def test_the_wrong_class_names_the_right_one() -> None:
+def test_only_environments_of_this_package_are_logged() -> None:
+    with pytest.raises(TypeError, match="Watch logs the RAM of an AtariEnv or an AtariVectorEnv, got <CartPole"):
+        Watch(gymnasium.make("CartPole-v1").unwrapped, 1)
+    with pytest.raises(TypeError, match="in another vector, wrap each environment"):
+        Watch(SyncVectorEnv([make]), 1)
+
+
+def test_an_argument_of_the_other_kind_is_refused() -> None:
     envs = atari.AtariVectorEnv("pong", 1)
-    with pytest.raises(TypeError, match="WatchVector"):
-        Watch(envs, 1)  # type: ignore[arg-type]
-    with pytest.raises(TypeError, match="AtariVectorEnv"):
-        WatchVector(make(), 1)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="a vector is logged by steps, each='step', got each='frame'"):
+        Watch(envs, 1, each="frame")
+    with pytest.raises(IndexError, match="the vector has 1 lanes"):
+        Watch(envs, 1, index=1)
+    with pytest.raises(TypeError, match="leave it out"):
+        Watch(make(), 1, index=0)
     envs.close()
+
+
+def test_a_copied_watch_continues() -> None:
+    env = Watch(make(), 99)
+    env.reset(seed=0)
+    other = copy.deepcopy(env)
+    env.step(1)
+    other.step(1)
+    assert other.history[99].tolist() == env.history[99].tolist()

@@ -1,4 +1,4 @@
-"""`FrameAgent`: a policy on the frames of a core sees what `AtariVectorEnv` shows it, and does what its task begins with."""
+"""`FrameAgent`: a policy on a core gets the observations of `AtariVectorEnv`, and begins games as its task does."""
 
 import re
 from typing import Any
@@ -45,7 +45,7 @@ def follow(policy: Recorder, game: str, steps: int) -> None:
 
 
 def watch(task: Task, steps: int, **layout: Any) -> list[Any]:
-    """What a vector of one environment shows a policy that draws the same actions, until the game is over."""
+    """The observations of a vector of one environment with a policy that draws the same actions, until the game is over."""
     task = task.replace(repeat_action_probability=0.0)
     envs, random = AtariVectorEnv(task, 1, autoreset_mode="Disabled", **layout), np.random.default_rng(1)
     observations, _ = envs.reset(seed=SEED)
@@ -63,7 +63,7 @@ def watch(task: Task, steps: int, **layout: Any) -> list[Any]:
 
 
 def compare(policy: Recorder, expected: list[Any]) -> None:
-    """The last observation of a game may be that of its end, after which a policy chooses in vain."""
+    """The last observation of a game may be of its end, where the policy's action has no effect."""
     assert len(policy.seen) in (len(expected), len(expected) + 1)
     for ours, theirs in zip(policy.seen, expected, strict=False):
         if isinstance(theirs, dict):

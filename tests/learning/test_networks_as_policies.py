@@ -1,4 +1,4 @@
-"""Networks of PyTorch as policies: instances, classes, names, and what is said where one does not fit."""
+"""Networks of PyTorch as policies: instances, classes, names, and errors for networks that do not fit."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""`load_policy`: what it accepts, and what it says about everything else."""
+"""`load_policy`: the sources that it accepts, and its errors for all others."""
 
 import json
 import pickle
@@ -28,7 +28,7 @@ def sb3(file, **facts):
 
 def test_functions_of_modules(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.delitem(sys.modules, "mine", raising=False)  # another test's
+    monkeypatch.delitem(sys.modules, "mine", raising=False)  # another test may have imported it
     (tmp_path / "mine.py").write_text(
         "def one(o): return [1] * len(o)\n"
         "def two(o, lanes): return lanes\n"
@@ -129,7 +129,7 @@ def test_objects_are_loaded_as_they_are():
         assert not hasattr(policy, "task")
         assert policy(np.zeros((2, 1)), np.arange(2)).tolist() == [1, 2]
         assert load_policy(policy) is policy
-        policy.begin("pong", ("NOOP", "FIRE"), np.arange(2), np.arange(2))  # which it does without
+        policy.begin("pong", ("NOOP", "FIRE"), np.arange(2), np.arange(2))  # accepted, though it draws nothing
         policy.begin_episodes(np.arange(2))
         with pytest.raises(ValueError, match=r"policy Mine returned action 2; in pong it has 2 actions, 0\.\.1 \(NOOP"):
             policy(np.zeros((2, 1)), np.arange(2))

@@ -1,4 +1,4 @@
-"""Run folders: what is written, and what is refused."""
+"""Run folders: the files that are written, and the folders that are refused."""
 
 import json
 import signal

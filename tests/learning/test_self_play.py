@@ -1,4 +1,4 @@
-"""`examples/self_play.py`: what both sides see, and a short training, table and match."""
+"""`examples/self_play.py`: the observations of both sides, and a short training, table and match."""
 
 import importlib.util
 import sys

@@ -1,4 +1,4 @@
-"""The environments of trainings: their bytes are those of release 0.2, whose options a configuration of format 1 has."""
+"""The environments of trainings play the bytes of release 0.2, for configurations of format 1."""
 
 import hashlib
 import json
@@ -61,7 +61,7 @@ def of_format_1(agent: str = "ppo", **options: Any) -> TrainingOptions:
 
 
 def now(game: str, protocol: str, **old: Any) -> TrainingOptions:
-    """The options of today that play what those of format 1 did."""
+    """The present options for a configuration of format 1."""
     size, stack = old.pop("image_size", 84), old.pop("stack", 4)
     ram = old.pop("obs", "pixels") == "ram"
     sees: dict[str, Any] = {"obs_type": "ram"} if ram else {"img_height": size, "img_width": size}
@@ -71,7 +71,7 @@ def now(game: str, protocol: str, **old: Any) -> TrainingOptions:
 
 
 def digest(options: TrainingOptions, stacked: bool, steps: int = 400) -> str:
-    """A check sum of all that a learner gets in some steps."""
+    """A checksum of everything that a learner gets in some steps."""
     envs = TrainingEnvironments(options, 3, stacked=stacked)
     total, random = hashlib.sha256(), np.random.default_rng(7)
     observations = envs.reset(seed=3)
@@ -84,7 +84,7 @@ def digest(options: TrainingOptions, stacked: bool, steps: int = 400) -> str:
             total.update(np.ascontiguousarray(array).tobytes())
         if (terminations | truncations).any():
             final = info["final_obs"].copy()
-            if options.from_ram:  # 0.2 had these in the rows of environments that go on
+            if options.from_ram:  # 0.2 had these rows also where environments go on
                 others = ~(terminations | truncations)
                 final[others, :-1] = before[others, 1:]
             total.update(np.ascontiguousarray(final).tobytes())
@@ -101,7 +101,7 @@ def test_bytes_are_those_of_release_0_2(game: str, old: dict[str, Any], stacked:
 
 @pytest.mark.parametrize("obs", ["pixels", "ram"])
 @pytest.mark.parametrize("episodic_life", [None, True, False])
-@pytest.mark.parametrize("preset", [name for name in PRESETS if name != "multiplayer_dqn"])  # which 0.2 did not have
+@pytest.mark.parametrize("preset", [name for name in PRESETS if name != "multiplayer_dqn"])  # 0.2 did not have it
 def test_options_of_format_1_are_a_task(preset: str, episodic_life: bool | None, obs: str) -> None:
     old = of_format_1(protocol=preset, episodic_life=episodic_life, obs=obs)
     new = now("pong", preset, episodic_life=episodic_life, obs=obs)

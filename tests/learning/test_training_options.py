@@ -1,4 +1,4 @@
-"""`TrainingOptions`: what they accept, what they say about everything else, and the task that is made of them."""
+"""`TrainingOptions`: accepted values, errors for all others, and the task that they make."""
 
 import pickle
 import re

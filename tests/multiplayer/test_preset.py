@@ -141,7 +141,7 @@ def test_the_mode_of_a_name_is_one_at_every_door(game: str) -> None:
     task = parallel_env(game).task
     players = task.players
     envs = atari.AtariVectorEnv(game, 1, players=players)
-    assert envs.task.mode == envs.members[0].mode == task.mode
+    assert envs.task.mode == envs.lanes[0].mode == task.mode
     assert Task.of(game, players=players).mode == MultiplayerCore(game).mode == task.mode
     assert MultiplayerCore(game).players == players
 

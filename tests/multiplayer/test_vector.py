@@ -225,7 +225,7 @@ def test_all_other_options_are_as_with_one_player() -> None:
         assert rewards.dtype == np.float64
         assert terminations.dtype == truncations.dtype == np.bool_
         assert set(rewards.ravel()) <= {-1.0, 0.0, 1.0}
-    assert envs.members[0].player_lives == [0, 0]
+    assert envs.lanes[0].player_lives == [0, 0]
     assert envs.get_attr("mode") == (4, 4)
     envs.set_attr("mode", 10)
     with pytest.raises(ValueError, match="pong has no mode 1; it has 3, 4,"):

@@ -4,7 +4,7 @@ import ale_py
 import numpy as np
 import pytest
 
-from atari.learning import compare, evaluate, human_scores, load_policy, published
+from atari.learning import Published, compare, evaluate, load_policy
 from atari.learning.evaluation.evaluate import episode_seed
 from atari.learning.evaluation.statistics import estimate_of_runs, profile
 
@@ -38,7 +38,7 @@ def trained(name, folder, obs_type="grayscale"):
 
 
 def scores_of_sb3(model, game):
-    """What Stable-Baselines3's own wrappers on ale-py and its `evaluate_policy` give, for the same seeds."""
+    """The scores of Stable-Baselines3's own wrappers on ale-py and its `evaluate_policy`, for the same seeds."""
     from stable_baselines3.common.atari_wrappers import AtariWrapper
     from stable_baselines3.common.evaluation import evaluate_policy
     from stable_baselines3.common.monitor import Monitor
@@ -180,7 +180,7 @@ def test_plot(tmp_path):
 def test_summaries_and_intervals_are_those_of_rliable(name):
     from rliable import library, metrics
 
-    agent, human = published(name), human_scores()
+    agent, human = Published(name), Published.human_scores()
     games = [game for game in agent.games if game in human and len(agent.final(game)) == 5]
     scores = {game: (agent.final(game) - human[game][0]) / (human[game][1] - human[game][0]) for game in games}
     matrix = np.stack(list(scores.values()), 1)

@@ -7,7 +7,6 @@ import gymnasium
 WITHOUT_EXAMPLE = {
     "atari.classic.scoreboard.upload",  # does nothing
     "atari.integrations.arrays.to_jax",
-    "atari.integrations.jax.functions.xla",
     "atari.integrations.ray.rllib.env_creator",
     "atari.lab.widget.show",
     "atari.play.loop.play",

@@ -12,7 +12,6 @@ NOT_PAGES = {
     "atari.classic.wrappers",
     "atari.games.interventions",
     "atari.learning.memory",
-    "atari.learning.policies",
     "atari.task",
 }
 

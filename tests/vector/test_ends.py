@@ -88,7 +88,7 @@ CALLS = {
     "snapshot": lambda envs: envs.snapshot(),
     "restore": lambda envs: envs.restore(None, []),
     "fork": lambda envs: envs.fork(0, [1]),
-    "members": lambda envs: envs.members,
+    "lanes": lambda envs: envs.lanes,
     "call": lambda envs: envs.call("ram"),
     "get_attr": lambda envs: envs.get_attr("lives"),
     "set_attr": lambda envs: envs.set_attr("mode", 0),
@@ -115,7 +115,7 @@ def test_a_reset_after_close_goes_on_as_without_it(sent: bool, batch_size: int) 
         envs.reset(seed=3)
         for _ in range(20):
             envs.step(np.ones(3, int))
-        envs.members[0].mode = 4
+        envs.lanes[0].mode = 4
         envs.set_attr("difficulty", [0, 1, 0])
         if sent:
             envs.send(np.ones(3, int))
@@ -132,14 +132,14 @@ def test_a_reset_after_close_goes_on_as_without_it(sent: bool, batch_size: int) 
     assert closed.get_attr("difficulty") == (0, 1, 0)
 
 
-def test_members_that_are_held_do_not_keep_threads() -> None:
+def test_lanes_that_are_held_do_not_keep_threads() -> None:
     gc.collect()
     before = threading_count()
     envs = make(num_envs=2)
-    member = envs.members[0]
+    lane = envs.lanes[0]
     envs.close()
     assert threading_count() == before
-    for use in (member.ram, lambda: member.lives, lambda: setattr(member, "mode", 0)):
+    for use in (lane.ram, lambda: lane.lives, lambda: setattr(lane, "mode", 0)):
         with pytest.raises(gymnasium.error.ClosedEnvironmentError):
             use()
 

@@ -25,7 +25,7 @@ def batch_of(envs):
 def spec(**changes):
     game = atari.games["pong"]
     native = atari.cores.native.compiled(game, atari.roms.find(game).read_bytes())
-    return filled(_emulator.MemberSpec(), game=native, **changes)
+    return filled(_emulator.LaneSpec(), game=native, **changes)
 
 def engine_of(spec, **changes):
     episode = filled(_emulator.EpisodeSettings(), **changes)
@@ -82,7 +82,7 @@ MISUSES = {
         "(s := envs.snapshot()[0].state).__setstate__(s.__getstate__())",
         "TypeError",
     ),
-    "a member without a game": ("engine_of(_emulator.MemberSpec())", "ValueError"),
+    "a lane without a game": ("engine_of(_emulator.LaneSpec())", "ValueError"),
     "an action number that ALE does not have": ("engine_of(spec(actions=[99]))", "ValueError"),
     "a negative action number": ("engine_of(spec(actions=[-1]))", "ValueError"),
     "a skip without end": ("engine_of(spec(), frameskip=(2**31 - 2, 2**31 - 1))", "ValueError"),

@@ -74,7 +74,7 @@ class Player:
 
     @property
     def ram(self) -> list[int]:
-        return self.envs.members[0].ram().tolist()  # type: ignore[no-any-return]
+        return self.envs.lanes[0].ram().tolist()  # type: ignore[no-any-return]
 
 
 def ram_after(actions: list[int], game: str = "breakout", seed: int = 3) -> list[int]:
@@ -427,7 +427,7 @@ class TestSettings:
         [(_emulator.EpisodeSettings, "acts_after_end"), (_emulator.ObservationSettings, "pixels")],
     )
     def test_are_fields_of_a_task_or_given(self, kind: Any, missing: str) -> None:
-        names = [name for name, member in vars(kind).items() if isinstance(member, property)]
+        names = [name for name, lane in vars(kind).items() if isinstance(lane, property)]
         assert set(names) - set(FIELDS) == {missing}
         with pytest.raises(AttributeError, match=missing):
             filled_by_name(kind(), Task.of("pong"))

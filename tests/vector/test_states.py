@@ -1,4 +1,4 @@
-"""Snapshots, forks, pickling, and the members of a vector."""
+"""Snapshots, forks, pickling, and the lanes of a vector."""
 
 import copy
 import pickle
@@ -95,7 +95,7 @@ def test_a_fork_has_the_state_at_its_call_however_late_it_is_read() -> None:
         play(one, 10, seed=1)
     before, _ = twin.observe()
     envs.fork(0, [1])
-    envs.members[0].set_ram(3, 99)
+    envs.lanes[0].set_ram(3, 99)
     envs.fork(2, [0])  # copied to 0, while 1 still waits for the earlier state of 0
     shown, _ = envs.observe()
     assert np.array_equal(shown, before[[2, 0, 2]])
@@ -106,16 +106,16 @@ def test_what_is_done_to_one_after_a_fork_is_done_to_the_fork() -> None:
     envs.reset(seed=5)
     play(envs, 10, seed=1)
     envs.fork(0, [1, 2])
-    envs.members[1].set_ram(5, 77)
+    envs.lanes[1].set_ram(5, 77)
     assert [ram[5] == 77 for ram in envs.call("ram")] == [False, True, False]
-    assert envs.get_attr("frame_number") == (envs.members[0].frame_number,) * 3
+    assert envs.get_attr("frame_number") == (envs.lanes[0].frame_number,) * 3
     kept = envs.snapshot([2])
     envs.reset(seed=9)
     envs.fork(0, [1])
     envs.restore([1], kept)  # before the fork was played
     (again,) = envs.snapshot([1])
     envs.restore([0], [again])
-    assert envs.members[0].frame_number == envs.members[1].frame_number > envs.members[2].frame_number
+    assert envs.lanes[0].frame_number == envs.lanes[1].frame_number > envs.lanes[2].frame_number
 
 
 def test_a_forked_environment_can_be_reset_and_pickled() -> None:
@@ -203,11 +203,11 @@ def test_environments_of_other_tasks_in_one_vector() -> None:
     ):
         envs.fork(0, [1, 2])
     first = envs.snapshot()
-    envs.members[1].mode = 8
+    envs.lanes[1].mode = 8
     assert [task.mode for task in envs.tasks] == [0, 8, 0]
     with pytest.raises(ValueError, match=r"environment 1 cannot continue from it: .* mode = 0, but this .* 8"):
         envs.restore(None, first)
-    envs.members[1].mode = 0
+    envs.lanes[1].mode = 0
     envs.restore(None, first)
 
 
@@ -279,7 +279,7 @@ def test_pickling_while_stepping_is_refused() -> None:
 
 
 class TestMembers:
-    def test_counters_of_members(self) -> None:
+    def test_counters_of_lanes(self) -> None:
         envs = make(["pong", "breakout"], None)
         _, info = envs.reset(seed=0)
         *_, info = envs.step(np.array([0, 1]))
@@ -293,11 +293,11 @@ class TestMembers:
         envs = make("breakout", 2, obs_type="ram")
         observation, _ = envs.reset(seed=0)
         assert np.array_equal(np.stack(envs.call("ram")), observation)
-        envs.members[1].set_ram(5, 77)
-        assert envs.members[1].ram()[5] == 77
-        assert envs.members[0].ram()[5] != 77
+        envs.lanes[1].set_ram(5, 77)
+        assert envs.lanes[1].ram()[5] == 77
+        assert envs.lanes[0].ram()[5] != 77
         with pytest.raises(ValueError, match=r"index must be within 0\.\.127"):
-            envs.members[0].set_ram(128, 0)
+            envs.lanes[0].set_ram(128, 0)
 
     def test_modes_and_difficulties(self) -> None:
         envs = make("breakout", 2)
@@ -334,11 +334,11 @@ class TestMembers:
 
 
 @pytest.mark.parametrize("options", OPTIONS)
-def test_a_core_takes_over_from_a_member(options: dict[str, Any]) -> None:
+def test_a_core_takes_over_from_a_lane(options: dict[str, Any]) -> None:
     envs = make("seaquest", 2, **options)
     envs.reset(seed=4)
     play(envs, 10, seed=1)
-    member = envs.members[1]
+    lane = envs.lanes[1]
     chances = envs.task
     core = atari.cores.NativeCore(
         "seaquest",
@@ -347,17 +347,17 @@ def test_a_core_takes_over_from_a_member(options: dict[str, Any]) -> None:
         sound=True,
     )
     for _ in range(20):
-        member.copy_to(core)
-        before = member.episode_frame_number
-        assert (core.frame_number, core.episode_frame_number) == (member.frame_number, before)
-        assert np.array_equal(core.ram(), member.ram())
-        assert np.array_equal(core.screen_rgb(), member.screen_rgb())
+        lane.copy_to(core)
+        before = lane.episode_frame_number
+        assert (core.frame_number, core.episode_frame_number) == (lane.frame_number, before)
+        assert np.array_equal(core.ram(), lane.ram())
+        assert np.array_equal(core.screen_rgb(), lane.screen_rgb())
         _, _, terminations, truncations, _ = envs.step(np.full(2, 4))
-        if (terminations | truncations)[1] or member.episode_frame_number < before:
+        if (terminations | truncations)[1] or lane.episode_frame_number < before:
             continue
-        while core.frame_number < member.frame_number:
+        while core.frame_number < lane.frame_number:
             core.act(int(envs._options.actions[1][4]))
-        assert np.array_equal(core.ram(), member.ram())
+        assert np.array_equal(core.ram(), lane.ram())
 
 
 def test_a_core_of_another_game_is_refused() -> None:
@@ -365,7 +365,7 @@ def test_a_core_of_another_game_is_refused() -> None:
     envs.reset(seed=4)
     core = atari.cores.NativeCore("pong")
     with pytest.raises(ValueError, match="this environment plays seaquest, but the core pong"):
-        envs.members[0].copy_to(core)
+        envs.lanes[0].copy_to(core)
 
 
 def ready(**options: Any) -> atari.AtariVectorEnv:
@@ -382,9 +382,9 @@ def test_batches_of_fewer_can_be_read_and_changed_between_receive_and_send(threa
     envs = ready(num_threads=threads)
     screens = envs.render()
     assert screens is not None
-    for member, screen in zip(envs.members, screens, strict=True):
-        assert np.array_equal(member.screen_rgb(), screen)
-        assert member.lives == 5
+    for lane, screen in zip(envs.lanes, screens, strict=True):
+        assert np.array_equal(lane.screen_rgb(), screen)
+        assert lane.lives == 5
     envs.set_attr("mode", 4)
     assert envs.get_attr("mode") == (4,) * 5
     copied = pickle.loads(pickle.dumps(envs))
@@ -401,7 +401,7 @@ def test_a_result_that_was_not_received_becomes_that_of_the_restored_state(threa
     envs = ready(num_threads=threads)
     received = envs.step(np.ones(2, int))[4]["env_id"]
     source = int(received[0])
-    expected = envs.members[source].frame_number
+    expected = envs.lanes[source].frame_number
     envs.fork(source, range(5))
     for _ in range(2):  # of all others: each is received before those that are played now
         _, rewards, _, _, info = envs.step(np.ones(2, int))
@@ -410,34 +410,34 @@ def test_a_result_that_was_not_received_becomes_that_of_the_restored_state(threa
         assert not rewards[others].any()
 
 
-@pytest.mark.parametrize("name", ["render", "snapshot", "__getstate__", "members"])
+@pytest.mark.parametrize("name", ["render", "snapshot", "__getstate__", "lanes"])
 def test_between_send_and_receive_the_error_says_what_to_do(name: str) -> None:
     envs = ready()
     envs.send(np.ones(2, int))
     with pytest.raises(RuntimeError, match=r"environments are being played; call recv\(\)"):
-        envs.call("ram") if name == "members" else getattr(envs, name)()
+        envs.call("ram") if name == "lanes" else getattr(envs, name)()
     envs.recv()
-    envs.call("ram") if name == "members" else getattr(envs, name)()
+    envs.call("ram") if name == "lanes" else getattr(envs, name)()
 
 
 def test_pickling_keeps_a_mode_that_was_set() -> None:
     envs = make("breakout", 2)
     envs.reset(seed=1)
-    envs.members[1].mode = 8
+    envs.lanes[1].mode = 8
     copied = copy.deepcopy(envs)
     assert copied.get_attr("mode") == (0, 8)
     assert np.array_equal(copied.reset()[0], envs.reset()[0])
 
 
-def test_a_member_has_the_methods_of_ale_pys_interface_for_reading() -> None:
+def test_a_lane_has_the_methods_of_ale_pys_interface_for_reading() -> None:
     envs = make(num_envs=2)
     envs.reset(seed=0)
-    member = envs.members[1]
-    ale = member.ale
-    assert (ale.lives(), ale.getFrameNumber(), ale.getRAMSize()) == (5, member.frame_number, 128)
+    lane = envs.lanes[1]
+    ale = lane.ale
+    assert (ale.lives(), ale.getFrameNumber(), ale.getRAMSize()) == (5, lane.frame_number, 128)
     ale.setRAM(5, 77)
     assert ale.getRAM()[5] == ale.getRAM(np.empty(128, np.uint8))[5] == 77
-    assert np.array_equal(ale.getScreenRGB(), member.screen_rgb())
+    assert np.array_equal(ale.getScreenRGB(), lane.screen_rgb())
     assert ale.getScreenRGB().shape == (*ale.getScreenDims(), 3)
     with pytest.raises(AttributeError, match="act"):
         ale.act(0)

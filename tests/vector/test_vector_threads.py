@@ -86,7 +86,7 @@ def test_all_methods_may_be_called_while_other_threads_step() -> None:
         lambda: envs.render(),
         lambda: envs.mosaic(),
         lambda: envs.call("ram"),
-        lambda: envs.members[1].set_ram(0, 1),
+        lambda: envs.lanes[1].set_ram(0, 1),
         lambda: envs.set_attr("difficulty", 0),
         lambda: envs.__getstate__(),
     )
@@ -269,7 +269,7 @@ if hasattr(os, "fork"):
             for round in range(25):
                 child = os.fork()
                 if child == 0:
-                    for use in (lambda: envs.step(np.zeros(4, int)), envs.snapshot, lambda: envs.members[0].lives):
+                    for use in (lambda: envs.step(np.zeros(4, int)), envs.snapshot, lambda: envs.lanes[0].lives):
                         try:
                             use()
                         except RuntimeError as error:

@@ -104,7 +104,7 @@ bool Environment::Parts::restore(const EnvironmentSnapshot& snapshot) {
 }
 
 const uint8_t* Environment::Parts::framebuffer() {
-    if (!settings.colour_averaging) return console->framebuffer();
+    if (!settings.color_averaging) return console->framebuffer();
     averaged.resize(static_cast<size_t>(game->height()) * kScreenWidth);
     average_framebuffers(console->framebuffer(), console->previous_framebuffer(), averaged.size(), *game->palette,
                          averaged.data());

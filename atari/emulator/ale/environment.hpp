@@ -59,7 +59,7 @@ struct Settings {
     int frame_skip = 1;
     int32_t max_frames_per_episode = 0;
     bool sound = false;
-    bool colour_averaging = false;
+    bool color_averaging = false;
     bool plain = false;  // use the reference core, the oracle of the fast one
 
     // Multi-Agent-ALE has one generator for the machine and for sticky actions. ale-py has two.

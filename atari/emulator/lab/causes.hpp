@@ -1,6 +1,6 @@
-// `Causes`: what each byte of RAM causes. From given states of a game, every byte is changed to several values. A fork
-// with the changed byte is played for some frames beside an unchanged twin with the same actions and the same random
-// words. Differences of screen, RAM, reward, lives and game over are effects of the change.
+// `Causes` counts the effects of each byte of RAM. In given states of a game, every byte is changed to several values.
+// A fork with the changed byte is played for some frames beside an unchanged twin with the same actions and the same
+// random words. Differences of screen, RAM, reward, lives and game over are effects of the change.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ namespace atari {
 
 inline constexpr int kRamBytes = 128, kMostForkFrames = 60, kMostForkValues = 64;
 
-// The number of forks, by what came of them.
+// Numbers of forks by their outcome. `_COUNTS` in atari/lab/causal/explore.py names the same fields in this order.
 struct ByteCauses {
     uint32_t forks = 0;
     uint32_t vanished = 0;   // the byte was rewritten in the first frame, and nothing else ever differed
@@ -33,11 +33,11 @@ struct ForkEffect {
     int32_t old_then, new_then;                // the byte in twin and fork after frame `frame`
     int32_t frame;                             // 1 ..: pixels differed first in this frame; 0: never
     int32_t left, top, right, bottom, pixels;  // the box of these pixels, inclusive, and their number
-    // The shift along x, or along y, that maps the twin's pixels to the fork's, or 0; percentage of pixels that it
-    // explains; and of pixels whose colour has no counterpart, which is small if something moves.
+    // The shift along x, or along y, that maps the twin's pixels to the fork's, or 0; the percentage of pixels that it
+    // explains; and the percentage of pixels whose colour has no counterpart, which is small if something moves.
     int32_t dx, dx_score, dy, dy_score, unbalanced;
     int32_t reward, lives;              // in the first frame
-    int32_t reward_later, lives_later;  // of all frames; after the last one
+    int32_t reward_later, lives_later;  // over all frames; after the last one
     int32_t over;                       // the fork's game was over, and the twin's was not
 };
 inline constexpr int kForkEffectNumbers = sizeof(ForkEffect) / sizeof(int32_t);

@@ -1,4 +1,4 @@
-// A checksum of 64 bits, which reads as fast as memory. It finds damage; it does not resist forgery.
+// A checksum of 64 bits, as fast as memory. It finds damage; it does not resist forgery.
 #pragma once
 
 #include <bit>
@@ -40,7 +40,7 @@ class Checksum {
 
   private:
     static constexpr uint64_t kOdd = 0x9e3779b97f4a7c15u;
-    // For each word a bijection of the sum: one changed word always changes the result.
+    // A bijection of the sum for each word, so one changed word always changes the result.
     static uint64_t mixed(uint64_t sum, uint64_t word) { return std::rotl((sum ^ word) * kOdd, 29); }
 
     uint64_t sums_[4];

@@ -7,12 +7,12 @@
 namespace atari::memory {
 namespace {
 
-// The first byte of a code: what a frame is made from.
+// The first byte of a code: the prediction of the frame.
 enum Kind : uint8_t { kFromBefore = 0, kFromAbove = 1, kPlain = 2 };
 
-// After the kind, a code is a sequence of two lengths and a string: so many bytes are as predicted, then come so many
-// bytes. What is left at the end is as predicted. Lengths have 7 bits a byte, the lowest first.
-constexpr size_t kShortestMatch = 4;  // shorter ones are stored as bytes: two lengths take as much
+// After the kind, a code repeats three fields: the number of bytes that are as predicted, the number of bytes that are
+// not, and these bytes. The rest of the frame is as predicted. Lengths have 7 bits a byte, the lowest first.
+constexpr size_t kShortestMatch = 4;  // a shorter match saves nothing: its two lengths take as much
 
 uint64_t word_at(const uint8_t* bytes) {
     uint64_t word;
@@ -25,7 +25,7 @@ int equal_bytes(uint64_t difference) {
            8;
 }
 
-// Returns how many bytes from `start` are equal.
+// Returns the number of equal bytes from `start` on.
 size_t match(const uint8_t* a, const uint8_t* b, size_t start, size_t end) {
     size_t i = start;
     for (; i + 64 <= end; i += 64) {
@@ -40,7 +40,7 @@ size_t match(const uint8_t* a, const uint8_t* b, size_t start, size_t end) {
     return i - start;
 }
 
-// Returns how many bytes from `start` lie before the next match worth a token.
+// Returns the number of bytes from `start` to the next match that is long enough.
 size_t mismatch(const uint8_t* a, const uint8_t* b, size_t start, size_t end) {
     size_t equal = 0;
     for (size_t i = start; i < end; ++i) {
@@ -75,7 +75,7 @@ size_t encode_from(const uint8_t* predicted, const uint8_t* frame, size_t bytes,
     return size;
 }
 
-// Copies `count` bytes from `pitch` bytes before: as they are written, if the two overlap.
+// Copies `count` bytes from `pitch` bytes before `to`. Where source and target overlap, new bytes are copied again.
 void copy_from_above(uint8_t* to, size_t count, size_t pitch) {
     for (size_t done = 0; done < count;) {
         const size_t part = std::min(count - done, pitch);
@@ -101,7 +101,7 @@ size_t encode(const uint8_t* frame, const uint8_t* before, size_t bytes, size_t 
               EncoderScratch& scratch) {
     size_t size = before ? encode_from(before, frame, bytes, kFromBefore, out, bytes) : 0;
     if (size > 0 && size < bytes / 16) return size;
-    // The row above the first one is 0: the bytes of the frame are predicted by those of a row of 0 and the frame.
+    // The row above the first row counts as 0, so the prediction is a row of zeros and then the frame.
     auto& [above, code] = scratch;
     above.assign(pitch, 0);
     above.insert(above.end(), frame, frame + bytes - pitch);

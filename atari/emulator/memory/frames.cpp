@@ -9,7 +9,7 @@
 namespace atari::memory {
 namespace {
 
-// Copies a frame, and loads another one line by line meanwhile, unless it is null.
+// Copies a frame. Meanwhile it loads the frame `ahead` line by line into the cache, unless `ahead` is null.
 void copy(uint8_t* to, const uint8_t* from, size_t bytes, [[maybe_unused]] const uint8_t* ahead) {
 #if defined(__GNUC__)
     constexpr size_t kLine = 64;
@@ -112,7 +112,7 @@ bool Frames::reload(int64_t first, int64_t head, int64_t first_final, int64_t fi
     }
     packed_->finish_entering();
     if (!good || head == 0) return good;
-    // The row before the pending one, from which that is encoded.
+    // Decode the row before the pending row: the pending row is encoded from it.
     Reader reader(*this);
     for (size_t part = 0; part < geometry_.parts.size(); ++part)
         for (int64_t lane = 0; lane < geometry_.lanes; ++lane)
@@ -136,7 +136,7 @@ const std::vector<uint8_t>& Frames::Reader::decode(size_t part, int64_t row, int
     for (int64_t next = continues ? decoded.row + 1 : group; next <= row; ++next) {
         const PackedFrame frame = table[frames_.cell(next, lane)];
         const uint8_t* const code = frames_.packed_->find(frame);
-        // Code that is damaged, in a file that was opened unchecked, shows zeros.
+        // Damaged code, in a file that was opened unchecked, is decoded to zeros.
         if (!code || !atari::memory::decode(code, frame.bytes, decoded.frame.data(), size.bytes, size.pitch))
             std::fill(decoded.frame.begin(), decoded.frame.end(), uint8_t{0});
     }

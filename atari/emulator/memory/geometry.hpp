@@ -1,4 +1,4 @@
-// The sizes of a replay memory, and where its parts lie in the one block of bytes that is also its file.
+// The sizes of a replay memory, and the layout of its one block of bytes, which is also its file.
 #pragma once
 
 #include <cstddef>
@@ -7,46 +7,46 @@
 
 namespace atari::memory {
 
-// What a vector environment does after the end of an episode; Gymnasium's `AutoresetMode`.
+// The behaviour of a vector environment after the end of an episode; Gymnasium's `AutoresetMode`.
 enum class Autoreset { kNextStep, kSameStep, kDisabled };
 
 // One part of an observation: the image, or the RAM.
 struct Part {
-    size_t bytes;  // of one frame
+    size_t bytes;  // bytes of a frame
     size_t pitch;  // bytes from a pixel to the one below it
-    int stack;     // most frames in an observation
+    int stack;     // the most frames in an observation
 };
 
 struct Geometry {
     int64_t lanes;
     int64_t rows;    // steps of a lane that can be sampled; a row is one step of all lanes
-    int64_t margin;  // rows that are written before what they overwrite must be saved
-    int64_t finals;  // final observations of episodes whose row has the first frame of the next one
+    int64_t margin;  // rows that can be written before they overwrite rows of the last saved state
+    int64_t finals;  // space for final observations that have no row
     std::vector<Part> parts;
     size_t action_bytes;
     Autoreset autoreset;
     bool repeat_first;  // pad a stack with the first frame of the episode, not with zeros
     bool prioritised;
-    double exponent;  // of priorities
-    bool saved;       // to a file: rows have checksums
+    double exponent;  // the exponent of priorities
+    bool saved;       // whether the block is a file: rows then have checksums
     bool compressed;
-    size_t packed_bytes;  // for compressed frames
+    size_t packed_bytes;  // space for compressed frames
 
     // Throws std::invalid_argument if a number is out of range.
     void check() const;
     int most_frames() const;
-    // Rows before the oldest step that its stack, or the decoding of its stack, may need.
+    // Rows before the oldest step that its stack, or the decoding of this stack, may need.
     int64_t history() const;
-    // Rows in the ring: the pending row and the row that is being written come to those above.
+    // Rows in the ring. The 2 are the pending row and the row that is being written.
     int64_t slots() const { return rows + history() + 2 + margin; }
     int64_t cells() const { return slots() * lanes; }
-    size_t frame_bytes() const;  // of all parts
+    size_t frame_bytes() const;  // bytes of a frame of all parts
 };
 
-// Rows are compressed in groups of so many: the first is decoded by itself, the others from the one before.
+// Rows are compressed in groups of 16: the first is decoded by itself, each other row from the row before.
 constexpr int64_t kGroup = 16;
 
-// The least `packed_bytes`: a few rows of frames that cannot be compressed.
+// The least `packed_bytes`: space for a few rows of frames that cannot be compressed.
 size_t least_packed_bytes(const Geometry& geometry);
 
 // A compressed frame lies within one chunk.
@@ -61,12 +61,12 @@ struct Layout {
     explicit Layout(const Geometry& geometry);
 
     size_t section_bytes;
-    size_t sections[2];  // the saved state, written in turn
+    size_t sections[2];  // two places for the saved state, written in turn
     size_t actions, rewards, flags, checks;
     size_t final_owners, final_checks;
     std::vector<size_t> frames;  // by part: slots x lanes frames; if compressed, three rows of frames
     std::vector<size_t> finals;  // by part; empty if compressed
-    std::vector<size_t> packed_frames, packed_finals;  // by part: where a frame is in `packed`
+    std::vector<size_t> packed_frames, packed_finals;  // by part: tables of `PackedFrame`, which lie in `packed`
     size_t packed = 0;
     size_t bytes;
 };

@@ -14,7 +14,7 @@ size_t chunk_bytes(const Geometry& geometry) {
     return (std::max(size_t{1} << 16, 8 * most) + 4095) / 4096 * 4096;
 }
 
-// Chunks that a row may take, with a final observation in each lane. An eighth of a chunk may stay empty.
+// The most chunks of a row with a final observation in each lane. An eighth of a chunk may stay empty.
 size_t most_chunks_of_row(const Geometry& geometry) {
     size_t bytes = 0;
     for (const Part& part : geometry.parts) bytes += 2 * static_cast<size_t>(geometry.lanes) * most_encoded(part.bytes);

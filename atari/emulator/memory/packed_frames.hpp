@@ -1,4 +1,4 @@
-// The bytes of compressed frames: chunks that are filled one by one and become free in the same order.
+// The bytes of compressed frames: chunks that are filled one by one, and become free in the same order.
 #pragma once
 
 #include <deque>
@@ -14,19 +14,20 @@ class PackedFrames {
   public:
     PackedFrames(const Geometry& geometry, uint8_t* bytes);
 
-    // Whether a row fits, with a final observation in each lane.
+    // Whether a row with a final observation in each lane fits.
     bool has_space() const { return free_.size() >= chunks_of_row_; }
     // The newest row in the chunk that becomes free next.
     int64_t next_release() const { return used_.empty() ? -1 : used_.front().newest; }
     // Frees the chunks that have no row from `oldest` on.
     void release(int64_t oldest);
-    // Stores the bytes of a frame of a row. Rows must not decrease, and `has_space` must have been true for the row.
+    // Stores the code of a frame. `row` must not decrease, and `has_space` must have been true for the row.
     PackedFrame store(const uint8_t* code, size_t size, int64_t row);
-    // The code of a frame; null if the frame, which may be of a file, does not lie within one chunk.
+    // The code of a frame; null if the frame, which may be from a damaged file, does not lie within one chunk.
     const uint8_t* find(PackedFrame frame) const;
     size_t used_bytes() const { return used_.size() * chunk_; }
 
-    // Forget everything, then enter what a file has. Returns false if a frame does not lie within one chunk.
+    // `clear` removes all frames; then `enter` adds the frames of a file one by one, and returns false for a frame that
+    // does not lie within one chunk; `finish_entering` makes the lists of chunks.
     void clear();
     bool enter(PackedFrame frame, int64_t row);
     void finish_entering();
@@ -34,8 +35,8 @@ class PackedFrames {
   private:
     struct Chunk {
         size_t index;
-        int64_t newest;  // row
-        size_t end;      // bytes that are used
+        int64_t newest;  // the newest row in it
+        size_t end;      // bytes in use
     };
 
     size_t chunk_, chunks_, chunks_of_row_;

@@ -114,7 +114,7 @@ void ReplayMemory::complete_row() {
     ++state_.head;
     state_.steps += geometry_.lanes;
     while (state_.head - state_.tail > geometry_.rows) forget_oldest();
-    // The slot of the row that is written next must not be one of the saved state's.
+    // The row that is written next must not take the slot of a row of the saved state.
     if (saving_ && state_.head + 1 - slots_ >= saved_.tail - geometry_.history()) save();
 }
 
@@ -131,10 +131,10 @@ void ReplayMemory::forget_oldest() {
         ++state_.first_final;
 }
 
-// Makes space for the pending row and so many final observations: forgets the oldest rows, and saves the state where
-// the last saved one would otherwise be overwritten.
+// Makes space for the pending row and `finals` final observations: forgets the oldest rows, and saves the state if the
+// last saved state would otherwise be overwritten.
 void ReplayMemory::make_space(int64_t finals) {
-    const int64_t overwritten = state_.finals + finals - geometry_.finals;  // entries before this one
+    const int64_t overwritten = state_.finals + finals - geometry_.finals;  // earlier entries lose their slot
     while (state_.first_final < overwritten) forget_oldest();
     if (saving_ && saved_.first_final < overwritten) save();
     if (PackedFrames* const packed = frames_.packed()) {

@@ -1,8 +1,8 @@
 // A replay memory that stores each frame once, in rows of one frame for each lane (environment).
 //
-// Step (row, lane) is: the frame of this row, the action on it, and the reward and end that followed. The observation
-// after it is the stack at the next row. Where an episode's last observation has no row, because the next row has the
-// first frame of the next episode, it is stored apart (`finals`). Rows count from 0 and lie in a ring of slots.
+// Step (row, lane) is the frame of this row, the action on it, and the reward and end that followed. The observation
+// after the step is the stack at the next row. If the next row has the first frame of the next episode, the last
+// observation has no row, and is stored apart (`finals`). Rows count from 0 and lie in a ring of slots.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +19,8 @@
 
 namespace atari::memory {
 
-// What an environment vector returned, lane by lane. `finals` has, by part, the frames of all lanes; those of lanes
-// that have not ended are not read. It is empty if there are none.
+// The results of a step of a vector environment, lane by lane. `finals` has, by part, the frames of all lanes; frames
+// of lanes that have not ended are not read. It is empty without final observations.
 struct StepResults {
     const uint8_t* actions;
     const float* rewards;
@@ -29,18 +29,18 @@ struct StepResults {
     std::vector<const uint8_t*> finals;
 };
 
-// How to sample.
+// The options of a call that samples.
 struct Choice {
-    int64_t count;  // steps
+    int64_t count;  // steps that are drawn
     int64_t reach;  // n of n-step returns; the length of sequences
     double discount;
-    std::optional<double> beta;  // of importance weights: by priority; nothing is uniform
+    std::optional<double> beta;  // exponent of importance weights, for draws by priority; empty for uniform draws
     std::vector<int> stacks;     // by part, the frames of an observation
     int threads;
 };
 
-// Where a batch goes. Sequences have no `next`, `discounts` and `weights`; the arrays of transitions no `mask`.
-// Transitions of one step may have no `next` either: then each observation has one more frame, the next one's newest.
+// The arrays of a batch. Sequences have no `next`, `discounts` and `weights`; transitions have no `mask`. With n = 1,
+// transitions may have no `next` either: then each observation also has the newest frame of the next observation.
 struct Target {
     std::vector<uint8_t*> observations, next;  // by part
     uint8_t* actions;
@@ -55,7 +55,7 @@ struct Target {
 
 class ReplayMemory {
   public:
-    // `block` has `Layout(geometry).bytes` bytes, which are 0, or what an earlier memory of this geometry has left.
+    // `block` has `Layout(geometry).bytes` bytes: zeros, or the block of an earlier memory of this geometry.
     ReplayMemory(const Geometry& geometry, uint8_t* block);
     ReplayMemory(const ReplayMemory&) = delete;
     ReplayMemory& operator=(const ReplayMemory&) = delete;
@@ -64,30 +64,30 @@ class ReplayMemory {
     const State& state() const { return state_; }
     void seed(uint64_t seed) { state_.generator.seed(seed); }
 
-    // Where the frames of a part begin in the block, and for how many rows there is a place, lane by lane.
+    // The offset of the frames of a part in the block, and the number of rows that have a place there, lane by lane.
     size_t frames_offset(size_t part) const { return layout_.frames[part]; }
     int64_t places() const { return frames_.places(); }
-    // The place where the next row's frames go. Nothing reads them before `add`.
+    // The place of the next row's frames. Nothing reads them before `add`.
     int64_t next_place() const { return frames_.place(state_.started ? state_.head + 1 : 0); }
-    // Begins new episodes in all lanes, with the next row's frames. Steps that have not ended are cut.
+    // Begins new episodes in all lanes, with the next row's frames. Episodes that have not ended are cut.
     void reset();
-    // Begins new episodes in some lanes, whose frames replace those of the pending row.
+    // Begins new episodes in some lanes. Their frames replace the frames of the pending row.
     void reset(const uint8_t* mask, const std::vector<const uint8_t*>& frames);
-    // Completes the pending row; the next row's frames are there. Throws before it changes anything.
+    // Completes the pending row. The next row's frames must be in place. Throws before it changes anything.
     void add(const StepResults& results);
 
-    // Steps from which `reach` steps, or an end, are there.
+    // The number of steps after which `reach` steps, or an end, are stored.
     int64_t count(int64_t reach) const;
-    // The stacks at the pending row, on which to act.
+    // Writes the stacks at the pending row, the agent's present observations.
     void observe(const std::vector<int>& stacks, const std::vector<uint8_t*>& to) const;
     void sample(const Choice& choice, const Target& target);
     void sample_sequences(const Choice& choice, const Target& target);
-    // Sets the priorities of steps, the last of equal ones; those that are not there any more are left out.
+    // Sets the priorities of steps. The last of equal indices counts; overwritten steps are left out.
     void update_priorities(const int64_t* indices, const double* priorities, int64_t count);
 
-    // Makes the present state the one that `load` finds.
+    // Saves the present state, which `load` then reads.
     void save();
-    // Reads the last saved state. Throws std::invalid_argument that says what is damaged. `verify` reads all frames.
+    // Reads the last saved state. Throws std::invalid_argument with the damaged place. `verify` reads all frames.
     void load(bool verify);
     int64_t saves() const { return static_cast<int64_t>(saves_); }
     size_t used_bytes() const;
@@ -143,15 +143,15 @@ class ReplayMemory {
     float* const rewards_;
     uint8_t* const flags_;
     uint64_t* const checks_;
-    int64_t* const final_owners_;  // index of the step whose next observation it is
+    int64_t* const final_owners_;  // by slot, the index of the step before the final observation
     uint64_t* const final_checks_;
 
     State state_{};
-    std::vector<uint8_t> waiting_;  // by lane: whether its episode has ended, and its action will be ignored
+    std::vector<uint8_t> waiting_;  // by lane: whether its episode has ended, so that its next action is ignored
     Frames frames_;
     ValidSteps valid_;
     std::optional<SumTree> tree_;
-    bool saving_ = false;  // whether the last saved state must stay readable: there is one, in a file
+    bool saving_ = false;  // whether the memory is a file with a saved state, which must stay readable
     State saved_{};
     uint64_t saves_ = 0;
 };

@@ -1,4 +1,4 @@
-// Sampling: which steps, and what becomes of them in a batch.
+// Sampling: draws steps, and writes them to a batch.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -10,25 +10,25 @@
 
 namespace atari::memory {
 
-// Of up to n steps: `steps` were walked. Without `complete`, neither n steps nor an end are there yet.
+// A transition of up to n steps; `steps` is their number. Without `complete`, neither n steps nor an end are stored.
 struct ReplayMemory::Transition {
     int64_t steps;
     double reward, discount;
     bool terminated, truncated, complete;
 };
 
-// The newest frame of an observation: that of a row, or the final observation that follows it.
+// The newest frame of an observation: the frame of a row, or the final observation after the row.
 struct ReplayMemory::Source {
     int64_t row;
     int64_t final;  // entry, or -1
 };
 
-// The steps with a reach. From row `first` on they are listed in `newest`; before it, all valid ones belong to them.
+// The steps that can be sampled with a reach: all valid steps before row `first`, and the steps in `newest`.
 struct ReplayMemory::Span {
     int64_t first;
-    int64_t older;                  // how many come before `first`
+    int64_t older;                  // the number of valid steps before `first`
     std::vector<int64_t> newest;    // indices
-    std::vector<int64_t> excluded;  // cells, valid ones of the rows from `first`
+    std::vector<int64_t> excluded;  // cells of valid steps from row `first` on that are not in `newest`
     int64_t count() const { return older + static_cast<int64_t>(newest.size()); }
 };
 
@@ -37,8 +37,8 @@ class ReplayMemory::Writer {
   public:
     explicit Writer(const ReplayMemory& memory) : memory_(memory), reader_(memory.frames_) {}
 
-    // Writes the stack that ends with `source`. `older`, if not null, is a stack of the same size and episode, of rows
-    // alone, that ends with `older_row`; frames are copied from it where they are the same.
+    // Writes the stack that ends with `source`. `older`, if not null, is a stack of the same size and episode that ends
+    // with row `older_row`; frames that both stacks have are copied from it.
     void write(size_t part, int64_t lane, Source source, int frames, uint8_t* to, const uint8_t* older = nullptr,
                int64_t older_row = 0) {
         const size_t bytes = memory_.geometry_.parts[part].bytes;
@@ -64,7 +64,7 @@ class ReplayMemory::Writer {
         }
     }
 
-    // The frames of the step `next` are loaded while those of the step `now` are read.
+    // Loads the frames of the step `next` while the frames of the step `now` are read.
     void look_ahead(int64_t now, int64_t next) {
         const int64_t lanes = memory_.geometry_.lanes;
         ahead_rows_ = next / lanes - now / lanes;
@@ -112,7 +112,7 @@ ReplayMemory::Transition ReplayMemory::walk(int64_t row, int64_t lane, int64_t r
     return transition;
 }
 
-// The observation so many steps after that of a row: of one episode, so only the last step may end it.
+// Returns the newest frame of the observation `steps` steps after a row. Only the last step may end an episode.
 ReplayMemory::Source ReplayMemory::source(int64_t row, int64_t lane, int64_t steps) const {
     const int64_t last = row + steps;
     if (steps > 0 && flags(last, lane) & kFirst) return {last - 1, find_final(last - 1, lane)};
@@ -155,10 +155,10 @@ void ReplayMemory::check_choice(const Choice& choice) const {
     for (size_t part = 0; part < choice.stacks.size(); ++part)
         if (choice.stacks[part] < 1 || choice.stacks[part] > geometry_.parts[part].stack)
             throw std::invalid_argument("stack_num must be within 1.." + std::to_string(geometry_.parts[part].stack) +
-                                        ", that of the memory, not " + std::to_string(choice.stacks[part]));
+                                        " here, got " + std::to_string(choice.stacks[part]));
 }
 
-// The indices of sampled steps, and their weights if `weights` is not null.
+// Returns the indices of sampled steps, and writes their weights if `weights` is not null.
 std::vector<int64_t> ReplayMemory::draw(const Choice& choice, float* weights) {
     check_choice(choice);
     const Span span = this->span(choice.reach);
@@ -167,7 +167,7 @@ std::vector<int64_t> ReplayMemory::draw(const Choice& choice, float* weights) {
         throw std::invalid_argument("there is no step to sample yet from which " + std::to_string(choice.reach) +
                                     " steps, or the end of an episode, are stored");
     if (choice.beta) return draw_by_priority(choice, span, weights);
-    // By age: the ring's oldest step comes first.
+    // Steps are numbered by age, from the ring's oldest step.
     const int64_t start = valid_.rank(cell(state_.tail, 0));
     std::vector<int64_t> indices(static_cast<size_t>(choice.count));
     for (int64_t& drawn : indices) {
@@ -181,7 +181,7 @@ std::vector<int64_t> ReplayMemory::draw(const Choice& choice, float* weights) {
 
 namespace {
 
-// Leaves of the tree that are 0 for its life.
+// Sets leaves of the tree to 0 for its own lifetime.
 class Hidden {
   public:
     Hidden(SumTree& tree, const std::vector<int64_t>& cells) : tree_(tree), cells_(cells) {
@@ -222,7 +222,7 @@ std::vector<int64_t> ReplayMemory::draw_by_priority(const Choice& choice, const 
 
 namespace {
 
-// Calls `work(i)` for i below `count`, from so many threads, each with what `make()` returns.
+// Calls `work(own, i)` for i below `count` in up to `threads` threads; `own` is the thread's result of `make()`.
 template <typename Make, typename Work>
 void share(int64_t count, int threads, Make&& make, Work&& work) {
     constexpr int64_t kTogether = 4;
@@ -236,9 +236,9 @@ void share(int64_t count, int threads, Make&& make, Work&& work) {
     try {
         others.reserve(static_cast<size_t>(threads));
         for (int i = 1; i < std::min<int64_t>(threads, count / kTogether); ++i)
-            others.emplace_back([&run, theirs = make()]() mutable { run(theirs); });  // what can throw, throws here
+            others.emplace_back([&run, theirs = make()]() mutable { run(theirs); });  // only this statement may throw
     } catch (const std::exception&) {
-        // The threads that there are do the work.
+        // The threads that have started do the work.
     }
     run(own);
     for (std::thread& other : others) other.join();
@@ -257,7 +257,7 @@ void ReplayMemory::observe(const std::vector<int>& stacks, const std::vector<uin
     }
 }
 
-// Begin to load what a sample will read: it lies apart, and each would be waited for.
+// Begins to load the data of a step, which lie far apart in memory.
 void ReplayMemory::prefetch_step([[maybe_unused]] int64_t index) const {
 #if defined(__GNUC__)
     const int64_t row = index / geometry_.lanes, lane = index % geometry_.lanes, here = cell(row, lane);

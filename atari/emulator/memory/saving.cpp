@@ -1,5 +1,5 @@
-// The saved state of a replay memory. Rows are written where they stay; the rest of the state is written to one of two
-// sections in turn, so that the last complete one is always there.
+// The saved state of a replay memory. Rows are already in their place; the rest of the state is written to one of two
+// sections in turn, so that the last complete section is never overwritten.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -18,7 +18,7 @@ SectionHeader header_of(const uint8_t* section) {
     return header;
 }
 
-// Writes one number of a header. A process that is killed leaves all that it wrote before.
+// Writes one number of a header, after all earlier writes: a process that is killed leaves them in the file.
 void put(uint8_t* to, uint64_t number) {
     std::atomic_signal_fence(std::memory_order_seq_cst);
     std::memcpy(to, &number, sizeof number);
@@ -58,7 +58,7 @@ void ReplayMemory::save() {
     saving_ = geometry_.saved;
 }
 
-// Returns the section to load. A section that is being written has `begun` ahead by 2, and the other one is complete.
+// Returns the section to load. While a section is being written, its `begun` is ahead by 2; the other is complete.
 int ReplayMemory::newest_section() const {
     SectionHeader headers[2];
     bool complete[2];
@@ -133,7 +133,7 @@ uint64_t ReplayMemory::final_check(int64_t entry) const {
     return frames_.check_final(entry, sum.value());
 }
 
-// Throws if what the loaded state refers to is damaged.
+// Throws if rows or final observations of the loaded state are damaged.
 void ReplayMemory::check_rows(bool verify) const {
     const int64_t first = std::max<int64_t>(0, state_.tail - geometry_.history());
     for (int64_t row = first; verify && geometry_.saved && row < state_.head; ++row)
@@ -152,7 +152,7 @@ void ReplayMemory::check_rows(bool verify) const {
     }
 }
 
-// Makes what is not saved from what is.
+// Computes the members that are not saved.
 void ReplayMemory::rebuild() {
     valid_ = ValidSteps(geometry_.cells());
     for (int64_t row = state_.tail; row < state_.head; ++row)

@@ -1,4 +1,4 @@
-// What changes in a replay memory besides its rows, as plain data: the saved state begins with it.
+// The counters and the generator of a replay memory, as plain data. The saved state begins with them.
 #pragma once
 
 #include <bit>
@@ -6,19 +6,19 @@
 
 namespace atari::memory {
 
-// Of one step of one lane. `kFirst` belongs to its frame, the others to its action.
+// The flags of a step of a lane. `kFirst` belongs to its frame, the other flags to its action.
 enum Flags : uint8_t {
     kTerminated = 1,
     kTruncated = 2,
     kFirst = 4,   // the frame is the first of an episode
-    kNoStep = 8,  // the action was ignored: the frame is an observation, but no transition begins with it
+    kNoStep = 8,  // the action was ignored: the frame is an observation, but begins no transition
 };
 
 // xoshiro256** (Blackman and Vigna 2018).
 struct Generator {
     uint64_t words[4];
 
-    // By splitmix64, as its authors recommend.
+    // Seeds by splitmix64, as the authors recommend.
     void seed(uint64_t value) {
         for (uint64_t& word : words) {
             value += 0x9e3779b97f4a7c15u;
@@ -51,20 +51,20 @@ struct Generator {
 };
 
 struct State {
-    int64_t head;         // the pending row: its frames are there, its actions are not. Rows count from 0 for ever
-    int64_t tail;         // the oldest row that can be sampled; tail <= head, and equal if there is none
+    int64_t head;         // the pending row, which has frames and no actions yet. Rows count from 0 for ever
+    int64_t tail;         // the oldest row that can be sampled; equal to `head` if no row can be sampled
     int64_t finals;       // final observations ever stored
-    int64_t first_final;  // the oldest of them that belongs to a step from `tail` on
-    int64_t steps;        // of all lanes, ever added
+    int64_t first_final;  // the oldest final observation of a step from `tail` on
+    int64_t steps;        // steps ever added, of all lanes
     Generator generator;
-    double greatest;   // priority so far: that of new steps
+    double greatest;   // the greatest priority so far, which new steps get
     uint64_t started;  // whether row 0 has its frames
 };
 
-// Precedes a saved state. While the state is being written, `begun` is greater than `completed` by 2.
+// The header before a saved state. While the state is being written, `begun` is greater than `completed` by 2.
 struct SectionHeader {
     uint64_t begun, completed;  // numbers of saves; a section has every second one
-    uint64_t check;             // of `completed` and of what follows this header
+    uint64_t check;             // checksum of `completed` and the bytes after this header
 };
 
 }  // namespace atari::memory

@@ -1,4 +1,4 @@
-// Sums of priorities, by which a step is found in proportion to its own (Schaul et al. 2016).
+// Sums of priorities, which find a step with a probability in proportion to its priority (Schaul et al. 2016).
 #pragma once
 
 #include <algorithm>
@@ -8,8 +8,8 @@
 
 namespace atari::memory {
 
-// Each node has 16 children, which share two cache lines. A node is always the sum of its children in one order, so
-// equal leaves give an equal tree, however they were set.
+// A tree whose nodes have 16 children in two cache lines each. A node is the sum of its children in a fixed order, so
+// equal leaves give an equal tree, in whichever order they were set.
 class SumTree {
   public:
     explicit SumTree(int64_t size) {
@@ -35,7 +35,7 @@ class SumTree {
         }
     }
 
-    // As `set` for each index, in order, but each node above is computed once.
+    // Sets each index in order, and computes each node above them once.
     void set(const std::vector<int64_t>& indices, const std::vector<double>& values) {
         for (const int64_t index : indices) prefetch(0, static_cast<size_t>(index) / kFan);
         std::vector<size_t> nodes;
@@ -58,8 +58,8 @@ class SumTree {
                 levels_[level][i] = sum(&levels_[level - 1][i * kFan]);
     }
 
-    // Returns the leaves at these masses of the total: never one of priority 0, unless the total is 0. All are followed
-    // level by level, so that one is loaded while others are compared.
+    // Returns the leaves at these masses of the total, none with priority 0 unless the total is 0. All masses are
+    // followed level by level, so that the nodes of one are loaded while the others are compared.
     std::vector<int64_t> find(std::vector<double> masses) const {
         std::vector<int64_t> found(masses.size());
         for (size_t level = levels_.size() - 1; level-- > 0;)
@@ -74,7 +74,7 @@ class SumTree {
 
   private:
     static constexpr size_t kFan = 16;
-    // Returns the child at `mass`, and leaves the mass within it.
+    // Returns the child at `mass`, and reduces `mass` to the mass within this child.
     static size_t step_down(const double* children, double& mass) {
         size_t chosen = 0;  // rounding may leave a mass beyond the last child
         for (size_t child = 0; child < kFan; ++child) {
@@ -101,7 +101,7 @@ class SumTree {
         return (sums[0] + sums[1]) + (sums[2] + sums[3]);
     }
 
-    std::vector<std::vector<double>> levels_;  // from the leaves to the root
+    std::vector<std::vector<double>> levels_;  // from leaves to root
 };
 
 }  // namespace atari::memory

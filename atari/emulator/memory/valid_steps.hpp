@@ -1,4 +1,4 @@
-// The bitmap of the steps that can be sampled, with counts that find the k-th of them directly.
+// The bitmap of the steps that can be sampled, with counts that find the k-th step directly.
 #pragma once
 
 #include <bit>
@@ -8,7 +8,7 @@
 
 namespace atari::memory {
 
-// Bits in blocks of 512. A Fenwick tree (Fenwick 1994) has the sums of the blocks' counts.
+// A bitmap in blocks of 512 bits. A Fenwick tree (Fenwick 1994) has the sums of the blocks' counts.
 class ValidSteps {
   public:
     explicit ValidSteps(int64_t size)
@@ -29,7 +29,7 @@ class ValidSteps {
 
     int64_t total() const { return total_; }
 
-    // Returns how many bits below `index` are set.
+    // Returns the number of set bits below `index`.
     int64_t rank(int64_t index) const {
         int64_t count = 0;
         for (size_t i = static_cast<size_t>(index) / kBlock; i > 0; i &= i - 1) count += sums_[i];

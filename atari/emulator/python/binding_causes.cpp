@@ -1,4 +1,4 @@
-// Binding of `Causes`: `_emulator.Causes`. Python collects the states and interprets the counts (atari/lab/causes/).
+// Binding of `Causes`: `_emulator.Causes`. Python collects the states and interprets the counts (atari/lab/causal/).
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 

@@ -127,7 +127,7 @@ class BoundStack : Exclusive {
         if (of_ram(stack_->settings())) return source.read(environment);
         if (number != emulator_) stack_->forget_looks();
         emulator_ = number;
-        if (environment.parts().settings.colour_averaging) {
+        if (environment.parts().settings.color_averaging) {
             averaged_.resize(static_cast<size_t>(source.rows() * kScreenWidth));
             environment.screen(averaged_.data());
             source.read(averaged_.data());

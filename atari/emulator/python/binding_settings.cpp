@@ -9,7 +9,7 @@
 #include <memory>
 
 #include "threads.hpp"
-#include "vector/members.hpp"
+#include "vector/lanes.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -90,19 +90,19 @@ void register_settings(nb::module_& m) {
         .def_rw("threads", &VectorSettings::threads)
         .def_rw("first_core", &VectorSettings::first_core)
         .def_rw("autoreset", &VectorSettings::autoreset);
-    nb::class_<MemberSpec>(
-        m, "MemberSpec",
+    nb::class_<LaneSpec>(
+        m, "LaneSpec",
         "The differences between the environments of a vector. `seed` is nine words: the emulator's, and\n"
         "eight of the episode's generator.")
         .def(nb::init<>())
         .def_prop_rw(
-            "game", [](const MemberSpec& x) { return Shared<Game>{x.game}; },
-            [](MemberSpec& x, const Shared<Game>& game) { x.game = game.value; })
-        .def_rw("actions", &MemberSpec::actions)
-        .def_rw("action_set", &MemberSpec::action_set)
-        .def_rw("mode", &MemberSpec::mode, nb::arg().none())
-        .def_rw("difficulty", &MemberSpec::difficulty, nb::arg().none())
-        .def_rw("seed", &MemberSpec::seed);
+            "game", [](const LaneSpec& x) { return Shared<Game>{x.game}; },
+            [](LaneSpec& x, const Shared<Game>& game) { x.game = game.value; })
+        .def_rw("actions", &LaneSpec::actions)
+        .def_rw("action_set", &LaneSpec::action_set)
+        .def_rw("mode", &LaneSpec::mode, nb::arg().none())
+        .def_rw("difficulty", &LaneSpec::difficulty, nb::arg().none())
+        .def_rw("seed", &LaneSpec::seed);
 }
 
 }  // namespace atari

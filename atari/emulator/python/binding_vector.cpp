@@ -118,15 +118,15 @@ class ArrayLender {
     std::shared_ptr<LentArray> array_;
 };
 
-void make_engine(BoundEngine* self, const std::vector<const MemberSpec*>& members, EpisodeSettings episode,
+void make_engine(BoundEngine* self, const std::vector<const LaneSpec*>& lanes, EpisodeSettings episode,
                  ObservationSettings observation, VectorSettings settings) {
-    std::vector<MemberSpec> specs;
-    for (const MemberSpec* member : members) specs.push_back(member ? *member : MemberSpec{});
+    std::vector<LaneSpec> specs;
+    for (const LaneSpec* lane : lanes) specs.push_back(lane ? *lane : LaneSpec{});
     if (settings.batch_size < 1 || static_cast<size_t>(settings.batch_size) > specs.size() || settings.threads < 1)
         throw std::invalid_argument("batch_size or threads is out of range");
     auto engine = [&] {
         const GilRelease release;
-        return std::make_unique<VectorEngine>(make_members(specs, episode, observation), settings);
+        return std::make_unique<VectorEngine>(make_lanes(specs, episode, observation), settings);
     }();
     new (self) BoundEngine(std::move(engine));
 }
@@ -192,7 +192,7 @@ void register_vector(nb::module_& m) {
             "value"_a.none(), "traceback"_a.none());
     EngineClass engine(m, "VectorEngine",
                        "Environments played by a pool of threads. Use it through atari.AtariVectorEnv.");
-    engine.def("__init__", &make_engine, "members"_a, "episode"_a, "observation"_a, "settings"_a)
+    engine.def("__init__", &make_engine, "lanes"_a, "episode"_a, "observation"_a, "settings"_a)
         .def(
             "start", &BoundEngine::start, "actions"_a, "strengths"_a.none(), "batch"_a.none(),
             "environments"_a = nb::none(),

@@ -55,12 +55,12 @@ class Emulator : Exclusive {
     const uint64_t number = ++made_;  // that no other of the process has
 
     Emulator(const Shared<Game>& game, double probability, int frame_skip, int max_frames, bool sound,
-             bool colour_averaging, uint32_t seed, bool plain, bool one_generator, bool second_player_starts,
+             bool color_averaging, uint32_t seed, bool plain, bool one_generator, bool second_player_starts,
              const std::vector<double>& player_probabilities) {
         if (frame_skip < 1 || frame_skip > kMaxFrameSkip)
             throw std::invalid_argument("frame_skip must be within 1..10000");
         const Settings settings{probability,   frame_skip,           max_frames,
-                                sound,         colour_averaging,     plain,
+                                sound,         color_averaging,     plain,
                                 one_generator, second_player_starts, player_probabilities};
         environment_ = std::make_unique<Environment>(game.value, settings, seed);
     }

@@ -19,7 +19,7 @@
 #include "ale/labels.hpp"
 #include "state.hpp"
 #include "threads.hpp"
-#include "vector/members.hpp"
+#include "vector/lanes.hpp"
 #include "vector_lock.hpp"
 
 namespace atari {
@@ -48,7 +48,7 @@ struct BoundBatch {
     std::shared_ptr<BatchMemory> memory;   // the other arrays
 };
 
-// A member's state in memory. After unpickling it consists of bytes, and `snapshot` is null.
+// The state of a lane in memory. After unpickling it consists of bytes, and `snapshot` is null.
 struct BoundSnapshot {
     VectorEngine::Snapshot snapshot;
     std::vector<uint8_t> bytes;

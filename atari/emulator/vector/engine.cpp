@@ -32,13 +32,13 @@ long process_number() {
 
 }  // namespace
 
-VectorEngine::VectorEngine(std::vector<Member> members, const VectorSettings& settings)
-    : settings_(settings), players_(members[0].episode->players()), process_(process_number()) {
-    slots_.resize(members.size());
+VectorEngine::VectorEngine(std::vector<Lane> lanes, const VectorSettings& settings)
+    : settings_(settings), players_(lanes[0].episode->players()), process_(process_number()) {
+    slots_.resize(lanes.size());
     recent_.resize(static_cast<size_t>(settings.batch_size));
-    result_rams_.resize(128 * members.size());
+    result_rams_.resize(128 * lanes.size());
     std::iota(recent_.begin(), recent_.end(), 0);
-    for (size_t i = 0; i < members.size(); ++i) slots_[i].member = std::move(members[i]);
+    for (size_t i = 0; i < lanes.size(); ++i) slots_[i].lane = std::move(lanes[i]);
     pool_ = std::make_unique<ThreadPool>(size(), settings.threads, queued(), settings.first_core,
                                          [this](int environment) { run_task(environment); });
 }
@@ -72,7 +72,7 @@ void VectorEngine::step(const std::vector<int>& environments, const int64_t* act
         Slot& slot = this->slot(environments[i]);
         slot.task = Task::kStep;
         for (int player = 0; player < players_; ++player)
-            slot.actions[player] = slot.member.actions[static_cast<size_t>(*actions++)];
+            slot.actions[player] = slot.lane.actions[static_cast<size_t>(*actions++)];
         slot.strength = strengths ? strengths[i] : 1.0f;
     }
     batch_ = batch;
@@ -107,7 +107,7 @@ void VectorEngine::drain() {
 
 void VectorEngine::apply_restore(Slot& slot) {
     if (!slot.pending_restore) return;
-    slot.member.episode->restore(slot.pending_restore->episode);
+    slot.lane.episode->restore(slot.pending_restore->episode);
     slot.outcome = slot.pending_restore->outcome;
     slot.outcome.reward = {};  // of the step before the snapshot
     slot.has_final = false;
@@ -125,7 +125,7 @@ void VectorEngine::run_task(int environment) {
 }
 
 void VectorEngine::play(Slot& slot, int environment) {
-    Episode& episode = *slot.member.episode;
+    Episode& episode = *slot.lane.episode;
     slot.has_final = false;
     const bool over = slot.outcome.ended;
     const bool idle = over && settings_.autoreset == Autoreset::kDisabled;  // until it is reset
@@ -149,7 +149,7 @@ void VectorEngine::play(Slot& slot, int environment) {
 
 void VectorEngine::keep_final(Slot& slot, int environment) {
     slot.has_final = true;
-    Episode& episode = *slot.member.episode;
+    Episode& episode = *slot.lane.episode;
     Environment& e = episode.environment();
     if (queued()) {
         slot.final_pixels.resize(episode.observation().size());
@@ -165,7 +165,7 @@ void VectorEngine::keep_final(Slot& slot, int environment) {
 }
 
 void VectorEngine::write_results(Slot& slot, int environment, int row, const Batch& batch) {
-    Episode& episode = *slot.member.episode;
+    Episode& episode = *slot.lane.episode;
     Environment& e = episode.environment();
     const auto at = static_cast<size_t>(row);
     const Outcome& outcome = slot.outcome;
@@ -191,7 +191,7 @@ void VectorEngine::write_players(Slot& slot, int row, const Batch& batch) {
         batch.game_reward[at] = outcome.game_reward[from];
         batch.terminated[at] = outcome.terminated || out;
         batch.truncated[at] = outcome.truncated && !out;
-        batch.lives[at] = slot.member.episode->environment().lives(player);
+        batch.lives[at] = slot.lane.episode->environment().lives(player);
     }
 }
 
@@ -208,7 +208,7 @@ void VectorEngine::write_ended_game(const Slot& slot, int row, const Batch& batc
 // A row of the final observations is zero if no episode of its environment ended in this step.
 void VectorEngine::write_final(Slot& slot, int row, const Batch& batch) {
     const auto at = static_cast<size_t>(row);
-    const size_t size = slot.member.episode->observation().size();
+    const size_t size = slot.lane.episode->observation().size();
     uint8_t* const pixels = batch.final_pixels ? batch.final_pixels + size * at : nullptr;
     uint8_t* const ram = batch.final_ram ? batch.final_ram + 128 * at : nullptr;
     if (slot.has_final) {
@@ -250,7 +250,7 @@ bool VectorEngine::load(int environment, const uint8_t* in) {
     return true;
 }
 
-std::vector<uint8_t> VectorEngine::MemberSnapshot::bytes() const {
+std::vector<uint8_t> VectorEngine::LaneSnapshot::bytes() const {
     const std::vector<uint8_t> environment = episode.environment.bytes(*game);
     std::vector<uint8_t> bytes(1 + environment.size() + episode.rest.size());
     uint8_t* const out = write_outcome(outcome, bytes.data());
@@ -261,9 +261,9 @@ std::vector<uint8_t> VectorEngine::MemberSnapshot::bytes() const {
 VectorEngine::Snapshot VectorEngine::snapshot(int environment) {
     const Slot& source = slot(environment);
     if (source.pending_restore) return source.pending_restore;
-    auto snapshot = std::make_shared<MemberSnapshot>();
-    snapshot->game = source.member.episode->environment().parts().game;
-    source.member.episode->snapshot(snapshot->episode);
+    auto snapshot = std::make_shared<LaneSnapshot>();
+    snapshot->game = source.lane.episode->environment().parts().game;
+    source.lane.episode->snapshot(snapshot->episode);
     snapshot->outcome = source.outcome;
     return snapshot;
 }
@@ -276,8 +276,8 @@ VectorEngine::Snapshot VectorEngine::parse(int environment, const uint8_t* in) {
     return parsed;
 }
 
-bool VectorEngine::fits(int environment, const MemberSnapshot& snapshot) const {
-    Episode& episode = *slot(environment).member.episode;
+bool VectorEngine::fits(int environment, const LaneSnapshot& snapshot) const {
+    Episode& episode = *slot(environment).lane.episode;
     return snapshot.game == episode.environment().parts().game &&
            snapshot.episode.rest.size() + 1 + episode.environment().state_size() == state_size(environment);
 }

@@ -27,12 +27,12 @@ struct VectorSettings {
 // `receive` of its results.
 class VectorEngine {
   public:
-    struct Member {
+    struct Lane {
         std::unique_ptr<Episode> episode;
         std::vector<int> actions;  // ALE's number of each action index that the user gives
     };
 
-    VectorEngine(std::vector<Member> members, const VectorSettings& settings);
+    VectorEngine(std::vector<Lane> lanes, const VectorSettings& settings);
     ~VectorEngine();
 
     int size() const { return static_cast<int>(slots_.size()); }
@@ -40,7 +40,7 @@ class VectorEngine {
     // The shape of batches whose observations have these parts.
     BatchShape shape(bool pixels, bool ram) const {
         return {recent_.size(), static_cast<size_t>(players_),
-                pixels ? slot(0).member.episode->observation().size() : 0, ram ? sizeof(Slot::final_ram) : 0,
+                pixels ? slot(0).lane.episode->observation().size() : 0, ram ? sizeof(Slot::final_ram) : 0,
                 settings_.autoreset == Autoreset::kSameStep};
     }
     // The number of environments whose results have not been received.
@@ -49,7 +49,7 @@ class VectorEngine {
     const std::vector<int>& recent() const { return recent_; }
     // Waits until no environment is being played. Results that have not been received stay to be received.
     void settle() { pool_->settle(); }
-    int actions_of(int environment) const { return static_cast<int>(slot(environment).member.actions.size()); }
+    int actions_of(int environment) const { return static_cast<int>(slot(environment).lane.actions.size()); }
 
     // `reset` and `step` start work on environments; `receive` waits for the results. If a batch has all environments,
     // the results of environment i go to row i, and `batch` must live until `receive`. Otherwise `batch` may be null.
@@ -70,7 +70,7 @@ class VectorEngine {
 
     Episode& episode(int environment) {
         apply_restore(slot(environment));
-        return *slot(environment).member.episode;
+        return *slot(environment).lane.episode;
     }
     // The RAM, 128 bytes: the present one; or that of the last result, a copy beside those of the other environments, which
     // is faster to read. With kFinal, that at the end of the episode if one ended in the last step and was reset in it.
@@ -80,27 +80,27 @@ class VectorEngine {
         if (of == RamOf::kFinal && slot(environment).has_final) return slot(environment).final_ram;
         return result_rams_.data() + 128 * static_cast<size_t>(environment);
     }
-    const Game& game(int environment) const { return *slot(environment).member.episode->environment().parts().game; }
+    const Game& game(int environment) const { return *slot(environment).lane.episode->environment().parts().game; }
     int players() const { return players_; }  // of each environment
-    // The state of a member as bytes. `load` returns false and changes nothing if no such member can have saved the
+    // The state of a lane as bytes. `load` returns false and changes nothing if no such lane can have saved the
     // bytes.
-    size_t state_size(int environment) const { return 1 + slot(environment).member.episode->state_size(); }
+    size_t state_size(int environment) const { return 1 + slot(environment).lane.episode->state_size(); }
     void save(int environment, uint8_t* out);
     bool load(int environment, const uint8_t* in);
 
-    // The state of a member in memory, for members of the same game and settings.
-    struct MemberSnapshot {
+    // The state of a lane in memory, for lanes of the same game and settings.
+    struct LaneSnapshot {
         std::shared_ptr<const Game> game;
         EpisodeSnapshot episode;
         Outcome outcome;
         std::vector<uint8_t> bytes() const;  // the bytes that `save` would write
     };
-    using Snapshot = std::shared_ptr<const MemberSnapshot>;
+    using Snapshot = std::shared_ptr<const LaneSnapshot>;
     Snapshot snapshot(int environment);
     // Returns the snapshot of the state that `load` would read, or null if `load` would fail. The environment does not
     // change.
     Snapshot parse(int environment, const uint8_t* in);
-    bool fits(int environment, const MemberSnapshot& snapshot) const;
+    bool fits(int environment, const LaneSnapshot& snapshot) const;
     // The state is copied when the environment is next played or read, so mostly by the threads. It is never copied if
     // another restore comes first. A result that has not been received then becomes that of the restored state.
     void restore(int environment, Snapshot snapshot) { slot(environment).pending_restore = std::move(snapshot); }
@@ -108,9 +108,9 @@ class VectorEngine {
   private:
     enum class Task : uint8_t { kReset, kStep, kObserve };
 
-    // A member with its task and its last results.
+    // A lane with its task and its last results.
     struct Slot {
-        Member member;
+        Lane lane;
         Snapshot pending_restore;
         Task task = Task::kObserve;
         bool new_game = false;  // of a reset

@@ -4,7 +4,7 @@
 explains them; `atari.lab.interventions` proves their effects.
 """
 
-from atari.games.interventions.file import Check, Intervention, load, load_file, resolve
+from atari.games.interventions.file import Check, Intervention, load, resolve
 from atari.games.interventions.writes import CompiledWrite, WriteRule, compile_write
 
-__all__ = ["Check", "CompiledWrite", "Intervention", "WriteRule", "compile_write", "load", "load_file", "resolve"]
+__all__ = ["Check", "CompiledWrite", "Intervention", "WriteRule", "compile_write", "load", "resolve"]

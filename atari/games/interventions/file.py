@@ -1,4 +1,4 @@
-"""Reads the files of interventions, `data/<game>.toml` and users' own; docs/ram.md documents the format."""
+"""`load` and `resolve` read files of interventions, `data/<game>.toml` and users' own; docs/ram.md has the format."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -33,7 +33,7 @@ CHECK_NAMES = ("reward", "lives", "frame", "pixels")
 
 @dataclass(frozen=True)
 class Check:
-    """How the effect of an intervention is proved: what is played, and what must then be true.
+    """The proof of an intervention's effect: the frames to play, and the expression that must hold for them.
 
     Attributes:
         frames: emulated frames that are played.
@@ -41,7 +41,7 @@ class Check:
         kind: "holds", "more" or "less".
         expression: over labels, `ram[...]`, `CHECK_NAMES`, and the calls `first(label)` and `changes(label)`.
         after: frames at the start that do not count.
-        by: the factor of "more" and "less".
+        by: the factor for "more" and "less".
     """
 
     frames: int
@@ -54,14 +54,7 @@ class Check:
 
 @dataclass(frozen=True)
 class Intervention:
-    """A described change of a game. `table` is its definition as in a file, without the name.
-
-    Example:
-        >>> from atari.lab.interventions import load
-        >>> intervention = load("pong")["lazy_enemy"]
-        >>> intervention.name, len(intervention.writes)
-        ('lazy_enemy', 2)
-    """
+    """A described change of a game. `table` is its definition as in a file, without the name."""
 
     name: str
     description: str
@@ -75,38 +68,35 @@ class Intervention:
         return {"name": self.name, **_thawed(self.table)}
 
 
-def load(game: "str | Game") -> Mapping[str, Intervention]:
-    """The interventions of a game by name, in alphabetical order; empty if there are none.
+def load(game: "str | Game", file: str | PathLike[str] | None = None) -> Mapping[str, Intervention]:
+    """The interventions of a game by name, in alphabetical order; empty if the package has none.
+
+    An `Intervention` has `name`, `description`, `source`, `writes`, `check` and `definition()`, which is plain data
+    that the option `interventions` accepts.
+
+    Args:
+        game: a game or its name.
+        file: a file of interventions for the game, instead of the package's.
 
     Raises:
-        ValueError: there is no such game.
-
-    Example:
-        >>> from atari.lab.interventions import load
-        >>> "lazy_enemy" in load("pong")
-        True
-    """
-    found = games.resolve(game)
-    path = _FOLDER / f"{found.id}.toml"
-    return load_file(path, found) if path.exists() else MappingProxyType({})
-
-
-def load_file(path: str | PathLike[str], game: "str | Game") -> Mapping[str, Intervention]:
-    """The interventions in a file, for a game.
-
-    Raises:
-        ValueError: the file is not valid; the message names the file, the intervention and the key.
-        OSError: it cannot be read.
+        ValueError: there is no such game, or the file is not valid; the message names file, intervention and key.
+        OSError: the file cannot be read.
 
     Example:
         >>> from pathlib import Path
-        >>> from atari.lab.interventions import load_file
+        >>> from atari.lab.interventions import load
+        >>> load("pong")["lazy_enemy"].description
+        "The opponent's paddle stands still."
         >>> rule = '{description = "The ball stands still.", source = "own", writes = [{to = "ball_x", value = "old"}]}'
         >>> _ = Path("own.toml").write_text(f"still_ball = {rule}")
-        >>> load_file("own.toml", "pong")["still_ball"].description
+        >>> load("pong", "own.toml")["still_ball"].description
         'The ball stands still.'
     """
-    return _load_file(Path(path), games.resolve(game), Path(path).stat().st_mtime_ns)
+    found = games.resolve(game)
+    path = _FOLDER / f"{found.id}.toml" if file is None else Path(file)
+    if file is None and not path.exists():
+        return MappingProxyType({})
+    return _load(path, found, path.stat().st_mtime_ns)
 
 
 def resolve(game: Game, items: Any) -> tuple[Intervention, ...]:
@@ -117,7 +107,7 @@ def resolve(game: Game, items: Any) -> tuple[Intervention, ...]:
         items: a list; each item is a name, a path "file.toml#name", an `Intervention` or its `definition()`.
 
     Raises:
-        TypeError: it is no list of these.
+        TypeError: `items` is no list of these.
         ValueError: there is no such intervention (the message suggests the nearest), or a definition is wrong.
         OSError: a file cannot be read.
     """
@@ -153,14 +143,14 @@ def _resolve(game: Game, item: Any) -> Intervention:
     if not isinstance(item, str):
         raise TypeError(f"an intervention is a name such as 'lazy_enemy', or 'file.toml#name', got {item!r}")
     path, separator, name = item.rpartition("#")
-    known = load_file(path, game) if separator else load(game)
+    known = load(game, path if separator else None)
     if name not in known:
         raise ValueError(unknown(name, "intervention", known, path or game.id))
     return known[name]
 
 
 @lru_cache(maxsize=256)
-def _load_file(path: Path, game: Game, changed: int) -> Mapping[str, Intervention]:
+def _load(path: Path, game: Game, changed: int) -> Mapping[str, Intervention]:
     tables = read_toml(path, "a file of interventions")
     found = {name: _parse(name, table, game, f"{path}, [{name}]") for name, table in sorted(tables.items())}
     return MappingProxyType(found)

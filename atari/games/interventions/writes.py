@@ -1,7 +1,7 @@
-"""`WriteRule`: which byte of RAM gets which value, and when; compiled to programs of the native core.
+"""`WriteRule`: one write to RAM, and `compile_write`, which compiles it to programs of the native core.
 
-A rule's expressions are those of `atari.games.rules`, over the values of labels, `ram[...]`, `old` and `frame`, with
-the helper `random`. A label in an expression is replaced by the expression of its value.
+A rule's expressions have the syntax of `atari.games.rules`, over the values of labels, `ram[...]`, `old` and `frame`,
+with the helper `random`. A label in an expression is replaced by the expression of its value.
 """
 
 import ast
@@ -36,8 +36,8 @@ class WriteRule:
             "held" is both "frame" and "reset".
         condition: an expression, or None.
         mask: the bits that are written to a place.
-        once: whether it is applied only once, instead of in each episode.
-        paid: whether the rules may reward what it changes.
+        once: whether the write is applied only once, instead of in each episode.
+        paid: whether the rules may reward the change.
     """
 
     to: str | int
@@ -107,7 +107,7 @@ def find_label(game: Game, name: str, where: str) -> RamLabel:
     """The label of a name.
 
     Raises:
-        ValueError: the game has none; the message suggests the nearest.
+        ValueError: the game has no such label; the message suggests the nearest.
     """
     if name not in game.ram_labels:
         raise ValueError(f"{where}: {unknown(name, 'label', game.ram_labels, game.id)}")
@@ -115,7 +115,7 @@ def find_label(game: Game, name: str, where: str) -> RamLabel:
 
 
 def unknown(name: Any, kind: str, names: Iterable[str], game: str) -> str:
-    """The error message for a name that does not exist, with the nearest that does."""
+    """The error message for a name that does not exist, with the nearest known name."""
     names = tuple(names)
     near = difflib.get_close_matches(str(name), names, n=1, cutoff=0.4)
     hint = f"did you mean {near[0]!r}?" if near else f"it has {', '.join(names) or 'none'}"
@@ -126,7 +126,7 @@ def parse_expression(game: Game, source: str, names: Iterable[str], where: str) 
     """Parse an expression over `names` and the labels of a game, and replace the labels by their values.
 
     Raises:
-        ValueError: it is not such an expression; the message says where and what is wrong.
+        ValueError: `source` is not such an expression; the message says where and what is wrong.
     """
     names = set(names)
     tree = check_expression(source, _AnyName(), where, _ANY_PLACE, _HELPERS)

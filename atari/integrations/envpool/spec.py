@@ -12,7 +12,7 @@ import gymnasium
 import numpy as np
 
 from atari.env_ids import stem
-from atari.games.catalog import games
+from atari.games.catalog import playable_ids
 from atari.task import Task
 from atari.task.fields import check_bool
 from atari.task.resolution import GameLike, resolve_for_agent
@@ -135,7 +135,7 @@ class EnvPoolSpec:
 
 def task_ids() -> dict[str, str]:
     """EnvPool's names of the tasks, each with the ID of its game."""
-    return {f"{stem(game.id).replace('3D', '3d')}-v5": game.id for game in games.playable()}
+    return {f"{stem(game).replace('3D', '3d')}-v5": game for game in playable_ids()}
 
 
 def make_spec(task_id: GameLike, **options: Any) -> EnvPoolSpec:

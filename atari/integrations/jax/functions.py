@@ -48,9 +48,14 @@ def xla(envs: Any, *, callback: bool | None = None) -> XlaFunctions:
         ValueError: the environments have `continuous` or `agent_indicator`, which compiled functions cannot have.
 
     Example:
+        >>> import atari, numpy
+        >>> envs = atari.AtariVectorEnv("pong", 2)
         >>> handle, recv, send, step = envs.xla()
-        >>> _ = envs.reset(seed=0)
-        >>> handle, (obs, reward, terminated, truncated, info) = jax.jit(step)(handle, actions)
+        >>> observation, info = envs.reset(seed=0)
+        >>> import jax
+        >>> handle, results = jax.jit(step)(handle, numpy.zeros(2, int))
+        >>> results[0].shape
+        (2, 4, 84, 84)
     """
     port, options = envs.xla_port(), envs.options
     jax = _import_jax()

@@ -1,4 +1,4 @@
-"""`causes`: play a game, then fork many of its states, and compare forks with changed bytes to unchanged twins."""
+"""`causes` plays a game, forks many of its states, and compares forks with changed bytes to unchanged twins."""
 
 from collections.abc import Callable
 from os import PathLike
@@ -19,8 +19,18 @@ from atari.validation import check_integer
 _LONGEST_EPISODE = 3000  # frames
 _CALLS = 20  # to the engine, for progress
 _MOST = 0.95  # part of the forks that makes a byte derived or inert
-_SOME = 0.01  # part of the forks that makes an effect one of the byte
-_CLEAR = 0.02  # part of the forks seen on the screen that makes a pixel one of the byte
+_SOME = 0.01  # part of the forks that makes an effect an effect of the byte
+_CLEAR = 0.02  # part of the forks seen on the screen that makes a pixel a pixel of the byte
+
+_COUNTS = np.dtype(
+    [
+        *((name, np.uint32) for name in "forks vanished inert rewritten seen rewarded lives over".split()),
+        ("seen_at", np.uint32, 60),
+        ("writes", np.uint32, 128),
+        ("later", np.uint32, 128),
+    ]
+)
+"""The numbers of a byte, in the order of `ByteCauses` in emulator/lab/causes.hpp."""
 
 
 def causes(
@@ -37,7 +47,7 @@ def causes(
     progress: Callable[[int], object] | None = None,
     rom: str | PathLike[str] | None = None,
 ) -> CausalMap:
-    """What each byte of a game's RAM causes.
+    """The effects of each byte of a game's RAM, found by play.
 
     From `states` states of seeded play, each of the 128 bytes is changed to `values` values: one more or less, one bit
     flipped, then random ones. Each fork is played for up to `frames` frames beside an unchanged twin, with the same
@@ -49,20 +59,26 @@ def causes(
         states: states of the game, 1..5000, from several episodes.
         values: forks of each state and byte, 1..64.
         frames: frames of each fork, 1..60.
-        seed: of the play and of the values.
-        mode, difficulty: those of the game; None is what `game` says.
+        seed: seed of the play and of the values.
+        mode, difficulty: the game's mode and difficulty; None takes them from `game`.
         threads: number of threads, 1..256. The result does not depend on it.
         policy: chooses the actions, ALE's numbers 0..17, from the core at each frame; None plays at random, and holds
             each action for some frames.
         progress: is called with the number of states done since the last call.
         rom: path of the ROM file; None searches.
 
+    Returns:
+        A `CausalMap`. `bytes[i]` has the effects of byte i: `derived`, `inert`, `rewritten`, `seen`, `frames`,
+        `reward`, `lives`, `over`, `writes`, `pixels` and `box`. `pixel(x, y)` returns the bytes that change a pixel.
+        `suggestions` are probable meanings of bytes, and `suggestion.label()` is one as a line of a game file. The
+        classes, in `atari.lab.causal.map` and `.suggestion`, document all fields; `atari.lab.causal.files` stores maps.
+
     Raises:
         TypeError, ValueError: a number outside its range, as `Task.of`, or the task has another field that changes the
             game, such as `interventions`.
 
     Example:
-        >>> from atari.lab.causal import causes
+        >>> from atari.lab import causes
         >>> found = causes("pong", states=5, values=2)
         >>> found.bytes[49].seen > 0.5, found.bytes[49].rewritten < 0.5  # the ball's position is seen, and is no copy
         (True, True)
@@ -82,7 +98,7 @@ def causes(
         engine.explore(part, actions[first : first + step], first)
         if progress is not None:
             progress(len(part))
-    counts, effects, pixels = engine.counts().astype(np.int64), engine.effects(), engine.pixels()
+    counts, effects, pixels = engine.counts().view(_COUNTS)[:, 0], engine.effects(), engine.pixels()
     return CausalMap(
         game=core.game.id,
         height=len(screen),
@@ -92,7 +108,7 @@ def causes(
         },
         task=task,
         bytes=tuple(map(_byte, range(128), counts, pixels)),
-        suggestions=suggest(effects, counts[:, 0], counts[:, 4]),
+        suggestions=suggest(effects, counts["forks"], counts["seen"]),
         pixel_counts=pixels,
         effects=effects,
         ram=ram,
@@ -130,30 +146,28 @@ def _play(
     return saved, actions, ram, screen
 
 
-def _byte(index: int, counts: NDArray[np.int64], pixels: NDArray[np.uint16]) -> ByteCauses:
-    """The effects of a byte, by the engine's counts (`ByteCauses` in emulator/lab/causes.hpp)."""
-    forks, vanished, inert, rewritten, seen, rewarded, lives, over = (int(count) for count in counts[:8])
-    seen_at, later_writes = counts[8:-256], counts[-128:]
+def _byte(index: int, counts: np.void, pixels: NDArray[np.uint16]) -> ByteCauses:
+    """The effects of a byte, by its counts, a row of `_COUNTS`."""
+    forks, seen, later = int(counts["forks"]), int(counts["seen"]), counts["later"].astype(np.int64)
     least = max(forks * _SOME, 2)
-    order = np.argsort(-later_writes, kind="stable")
     return ByteCauses(
         index=index,
-        derived=vanished >= _MOST * forks,
-        inert=inert >= _MOST * forks,
-        rewritten=round(rewritten / forks, 3),
+        derived=bool(counts["vanished"] >= _MOST * forks),
+        inert=bool(counts["inert"] >= _MOST * forks),
+        rewritten=round(int(counts["rewritten"]) / forks, 3),
         seen=round(seen / forks, 3),
-        frames=int(seen_at.argmax()) + 1 if seen else 0,
-        reward=rewarded >= least,
-        lives=lives >= least,
-        over=over >= least,
-        writes=tuple(int(other) for other in order if later_writes[other] >= least),
+        frames=int(counts["seen_at"].argmax()) + 1 if seen else 0,
+        reward=bool(counts["rewarded"] >= least),
+        lives=bool(counts["lives"] >= least),
+        over=bool(counts["over"] >= least),
+        writes=tuple(other for other in np.argsort(-later, kind="stable").tolist() if later[other] >= least),
         box=_box(pixels),
         pixels=pixels >= max(seen * _CLEAR, min(seen, 2), 1),
     )
 
 
 def _box(pixels: NDArray[np.uint16]) -> tuple[int, int, int, int] | None:
-    """The box around the pixels that changed at least a tenth as often as the one that changed most."""
+    """The box around the pixels that changed at least a tenth as often as the most changed pixel."""
     rows, columns = np.nonzero(pixels >= max(pixels.max() / 10, 1))
     if not len(rows):
         return None

@@ -1,4 +1,4 @@
-"""Causal maps in files: `save`, `load`, and `shipped_causes`, the maps of all games that are part of the package."""
+"""Causal maps in files: `save`, `load`, and `shipped_causes`, which loads the package's map of a game."""
 
 import io
 import json
@@ -65,7 +65,7 @@ def load(file: str | PathLike[str]) -> CausalMap:
 
     Raises:
         OSError: the file cannot be read.
-        ValueError: it is not a causal map of this version.
+        ValueError: the file is not a causal map of this version.
     """
     path = check_file(Path(file))
     if path.stat().st_size > _MOST_BYTES:
@@ -134,9 +134,9 @@ def _shipped(game_id: str) -> CausalMap:
 
 
 def shipped_causes(game: str | Game) -> CausalMap:
-    """The causal map of a game that is part of the package, made by `causes` with its default arguments.
+    """The package's map of a game, as `causes` returns it with its default arguments.
 
-    Its pixels are rounded to cells of 4 x 4, and it has no `pixel_counts`, `effects` and `screen`.
+    Its pixels are rounded to cells of 4 x 4, and it has no `pixel_counts`, `effects`, `ram`, `screen` and `task`.
 
     Raises:
         ValueError: the package has no map of this game; `causes` makes one.

@@ -1,4 +1,4 @@
-"""Suggestions from the effects of forks: positions with their transforms, score bytes, lives bytes."""
+"""`suggest` makes suggestions from the effects of forks: positions with their transforms, score bytes, lives bytes."""
 
 from collections.abc import Iterator
 
@@ -19,7 +19,7 @@ TOLERANCE = 2
 """Pixels by which a position may differ from its transform."""
 
 _FEWEST = 10  # forks that a suggestion needs
-_LEAST_SHARE = 0.5  # of them that agree
+_LEAST_SHARE = 0.5  # part of these forks that agree
 _CLEAR = 90  # percentage of pixels that a shift explains
 _MIXED = 30  # percentage of pixels without a counterpart, at most
 
@@ -39,15 +39,15 @@ def _fine(v: Integers) -> Integers:
 
 
 def _fine_odd(v: Integers) -> Integers:
-    """As `_fine`, with one bit of the low nibble and the sign of the high one in other places."""
+    """As `_fine`, with one bit of the low nibble and the sign of the high nibble in other places."""
     far = np.where(v % 2 == 0, 97, 10) + 15 * ((v & 15) // 2 - 1) + 8 * (v >> 7) - ((v >> 4) & 7)
     return np.where(v == 0, 64, np.where(v == 1, 4, far))
 
 
 def _candidates(axis: str, v: Integers) -> Iterator[tuple[float, Integers, str]]:
-    """Yield the transforms that are tried: a cost, the values of `v` without a constant, and the text of this part.
+    """Yield the transforms to try: a cost, the values of `v` without a constant, and the text of this part.
 
-    The cost is the part of forks by which a transform must be better than the plainest one.
+    The cost is the part of forks by which a transform must be better than the plainest transform.
     """
     for slope in _SLOPES:
         text = {1: "v", -1: "-v"}.get(slope, f"{slope} * v")
@@ -74,12 +74,12 @@ def table(effects: Integers) -> dict[str, Integers]:
 
 
 def suggest(effects: Integers, forks: NDArray[np.int64], seen: NDArray[np.int64]) -> tuple[Suggestion, ...]:
-    """What the effects say about each byte.
+    """The suggestions for all bytes.
 
     Args:
         effects: (n, 22) int32, as `_emulator.Causes.effects` returns them.
-        forks: (128,), the forks of each byte.
-        seen: (128,), those in which pixels differed.
+        forks: (128,), the number of forks of each byte.
+        seen: (128,), the number of forks in which pixels differed.
     """
     found: list[Suggestion | None] = []
     for byte in range(128):
@@ -92,8 +92,7 @@ def suggest(effects: Integers, forks: NDArray[np.int64], seen: NDArray[np.int64]
 def samples(own: dict[str, Integers], axis: str) -> tuple[Integers, Integers, NDArray[np.bool_]]:
     """Pairs of a byte's values, and of positions: (n, 2) each, twin and fork; and the effects that they are from.
 
-    The values are those after the frame that was compared, like a label's. If the game has rewritten the byte, they
-    are those before it.
+    The values are read after the compared frame, like a label's, or before it if the game has rewritten the byte.
     """
     distance, score = own[f"d{axis}"], own[f"d{axis}_score"]
     other = own["dy_score" if axis == "x" else "dx_score"]
@@ -154,7 +153,7 @@ def byte_of(own: dict[str, Integers]) -> int:
 
 
 def _constant(rest: Integers, axis: str, expected: Integers) -> int:
-    """The constant that most places agree on within a pixel. Columns wrap; of equal ones, the one on the screen."""
+    """The constant that most places agree on within a pixel. Columns wrap; the constant gives places on the screen."""
     wraps = axis == "x"
     numbers, counts = np.unique(rest % 160 if wraps else rest, return_counts=True)
     apart = np.abs(numbers[:, None] - numbers[None, :])

@@ -1,4 +1,4 @@
-"""`CausalMap`: what each byte of a game's RAM causes. `files.py` has its files."""
+"""`CausalMap`: the effects of each byte of a game's RAM. `files.py` stores it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from atari.task import Task
 
 @dataclass(frozen=True, eq=False)
 class ByteCauses:
-    """What one byte of RAM causes, by the forks in which it was changed.
+    """The effects of one byte of RAM, by the forks in which it was changed.
 
     `derived`: the game rewrites the byte in each frame before it reads it, so a poke has no effect. `inert`: a change
     stays, and nothing else changes. `rewritten` is the part of the changes that were gone after a frame, and `seen`
@@ -21,12 +21,6 @@ class ByteCauses:
     bytes that differ after a change, the most frequent first. `pixels` is a bool array of the screen, (height, 160):
     the pixels that a change of the byte changed. `box` is the box around most of them, (left, top, width, height), or
     None.
-
-    Example:
-        >>> from atari.lab import shipped_causes
-        >>> byte = shipped_causes("pong").bytes[0x31]
-        >>> byte.index, byte.derived, byte.box
-        (49, False, (16, 36, 142, 158))
     """
 
     index: int
@@ -45,20 +39,13 @@ class ByteCauses:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CausalMap:
-    """What each byte of a game's RAM causes, as `atari.lab.causes` and `atari.lab.shipped_causes` return it.
+    """The effects of each byte of a game's RAM, as `atari.lab.causes` and `atari.lab.shipped_causes` return them.
 
     `bytes[i]` is about byte i, `pixel(x, y)` returns the bytes that change a pixel, and `suggestions` are probable
     meanings. `settings` are the arguments of `causes`. The other fields are None in a map from a file: `pixel_counts`
-    (128, height, 160) uint16, the number of forks that changed a pixel; `effects`, a row for each fork with an effect
-    that has the columns `atari.lab.causal.fit.COLUMNS`; `ram`
-    (states, 128) uint8, the RAM of the states; `screen` (height, 160, 3) uint8, the screen of one of them; `task`, what
-    was played.
-
-    Example:
-        >>> from atari.lab import shipped_causes
-        >>> causes = shipped_causes("pong")
-        >>> causes.game, len(causes.bytes), causes.height
-        ('pong', 128, 210)
+    (128, height, 160) uint16, the number of forks that changed a pixel; `effects`, a row for each fork with an effect,
+    with the columns `atari.lab.causal.fit.COLUMNS`; `ram` (states, 128) uint8, the RAM of the states; `screen`
+    (height, 160, 3) uint8, the screen of one of them; `task`, the task that was played.
     """
 
     game: str
@@ -73,9 +60,9 @@ class CausalMap:
     task: Task | None = None
 
     def pixel(self, x: int, y: int) -> list[int]:
-        """The bytes of which a change changed the pixel in column x, 0..159, and row y.
+        """The bytes whose changes changed the pixel in column x, 0..159, and row y.
 
-        The order is by how often that was the case; in a map from a file, by how few other pixels the byte changes.
+        The byte with the most such forks comes first; in a map from a file, the byte that changes the fewest pixels.
 
         Raises:
             IndexError: there is no such pixel.

@@ -1,4 +1,4 @@
-"""`draw`: a causal map as a picture, a small heat image over the dimmed screen for each of the 128 bytes."""
+"""`draw` makes a picture of a causal map: a small heat image over the dimmed screen for each of the 128 bytes."""
 
 from os import PathLike
 from pathlib import Path
@@ -14,7 +14,7 @@ from atari.lab.causal.suggestion import Suggestion
 Picture = NDArray[np.uint8]
 _Colour = tuple[int, int, int]
 
-_MARGIN, _TEXT = 6, 30  # pixels beside a cell, and of the two lines of text above its image
+_MARGIN, _TEXT = 6, 30  # pixels: beside a cell; height of the two lines of text above its image
 _WIDTH = 160
 _BACKGROUND: _Colour = (18, 20, 26)
 _PALE: _Colour = (226, 228, 232)
@@ -28,15 +28,15 @@ _CATEGORIES: dict[str, tuple[_Colour, str]] = {
     "derived": ((118, 122, 132), "derived: rewritten before it is read, so a poke does nothing"),
     "inert": ((70, 74, 84), "nothing follows within the frames played"),
 }
-"""By category, its colour in RGB and what it says about a byte."""
+"""The colour in RGB and the meaning of each category of bytes."""
 
 
 def draw(causal_map: CausalMap, game: Game | None = None) -> Picture:
     """The map as a picture, (rows, columns, 3) uint8 in RGB: 16 bytes a row, from address $80 to $FF.
 
     An image is the dimmed screen of one state. It is lit where changes of the byte changed pixels, the brighter the
-    more often. Above it are address and index, the name in the game definition if `game` is given, and what the map
-    suggests or says about the byte.
+    more often. Above it are address and index, the name in the game definition if `game` is given, and the map's
+    suggestion or remark about the byte.
     """
     screen = causal_map.screen
     if screen is None:
@@ -87,7 +87,7 @@ def _cell(
 
 
 def _remark(byte: ByteCauses, kind: str, suggestions: list[Suggestion]) -> str:
-    """What a cell says about its byte, in at most 27 letters if possible."""
+    """The remark of a cell about its byte, in at most 27 letters if possible."""
     positions = [f"{each.kind[-1]} = {_short(each.transform)}" for each in suggestions if each.transform]
     if positions:
         return ", ".join(positions)
@@ -131,7 +131,7 @@ def _header(causal_map: CausalMap, game: Game | None, screen: Picture, width: in
     header[_MARGIN : _MARGIN + len(doubled), : doubled.shape[1]] = doubled
     left = doubled.shape[1] + 24
     title = game.title if game is not None else causal_map.game
-    _write(header, f"{title}: what each byte of RAM causes", left, 28, _PALE, 0.72)
+    _write(header, f"{title}: the effects of each byte of RAM", left, 28, _PALE, 0.72)
     settings = ", ".join(f"{name} {value}" for name, value in causal_map.settings.items())
     _write(header, settings, left, 50, _FAINT, 0.42)
     for line, (name, (colour, text)) in enumerate(_CATEGORIES.items()):

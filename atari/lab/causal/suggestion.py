@@ -1,4 +1,4 @@
-"""`Suggestion`: what a byte of RAM probably means, by what changes of it cause."""
+"""`Suggestion`: the probable meaning of a byte of RAM, by the effects of its changes."""
 
 from dataclasses import dataclass
 
@@ -7,19 +7,13 @@ POSITIONS = ("position_x", "position_y")
 
 @dataclass(frozen=True)
 class Suggestion:
-    """What a byte of RAM probably means.
+    """The probable meaning of a byte of RAM.
 
-    `index` is the byte, 0..127. `kind` is "position_x", "position_y", "score" or "lives", as of a label in a game
-    definition. `transform` is an expression over the byte `v`: the column or row of the left or upper edge of what it
-    moves, or None. `support` is the number of forks that agree or not, and `share` the part of them that agree, 0..1.
-    `width` and `height` are the size of what moves, in pixels, and None for the other kinds. `weight` is what one unit
-    of a score byte is worth, and `encoding` "bcd" or "plain".
-
-    Example:
-        >>> from atari.lab import shipped_causes
-        >>> suggestion = shipped_causes("pong").suggestions[0]
-        >>> suggestion.index, suggestion.kind, suggestion.transform
-        (13, 'score', None)
+    `index` is the byte, 0..127. `kind` is "position_x", "position_y", "score" or "lives", like the kind of a label in a
+    game definition. `transform` is an expression over the byte `v`: the column or row of the left or upper edge of the
+    thing that moves, or None. `support` is the number of forks that agree or not, and `share` the part of them that
+    agree, 0..1. `width` and `height` are the size of the moving thing, in pixels, and None for the other kinds.
+    `weight` is the worth of one unit of a score byte, and `encoding` "bcd" or "plain".
     """
 
     index: int

@@ -1,4 +1,4 @@
-"""What each byte causes in one state of a game: bytes are changed in copies of the state, and screens compared."""
+"""The effects of each byte in one state of a game: bytes are changed in copies of the state, and screens compared."""
 
 import numpy as np
 import numpy.typing as npt
@@ -16,8 +16,8 @@ Mask = npt.NDArray[np.bool_]
 def changed_pixels(core: Core, index: int) -> Mask:
     """The pixels that another value of a byte changes within the next frames, (height, 160) bool.
 
-    The core plays and is restored; its state does not change. A write that the game overwrites before it draws changes
-    nothing.
+    The core plays and is restored; its state does not change. If the game rewrites the byte before it draws, no pixel
+    changes.
     """
     state = core.clone_state(include_rng=True)
     value = int(core.ram()[index])
@@ -34,9 +34,9 @@ def changed_pixels(core: Core, index: int) -> Mask:
 
 
 def causes_of(core: Core, x: int, y: int) -> list[int]:
-    """The bytes that change a pixel or its nearest neighbours within the next frames, the most specific first.
+    """The bytes that change a pixel or its nearest neighbours within the next frames.
 
-    Specific is a byte that changes few other pixels.
+    Bytes that change the pixel itself come first, then bytes that change few other pixels.
     """
     height, width = core.game.screen.shape
     rows, columns = slice(max(0, y - 1), min(height, y + 2)), slice(max(0, x - 1), min(width, x + 2))

@@ -1,4 +1,4 @@
-"""What a session exports: labels and interventions as TOML, what was played as a replay, a part of it as a video."""
+"""The exports of a session: labels and interventions as TOML, the game as a replay, a part of it as a video."""
 
 from pathlib import Path
 
@@ -10,8 +10,8 @@ from atari.recording import RecordReplay, VideoWriter
 NAMES = ("labels.toml", "interventions.toml", "replay.a26")
 """The exports of `write`."""
 
-MOST_CLIP_FRAMES = 3600
-"""A minute."""
+MOST_CLIP_FRAMES = 60 * 60
+"""The longest clip: a minute."""
 
 
 def labels_toml(session: Session) -> str:
@@ -35,7 +35,7 @@ def interventions_toml(session: Session) -> str:
     """The frozen bytes and the pokes, as a file of interventions.
 
     Raises:
-        ValueError: there is neither.
+        ValueError: there are neither.
     """
     pokes = [change for change in session.changes if change.kind == "poke"]
     if not session.frozen and not pokes:
@@ -68,7 +68,7 @@ def interventions_toml(session: Session) -> str:
 
 
 def write_replay(session: Session, path: Path) -> Path:
-    """Write what was played, up to the present frame, as a replay (.a26). Frozen bytes and pokes are in it.
+    """Write the played frames, up to the present one, with frozen bytes and pokes, as a replay (.a26).
 
     Raises:
         ValueError: no frame was played.

@@ -1,4 +1,4 @@
-"""What the page and the session send each other.
+"""The messages between the page and the session.
 
 The session sends binary messages, one a frame:
 
@@ -14,8 +14,8 @@ The session sends binary messages, one a frame:
     28      uint32        version of the session's state (`state` below)
     32      128           RAM
     160     height * 160  screen, palette indices
-            128, height * 160   the same of the fork, if there is one
-            n * (2 + 240) byte index, number of values, and values, of a history, the newest last
+            128, height * 160   the same for the fork, if there is one
+            n * (2 + 240) for each history, byte index, number of values, and values, the newest last
 
 All integers are little-endian. The other messages are JSON objects: to the page {"hello"}, {"state"}, {"objects"},
 {"pixels"}, {"bytes"}, {"error"}, {"notice"}; to the session {"do": the name of a command, and its arguments}.
@@ -37,11 +37,11 @@ VERSION = 1
 _HEAD = struct.Struct("<BBH3I2iHHI")
 _MOST_TEXT = 4096
 MOST_PLACES = 40
-"""Of a search, that are sent."""
+"""The number of places of a search that are sent."""
 
 
 def hello(session: Session) -> dict[str, Any]:
-    """What does not change during a session."""
+    """The message with all that is fixed during a session."""
     game = session.game
     return {
         "hello": {
@@ -59,7 +59,7 @@ def hello(session: Session) -> dict[str, Any]:
 
 
 def state(session: Session) -> dict[str, Any]:
-    """What changes only by commands."""
+    """The message with all that only commands change."""
     search = session.search
     return {
         "state": {
@@ -155,14 +155,14 @@ _COMMANDS: dict[str, tuple[Callable[..., Any], dict[str, tuple[type, ...]]]] = {
     "pixels": (Session.pixels_of, {"index": _INTEGER}),
     "bytes": (Session.bytes_of, {"x": _INTEGER, "y": _INTEGER}),
 }
-"""By name, the method and the types of the arguments."""
+"""The method and the types of the arguments, by the name of a command."""
 
 
 def run(session: Session, text: str) -> list[dict[str, Any]]:
     """Run a command of the page, and return the answers."""
     try:
         name, arguments = _parse(text)
-        if name not in ("pixels", "bytes"):  # which change nothing that the page shows
+        if name not in ("pixels", "bytes"):  # these two change nothing that the page shows
             session.version += 1
         result = _COMMANDS[name][0](session, **arguments)
     except (TypeError, ValueError, RuntimeError) as error:
@@ -183,7 +183,7 @@ def _parse(text: str) -> tuple[str, dict[str, Any]]:
     """The name and the arguments of a command.
 
     Raises:
-        ValueError: it is none.
+        ValueError: `text` is no command.
     """
     if len(text) > _MOST_TEXT:
         raise ValueError(f"a command has at most {_MOST_TEXT} characters")

@@ -5,7 +5,8 @@ from typing import Any
 
 from atari.cores import ByteArray
 from atari.games.game import Game
-from atari.lab.causal import ByteCauses, CausalMap, shipped_causes
+from atari.lab.causal.files import shipped_causes
+from atari.lab.causal.map import ByteCauses, CausalMap
 from atari.lab.labels import labels_of
 from atari.lab.objects import positions, visible_objects
 
@@ -15,18 +16,18 @@ class Readings:
 
     def __init__(self, game: Game) -> None:
         self.names: dict[int, list[str]] = {}
-        """By byte, the names of its labels."""
+        """The names of the labels of each byte."""
         for name, label in game.ram_labels.items():
             self.names.setdefault(label.index, []).append(name)
         self.causes: CausalMap | None = None
-        """The causal map of the game that is part of the package, if there is one."""
+        """The package's causal map of the game, if there is one."""
         with suppress(ValueError):
             self.causes = shipped_causes(game)
         self._labels = labels_of(game)
         self._positions = positions(game.ram_labels)
 
     def read(self, ram: ByteArray) -> tuple[dict[str, int | None], list[list[Any]]]:
-        """The value of each label, None where its object is not on the screen; and the objects that are.
+        """The value of each label, None where its object is not on the screen; and the objects on the screen.
 
         An object is its name, x, y, width and height in pixels, None where they are not known.
         """
@@ -35,7 +36,7 @@ class Readings:
         return values, [[each.name, each.x, each.y, each.width, each.height] for each in objects]
 
     def facts(self) -> dict[int, str]:
-        """By byte, what the causal map has found about it, in words; empty without a map."""
+        """The effects of each byte by the causal map, in words; empty without a map."""
         return {} if self.causes is None else {byte.index: self._fact(byte) for byte in self.causes.bytes}
 
     def _fact(self, byte: ByteCauses) -> str:

@@ -1,8 +1,8 @@
 """`serve`: the inspector's page on 127.0.0.1, and the loop that plays its session.
 
-Only a browser on this computer that has the token of the address is served. The header Host is checked, so that a
-page of another name that resolves to 127.0.0.1 (DNS rebinding) is refused, and the header Origin, so that pages of
-other origins are.
+Only a browser on this computer that has the token of the address is served. The header Host is checked, which refuses
+pages of other names that resolve to 127.0.0.1 (DNS rebinding). The header Origin is checked, which refuses pages of
+other origins.
 """
 
 import asyncio
@@ -52,7 +52,7 @@ class Inspector:
         self.token = secrets.token_urlsafe(24)
         self.port = 0
         self._tab: web.WebSocketResponse | None = None
-        self._state = ""  # that the tab has
+        self._state = ""  # the state that the tab has
         self._runner: web.AppRunner | None = None
         self._loop: asyncio.Task[None] | None = None
 
@@ -196,7 +196,7 @@ class Inspector:
             if now - due > _MOST_LAG:
                 due = now
             await asyncio.sleep(max(0, due - now))
-            # Always the same time, and not what has passed: at normal speed each message has one frame more.
+            # Always the same time, and not the time that has passed: at normal speed each message has one frame more.
             self.session.tick(1 / FRAMES_PER_SECOND)
             now = time.perf_counter()
             tab = self._tab
@@ -223,8 +223,8 @@ def serve(
     """Serve the page of a session until Ctrl-C.
 
     Args:
-        session: that is shown.
-        port: of 127.0.0.1; 0 is a free one.
+        session: the session to show.
+        port: a port of 127.0.0.1; 0 takes a free port.
         browser: called with the address, such as `webbrowser.open`.
         ready: called with the address first.
 

@@ -1,4 +1,4 @@
-"""`Session`: everything that can be done in the inspector, without a page."""
+"""`Session`: all actions of a user of the inspector, without a page."""
 
 import copy
 from dataclasses import dataclass
@@ -35,11 +35,11 @@ FILTERS = {
     "bcd": 1,
     "correlates": 0,
 }
-"""The filters of the search, which are methods of `atari.lab.Search`, with how many numbers each takes."""
+"""The filters of the search, methods of `atari.lab.Search`, and the number of arguments of each."""
 
 
 class Agent(Protocol):
-    """What plays a session instead of a person."""
+    """A player of a session, instead of a person."""
 
     name: str
 
@@ -64,7 +64,7 @@ class Change:
 
 
 class _Shown:
-    """The core that is shown, whichever it is, for `Search`."""
+    """The core that is shown, the main one or the fork's, for `Search`."""
 
     def __init__(self, session: "Session") -> None:
         self._session = session
@@ -80,16 +80,16 @@ class _Shown:
 class Session:
     """A game that is played, looked into and changed.
 
-    Frames are played one at a time, without a frame skip. While a fork is open, what is played is played in both
-    timelines, and changes go to the fork.
+    Frames are played one at a time, without a frame skip. While a fork is open, each frame is played in both timelines,
+    and changes go to the fork.
 
     Args:
         env: an `AtariEnv` in any wrappers. The session plays its core directly; the wrappers do not see it.
         agent: plays instead of a person.
-        seed: of the first game, if the environment was not reset before.
+        seed: seed of the first game, if the environment was not reset before.
 
     Raises:
-        TypeError: it is no `AtariEnv`.
+        TypeError: `env` is no `AtariEnv`.
         ValueError: its core is ale-py's.
     """
 
@@ -119,7 +119,7 @@ class Session:
         self.new_search()
         self.readings = Readings(self.game)
         self.version = 0
-        """Counts the frames that were played and the commands that `protocol.run` has run."""
+        """The number of frames that were played and commands that `protocol.run` has run."""
         self.notice = ""
         self._debt = 0.0
         self._agent_is_new = True
@@ -153,7 +153,7 @@ class Session:
     def screen(self, timeline: Timeline) -> tuple[ByteArray, bool]:
         """The screen, (height, 160) palette indices, and whether it is a preview.
 
-        Where RAM was changed after the newest frame, the screen is that of the next frame without input.
+        If RAM was changed after the newest frame, the screen is the next frame's, without input.
         """
         if timeline.pending and timeline.at == timeline.end:
             return ahead(timeline.core), True
@@ -171,12 +171,12 @@ class Session:
             self._debt -= 1
             try:
                 self._play_frame()
-            except RuntimeError as error:  # of the agent
+            except RuntimeError as error:  # the agent's
                 self.pause()
                 self.notice = str(error)
 
     def play(self) -> None:
-        """Play on: what was recorded after the present frame, then new frames."""
+        """Play on: the recorded frames after the present one, then new frames."""
         if self.over and self.at == self.main.end and not self.by_agent:
             raise ValueError("the game is over; begin a new one (R), or go back in time")
         self.playing = True
@@ -196,7 +196,7 @@ class Session:
             self._play_frame(single=True)
 
     def seek(self, frame: int) -> None:
-        """Return to a frame; one that is not kept becomes the nearest."""
+        """Return to a frame, or to the nearest one that is kept."""
         frame = check_integer("frame", frame, 0, 2**31 - 1)
         self.main.seek(frame)
         if self.fork is not None:
@@ -205,7 +205,7 @@ class Session:
         self._moved()
 
     def take_over(self) -> None:
-        """Drop what was recorded after the present frame."""
+        """Drop the recorded frames after the present one."""
         for timeline in self._timelines():
             timeline.cut()
         self._moved()
@@ -220,16 +220,16 @@ class Session:
         """Set the speed, as a multiple of the console's.
 
         Raises:
-            ValueError: it is not one of `SPEEDS`.
+            ValueError: `speed` is not one of `SPEEDS`.
         """
         if isinstance(speed, bool) or speed not in SPEEDS:
             raise ValueError(f"speed is one of {', '.join(map(str, SPEEDS))}, got {speed!r}")
         self.speed = float(speed)
 
     def hold(self, vertical: int, horizontal: int, fire: bool) -> None:
-        """Set the position of the stick: 1 is up and right. An illegal one becomes the nearest that is legal.
+        """Set the position of the stick: 1 is up and right. An illegal position becomes the nearest legal one.
 
-        The first press drops what was recorded after the present frame.
+        The first press drops the recorded frames after the present one.
         """
         vertical = check_integer("vertical", vertical, -1, 1)
         horizontal = check_integer("horizontal", horizontal, -1, 1)
@@ -270,7 +270,7 @@ class Session:
         """Hold a byte at a value, by default its present one, at every emulated frame.
 
         Raises:
-            ValueError, RuntimeError: it cannot be held; see `atari.lab.Freeze`.
+            ValueError, RuntimeError: the byte cannot be held; see `atari.lab.Freeze`.
         """
         index = self._byte(index)
         timeline = self.shown
@@ -290,7 +290,7 @@ class Session:
             timeline.freeze({other: held for other, held in timeline.frozen.items() if other != index})
 
     def undo(self) -> None:
-        """Undo the last change: a poke before which nothing was played is taken back, another is written back."""
+        """Undo the last change: a poke is taken back, or its old value is written if frames were played since."""
         if not self.changes:
             raise ValueError("there is no change of RAM to undo")
         change, timeline = self.changes.pop(), self.shown
@@ -310,7 +310,7 @@ class Session:
         """Name a byte; an empty name removes it.
 
         Raises:
-            ValueError: it is no name of a label, or the name of another byte.
+            ValueError: `name` is no valid name of a label, or another byte has it.
         """
         index = self._byte(index)
         if not isinstance(name, str) or len(name) > 40 or (name and not name.isidentifier()) or not name.isascii():
@@ -324,16 +324,16 @@ class Session:
             self.names[index] = name
 
     def copied_env(self) -> AtariEnv:
-        """A copy of the environment, without the bytes that the session holds; frames say which they hold."""
+        """A copy of the environment, without the bytes that the session holds; each `Frame` has its held bytes."""
         env = copy.deepcopy(self.env)
         if hasattr(env.core, "writes"):
             env.core.writes = self.main.own_slots
         return env
 
-    # --- what if
+    # --- forks
 
     def open_fork(self) -> None:
-        """Fork the present state: from here, what is played is played twice, and changes go to the fork."""
+        """Fork the present state: from here, each frame is played twice, and changes go to the fork."""
         if self.fork is not None:
             raise ValueError("there is a fork already; close it first")
         twin = self.copied_env()
@@ -408,15 +408,15 @@ class Session:
         """Take the last filter back.
 
         Raises:
-            ValueError: there is none.
+            ValueError: there is no filter.
         """
         self.search.undo()
         del self.search_scores[len(self.search.history) :]
 
     def pixels_of(self, index: int) -> tuple[np.ndarray[Any, Any], str]:
-        """The pixels that a byte causes, (height, 160) bool, and where this is known from.
+        """The pixels that a byte causes, (height, 160) bool, and their source.
 
-        That is "state", the present state; or "map", the game's causal map, if the byte causes none in this state.
+        The source is "state", the present state; or "map", the causal map, if the byte causes no pixels in this state.
         """
         index = self._byte(index)
         pixels = changed_pixels(self.shown.core, index)
@@ -425,7 +425,7 @@ class Session:
         return self.readings.causes.bytes[index].pixels, "map"
 
     def bytes_of(self, x: int, y: int) -> tuple[list[int], list[int]]:
-        """The bytes that cause a pixel of the present state, and further ones that do in others, by the causal map."""
+        """The bytes that cause a pixel of the present state, and further bytes for other states, by the causal map."""
         height, width = self.game.screen.shape
         x, y = check_integer("x", x, 0, width - 1), check_integer("y", y, 0, height - 1)
         found = causes_of(self.shown.core, x, y)
@@ -438,7 +438,7 @@ class Session:
         return (self.main,) if self.fork is None else (self.main, self.fork)
 
     def _play_frame(self, single: bool = False) -> None:
-        """Play the next frame in all timelines; pause where there is none."""
+        """Play the next frame in all timelines, or pause at the end of the game."""
         self.version += 1
         if self.main.at < self.main.end:
             for timeline in self._timelines():
@@ -473,7 +473,7 @@ class Session:
             raise RuntimeError(f"the agent {agent.name} has failed: {error!r}") from error
 
     def _moved(self) -> None:
-        """The present state is another one than the frame before's next."""
+        """Note that the present state does not follow from the frame before."""
         self._agent_is_new = True
         self._debt = 0.0
 

@@ -58,7 +58,7 @@ def _fill(timeline: Timeline, replay: Replay) -> None:
 
 
 def session_of_snapshot(path: Path, *, rom: Path | None = None, agent: Agent | None = None) -> Session:
-    """A session that begins in a saved state: the file of F5 in `atari play`, or what `snapshot` has returned.
+    """A session that begins in a saved state: the file of F5 in `atari play`, or a result of `snapshot`.
 
     Raises:
         ValueError: it is no snapshot, damaged, or of an unknown game, another ROM or version.
@@ -68,8 +68,8 @@ def session_of_snapshot(path: Path, *, rom: Path | None = None, agent: Agent | N
         data = stream.read(_MOST_BYTES)
     try:
         facts, blobs = snapshot.unpack(data)
-        text = None  # of the task, in snapshots of an AtariEnv since 0.2
-        for _ in range(3):  # of `atari play`, of wrappers, of an AtariEnv
+        text = None  # the task, which snapshots of an AtariEnv have since 0.2
+        for _ in range(3):  # a file of `atari play` contains wrappers', then an AtariEnv's, then a core's
             inner = blobs.get("env") or blobs.get("core")
             if facts.get("of") is None or inner is None:
                 break

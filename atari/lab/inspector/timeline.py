@@ -1,4 +1,4 @@
-"""`Timeline`: a game that is played frame by frame, and every frame of which can be returned to.
+"""`Timeline`: a game that is played frame by frame, and can return to each of its frames.
 
 A snapshot is kept every `FRAMES_PER_SNAPSHOT` frames. The frames between are played again from their inputs, which
 gives the same bytes.
@@ -25,8 +25,8 @@ NEW_GAME = -1
 class Frame(NamedTuple):
     """The inputs of a frame: the action, bytes written before it, and frozen bytes, held before and after it.
 
-    If `state` is not None, it is restored first. `slots` are the writes of the core, None for those of its
-    interventions. The rules of the game see frozen bytes as they are held.
+    If `state` is not None, it is restored first. `slots` are the writes of the core; None stands for the writes of its
+    interventions. The rules of the game see the held values of frozen bytes.
     """
 
     action: int
@@ -40,11 +40,11 @@ class Frame(NamedTuple):
 class Timeline:
     """A core, the inputs of all frames that were played on it, and the RAM after each.
 
-    Frames are counted from the beginning of the session. `first` is the oldest that is kept, `at` the present one,
-    `end` the newest: after going back, `at < end`, and `play_again` follows what was recorded.
+    Frames are counted from the beginning of the session. `first` is the oldest frame that is kept, `at` the present
+    one, `end` the newest: after going back, `at < end`, and `play_again` follows the recording.
 
     Args:
-        core: frames are played on it.
+        core: the core that plays the frames.
         first: the number of its present frame.
         score: its score so far.
     """
@@ -59,7 +59,7 @@ class Timeline:
         """Bytes that new frames hold."""
         self._holds: dict[tuple[int, int], Freeze] = {}
         self.own_slots = tuple(getattr(core, "writes", ()))
-        """The writes of the core without those that frames hold; by slot, None where one has ended."""
+        """The writes of the core by slot, without the writes that hold frozen bytes; None where one has ended."""
         self._slots: tuple[Any, ...] | None = None
         self._frames: list[Frame] = []
         self._states = [core.clone_state(include_rng=True)]
@@ -82,7 +82,7 @@ class Timeline:
         return self._frames[start - self.first : stop - self.first]
 
     def play(self, frame: Frame) -> None:
-        """Play a frame; what was recorded after the present one is dropped."""
+        """Play a frame; the recorded frames after the present one are dropped."""
         self.cut()
         if self.pending:
             frame = frame._replace(before=(*self.pending.items(), *frame.before))
@@ -112,7 +112,7 @@ class Timeline:
             self._make(self._frames[self.at - self.first])
 
     def seek(self, frame: int) -> None:
-        """Return to a frame; one that is not kept becomes the nearest."""
+        """Return to a frame, or to the nearest one that is kept."""
         frame = min(max(frame, self.first), self.end)
         if not (self.at < frame <= self.at + FRAMES_PER_SNAPSHOT):
             number = (frame - self.first) // FRAMES_PER_SNAPSHOT
@@ -125,7 +125,7 @@ class Timeline:
             self._write(self.pending)
 
     def cut(self) -> bool:
-        """Drop what was recorded after the present frame; return whether there was anything."""
+        """Drop the recorded frames after the present one; return whether there were any."""
         here = self.at - self.first
         if here == len(self._frames):
             return False
@@ -134,7 +134,7 @@ class Timeline:
         return True
 
     def write(self, index: int, value: int) -> None:
-        """Write a byte of the present RAM; what was recorded after the present frame is dropped."""
+        """Write a byte of the present RAM; the recorded frames after the present one are dropped."""
         self.cut()
         self.core.set_ram(index, value)
         self.pending[index] = value
@@ -143,7 +143,7 @@ class Timeline:
         """Hold these bytes, and no others, in the frames that are played from here on.
 
         Raises:
-            ValueError, RuntimeError: see `Freeze`; nothing has changed then.
+            ValueError, RuntimeError: as `Freeze`; then nothing has changed.
         """
         self._hold(values)
         self.frozen = dict(values)

@@ -3,7 +3,14 @@
 The option `interventions` of `AtariEnv` and `AtariVectorEnv` applies them; `atari.games.interventions` has the files.
 """
 
-from atari.games.interventions import Intervention, load, load_file
-from atari.lab.interventions.check import CheckResult, check
+from typing import Any
 
-__all__ = ["CheckResult", "Intervention", "check", "load", "load_file"]
+from atari._renamed import missing
+from atari.games.interventions import load
+from atari.lab.interventions.check import check
+
+__all__ = ["check", "load"]
+
+
+def __getattr__(name: str) -> Any:
+    raise missing(__name__, name)

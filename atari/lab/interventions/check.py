@@ -1,4 +1,4 @@
-"""`check`: proves the effect of an intervention by playing the same frames with it and without it."""
+"""`check` proves the effect of an intervention by playing the same frames with it and without it."""
 
 import itertools
 from collections.abc import Iterator, Mapping
@@ -27,19 +27,13 @@ class CheckResult:
     """The evidence of a check.
 
     Attributes:
-        task: what was played without it.
-        name: of the intervention.
+        task: the task that was played without the intervention.
+        name: the intervention's name.
         passed: whether its effect was seen.
         kind: "holds", "more" or "less".
-        expression: what was measured.
+        expression: the expression that was measured.
         with_it, without: the share of the frames on which the expression is true, for "holds"; else its mean.
-        first_failure: for "holds", the first frame on which it is false with the intervention, or None.
-
-    Example:
-        >>> from atari.lab.interventions import check
-        >>> result = check("pong", "lazy_enemy")
-        >>> result.passed, result.expression
-        (True, 'enemy_y == first(enemy_y)')
+        first_failure: for "holds", the first frame on which the expression is false with the intervention, or None.
     """
 
     task: Task
@@ -81,8 +75,14 @@ def check(
     Args:
         game: an ID, a game's name, the path of a game file, a `Game` or an `atari.Task`. Only its mode and its
             difficulty count: frames are played one by one, without sticky actions.
-        name: an intervention of it, as an item of the option `interventions`.
-        mode, difficulty: those of the game; None is what `game` says.
+        name: an intervention of the game, as an item of the option `interventions`.
+        mode, difficulty: the game's mode and difficulty; None takes them from `game`.
+
+    Returns:
+        A `CheckResult`, which is true if the check has passed. It prints in one line, and has `task`, `name`, `passed`,
+        `kind` ("holds", "more" or "less"), `expression`, `with_it` and `without`: for "holds" the share of frames on
+        which the expression is true, else its mean. `first_failure` is the first frame on which "holds" failed, or
+        None.
 
     Raises:
         TypeError, ValueError: there is no such intervention, or it has no check; as `Task.of`, or the task has another
@@ -90,8 +90,9 @@ def check(
 
     Example:
         >>> from atari.lab.interventions import check
-        >>> check("pong", "lazy_enemy").passed
-        True
+        >>> result = check("pong", "lazy_enemy")
+        >>> result.passed, result.expression
+        (True, 'enemy_y == first(enemy_y)')
     """
     task = resolve_frames(game, mode, difficulty, owner="check")
     found = task.definition
@@ -118,7 +119,7 @@ def check(
 
 @dataclass(frozen=True)
 class _Run:
-    """What was played: (frames, 128) RAM, screens, and the series of reward, lives and pixels."""
+    """The results of playing: (frames, 128) RAM, screens, and the series of reward, lives and pixels."""
 
     ram: npt.NDArray[np.uint8]
     screens: list[npt.NDArray[np.uint8]]

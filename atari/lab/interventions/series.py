@@ -1,4 +1,4 @@
-"""Evaluates an expression of the rules' language on a recorded history of RAM, all frames at once."""
+"""`evaluate_series` evaluates an expression of the rules' language on a recorded history of RAM, all frames at once."""
 
 import ast
 import operator
@@ -12,7 +12,7 @@ Series = npt.NDArray[np.int64]
 
 
 def _floor(function: Callable[[Series, Series], Series]) -> Callable[[Series, Series], Series]:
-    """Division by zero and by negative numbers is 0, as in the native core."""
+    """The division whose result for a divisor of zero or less is 0, as in the native core."""
 
     def divided(left: Series, right: Series) -> Series:
         good = right > 0

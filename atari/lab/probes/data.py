@@ -27,14 +27,7 @@ ENTROPY = 0.6
 
 @dataclass(frozen=True)
 class Episode:
-    """The states of an episode: `observations` (t, ...) uint8 and `ram` (t, 128) uint8; `task` was played.
-
-    Example:
-        >>> from atari.lab.probes import majority, play_episodes, split_episodes
-        >>> episodes = play_episodes("breakout", 3000, img_height=42, img_width=42, stack_num=1)
-        >>> episodes[0].observations.shape[1:], episodes[0].ram.shape[1:]
-        ((1, 42, 42), (128,))
-    """
+    """The states of an episode: `observations` (t, ...) uint8 and `ram` (t, 128) uint8; `task` was played."""
 
     observations: ByteArray
     ram: ByteArray
@@ -43,15 +36,7 @@ class Episode:
 
 @dataclass(frozen=True)
 class Split:
-    """States: `observations` (n, ...) uint8 and `labels` (n, number of labels) uint8.
-
-    Example:
-        >>> from atari.lab.probes import majority, play_episodes, split_episodes
-        >>> episodes = play_episodes("breakout", 3000, img_height=42, img_width=42, stack_num=1)
-        >>> train = split_episodes(episodes, "breakout").train
-        >>> len(train.observations) == len(train.labels)
-        True
-    """
+    """States: `observations` (n, ...) uint8 and `labels` (n, number of labels) uint8."""
 
     observations: ByteArray
     labels: ByteArray
@@ -64,15 +49,8 @@ class Split:
 class ProbeData:
     """The three splits.
 
-    `names` are the labels that are left, `entropies` has all, in nats. `duplicates` is the number of test states that
-    were removed because training or validation has the same observation.
-
-    Example:
-        >>> from atari.lab.probes import majority, play_episodes, split_episodes
-        >>> episodes = play_episodes("breakout", 3000, img_height=42, img_width=42, stack_num=1)
-        >>> data = split_episodes(episodes, "breakout")
-        >>> data.names[:2], data.train.observations.shape[1:]
-        (('ball_x', 'ball_y'), (1, 42, 42))
+    `names` are the remaining labels, `entropies` has all labels, in nats. `duplicates` is the number of test states
+    that were removed because training or validation has the same observation.
     """
 
     train: Split
@@ -97,15 +75,18 @@ def play_episodes(
 
     Args:
         game: an ID, a game's name, the path of a game file, a `Game` or an `atari.Task`.
-        steps: of all environments together; each is a state.
-        policy: a function of images (num_envs, ...) and the numbers of the environments that returns actions
-            (num_envs,), such as what `atari.learning.load_policy` returns; None is random. Its methods `begin` and
-            `begin_episodes`, if it has them, are called as of `atari.learning.Policy`.
-        seed: of the environments and the random actions.
+        steps: number of steps of all lanes together; each is a state.
+        policy: a function of images (num_envs, ...) and the numbers of the lanes that returns actions (num_envs,), such
+            as `atari.learning.load_policy` returns; None is random. If it has `begin` and `begin_episodes`, they are
+            called as `atari.learning.Policy` describes.
+        seed: seed of the lanes and the random actions.
         epsilon: probability of a random action instead of the policy's.
-        num_envs: environments that are played together.
-        **options: those of `AtariVectorEnv`. Without any, a game that is no ID and no task has AtariARI's observations:
-            one grayscale frame (1, 210, 160); options of other sizes and stacks are those that an encoder needs.
+        num_envs: number of lanes that are played together.
+        **options: options of `AtariVectorEnv`. Without any, a game that is no ID and no task has AtariARI's
+            observations: one grayscale frame (1, 210, 160). Encoders may need other sizes and stacks.
+
+    Returns:
+        A list of `Episode`, with `observations` (t, ...) uint8, `ram` (t, 128) uint8 and the `task`.
 
     Raises:
         TypeError, ValueError: as `AtariVectorEnv`; or a number is out of range.
@@ -176,12 +157,17 @@ def split_episodes(
         episodes: at least ten, for three splits that are not empty.
         labels: the place in RAM of each label; or the id of a game, for AtariARI's labels of it.
         entropy: the least entropy of a label over all states, in nats.
-        min_length: see above.
-        seed: of the order of the episodes.
+        min_length: longest length of the episodes that are left out.
+        seed: seed for the order of the episodes.
+
+    Returns:
+        A `ProbeData`: `train`, `validation` and `test`, each with `observations` (n, ...) uint8 and `labels` (n, number
+        of labels) uint8; the `names` of the labels; `entropies` of all labels, in nats; and `duplicates`, the number of
+        test states that were removed.
 
     Raises:
-        TypeError, ValueError: there are too few episodes for three splits, a place is none, AtariARI does not have the
-            game, no label has the entropy, or no test state is left.
+        TypeError, ValueError: there are too few episodes for three splits, a label has no place in RAM, AtariARI does
+            not have the game, no label has the entropy, or no test state is left.
 
     Example:
         >>> from atari.lab.probes import play_episodes, split_episodes

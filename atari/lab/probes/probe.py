@@ -22,15 +22,7 @@ _BATCH = 256
 
 @dataclass(frozen=True)
 class ProbeResult:
-    """The scores on the test states by label, weighted over its values: `f1` and `accuracy`, 0..1.
-
-    Example:
-        >>> from atari.lab.probes import majority, play_episodes, split_episodes
-        >>> episodes = play_episodes("breakout", 3000, img_height=42, img_width=42, stack_num=1)
-        >>> result = majority(split_episodes(episodes, "breakout"))
-        >>> 0 <= result.mean_f1 <= 1
-        True
-    """
+    """The scores on the test states by label, weighted over its values: `f1` and `accuracy`, 0..1."""
 
     f1: Mapping[str, float]
     accuracy: Mapping[str, float]
@@ -80,12 +72,16 @@ def probe(
     Args:
         encoder: a function of observations (n, ...) uint8 that returns features, n rows of numbers: an array or a
             tensor, which is flattened to (n, features).
-        data: of `split_episodes`.
-        epochs, patience, batch_size, learning_rate: of the training; the defaults are AtariARI's.
-        seed: of the weights and the batches; equal seeds give equal results on one machine.
+        data: the result of `split_episodes`.
+        epochs, patience, batch_size, learning_rate: options of the training; the defaults are AtariARI's.
+        seed: seed of the weights and the batches; equal seeds give equal results on one machine.
+
+    Returns:
+        A `ProbeResult`: `f1` and `accuracy` of each label, 0..1, weighted over its values; `category_f1`, the mean of
+        each of AtariARI's categories; `mean_f1`, the mean over the categories; and `table()`, which prints.
 
     Raises:
-        TypeError, ValueError: a number is out of range, or the features are none.
+        TypeError, ValueError: a number is out of range, or the encoder returns no features.
         gymnasium.error.DependencyNotInstalled: PyTorch is not installed.
 
     Example:
@@ -114,7 +110,7 @@ def probe(
 
 
 def majority(data: ProbeData) -> ProbeResult:
-    """The scores of predicting the most frequent value in training, whatever the observation.
+    """The `ProbeResult` of predicting the most frequent value in training, whatever the observation.
 
     Example:
         >>> from atari.lab.probes import majority, play_episodes, split_episodes

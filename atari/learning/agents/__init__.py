@@ -1,17 +1,17 @@
-"""The agents, one script each: read it from top to bottom, copy it, change it."""
+"""The agents, one script each, to read from top to bottom, to copy and to change."""
 
 from importlib import import_module
 from typing import Any
 
 AGENTS = {"ppo": "PPO", "pqn": "PQN", "dqn": "DQN"}
-"""By name of the module, the class of the agent."""
+"""The class of each agent by the name of its module."""
 
 
 def find_agent(name: str) -> Any:
-    """The class of an agent: `options` is the class of its options, `fast` a dict of options found by measurement.
+    """The class of an agent, a subclass of `Agent`.
 
     Raises:
-        ValueError: there is no such agent.
+        ValueError: no agent has this name.
     """
     if name not in AGENTS:
         raise ValueError(f"agent must be one of {', '.join(AGENTS)}, got {name!r}")

@@ -30,18 +30,18 @@ class DQNOptions(TrainingOptions):
     """The options of DQN; the defaults are those of Mnih et al. 2015.
 
     Attributes:
-        memory: steps in the replay memory.
+        memory: the capacity of the replay memory in steps.
         compress: compress the frames in the memory.
         learning_starts: steps before the first update.
-        train_every: steps for each update of the network.
+        train_every: steps between two updates of the network.
         batch: steps in a batch.
         target_update: updates after which the target network is copied.
         epsilon: probability of a random action at the end of `exploration`; it begins at 1.
         exploration: steps over which epsilon falls.
         optimizer: rmsprop, with the constants of Mnih et al. 2015, or adam.
-        double: the network chooses the next action, the target network rates it.
-        dueling: a value of the state and advantages of the actions, instead of values of the actions.
-        n_step: rewards before the value of the last state.
+        double: let the network choose the next action, and the target network rate it.
+        dueling: compute a value of the state and advantages of the actions, instead of values of the actions.
+        n_step: rewards that are summed before the value of the last state.
         priority: exponent of the priorities, 0.5 in Rainbow; none is uniform replay.
         priority_beta: exponent of the importance weights at the beginning; it rises to 1 over the training.
     """
@@ -100,7 +100,7 @@ FAST: dict[str, Any] = {
 
 
 _UPDATE = 1000
-"""About so many steps are an update."""
+"""Steps of an update, rounded to the number of environments."""
 
 
 class DQN(Agent):
@@ -163,11 +163,11 @@ class DQN(Agent):
         return QNetwork(encoder, actions, dueling=options.dueling)
 
     def update(self) -> dict[str, float]:
-        """Play some steps, and learn meanwhile; returns what belongs into the log."""
+        """Play some steps, and learn meanwhile. Returns the columns of the log."""
         losses, values = [], []
         for _ in range(max(1, _UPDATE // self.options.num_envs)):
             observations = self.memory.observations()
-            if self.options.normalize and self.steps < 100_000:  # fixed then, as the memory has older frames
+            if self.options.normalize and self.steps < 100_000:  # then they are fixed, as the memory has older frames
                 self._normalize(observations)
             self._play(observations)
             while self._due():
@@ -245,7 +245,7 @@ class DQN(Agent):
         return (targets - values).abs().detach().cpu(), loss.item(), values.mean().item()
 
     def _normalize(self, observations: Any) -> None:
-        """Add observations to the statistics; the target network uses the same."""
+        """Add observations to the statistics, which the target network uses, too."""
         self.network.encoder.observe(torch.from_numpy(observations).to(self.options.device))
         self.target.encoder.normalize.load_state_dict(self.network.encoder.normalize.state_dict())
 
@@ -255,7 +255,7 @@ class DQN(Agent):
         return self.file is not None and self.steps - self._saved_at + 2 * _UPDATE > self.options.memory // 8
 
     def state(self) -> dict[str, Any]:
-        """All that the next update depends on, but the memory's file, which `commit` saves."""
+        """Everything that the next update depends on, except the memory's file, which `commit` saves."""
         return {
             "steps": self.steps,
             "updates": self.updates,
@@ -278,7 +278,7 @@ class DQN(Agent):
         return self.file is None or bool(state["memory"] == self.memory.flushes)
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Continue from a state, as if nothing had happened."""
+        """Continue from a state of `state`."""
         self.steps = self._saved_at = state["steps"]
         self.updates = state["updates"]
         self.network.load_state_dict(state["network"])

@@ -31,9 +31,9 @@ class PPOOptions(TrainingOptions):
     Attributes:
         horizon: steps of each environment between two updates.
         minibatch: steps in a minibatch.
-        epochs: how often each step is learned from.
-        gae_lambda: of the generalised advantage estimation (Schulman et al. 2016).
-        clip: how far the probability of an action may move in an update, as a ratio.
+        epochs: how often the network learns from each step.
+        gae_lambda: lambda of the generalised advantage estimation (Schulman et al. 2016).
+        clip: the largest change of an action's probability in an update, as a ratio.
         entropy: weight of the policy's entropy in the loss.
         value_weight: weight of the value function's loss.
         max_gradient: norm to which gradients are clipped.
@@ -103,7 +103,7 @@ class Returns:
 
 
 class Worker:
-    """A share of the environments, and the memory for what was played in them: (horizon, environments) each."""
+    """A share of the environments, and arrays (horizon, environments, ...) of the steps played in them."""
 
     def __init__(self, options: PPOOptions, index: int) -> None:
         self.options = options
@@ -133,7 +133,7 @@ class Worker:
             self.observations, rewards, terminations, truncations, info = self.environments.step(actions[:, 0].numpy())
             self.rewards[step] = torch.from_numpy(rewards)
             self.ends[step] = torch.from_numpy(terminations | truncations)
-            if truncations.any():  # the game goes on unseen: add the value of what was not played
+            if truncations.any():  # the game goes on unseen: add the value of its rest
                 _, values = self._evaluate(torch.from_numpy(info["final_obs"]))
                 values = values * returns.deviation + returns.mean
                 self.rewards[step] += self.options.gamma * values * torch.from_numpy(truncations & ~terminations)
@@ -205,7 +205,7 @@ class PPO(Agent):
         return ActorCritic(encoder, actions)
 
     def update(self) -> dict[str, float]:
-        """Play `horizon` steps in each environment and learn from them; returns what belongs into the log."""
+        """Play `horizon` steps in each environment and learn from them. Returns the columns of the log."""
         options = self.options
         left = 1 - self.steps / options.total_steps if options.anneal else 1.0
         if options.kl_target is None:
@@ -225,7 +225,7 @@ class PPO(Agent):
         }
 
     def _scale(self) -> None:
-        """Normalise advantages, and returns if the options say so."""
+        """Normalise advantages, and with `normalize_returns` the returns."""
         self.returns.update(torch.cat([worker.returns for worker in self.workers]))
         advantages = torch.cat([worker.advantages for worker in self.workers])
         mean, deviation = advantages.mean(), advantages.std() + 1e-8
@@ -260,11 +260,11 @@ class PPO(Agent):
         self.network.encoder.observe(observations.to(self.options.device))
 
     def _sources(self) -> list[Any]:
-        """What has a generator."""
+        """The objects that have a generator."""
         return [self, *self.workers]
 
     def state(self) -> dict[str, Any]:
-        """All that the next update depends on."""
+        """Everything that the next update depends on."""
         return {
             "steps": self.steps,
             "network": self.network.state_dict(),
@@ -277,7 +277,7 @@ class PPO(Agent):
         }
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Continue from a state, as if nothing had happened."""
+        """Continue from a state of `state`."""
         self.steps, self.learning_rate = state["steps"], state["learning_rate"]
         self.network.load_state_dict(state["network"])
         self.optimizer.load_state_dict(state["optimizer"])

@@ -1,7 +1,7 @@
 """Parallelised Q-network (Gallici et al. 2024, arXiv:2407.04811).
 
 Q-learning without a replay memory and without a target network: layer normalisation keeps it stable. As in PPO, many
-environments are played for some steps, and these steps are then learned from. Targets are lambda-returns.
+environments are played for some steps, from which the network then learns. Targets are lambda-returns.
 
     python -m atari.learning.agents.pqn pong --fast
 """
@@ -30,7 +30,7 @@ class PQNOptions(TrainingOptions):
     Attributes:
         horizon: steps of each environment between two updates.
         minibatch: steps in a minibatch.
-        epochs: how often each step is learned from.
+        epochs: how often the network learns from each step.
         q_lambda: weight of later steps in the lambda-returns.
         epsilon: probability of a random action at the end of `exploration`; it begins at 1.
         exploration: the part of the training over which epsilon falls.
@@ -70,7 +70,7 @@ FAST: dict[str, Any] = {
 
 
 class Worker:
-    """A share of the environments, and the memory for what was played in them: (horizon, environments) each."""
+    """A share of the environments, and arrays (horizon, environments, ...) of the steps played in them."""
 
     def __init__(self, options: PQNOptions, index: int) -> None:
         self.options = options
@@ -99,7 +99,7 @@ class Worker:
             self.observations, rewards, terminations, truncations, info = self.environments.step(chosen.numpy())
             self.rewards[step] = torch.from_numpy(rewards)
             self.ends[step] = torch.from_numpy(terminations | truncations)
-            if truncations.any():  # the game goes on unseen: add the value of what was not played
+            if truncations.any():  # the game goes on unseen: add the value of its rest
                 values = self._values(torch.from_numpy(info["final_obs"])).amax(1)
                 self.rewards[step] += self.options.gamma * values * torch.from_numpy(truncations & ~terminations)
         self.greatest[-1] = self._values(torch.from_numpy(self.observations)).amax(1)
@@ -159,7 +159,7 @@ class PQN(Agent):
         return QNetwork(encoder, actions)
 
     def update(self) -> dict[str, float]:
-        """Play `horizon` steps in each environment and learn from them; returns what belongs into the log."""
+        """Play `horizon` steps in each environment and learn from them. Returns the columns of the log."""
         options = self.options
         done = self.steps / options.total_steps
         epsilon = max(options.epsilon, 1 - (1 - options.epsilon) * done / options.exploration)
@@ -189,11 +189,11 @@ class PQN(Agent):
         self.network.encoder.observe(observations.to(self.options.device))
 
     def _sources(self) -> list[Any]:
-        """What has a generator."""
+        """The objects that have a generator."""
         return [self, *self.workers]
 
     def state(self) -> dict[str, Any]:
-        """All that the next update depends on."""
+        """Everything that the next update depends on."""
         return {
             "steps": self.steps,
             "network": self.network.state_dict(),
@@ -204,7 +204,7 @@ class PQN(Agent):
         }
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Continue from a state, as if nothing had happened."""
+        """Continue from a state of `state`."""
         self.steps = state["steps"]
         self.network.load_state_dict(state["network"])
         self.optimizer.load_state_dict(state["optimizer"])

@@ -11,7 +11,7 @@ import numpy as np
 
 from atari.games.catalog import games
 from atari.learning.evaluation.protocols import GAME_SETS, EvaluationProtocol, differences
-from atari.learning.evaluation.published import Published, human_scores, published
+from atari.learning.evaluation.published import Published
 from atari.learning.evaluation.results import Result, aligned
 from atari.learning.evaluation.statistics import (
     Estimate,
@@ -32,12 +32,12 @@ class Row:
     """An agent in a comparison.
 
     Attributes:
-        name: of the agent.
-        runs: trainings whose scores are known one by one; None if only their mean is.
-        frames: of the training, in emulator frames; None is not known.
-        median, mean: over games of the mean of runs, human-normalised.
-        iqm: interquartile mean over games and runs.
-        protocol: how its scores came about.
+        name: the agent's name.
+        runs: the number of trainings whose scores are known one by one; None if only their mean is known.
+        frames: the emulator frames of its training; None is not known.
+        median, mean: the median and the mean over games of the mean of runs, human-normalised.
+        iqm: the interquartile mean over games and runs.
+        protocol: how the scores came about.
         scores: by game, the scores of runs, not normalised.
     """
 
@@ -53,23 +53,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Agents beside each other, on the games that all of them have. It prints as two tables.
-
-    Attributes:
-        rows: the agents, the evaluated one first.
-        games: that are compared.
-        human: the table of human scores, by name.
-        references: by game, the score of random play and of a human, which are 0 and 1 of normalised scores.
-        mixed: whether agents of different protocols or budgets are compared nevertheless.
-        notes: what a reader must know.
-
-    Example:
-        >>> from atari.learning import compare, evaluate
-        >>> result = evaluate("random", "pong", "dopamine", episodes=2, seed=0)
-        >>> comparison = compare(result, "dopamine/rainbow", frames=10_000_000, repetitions=50)
-        >>> [row.name for row in comparison.rows]
-        ['random', 'dopamine/rainbow']
-    """
+    """Agents beside each other, see `compare`. Its text has two tables."""
 
     rows: tuple[Row, ...]
     games: tuple[str, ...]
@@ -99,14 +83,14 @@ class Comparison:
         )
 
     def to_json(self) -> dict[str, Any]:
-        """All of it, as the types of JSON."""
+        """The whole comparison as the types of JSON."""
         return {"format": "atari comparison 1", **asdict(self)}
 
     def save(self, file: str | PathLike[str]) -> None:
         """Write a JSON file; an existing one is replaced.
 
         Raises:
-            OSError: it cannot be written.
+            OSError: the file cannot be written.
         """
         Path(file).write_text(json.dumps(self.to_json(), indent=1) + "\n", encoding="utf-8")
 
@@ -133,31 +117,41 @@ def compare(
     repetitions: int = 2000,
     seed: int = 0,
 ) -> Comparison:
-    """Put results of evaluations beside published ones, on the games that all of them have.
+    """Put results of evaluations beside published results, on the games that all of them have.
 
-    A normalised score is (score - random) / (human - random). With one result of each game, intervals are of the
-    bootstrap that draws its episodes again: they are about this policy. With several results of a game, from trainings
-    with different seeds, runs are drawn again, as for published agents: they are about the algorithm.
+    A normalised score is (score - random) / (human - random). With one result of each game, the bootstrap draws its
+    episodes again, and the intervals are about this policy. With several results of a game, from trainings with
+    different seeds, the bootstrap draws runs again, as for published agents; the intervals are about the algorithm.
 
-    Published scores are mostly those of training games, with their exploration, of other code. The notes say so.
+    Most published scores are of training games, with exploration. The notes say so.
 
     Scores are compared at equal budgets of training, and nothing is extrapolated: a budget after the last or before the
     first score of a published agent is refused. With `mixed`, the agent has its last scores before that budget, or else
-    its first, and its row has their frames.
+    its first scores, and its row has their frames.
 
     Args:
-        results: of `evaluate`; several are of the same agent, other games or other trainings.
-        to: names of published agents, see `published_names`.
+        results: results of `evaluate` for one agent: other games, or other trainings.
+        to: names of published agents, see `Published.names`.
         frames: emulator frames of training at which to compare; None is the `training_frames` of the results. If both
             are not known, published agents have their final scores.
-        human: the table of human and random scores, see `human_scores`.
+        human: the table of human and random scores, see `Published.human_scores`.
         mixed: compare agents of different protocols or budgets nevertheless. The comparison then says so.
-        repetitions: of the bootstrap.
-        seed: of the bootstrap, 0..2**32-1.
+        repetitions: the number of the bootstrap's drawings.
+        seed: the seed of the bootstrap, 0..2**32-1.
+
+    Returns:
+        A `Comparison`, which prints as two tables, with methods `save(file)` (JSON) and `plot(file)`.
+
+        - `rows`: the agents, the evaluated one first: `name`, `runs`, `frames`, `protocol`, `scores` by game, and
+          `median`, `mean` and `iqm` with `value`, `low` and `high`, the interval of 95 %;
+        - `games`: the games that are compared;
+        - `human`: the name of the human table, and `references`: by game, the scores of random play and of a human;
+        - `mixed`: whether protocols or budgets differ;
+        - `notes`: sentences on what the scores depend on.
 
     Raises:
         TypeError, ValueError: an argument is of the wrong kind, a name is not known (the nearest is suggested), the
-            protocols or budgets differ, the human table is of another protocol, a game was played in another mode or
+            protocols or budgets differ, the human table is for another protocol, a game was played in another mode or
             with interventions, or no game is left.
 
     Example:
@@ -169,10 +163,10 @@ def compare(
     """
     results = _check_results(results)
     to = [to] if isinstance(to, str) else list(to)
-    others = [published(name) for name in to]
+    others = [Published(name) for name in to]
     repetitions = check_integer("repetitions", repetitions, 1, 100_000)
     seed = check_integer("seed", seed, 0, 2**32 - 1)
-    references = human_scores(human)
+    references = Published.human_scores(human)
     faults: list[str] = []
     protocol = _common_protocol(results, faults)
     frames = _common_frames(results, frames, faults)
@@ -204,7 +198,7 @@ def _notes(
     others: Sequence[Published],
     frames: int | None,
 ) -> Iterator[str]:
-    """What a reader must know."""
+    """Sentences on what the scores depend on."""
     yield from (f"MIXED: {fault}" for fault in faults)
     if left_out:
         yield f"left out, because not all have scores of them: {', '.join(left_out)}"
@@ -222,7 +216,7 @@ def _notes(
 
 
 def protocol_faults(protocol: EvaluationProtocol, other: Published) -> list[str]:
-    """In which facts the environments of a published agent differ from a protocol, in words.
+    """The differences between a protocol and the environments of a published agent, in words.
 
     One no-op is no random start, and counts as none. A limit of frames that is not stated is no difference.
     """
@@ -255,7 +249,7 @@ def _common_protocol(results: Sequence[Result], faults: list[str]) -> Evaluation
 
 
 def _game_faults(results: Sequence[Result]) -> list[str]:
-    """Games that were played in another mode or difficulty, or with interventions, which other scores are not of."""
+    """The games that were played in another mode or difficulty, or with interventions, in words."""
     faults = []
     for one in (one for result in results for one in result.games if one.task and one.game in games):
         usual = {"mode": games[one.game].default_mode, "difficulty": 0, "interventions": []}
@@ -285,8 +279,7 @@ def _listed(numbers: set[int | None]) -> str:
 
 
 def _human_faults(human: str, protocol: EvaluationProtocol) -> list[str]:
-    """Tables of other protocols than no-op starts and sticky actions are only for scores of theirs."""
-    human_scores(human)
+    """The fault of a human table that is not for scores of the protocol, in words."""
     if human == "noop57" or (human == "nature2015" and protocol.name == "dqn2015"):
         return []
     meaning = read_table("human")["tables"][human]["meaning"]
@@ -294,7 +287,7 @@ def _human_faults(human: str, protocol: EvaluationProtocol) -> list[str]:
 
 
 def budget_faults(other: Published, frames: int | None) -> list[str]:
-    """Why a published agent has no scores after so many frames of training, in words; None is its final scores."""
+    """The reason why a published agent has no scores after `frames` of training; None is its final scores."""
     try:
         if frames is not None:
             other.interval(frames)
@@ -304,9 +297,7 @@ def budget_faults(other: Published, frames: int | None) -> list[str]:
 
 
 def _frames_at(other: Published, frames: int | None) -> int | None:
-    """The frames at which a published agent is compared. Where it has no scores at `frames`, the last ones before that,
-    or else its first.
-    """
+    """The frames at which a published agent is compared: `frames`, or else its last scores before, or its first."""
     if frames is None or not budget_faults(other, frames):
         return other.final_frames if frames is None else frames
     before = [budget for budget in other.budgets if budget < frames]
@@ -324,19 +315,19 @@ def _scores_at(other: Published, game: str, frames: int | None) -> Floats:
 
 
 def _own_row(results: Sequence[Result], references: References, frames: int | None, bootstrap: dict[str, int]) -> Row:
-    of_game = {game: [one for result in results for one in result.games if one.game == game] for game in references}
-    runs = {game: np.array([one.mean for one in several]) for game, several in of_game.items()}
-    if all(len(several) == 1 for several in of_game.values()):
-        episodes = {game: np.array(several[0].scores) for game, several in of_game.items()}
+    played = {game: [one for result in results for one in result.games if one.game == game] for game in references}
+    runs = {game: np.array([one.mean for one in several]) for game, several in played.items()}
+    if all(len(several) == 1 for several in played.values()):
+        episodes = {game: np.array(several[0].scores) for game, several in played.items()}
         estimates = estimate_of_episodes(_normalised(episodes, references), **bootstrap)
     else:
         estimates = estimate_of_runs(_normalised(runs, references), **bootstrap)
-    played = sum(len(one.scores) for several in of_game.values() for one in several)
+    count = sum(len(one.scores) for several in played.values() for one in several)
     return Row(
         name=", ".join(dict.fromkeys(result.policy for result in results)),
         runs=max(map(len, runs.values())),
         frames=frames,
-        protocol=f"{results[0].protocol}; {played:,} games, played after the training",
+        protocol=f"{results[0].protocol}; {count:,} games, played after the training",
         scores={game: tuple(scores.tolist()) for game, scores in runs.items()},
         **estimates,
     )

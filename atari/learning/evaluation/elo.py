@@ -1,4 +1,4 @@
-"""`elo_ratings`: the strength of players from the games that they have won against each other."""
+"""`elo_ratings`: the strength of players, from the games that they won against each other."""
 
 from dataclasses import dataclass
 
@@ -28,9 +28,10 @@ def elo_ratings(wins: npt.ArrayLike, prior: float = 0.5, iterations: int = 100) 
     """Fit Bradley and Terry's model (1952), by which i beats j with the probability 1 / (1 + 10 ** ((Rj - Ri) / 400)).
 
     Args:
-        wins: (players, players), in row i the games that i has won against each; a draw is half a win of both.
-        prior: draws that are added between each two players. With 0, a player who has won or lost all games has an
-            infinite rating, which is an error.
+        wins: (players, players), in row i the games that player i won against each other player; a draw counts half for
+            both.
+        prior: draws that are added between each two players. With 0, a player with wins or losses alone has an infinite
+            rating, which is an error.
         iterations: the most steps of Newton's method.
 
     Raises:
@@ -56,7 +57,7 @@ def elo_ratings(wins: npt.ArrayLike, prior: float = 0.5, iterations: int = 100) 
     games = won + won.T
     strengths = np.zeros(len(won))
     for _ in range(iterations):
-        expected = 1 / (1 + np.exp(strengths - strengths[:, None]))  # that i beats j, (players, players)
+        expected = 1 / (1 + np.exp(strengths - strengths[:, None]))  # probability that i beats j, (players, players)
         information = -games * expected * expected.T
         np.fill_diagonal(information, -information.sum(1))
         # A constant added to all strengths changes nothing; the mean of the step is 0.

@@ -1,4 +1,4 @@
-"""`evaluate`: a fixed number of whole games of a policy, by a named protocol."""
+"""`evaluate`: a policy plays a fixed number of whole games by a named protocol."""
 
 import json
 import zlib
@@ -44,47 +44,47 @@ def evaluate(
     """Let a policy play whole games, and return their scores: the game's own, not clipped, over all lives.
 
     The games that count are fixed before the first step: lane i, of `num_envs` that play at a time, plays the games
-    i, i + num_envs, ... of each game to their ends. "The first 100 games that end", or "all that end within so many
-    steps", would favour short games: in most games a bad game is a short one, so their mean is too low, and too high in
-    games that a good player ends soon.
+    i, i + num_envs, ... of each game to their ends. "The first 100 games that end", or "all games that end within n
+    steps", would favour short games. In most games a bad game is a short one, so their mean would be too low; it would
+    be too high in games that a good player ends soon.
 
     Each game has a seed of its own, made of `seed`, the game's id and its number. So the scores are the same for any
-    `num_envs` and `num_threads`, and the first 50 of 100 games are those of an evaluation of 50; provided that a
-    policy's action depends neither on the other rows of its batch nor on generators that all lanes share. Networks on
+    `num_envs` and `num_threads`, and an evaluation of 50 games has the first 50 of 100 games. This requires a policy
+    whose action depends neither on the other rows of its batch nor on generators that all lanes share. Networks on
     batches of another size may round differently, and choose another action where two are nearly equal; with equal
     `num_envs` and `parts` they give the same scores.
 
-    `workers` changes no score: with them, the same batches of the same environments are played in other processes. Each
-    task there is a game of `games`, or with `parts` a part of its episodes, and begins with a copy of the policy.
+    `workers` changes no score: the same batches of the same environments are played in other processes. A task there is
+    a game of `games`, or with `parts` a part of its episodes, and begins with a copy of the policy.
 
     Args:
-        policy: as of `load_policy`, such as a function of observations (n, ...) that returns actions (n,); in a string,
-            "{game}" stands for the game's id; or a mapping from game id to one of these.
+        policy: a policy as `load_policy` takes it, such as a function of observations (n, ...) that returns actions
+            (n,); in a string, "{game}" stands for the game's id; or a mapping from game id to one of these.
         games: a game, an environment ID, a `Task`, a set of `GAME_SETS` such as "atari26", or a sequence of these. It
             decides the mode, the difficulty and interventions, which must be those of the policy. An ID must have the
             protocol's sticky actions, and show RAM or images as the policy needs them. Other fields of a `Task` that
-            differ from ALE's v5 must be those that are played.
+            differ from ALE's v5 must be the fields that are played.
         protocol: one of `PROTOCOLS`, or an `EvaluationProtocol` of your own. It decides the actions, sticky actions,
-            frame skip, how games begin, what a lost life does, and the limit, whatever environment the policy was
-            trained in. The observations are those that the policy needs, see `Policy`. A policy that does not say gets
+            frame skip, how games begin, the effect of a lost life, and the limit, whatever environment the policy was
+            trained in. The policy decides the observations, see `Policy`. A policy without `task` or `environment` gets
             RAM if `games` is an ID or a `Task` of RAM, else the images of the protocol's preset. If the protocol has
-            all 18 actions and the policy was trained with those that the game uses, its actions are translated.
-        episodes: whole games of each game; None is as the protocol says.
-        seed: of all games, 0..2**32-1.
+            all 18 actions and the policy was trained with the game's minimal actions, its actions are translated.
+        episodes: whole games of each game; None is the protocol's number.
+        seed: the seed of all games, 0..2**32-1.
         num_envs: games that are played at a time; None is up to 64.
-        num_threads: of the vector environment; 0 is as many as the machine has cores, with `workers` one.
-        progress: called with the number of games that have ended and the number of all, after each that ends; with
-            `workers` after each task.
-        workers: "ray", the cluster of Ray that this process is connected to; or what has a method
+        num_threads: threads of the vector environment; 0 is one for each core of the machine, with `workers` one.
+        progress: called with the number of games that have ended and the number of all games, after each end of a game;
+            with `workers` after each task.
+        workers: "ray", the cluster of Ray that this process is connected to; or an object with a method
             `map(function, tasks)`, such as `concurrent.futures.ProcessPoolExecutor`; None is this process. Workers must
             be able to import the policy's modules, and to read the files of its source.
-        parts: of each game's episodes, which are played apart: part i has the episodes i, i + parts, ..., of which
-            `num_envs` are played at a time. More parts than one let several workers play one game.
+        parts: the number of parts into which the episodes of each game are divided: part i has the episodes i,
+            i + parts, ..., of which `num_envs` are played at a time. Several workers then play one game.
 
     Raises:
         TypeError, ValueError: an argument is of the wrong kind or out of range, the policy does not fit the protocol,
             or it returns no actions.
-        FileNotFoundError: there is no such file of a policy, or no ROM file of a game.
+        FileNotFoundError: the file of the policy, or the ROM file of a game, does not exist.
 
     Example:
         >>> from atari.learning import evaluate
@@ -106,8 +106,8 @@ def evaluate(
     players = [Player(one, protocol, game) for one, game in zip(policies, chosen, strict=True)]
     seeds = [tuple(episode_seed(seed, game.id, episode) for episode in range(episodes)) for game in chosen]
     tasks = [
-        _Task(_at_game(policy, game), game, protocol, of_game[part::parts], lanes, num_threads)
-        for game, of_game in zip(chosen, seeds, strict=True)
+        _Task(_at_game(policy, game), game, protocol, own[part::parts], lanes, num_threads)
+        for game, own in zip(chosen, seeds, strict=True)
         for part in range(parts)
     ]
     done = _play_all(tasks, [player for player in players for _ in range(parts)], elsewhere, progress)
@@ -129,10 +129,10 @@ def record_games(
     """Record whole games of an evaluation in a replay (.a26), and return the score and the length in frames of each.
 
     Args:
-        policy, protocol: as of `evaluate`.
-        game: a game, an ID or a `Task`, as of `evaluate`.
-        seeds: one for each game, 0..2**32-1, such as `GameResult.seeds`.
-        path: of the replay.
+        policy, protocol: see `evaluate`.
+        game: a game, an ID or a `Task`, see `evaluate`.
+        seeds: a seed for each game, 0..2**32-1, such as the `seeds` in a `Result`.
+        path: the file of the replay.
 
     Raises:
         TypeError, ValueError, FileNotFoundError: as `evaluate`.
@@ -161,7 +161,7 @@ def episode_seed(seed: int, game: str, episode: int) -> int:
 
 
 def _policy(policy: Any, game: Entry, loaded: dict[Any, LoadedPolicy]) -> LoadedPolicy:
-    """The policy of a game; `loaded` keeps those that several games may share."""
+    """The policy of a game; `loaded` keeps policies that several games share."""
     source = _at_game(policy, game)
     key = source if isinstance(source, str) else id(source)
     if key not in loaded:
@@ -190,7 +190,7 @@ def _report(progress: Progress | None, before: int, total: int) -> Callable[[int
 
 
 def _lanes(num_envs: int | None, episodes: int) -> int:
-    """How many of the episodes of a part are played at a time."""
+    """The number of episodes of a part that are played at a time."""
     if num_envs is None:
         rounds = -(-episodes // _MOST_LANES)
         return -(-episodes // rounds)
@@ -213,7 +213,7 @@ class _Task:
 def _play_all(
     tasks: Sequence[_Task], players: Sequence[Player], workers: Workers | None, progress: Progress | None
 ) -> list[GameResult]:
-    """Do the tasks, in this process with players that exist, or by workers."""
+    """Do the tasks: in this process with the players, or by workers."""
     results: list[GameResult] = []
     elsewhere = None if workers is None else iter(workers.map(_play_task, tasks))
     total, before = sum(len(task.seeds) for task in tasks), 0
@@ -241,7 +241,7 @@ def _play_task(task: _Task) -> GameResult:
 
 
 def _joined(parts: Sequence[GameResult]) -> GameResult:
-    """The results of a game of those of its parts: part i has the episodes i, i + parts, ..."""
+    """The result of a game, joined from its parts: part i has the episodes i, i + parts, ..."""
 
     def joined(name: str) -> tuple[Any, ...]:
         columns = [getattr(part, name) for part in parts]
@@ -260,13 +260,13 @@ def _play(task: _Task, player: Player, num_threads: int, report: Callable[[int],
             games.step()
     scores, frames, truncated = zip(*filter(None, games.ended), strict=True)
     played: Mapping[str, Any] = {}
-    with suppress(ValueError):  # of a game that no file has
+    with suppress(ValueError):  # a game without a file has no JSON
         played = json.loads(player.task.to_json())
     return GameResult(task.game.id, scores, frames, truncated, task.seeds, player.facts(), played)
 
 
 class _Games:
-    """The games of an evaluation that are being played, and the results of those that have ended.
+    """The games of an evaluation that are being played, and the results of the ended games.
 
     `number[lane]` is the game of a lane; lane i plays games i, i + lanes, ... `ended` has (score, frames, truncated) by
     game. A lane is active until the last of its games has ended.
@@ -305,7 +305,7 @@ class _Games:
     def _record(
         self, info: dict[str, Any], lanes: npt.NDArray[np.bool_], truncations: npt.NDArray[np.bool_]
     ) -> npt.NDArray[np.bool_]:
-        """Keep the results of the games that have ended in some lanes, and return which have."""
+        """Keep the results of the games that have ended in some lanes, and return the mask of these lanes."""
         over: npt.NDArray[np.bool_] = info.get("_episode", np.zeros_like(lanes)) & lanes
         for lane in np.flatnonzero(over).tolist():
             score, frames = float(info["episode"]["r"][lane]), int(info["episode"]["l"][lane])

@@ -1,4 +1,4 @@
-"""What an evaluation plays: the task of a game, a protocol and a policy."""
+"""The task that an evaluation plays, from a game, a protocol and a policy."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,8 +13,8 @@ from atari.task import PRESETS, Task
 from atari.task.fields import GROUPS
 from atari.task.resolution import is_id
 
-_OF_GAME = ("mode", "difficulty", "interventions")
-"""Fields of which the game of an evaluation decides, and which it must have in common with the policy."""
+_GAME_FIELDS = ("mode", "difficulty", "interventions")
+"""Fields that the game of an evaluation decides. The policy must have the same."""
 
 
 @dataclass(frozen=True)
@@ -22,8 +22,8 @@ class Entry:
     """A game of an evaluation.
 
     Attributes:
-        task: of which the game, its mode and difficulty, and interventions are played.
-        given: what the user gave: an ID, a `Task`, or the name or the definition of a game.
+        task: a task whose game, mode, difficulty and interventions are played.
+        given: the user's argument: an ID, a `Task`, or the name or the definition of a game.
     """
 
     task: Task
@@ -49,14 +49,14 @@ def find_entries(games: Any, options: Mapping[str, Any] = MappingProxyType({})) 
     """The games of an argument: a game, an ID, a `Task`, a name of `GAME_SETS`, or a sequence of these; each game once.
 
     Args:
-        games: the argument. An `Entry` stays as it is.
-        options: of `Task.of`, of all games.
+        games: the argument. An `Entry` is not changed.
+        options: options of `Task.of` for all games.
 
     Raises:
-        TypeError, ValueError: there is no such game (the nearest is suggested), or none at all; or a game is given
-            twice, with other modes, difficulties or interventions.
-        gymnasium.error.NameNotFound: there is no such ID.
-        FileNotFoundError: there is no such file of a game of your own.
+        TypeError, ValueError: a game is not known (the nearest is suggested), no game is given, or a game is given
+            twice with other modes, difficulties or interventions.
+        gymnasium.error.NameNotFound: an ID is not known.
+        FileNotFoundError: the file of a game of your own does not exist.
     """
     listed = [games] if isinstance(games, (str, PathLike, Game, Task, Entry)) else games
     if not isinstance(listed, Sequence) or not listed:
@@ -76,8 +76,8 @@ def find_entries(games: Any, options: Mapping[str, Any] = MappingProxyType({})) 
 def usual_protocol(policy: Any, entry: Entry) -> EvaluationProtocol:
     """The protocol that commands play unless a user names one.
 
-    It is that of the policy's training; for a policy that says nothing of what it needs, the whole games of an ID or of
-    a `Task`; else "baselines".
+    It is the protocol of the policy's training. A policy without `task`, `environment` and `protocol` plays the whole
+    games of an ID or a `Task`. For all others it is "baselines".
     """
     own = getattr(policy, "protocol", None)
     if own is not None:
@@ -90,16 +90,16 @@ def usual_protocol(policy: Any, entry: Entry) -> EvaluationProtocol:
 
 
 def says_nothing(policy: Any) -> bool:
-    """Whether a policy says nothing of what it needs."""
+    """Whether a policy has no attribute that says which environments it needs."""
     return not any(getattr(policy, name, None) for name in ("task", "environment", "protocol"))
 
 
 def played_task(entry: Entry, protocol: EvaluationProtocol, needs: Needs) -> Task:
     """The task that an evaluation plays.
 
-    The game decides mode, difficulty and interventions; the protocol the actions, sticky actions, frame skip, how games
-    begin, lives and limits; the policy what it sees. If the policy does not say, it sees RAM if the game is an ID or a
-    `Task` of RAM, else the images of the protocol's preset or task.
+    The game decides mode, difficulty and interventions. The protocol decides the actions, sticky actions, frame skip,
+    how games begin, lives and limits. The policy decides the observations; without `task` and `environment` it sees RAM
+    if the game is an ID or a `Task` of RAM, else the images of the protocol's preset or task.
 
     Raises:
         ValueError: game, protocol and policy contradict each other, or the game is a `Task` with another field that is
@@ -121,7 +121,7 @@ def played_task(entry: Entry, protocol: EvaluationProtocol, needs: Needs) -> Tas
 
 
 def _observation(seen: Task | None, preset: str) -> dict[str, Any]:
-    """The fields of what a policy sees: those of a task, or of a preset."""
+    """The fields of a policy's observations, from its task or from a preset."""
     if seen is None:
         fields = PRESETS[preset].fields
         return {name: fields[name] for name in GROUPS["observation"] if name in fields}
@@ -164,7 +164,7 @@ def _whole_games(protocol: EvaluationProtocol, task: Task, seen: Task | None) ->
 
 
 def _check_alone(task: Task, owner: str) -> None:
-    """Refuse what an evaluation cannot play."""
+    """Refuse a task of several players, or with continuous actions."""
     for name, value in (("players", 1), ("continuous", False)):
         if getattr(task, name) != value:
             raise ValueError(
@@ -197,7 +197,7 @@ def _check_id(entry: Entry, protocol: EvaluationProtocol, policy: Task | None) -
 
 
 def _check_given(task: Task, played: Task, protocol: EvaluationProtocol) -> None:
-    """Refuse a task that says how games are played, and is not played so. A field as in ALE's v5 says nothing."""
+    """Refuse a task with a field that is not played. Fields with the values of ALE's v5 are not compared."""
     differing = task.differences(played)
     for name in Task.of(task.game if task.definition.file is None else task.definition).differences(task):
         if name in differing and name not in (*GROUPS["game"], *GROUPS["reward"], "interventions"):
@@ -210,19 +210,19 @@ def _check_given(task: Task, played: Task, protocol: EvaluationProtocol) -> None
 
 def game_of(task: Task) -> Task:
     """The task of a policy as the game of an evaluation: its game, mode, difficulty and interventions alone."""
-    return Task.of(task.definition, **{name: getattr(task, name) for name in _OF_GAME})
+    return Task.of(task.definition, **{name: getattr(task, name) for name in _GAME_FIELDS})
 
 
 def _check_same_game(entry: Entry, task: Task) -> None:
-    """Refuse another game than that of a protocol with a task."""
+    """Refuse another game than the game of the protocol's task."""
     if entry.id != task.game:
         raise ValueError(f"the protocol is of {task.game}, and the game to evaluate is {entry.id}; pass {task.game!r}")
     _check_alike(entry.task, task, "protocol")
 
 
 def _check_alike(game: Task, wanted: Task, owner: str) -> None:
-    """Refuse a game with another mode or difficulty or other interventions than those of the policy or the protocol."""
-    for name in _OF_GAME:
+    """Refuse a game with another mode, difficulty or interventions than the policy or the protocol has."""
+    for name in _GAME_FIELDS:
         if wanted.plain()[name] != game.plain()[name]:
             theirs, ours = _shown(wanted, name), _shown(game, name)
             raise ValueError(
@@ -232,6 +232,6 @@ def _check_alike(game: Task, wanted: Task, owner: str) -> None:
 
 
 def _shown(task: Task, name: str) -> str:
-    """A field as a user gives it, in an error: None is the default mode or difficulty."""
+    """The text of a field in an error, as a user gives it: None is the default mode or difficulty."""
     value = [one.name for one in task.interventions] if name == "interventions" else task.plain()[name]
     return repr(value)

@@ -1,4 +1,4 @@
-"""`Player`: a policy in the environments of one game, as a protocol has them."""
+"""`Player`: a policy in the environments of one game, by a protocol."""
 
 from typing import Any
 
@@ -16,19 +16,19 @@ IntArray = npt.NDArray[np.int64]
 
 
 class Player:
-    """A policy in the environments of one game: its actions as the environments take them, some of them random.
+    """A policy in the environments of one game. It translates the policy's actions, and makes some of them random.
 
     Args:
-        policy: what chooses actions.
-        protocol: of the evaluation.
+        policy: the policy.
+        protocol: the protocol of the evaluation.
         entry: the game that is played.
 
     Attributes:
-        task: what is played.
+        task: the task that is played.
 
     Raises:
-        ValueError: the policy needs an environment that there is not, or that the protocol does not allow.
-        FileNotFoundError: there is no ROM file of the game.
+        ValueError: the policy needs an environment that does not exist, or that the protocol does not allow.
+        FileNotFoundError: the game's ROM file does not exist.
     """
 
     def __init__(self, policy: LoadedPolicy, protocol: EvaluationProtocol, entry: Entry) -> None:
@@ -49,23 +49,23 @@ class Player:
             raise ValueError(f"the environment of the policy: {error}") from error
 
     def make(self, lanes: int, num_threads: int = 1) -> AtariVectorEnv:
-        """Environments of the game, which wait for a reset when a game or a life has ended."""
+        """Environments of the game. They wait for a reset after the end of a game or a life."""
         run: dict[str, Any] = {"autoreset_mode": "Disabled", "num_threads": num_threads, "game_info": True}
         return AtariVectorEnv(self.task, lanes, **run, **self._options)
 
     def facts(self) -> dict[str, Any]:
-        """What the policy is shown, as a mapping of JSON's types."""
+        """The options of the policy's observations, as the types of JSON."""
         options = {name: str(value) if name in ("rom", "dtype") else value for name, value in self._options.items()}
         return {name: getattr(self.task, name) for name in GROUPS["observation"]} | options
 
     def begin(self, lanes: IntArray, seeds: IntArray) -> None:
-        """Begin games in some lanes, each with the seed of the game."""
+        """Begin games in some lanes, each with its seed."""
         for lane, seed in zip(lanes.tolist(), seeds.tolist(), strict=True):
             self._generators[lane] = np.random.default_rng([seed, 1])  # the policy may use the seed itself
         self._policy.begin(self.task.game, self._names, lanes, seeds)
 
     def begin_episodes(self, lanes: IntArray) -> None:
-        """Begin episodes that go on with the games of some lanes, after a lost life."""
+        """Begin the episodes after a lost life in some lanes, where the games go on."""
         if not self.task.seamless_lives:
             self._policy.begin_episodes(lanes)
 
@@ -88,7 +88,7 @@ def _names(chosen: tuple[str, ...], given: tuple[str, ...], game: str) -> tuple[
     """The names of a policy's actions.
 
     Raises:
-        ValueError: it has an action that the game does not have in this protocol.
+        ValueError: the policy has an action that the game does not have in this protocol.
     """
     missing = [name for name in chosen if name not in given]
     if missing:

@@ -1,4 +1,4 @@
-"""`EvaluationProtocol`: how games of an evaluation begin, are played and end; and the sets of games of benchmarks."""
+"""`EvaluationProtocol`: how games of an evaluation begin, are played and end. `GAME_SETS`: the games of benchmarks."""
 
 import json
 from collections.abc import Mapping
@@ -22,23 +22,23 @@ class EvaluationProtocol:
     """All numbers on which a score depends besides the policy. Scores of two protocols are not compared.
 
     Attributes:
-        name: of the protocol.
-        source: the publication or program that it is from, and what is added to it.
-        repeat_action_probability: of sticky actions, drawn each frame.
-        full_action_space: whether all 18 actions are given, not only those that the game uses.
-        noop_min, noop_max: a game begins with so many NOOPs, drawn from noop_min..noop_max; 0, 0 is none.
-        max_frames: a game is truncated after so many frames, NOOPs included. It ends games that would not end by
-            themselves, as Breakout does if a policy never presses FIRE.
+        name: the name of the protocol.
+        source: the publication or program of the protocol, and the numbers that are added to it.
+        repeat_action_probability: the probability of sticky actions, drawn each frame.
+        full_action_space: whether all 18 actions are given, not only the game's minimal actions.
+        noop_min, noop_max: the range noop_min..noop_max of the number of NOOPs with which a game begins; 0, 0 is none.
+        max_frames: the frames after which a game is truncated, NOOPs included. The limit stops games that would not end
+            by themselves, as in Breakout if a policy never presses FIRE.
         epsilon: probability of a random action in place of the policy's, drawn each step.
         episodes: whole games of each game, unless the caller of `evaluate` gives another number.
-        preset: of `atari.PRESETS`, the images that a policy gets if it does not say which it needs, and how games and
-            lives begin if `lives` says so; "" with a `task`.
-        lives: "continue": a lost life is not an event, the game goes on. "fire": as the wrappers of OpenAI's Baselines,
-            with FIRE and the action of index 2 at the start and after each lost life. "preset": as the preset begins
-            games and the episodes that follow a lost life. "task": as `task` does.
+        preset: a name of `atari.PRESETS`, with the images of policies without `task` and `environment`; with
+            lives="preset" also how games and lives begin; "" with a `task`.
+        lives: the effect of a lost life. "continue": none. "fire": as the wrappers of OpenAI's Baselines, with FIRE and
+            the action of index 2 at the start and after each lost life. "preset": as the preset begins games and the
+            episodes that follow a lost life. "task": as `task` does.
         frame_skip: frames for each action, or (low, high) for low..high-1.
         task: with `lives="task"`, the task whose whole games are played: its actions, beginnings, lives and limits, and
-            its images for policies that do not say which they need. `of_task` makes such a protocol.
+            its images for policies without `task` and `environment`. `of_task` makes such a protocol.
 
     Example:
         >>> from dataclasses import replace
@@ -88,12 +88,12 @@ class EvaluationProtocol:
         object.__setattr__(self, "frame_skip", check_frameskip(self.frame_skip))
         check_name("lives", self.lives, ("continue", "fire", "preset", "task"))
         self._check_task()
-        known = globals().get("PROTOCOLS", {}).get(self.name)  # which has not been made when its own are
+        known = globals().get("PROTOCOLS", {}).get(self.name)  # not defined yet when its own protocols are made
         if known is not None and differences(self, known):
             raise ValueError(f"a protocol with other numbers than {self.name!r} needs another name: give name=...")
 
     def _check_task(self) -> None:
-        """Check that there is either a task or a preset, and that the numbers are those of the task."""
+        """Check that the protocol has either a task or a preset, and that its numbers are the task's."""
         if self.task is None:
             if self.lives == "task":
                 raise ValueError("lives='task' plays the games of a task; use EvaluationProtocol.of_task(task, ...)")
@@ -123,10 +123,10 @@ class EvaluationProtocol:
 
     @classmethod
     def from_json(cls, content: Mapping[str, Any]) -> "EvaluationProtocol":
-        """The protocol of what `to_json` returned, also in an earlier release.
+        """The protocol from the result of `to_json`, also of an earlier release.
 
         Raises:
-            TypeError, ValueError: something is missing, unknown, or wrong.
+            TypeError, ValueError: a field is missing, unknown, or wrong.
         """
         task = content.get("task")
         return cls(**{**content, "task": None if task is None else Task.from_json(json.dumps(task))})
@@ -170,21 +170,24 @@ def _numbers_of(task: Task) -> dict[str, Any]:
 
 _WORDS = ("name", "source", "episodes", "preset", "task")
 NUMBERS = tuple(field.name for field in fields(EvaluationProtocol) if field.name not in _WORDS)
-"""The fields that must be equal to compare scores, but for a task."""
+"""The fields that must be equal to compare scores, except for a task."""
 
 
 def differences(one: EvaluationProtocol, other: EvaluationProtocol) -> list[str]:
-    """In which of `NUMBERS` two protocols differ, in words."""
+    """The fields of `NUMBERS` in which two protocols differ, in words."""
     names = (*NUMBERS, "preset") if one.lives == "preset" == other.lives else NUMBERS
     pairs = [(name, getattr(one, name), getattr(other, name)) for name in names]
     if one.task is not None and other.task is not None:
-        of_tasks = one.task.differences(other.task).items()
-        pairs += [(f"{name} of the task", *pair) for name, pair in of_tasks if name not in _UNLIKE]
+        pairs += [
+            (f"{name} of the task", *pair)
+            for name, pair in one.task.differences(other.task).items()
+            if name not in _UNLIKE
+        ]
     return [f"{name} {first} and {second}" for name, first, second in pairs if first != second]
 
 
 _UNLIKE = frozenset((*GROUPS["game"], "interventions", *GROUPS["observation"], *GROUPS["reward"]))
-"""Fields of the task of a protocol that are not the protocol's, but the game's, the policy's, or its training's."""
+"""Fields of a protocol's task that the game, the policy, or the policy's training decides."""
 
 
 _HALF_AN_HOUR = 108_000
@@ -240,8 +243,8 @@ def find_protocol(protocol: Any) -> EvaluationProtocol:
     """The protocol of an argument: a name of `PROTOCOLS`, or an `EvaluationProtocol`.
 
     Raises:
-        TypeError: it is neither.
-        ValueError: there is no such protocol; the nearest is suggested, if one is near.
+        TypeError: the argument is neither.
+        ValueError: no protocol has this name; the nearest is suggested, if one is near.
     """
     if isinstance(protocol, EvaluationProtocol):
         return protocol

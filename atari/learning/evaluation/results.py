@@ -1,4 +1,4 @@
-"""`Result`: the scores of an evaluation with all that they depend on, as a table and as JSON."""
+"""`Result`: the scores of an evaluation, with everything that they depend on, as a table and as JSON."""
 
 import json
 import math
@@ -17,30 +17,13 @@ from atari.validation import check_file
 
 FORMAT = "atari evaluation 2"
 _OLD_FORMATS = ("atari evaluation 1",)
-"""Formats that are read, too. In the first, games and protocols have no task."""
+"""Older formats that are read, too. In format 1, games and protocols have no task."""
 _LARGEST = 256 * 2**20
 
 
 @dataclass(frozen=True)
 class GameResult:
-    """The whole games that were played of one game, in their order, which `seeds` gives.
-
-    Attributes:
-        game: its id.
-        scores: the sum of all rewards of each game, not clipped, over all lives.
-        frames: the length of each game in emulated frames, no-ops included.
-        truncated: whether each game was stopped by the protocol's limit of frames.
-        seeds: of each game.
-        observation: what the policy was shown.
-        task: what was played, as the object of `Task.to_json`; empty if it is not known, or of a game that no file has.
-
-    Example:
-        >>> from atari.learning import evaluate
-        >>> result = evaluate("random", ["pong", "breakout"], "dopamine", episodes=2, seed=0)
-        >>> game = result["pong"]
-        >>> game.game, game.mean, len(game.seeds)
-        ('pong', -20.0, 2)
-    """
+    """The results of one game in a `Result`."""
 
     game: str
     scores: tuple[float, ...]
@@ -67,27 +50,36 @@ class GameResult:
 
     @property
     def truncations(self) -> int:
-        """How many games the limit of frames has stopped."""
+        """The number of games that the limit of frames has stopped."""
         return sum(self.truncated)
 
 
 @dataclass(frozen=True)
 class Result:
-    """The result of `evaluate`. It prints as a table, and `result["pong"]` is a `GameResult`.
+    """The result of `evaluate`. It prints as a table.
+
+    `result["pong"]` has the whole games that were played of one game, as tuples in the order of the games:
+
+    - `scores`: the sum of all rewards of each game, not clipped, over all lives; `mean`, `median` and `std` of them;
+    - `frames`: the length of each game in emulated frames, no-ops included;
+    - `truncated`: whether the protocol's limit of frames has stopped each game; `truncations` is their number;
+    - `seeds`: the seed of each game;
+    - `game`: the game's id; `observation`: the options of the policy's observations; `task`: the task that was played,
+      as the object of `Task.to_json`, empty if it is not known or its game has no file.
 
     Attributes:
-        policy: its name.
-        protocol: with all its numbers.
-        seed: of the evaluation.
-        games: what was played of each game.
+        policy: the policy's name.
+        protocol: the protocol with all its numbers.
+        seed: the seed of the evaluation.
+        games: the results of the games, in the order of the evaluation.
         training_frames: emulator frames of the policy's training; None is not known.
-        versions: of packages, by name.
+        versions: the versions of packages, by name.
 
     Example:
         >>> from atari.learning import evaluate
         >>> result = evaluate("random", ["pong", "breakout"], "dopamine", episodes=2, seed=0)
-        >>> print(result["pong"].scores)
-        (-20.0, -20.0)
+        >>> result["pong"].scores, result["pong"].mean, len(result["pong"].seeds)
+        ((-20.0, -20.0), -20.0, 2)
         >>> result.save("result.json")
     """
 
@@ -116,7 +108,7 @@ class Result:
         return "\n".join(lines)
 
     def to_json(self) -> dict[str, Any]:
-        """All of it, as the types of JSON."""
+        """The whole result as the types of JSON."""
         own = {one.name: getattr(self, one.name) for one in fields(self)}
         games = [asdict(one) for one in self.games]
         return {"format": FORMAT, **own, "protocol": self.protocol.to_json(), "games": games}
@@ -125,7 +117,7 @@ class Result:
         """Write a JSON file; an existing one is replaced.
 
         Raises:
-            OSError: it cannot be written.
+            OSError: the file cannot be written.
         """
         Path(file).write_text(json.dumps(self.to_json(), indent=1) + "\n", encoding="utf-8")
 
@@ -134,8 +126,8 @@ class Result:
         """Read a file that `save` has written.
 
         Raises:
-            FileNotFoundError: there is no such file.
-            ValueError: it is no such file, of another version, or damaged.
+            FileNotFoundError: the file does not exist.
+            ValueError: the file is no result of an evaluation, of another version, or damaged.
         """
         path = check_file(Path(file))
         if path.stat().st_size > _LARGEST:
@@ -160,7 +152,7 @@ def _checked_result(content: dict[str, Any]) -> Result:
     """The result of a file's content.
 
     Raises:
-        KeyError, TypeError, ValueError: something is missing, or of the wrong kind.
+        KeyError, TypeError, ValueError: a field is missing, or of the wrong kind.
     """
     frames = content["training_frames"]
     games = tuple(_checked_game(one) for one in _of_type(content["games"], list, "games"))
@@ -201,7 +193,7 @@ def _of_type(value: Any, kind: Any, name: str) -> Any:
 
 
 def versions() -> dict[str, str]:
-    """The versions of what an evaluation runs on, and of what has been imported for a policy."""
+    """The versions of this package and Python, and of the imported packages that a policy may use."""
     own = {"atari-envs": version("atari-envs"), "python": platform.python_version()}
     others = ("gymnasium", "numpy", "torch", "stable_baselines3", "onnxruntime")
     return {**own, **{name: str(sys.modules[name].__version__) for name in others if name in sys.modules}}

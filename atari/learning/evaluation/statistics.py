@@ -18,7 +18,7 @@ Scores = Mapping[str, Floats]
 
 @dataclass(frozen=True)
 class Estimate:
-    """A number with the limits of its interval of 95 %, None where there is nothing to draw it from."""
+    """A number with the limits of its interval of 95 %, None where there are too few scores to draw from."""
 
     value: float
     low: float | None = None
@@ -30,21 +30,21 @@ class Estimate:
 
 
 def interquartile_mean(values: Floats) -> Floats:
-    """The mean of the middle half of the last axis: floor(n / 4) values are cut at either end, as SciPy's trim_mean."""
+    """The mean of the middle half of the last axis, without floor(n / 4) values at either end, as SciPy's trim_mean."""
     cut = values.shape[-1] // 4
     middle: Floats = np.sort(values, axis=-1)[..., cut : values.shape[-1] - cut].mean(-1)
     return middle
 
 
 def summaries(means: Floats, pooled: Floats) -> dict[str, Floats]:
-    """Median and mean over games (..., games), and the interquartile mean over games and runs (..., runs of all)."""
+    """Median and mean over games (..., games), and the interquartile mean over games and runs (..., all runs)."""
     return {"median": np.median(means, -1), "mean": means.mean(-1), "iqm": interquartile_mean(pooled)}
 
 
 def estimate_of_runs(scores: Scores, repetitions: int, seed: int) -> dict[str, Estimate]:
-    """Median, mean and IQM of several runs; intervals of the bootstrap stratified by game, which draws runs again.
+    """Median, mean and IQM of several runs. The bootstrap, stratified by game, draws runs again for the intervals.
 
-    Without intervals if no game has two runs.
+    There are no intervals if no game has two runs.
     """
     generator = np.random.default_rng(seed)
     drawn = [runs[generator.integers(len(runs), size=(repetitions, len(runs)))] for runs in scores.values()]
@@ -54,7 +54,7 @@ def estimate_of_runs(scores: Scores, repetitions: int, seed: int) -> dict[str, E
 def estimate_of_episodes(episodes: Scores, repetitions: int, seed: int) -> dict[str, Estimate]:
     """Median, mean and IQM over games of one run, from its episodes by game, which the bootstrap draws again.
 
-    The intervals are those of this policy, not of another training of it. There are none if no game has two episodes.
+    The intervals are about this policy, not about another training. There are none if no game has two episodes.
     """
     generator = np.random.default_rng(seed)
     drawn = [_means_drawn_again(scores, repetitions, generator) for scores in episodes.values()]
@@ -68,7 +68,7 @@ def _several(scores: Scores) -> bool:
 
 
 def _means_drawn_again(values: Floats, repetitions: int, generator: np.random.Generator) -> Floats:
-    """Means of so many drawings of as many values, (repetitions, 1)."""
+    """Means of drawings with replacement of all values, (repetitions, 1)."""
     means = np.empty((repetitions, 1))
     for row in means:  # not all at once: there may be a million episodes
         row[:] = values[generator.integers(len(values), size=len(values))].mean()
@@ -76,7 +76,7 @@ def _means_drawn_again(values: Floats, repetitions: int, generator: np.random.Ge
 
 
 def _estimates(runs: list[Floats], drawn: list[Floats] | None) -> dict[str, Estimate]:
-    """Of the runs of each game, (runs,), with intervals of those drawn again, (repetitions, runs)."""
+    """Estimates from the runs of each game, (runs,), with intervals from the drawn runs, (repetitions, runs)."""
     values = summaries(np.array([one.mean() for one in runs]), np.concatenate(runs))
     if drawn is None:
         return {name: Estimate(float(value)) for name, value in values.items()}
@@ -88,7 +88,7 @@ def _estimates(runs: list[Floats], drawn: list[Floats] | None) -> dict[str, Esti
 def atari5_estimate(scores: Scores) -> float:
     """The median over 57 games that Atari-5 predicts from its five (Aitchison et al. 2023, arXiv 2210.02019).
 
-    The model is of logarithms of percent, without an intercept; its relative error is about 10 %.
+    The model is linear in logarithms of percent, without an intercept; its relative error is about 10 %.
     """
     coefficients: Mapping[str, float] = read_table("atari5")
     logarithms = (

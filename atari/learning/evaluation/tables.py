@@ -20,11 +20,18 @@ def read_table(name: str) -> Any:
 def check_known_name(
     kind: str, name: Any, known: Iterable[str], where: str = "", others: Mapping[str, str] = MappingProxyType({})
 ) -> str:
-    """`name`, which must be one of `known`. `others` are words of other projects, with the name that each means.
+    """Check that `name` is one of `known`, and return it.
+
+    Args:
+        kind: the kind of thing that has the name, for the error.
+        name: the user's name.
+        known: the names that exist.
+        where: the end of the error; "" lists the known names.
+        others: words of other projects, with the known name that each means.
 
     Raises:
-        TypeError: it is no string.
-        ValueError: it is none of them; the nearest is suggested, if one is near.
+        TypeError: `name` is no string.
+        ValueError: `name` is not known; the nearest known name is suggested, if one is near.
     """
     names = list(known)
     if not isinstance(name, str):

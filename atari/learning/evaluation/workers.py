@@ -1,4 +1,4 @@
-"""Where the tasks of an evaluation are done: in this process, in those of a pool, or on a cluster of Ray."""
+"""The workers that do the tasks of an evaluation: processes of a pool, or a cluster of Ray."""
 
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any, Protocol, TypeVar
@@ -10,26 +10,26 @@ Done = TypeVar("Done")
 
 
 class Workers(Protocol):
-    """What has `map`, as `concurrent.futures.Executor` and the pools of `multiprocessing` and of Ray have."""
+    """An object with `map`, such as `concurrent.futures.Executor` and the pools of `multiprocessing` and of Ray."""
 
     def map(self, function: Callable[[Any], Any], tasks: Iterable[Any], /) -> Iterable[Any]:
-        """What the function returns for each task, in the order of the tasks."""
+        """The results of the function for the tasks, in their order."""
 
 
 class RayWorkers:
-    """The cluster of Ray that this process is connected to; one of this machine is started if it is to none.
+    """The cluster of Ray that this process is connected to. Without a connection, Ray starts on this machine.
 
     Each task has one CPU. A task whose worker or node is lost is done again elsewhere.
 
     Raises:
-        gymnasium.error.DependencyNotInstalled: there is no Ray.
+        gymnasium.error.DependencyNotInstalled: Ray is not installed.
     """
 
     def __init__(self) -> None:
         self._ray = import_extra("ray", "workers='ray' needs Ray: pip install 'atari-envs[ray]'")
 
     def map(self, function: Callable[[Task], Done], tasks: Iterable[Task], /) -> Iterator[Done]:
-        """What the function returns for each task, in the order of the tasks. An error cancels the others."""
+        """The results of the function for the tasks, in their order. An error cancels the other tasks."""
         remote = self._ray.remote(function)
         pending = [remote.remote(task) for task in tasks]
         try:
@@ -43,11 +43,11 @@ class RayWorkers:
 
 
 def find_workers(workers: Any) -> Workers:
-    """`workers`, or those of a name.
+    """The workers of an argument: a name, or an object with `map`.
 
     Raises:
-        TypeError: it has no `map`.
-        ValueError: there are none of this name.
+        TypeError: the object has no `map`.
+        ValueError: no workers have this name.
         gymnasium.error.DependencyNotInstalled: the package that they need is not installed.
     """
     if isinstance(workers, str):

@@ -1,6 +1,5 @@
 """`ReplayMemory`, which stores each frame once, and the batches that it samples."""
 
-from atari.learning.memory.batches import Batch, Sequences
 from atari.learning.memory.replay_memory import ReplayMemory
 
-__all__ = ["Batch", "ReplayMemory", "Sequences"]
+__all__ = ["ReplayMemory"]

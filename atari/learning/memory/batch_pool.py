@@ -1,6 +1,6 @@
-"""`BatchPool`: the memory of the batches that `ReplayMemory.sample` makes, which is used again.
+"""`BatchPool` reuses the memory of the batches that `ReplayMemory.sample` makes.
 
-The system clears new memory page by page when it is first written: for a batch of 32 that takes longer than to sample.
+The system clears new memory page by page when it is first written. For a batch of 32 that takes longer than sampling.
 """
 
 from collections import deque
@@ -14,7 +14,7 @@ from atari import _emulator
 from atari.learning.memory.batches import Batch, Sequences, make_batch, target_of
 from atari.learning.memory.options import MemoryOptions
 
-_MOST_BYTES = 2**26  # of a batch: larger ones are not kept
+_MOST_BYTES = 2**26  # larger batches are not kept
 _ALIGNMENT = 64
 
 _Key = tuple[int, int, tuple[int, ...]]  # size, length, stacks
@@ -37,7 +37,7 @@ class _Arena:
 
 @dataclass(frozen=True, eq=False)
 class _Kept:
-    """The memory of a batch. It may be written again when no array of the user's is in it."""
+    """The memory of a batch. It is free when the user holds no array in it any more."""
 
     key: _Key
     lender: _emulator.ArrayLender
@@ -54,7 +54,7 @@ class BatchPool:
     def take(
         self, core: _emulator.ReplayMemory, size: int, length: int, stacks: dict[str, int]
     ) -> tuple[Batch | Sequences, _emulator.ReplayTarget]:
-        """A batch without other references, and what the extension module writes it to."""
+        """A batch without other references, and the target through which the extension module writes it."""
         key = (size, length, tuple(stacks.values()))
         kept = self._unused(key)
         if kept is None:
@@ -70,7 +70,7 @@ class BatchPool:
         return batch, kept.target
 
     def _unused(self, key: _Key) -> _Kept | None:
-        """Takes memory out of the pool, so that no other thread can take it."""
+        """Take free memory out of the pool, so that no other thread can take it."""
         for _ in range(len(self._kept)):
             try:
                 kept = self._kept.popleft()

@@ -1,4 +1,4 @@
-"""What a `ReplayMemory` samples: `Batch` of transitions, `Sequences` of steps. Their arrays can be used again."""
+"""`Batch` of transitions and `Sequences` of steps, which a `ReplayMemory` samples. Their arrays can be used again."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -16,37 +16,7 @@ Array = Callable[[tuple[int, ...], Any], Any]
 
 @dataclass(frozen=True, eq=False)
 class Batch:
-    """Transitions, each of up to n steps of one episode. Arrays of NumPy, or tensors of PyTorch on the CPU.
-
-    Attributes:
-        observations: uint8 (batch, stack_num, ...) as `ReplayMemory` describes them, or a dict of these.
-        actions: (batch, *action_shape), of `action_dtype`.
-        rewards: float32 (batch,), the discounted sum of the rewards, up to n or to the end of the episode.
-        next_observations: those after the last of these steps: the real last ones at the end of an episode.
-        discounts: float32 (batch,), gamma to the power of the number of steps, and 0 where the episode terminated. The
-            target of a value is `rewards + discounts * value(next_observations)`, at a truncation too.
-        terminations, truncations: bool (batch,), how the last step ended. A reset before the end is a truncation.
-        indices: int64 (batch,), the numbers of the steps, for `update_priorities`. A number is never used again.
-        weights: float32 (batch,), importance weights, divided by their maximum; 1 if sampling was uniform.
-        frames: uint8 (batch, stack_num + 1, ...), or a dict of these, if `make_batch` was called with `share=True`:
-            the one array of which `observations` and `next_observations` are views. None if they are two.
-
-    Example:
-        >>> import atari, numpy
-        >>> from atari.learning import ReplayMemory
-        >>> envs = atari.AtariVectorEnv("breakout", 2, stack_num=1, preset="dqn2015")
-        >>> memory = ReplayMemory.for_env(envs, 1000, seed=0)
-        >>> observations, info = envs.reset(seed=0)
-        >>> memory.reset(observations)
-        >>> fire = numpy.ones(2, int)
-        >>> for _ in range(20):
-        ...     _, rewards, terminations, truncations, info = envs.step(fire, out=memory.frames())
-        ...     memory.add(fire, rewards, terminations, truncations, info)
-        >>> batch = memory.sample(8)
-        >>> batch.observations.shape, batch.next_observations.shape, batch.discounts.shape
-        ((8, 4, 84, 84), (8, 4, 84, 84), (8,))
-        >>> envs.close()
-    """
+    """Transitions, see `ReplayMemory.sample`: arrays of NumPy, or tensors of PyTorch on the CPU."""
 
     observations: Any
     actions: Any
@@ -63,32 +33,7 @@ class Batch:
 
 @dataclass(frozen=True, eq=False)
 class Sequences:
-    """Sequences of steps, each of one episode. Arrays of NumPy, or tensors of PyTorch on the CPU.
-
-    Attributes:
-        observations: uint8 (batch, length + 1, stack_num, ...), or a dict of these: observation i + 1 follows step i.
-        actions: (batch, length, *action_shape), of `action_dtype`.
-        rewards: float32 (batch, length).
-        terminations, truncations: bool (batch, length).
-        mask: bool (batch, length), whether there is such a step. After the end of an episode all is 0.
-        indices: int64 (batch,), the numbers of the first steps.
-
-    Example:
-        >>> import atari, numpy
-        >>> from atari.learning import ReplayMemory
-        >>> envs = atari.AtariVectorEnv("breakout", 2, stack_num=1, preset="dqn2015")
-        >>> memory = ReplayMemory.for_env(envs, 1000, seed=0)
-        >>> observations, info = envs.reset(seed=0)
-        >>> memory.reset(observations)
-        >>> fire = numpy.ones(2, int)
-        >>> for _ in range(20):
-        ...     _, rewards, terminations, truncations, info = envs.step(fire, out=memory.frames())
-        ...     memory.add(fire, rewards, terminations, truncations, info)
-        >>> sequences = memory.sample_sequences(4, 8)
-        >>> sequences.rewards.shape
-        (4, 8)
-        >>> envs.close()
-    """
+    """Sequences of steps, see `ReplayMemory.sample_sequences`: arrays of NumPy, or tensors of PyTorch on the CPU."""
 
     observations: Any
     actions: Any
@@ -108,7 +53,7 @@ def make_batch(
     array: Array = np.empty,
     share: bool = False,
 ) -> Batch | Sequences:
-    """Arrays for so many transitions; with a length other than 0, for sequences. `array` makes each."""
+    """Arrays for `size` transitions, or for `size` sequences if `length` is not 0. `array` makes each array."""
     steps = (size, length) if length else (size,)
     shown = (size, length + 1) if length else (size,)
 
@@ -159,7 +104,7 @@ def array_maker(torch: bool, pin_memory: bool) -> Array:
 def target_of(
     batch: Batch | Sequences, core: _emulator.ReplayMemory, options: MemoryOptions, size: int, length: int
 ) -> _emulator.ReplayTarget:
-    """What the extension module writes a batch to. It is kept with the batch.
+    """The arrays of a batch for the extension module, which writes to them. The batch keeps the result.
 
     Raises:
         TypeError, ValueError: the batch is of another size or kind.
@@ -177,8 +122,8 @@ def target_of(
     else:
         observations, stacks = _parts("observations", batch.observations, options, shown)
     if isinstance(batch, Batch) and batch.frames is None:
-        following, of_next = _parts("next_observations", batch.next_observations, options, shown)
-        if of_next != stacks:
+        following, next_stacks = _parts("next_observations", batch.next_observations, options, shown)
+        if next_stacks != stacks:
             raise ValueError("observations and next_observations must have equally many frames")
     actions = _checked("actions", batch.actions, (*steps, *options.action_shape), options.action_dtype)
     target = _emulator.ReplayTarget(
@@ -229,7 +174,7 @@ def _checked(name: str, array: Any, shape: tuple[int, ...], dtype: Any) -> Any:
 
 
 def check_stacks(options: MemoryOptions, stack_num: Any) -> dict[str, int]:
-    """The frames of an observation by part; None is those of the memory."""
+    """The number of frames in an observation, by part; None is the memory's own number."""
     if stack_num is None:
         return dict(options.stack_num)
     if isinstance(stack_num, Mapping) and set(stack_num) != set(options.observation_shape):

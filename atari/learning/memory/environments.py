@@ -11,17 +11,17 @@ from atari.vector.env import vector_of
 
 
 def options_for(envs: Any, num_envs: int | None = None) -> dict[str, Any]:
-    """Number of environments, shapes, autoreset mode, and of an `AtariVectorEnv` the padding.
+    """The number of environments, shapes, and autoreset mode; from an `AtariVectorEnv` also the padding.
 
     Raises:
         TypeError, ValueError: see `ReplayMemory.for_env`.
     """
     made = vector_of(envs, num_envs, {})
-    stack_num, of_ram, padding = 4, False, {}
+    stack_num, stacks_ram, padding = 4, False, {}
     if made is not envs:
-        stack_num, of_ram = made.task.stack_num or 1, made.task.obs_type == "ram"
+        stack_num, stacks_ram = made.task.stack_num or 1, made.task.obs_type == "ram"
         padding = {"padding": made.task.padding}
-        made = made.task.replace(stack_num=None if of_ram else 1).make_vec(made.num_envs)
+        made = made.task.replace(stack_num=None if stacks_ram else 1).make_vec(made.num_envs)
     envs = made
     observation, action = envs.single_observation_space, envs.single_action_space
     parts = observation.spaces if isinstance(observation, spaces.Dict) else {"": observation}
@@ -31,7 +31,7 @@ def options_for(envs: Any, num_envs: int | None = None) -> dict[str, Any]:
     if not isinstance(action, (spaces.Discrete, spaces.Box, spaces.MultiDiscrete, spaces.MultiBinary)):
         raise TypeError(f"a ReplayMemory stores actions that are arrays, and these are {action}")
     shapes = {name: tuple(part.shape or ()) for name, part in parts.items()}
-    stacks = {name: stack_num if of_ram or len(shape) >= 2 else 1 for name, shape in shapes.items()}
+    stacks = {name: stack_num if stacks_ram or len(shape) >= 2 else 1 for name, shape in shapes.items()}
     options = {
         "num_envs": envs.num_envs,
         "observation_shape": shapes if isinstance(observation, spaces.Dict) else shapes[""],

@@ -1,4 +1,4 @@
-"""The last observations of episodes, as the `info` of a vector environment in SAME_STEP has them."""
+"""The last observations of episodes, read from the `info` of a vector environment in SAME_STEP."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -16,11 +16,11 @@ def final_observations(
 ) -> list[npt.NDArray[np.uint8]]:
     """By part, an array (num_envs, *shape) with the last observations of the environments that ended.
 
-    They may be one array, or a dict of arrays, as `AtariVectorEnv` gives them, or an object array of observations, as
-    Gymnasium's vector environments do.
+    `info` has one array or a dict of arrays from `AtariVectorEnv`, and an object array of observations from Gymnasium's
+    vector environments.
 
     Raises:
-        ValueError: `info` has none, or one is of another shape.
+        ValueError: `info` has no last observations, or one has another shape.
     """
     key = next((key for key in _KEYS if key in (info or {})), None)
     if info is None or key is None:

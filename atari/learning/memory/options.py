@@ -35,7 +35,7 @@ class Part:
 
     @property
     def frame(self) -> Shape:
-        """The shape without the axis of the stack, which has the length 1."""
+        """The shape without a first axis of 1, which stands for the stack."""
         return self.shape[1:] if len(self.shape) >= 3 and self.shape[0] == 1 else self.shape
 
     @property
@@ -49,17 +49,17 @@ class Part:
         return math.prod(self.frame[1:]) if len(self.frame) >= 2 else self.size
 
     def stacked(self, stack: int) -> Shape:
-        """The shape of an observation of so many frames, the oldest first."""
+        """The shape of an observation of `stack` frames, the oldest first."""
         return self.shape if stack == 1 else (stack, *self.frame)
 
     def shared(self, stack: int) -> Shape:
-        """The shape of two observations of so many frames, the second a step later, that share their frames."""
+        """The shape of two observations of `stack` frames, one step apart, that share their frames."""
         return (2, *self.shape) if stack == 1 else (stack + 1, *self.frame)
 
 
 @dataclass(frozen=True)
 class MemoryOptions:
-    """See `ReplayMemory`. All are checked, and none is None but `priority_exponent` and `compressed_bytes`."""
+    """The checked options of `ReplayMemory`; only `priority_exponent` and `compressed_bytes` may be None."""
 
     capacity: int
     num_envs: int
@@ -94,7 +94,7 @@ class MemoryOptions:
         saved: bool,
         compress: bool = False,
     ) -> "MemoryOptions":
-        """Raises TypeError or ValueError if an option is of the wrong kind or out of range."""
+        """Check options. Raises TypeError or ValueError if one is of the wrong kind or out of range."""
         lanes = check_integer("num_envs", num_envs, 1, 2**20)
         capacity = check_integer("capacity", capacity, 1, _MOST)
         shapes = _check_shapes(observation_shape)
@@ -150,7 +150,7 @@ class MemoryOptions:
         """The sizes for the extension module.
 
         Raises:
-            ValueError: they are out of range.
+            ValueError: a size is out of range.
         """
         return self._geometry(self.compressed_bytes)
 
@@ -171,7 +171,7 @@ class MemoryOptions:
 
 
 def check_mode(mode: Any) -> AutoresetMode:
-    """The autoreset mode of a member of `AutoresetMode`, its value or its name in lower case."""
+    """The autoreset mode that a user gives: a member of `AutoresetMode`, its value, or its name in lower case."""
     for member in AutoresetMode:
         if mode in (member, member.value, member.name, member.name.lower()):
             return member
@@ -180,7 +180,7 @@ def check_mode(mode: Any) -> AutoresetMode:
 
 
 def check_stack(part: Part, stack: Any) -> int:
-    """The number of frames of an observation, of which the memory serves so many."""
+    """The number of frames in an observation, at most the `stack_num` of the memory."""
     return check_integer("stack_num", stack, 1, part.stack)
 
 
@@ -222,7 +222,7 @@ def as_numpy(name: str, array: Any) -> npt.NDArray[Any]:
     """An array or CPU tensor as a NumPy array of the same memory.
 
     Raises:
-        TypeError: it is neither.
+        TypeError: `array` is neither.
     """
     if isinstance(array, np.ndarray):
         return array

@@ -1,4 +1,4 @@
-"""`ReplayMemory`: the experience of vector environments, each frame once."""
+"""`ReplayMemory` stores the experience of vector environments, each frame once."""
 
 import os
 from collections.abc import Mapping
@@ -26,54 +26,50 @@ _SEQUENCE_MOST = 2**20
 class ReplayMemory:
     """The steps of a vector environment, with each frame stored once; stacks are made when they are sampled.
 
-    Environments write single frames into it without a copy, see `frames`::
+    Environments write single frames into the memory without a copy, see `frames`::
 
         envs = atari.AtariVectorEnv("pong", 8, stack_num=1)
         memory = ReplayMemory.for_env(envs, 1_000_000)
         observations, info = envs.reset(seed=0)
         memory.reset(observations)
         for _ in range(1000):
-            actions = policy(memory.observations())  # of (8, 4, 84, 84)
+            actions = policy(memory.observations())  # uint8 (8, 4, 84, 84)
             _, rewards, terminations, truncations, info = envs.step(actions, out=memory.frames())
             memory.add(actions, rewards, terminations, truncations, info)
         batch = memory.sample(32, n=3, gamma=0.99)
 
     An observation of `stack_num` frames has the shape (stack_num, *frame), where `frame` is `observation_shape` without
-    a first axis of 1; one of a single frame has the shape `observation_shape`. Frames before the first of an episode
-    are 0, or with padding="reset" the first again.
+    a first axis of 1; an observation of one frame has the shape `observation_shape`. Frames before the first of an
+    episode are 0, or with padding="reset" copies of the first.
 
-    A step is stored if its frame, its action and what followed are: the ignored step after the end of an episode in
-    NEXT_STEP is no transition, and the last observation of an episode is the real one in all autoreset modes. Threads
-    may share a memory; one call runs at a time.
+    The ignored step after the end of an episode in NEXT_STEP is no transition. The last observation of an episode is
+    the real one in all autoreset modes. Threads may share a memory; one call runs at a time.
 
     Args:
-        capacity: the latest so many steps are kept, those of all environments together, ignored ones included.
+        capacity: the number of latest steps that are kept, of all environments together, ignored steps included.
         num_envs: environments that step together.
-        observation_shape: of one frame, uint8, as the environment gives it: (1, 84, 84), (84, 84), (210, 160, 3),
-            (128,). For a dict of observations a dict of shapes.
+        observation_shape: the shape of one frame, uint8, as the environment gives it: (1, 84, 84), (84, 84),
+            (210, 160, 3), (128,). For a dict of observations a dict of shapes.
         stack_num: the most frames in an observation; with a dict of observations a number, or a dict of numbers.
         padding: "zero", or "reset".
-        autoreset_mode: of the environments, a `gymnasium.vector.AutoresetMode`, or "next_step", "same_step",
-            "disabled".
-        action_shape, action_dtype: of one action.
+        autoreset_mode: the environments' `gymnasium.vector.AutoresetMode`, or "next_step", "same_step", "disabled".
+        action_shape, action_dtype: the shape and the dtype of one action.
         priority_exponent: the power of priorities, 0.6 in Schaul et al. 2016; None is without priorities.
-        final_frames: the last observations that have no place among the frames (SAME_STEP, DISABLED) are stored
-            apart, the latest so many. A memory that needs more forgets its oldest steps earlier. None is a fiftieth of
-            the capacity.
+        final_frames: space for last observations that have no place among the frames (SAME_STEP, DISABLED). A memory
+            that needs more forgets its oldest steps earlier. None is a fiftieth of the capacity.
         compress: store frames compressed, without loss.
         compressed_bytes: space for compressed frames; a memory that needs more forgets its oldest steps earlier. None
-            is a seventh of the bytes of the frames. Memory that is never needed is not taken, but a file has it all.
-        seed: of the generator that samples, 0..2**32-1; None is random.
+            is a seventh of the bytes of the frames. Main memory is taken when first needed, a file in full.
+        seed: seed of the generator that samples, 0..2**32-1; None is random.
         num_threads: threads that `sample` may use, the caller's included.
-        path: a file that holds the memory. It is as large as the memory can get, it must not exist, and `open`
-            continues it.
-        margin: with a file, so many more steps are kept, so that `flush` is needed only once in so many steps; see
-            there. None is a 64th of the capacity.
+        path: a new file that holds the memory, as large as the memory can get; `open` continues it.
+        margin: with a file, the number of further steps that are kept, after which `flush` is needed, see there. None
+            is a 64th of the capacity.
 
     Raises:
         TypeError, ValueError: an option is of the wrong kind or out of range.
-        MemoryError: the machine has not so much memory available.
-        FileExistsError: there is a file already; `open` continues it.
+        MemoryError: the machine has too little memory available.
+        FileExistsError: the file exists; `open` continues it.
         OSError: the file cannot be made, or the disk has no space for it.
 
     Example:
@@ -147,7 +143,7 @@ class ReplayMemory:
         self._lane_shape = (self._lanes,)
         self._action_shape, self._action_dtype = tuple(options.action_shape), np.dtype(options.action_dtype)
         self._usual_actions = not options.action_shape and options.action_dtype == np.dtype(np.int64).str
-        self._started = False  # as far as `add` has seen
+        self._started = False  # whether an `add` has found that a reset came first
         self._mode = check_mode(options.autoreset_mode)
         self._frame_shapes = [(self._lanes, *part.shape) for part in self._parts]
         self._use(_emulator.ReplayMemory(options.geometry(), block), block)
@@ -161,13 +157,13 @@ class ReplayMemory:
 
     @classmethod
     def for_env(cls, envs: Any, capacity: int, num_envs: int | None = None, **options: Any) -> "ReplayMemory":
-        """A memory for a vector environment, whose spaces and autoreset mode it takes.
+        """A memory with the shapes and the autoreset mode of a vector environment.
 
-        Of an `AtariVectorEnv`, which must be made with `stack_num=1`, also the padding. Images get stacks of 4, RAM
-        stacks of 1; `stack_num` chooses others. The other options are those of `ReplayMemory`.
+        An `AtariVectorEnv` must be made with `stack_num=1`; the memory also takes its padding. Images get stacks of 4,
+        RAM stacks of 1; `stack_num` chooses others. The other options are those of `ReplayMemory`.
 
-        Instead of `envs`, a game as `AtariVectorEnv` takes it, with `num_envs`: the memory makes the stacks of its
-        task, for environments of the task with `stack_num=1`.
+        Instead of `envs`, a user may give a game as `AtariVectorEnv` takes it, with `num_envs`. The memory then makes
+        the stacks of the game's task, for environments of this task with `stack_num=1`.
 
         Raises:
             TypeError, ValueError: the environment's observations are no uint8 arrays, or its options do not fit.
@@ -178,17 +174,17 @@ class ReplayMemory:
 
     @classmethod
     def open(cls, path: str | PathLike[str], *, num_threads: int = 1, verify: bool = True) -> "ReplayMemory":
-        """Continue the memory in a file, from its last `flush`, also if the process that wrote it was killed.
+        """Continue the memory in a file from its last `flush`, also if the process that wrote it was killed.
 
         Args:
-            path: of the file.
+            path: the file.
             num_threads: see `ReplayMemory`.
-            verify: read the whole file and compare its checksums. Without, damaged frames are not noticed.
+            verify: read the whole file and compare its checksums. With False, damaged frames stay unnoticed.
 
         Raises:
-            FileNotFoundError: there is no such file.
+            FileNotFoundError: the file does not exist.
             BlockingIOError: it is open, in this process or another.
-            ValueError: it is no replay memory, or damaged; the message says where.
+            ValueError: the file holds no replay memory, or is damaged; the message says where.
         """
         threads = check_integer("num_threads", num_threads, 1, 1024)
         where = Path(os.fspath(path))
@@ -210,10 +206,10 @@ class ReplayMemory:
         return self._closed_core
 
     def frames(self) -> Any:
-        """The array for the observations of the next step, to be given as `out` to `AtariVectorEnv.step`.
+        """The array for the observations of the next step, which `AtariVectorEnv.step` takes as `out`.
 
-        uint8 (num_envs, *observation_shape), or a dict of such arrays. It is memory of the ring: `add` completes it,
-        and returns to it after `capacity` steps. Take it anew for every step.
+        uint8 (num_envs, *observation_shape), or a dict of such arrays. Call this method again for every step: the array
+        is memory of the ring, which is written again after `capacity` steps.
         """
         place = self._core.next_place()
         if not self._named:
@@ -221,12 +217,12 @@ class ReplayMemory:
         return {name: ring[place] for name, ring in self._rings.items()}
 
     def reset(self, observations: Any, mask: Any = None) -> None:
-        """Begin new episodes with the observations that a reset returned. Steps that had not ended are truncated.
+        """Begin new episodes with the observations that a reset returned. Episodes that had not ended are truncated.
 
         Args:
             observations: uint8 (num_envs, *observation_shape), or a dict of these.
-            mask: bool (num_envs,), as `reset_mask` of the environments: only these begin, and the rows of the others
-                are ignored. For DISABLED; None is all.
+            mask: bool (num_envs,), the `reset_mask` of the environments, for DISABLED: environments that it leaves out
+                go on, and their rows are ignored. None is all environments.
 
         Raises:
             TypeError, ValueError: an array does not fit; nothing has changed.
@@ -251,15 +247,15 @@ class ReplayMemory:
         *,
         observations: Any = None,
     ) -> None:
-        """Complete a step of all environments: what `step(actions)` returned, whose observations are in `frames`.
+        """Complete a step of all environments with the results of `step(actions)`.
 
         Args:
             actions: (num_envs, *action_shape).
             rewards: finite numbers (num_envs,), stored as float32.
             terminations, truncations: bool (num_envs,).
             info: in SAME_STEP, with `final_obs` of the environments that ended.
-            observations: uint8 (num_envs, *observation_shape), or a dict of these: copied to `frames`. None is if
-                `frames` has them.
+            observations: uint8 (num_envs, *observation_shape), or a dict of these, which are copied to `frames`. None
+                if the step has written them there.
 
         Raises:
             gymnasium.error.ResetNeeded: before the first `reset`.
@@ -321,14 +317,14 @@ class ReplayMemory:
             np.copyto(to[part.name] if self._named else to, array)
 
     def observations(self, *, stack_num: int | Mapping[str, int] | None = None, out: Any = None) -> Any:
-        """The present observations of all environments, on which to act.
+        """The present observations of all environments, for the choice of actions.
 
         Args:
             stack_num: see `sample`.
-            out: a C-contiguous uint8 array or CPU tensor for them, or a dict of these.
+            out: a C-contiguous uint8 array or CPU tensor for the result, or a dict of these.
 
         Returns:
-            uint8 (num_envs, stack_num, *frame), see above, or a dict of such arrays; `out` if it was given.
+            uint8 (num_envs, stack_num, *frame), see the class, or a dict of such arrays; `out` if it was given.
 
         Raises:
             ValueError: before the first `reset`, or `out` does not fit.
@@ -357,16 +353,17 @@ class ReplayMemory:
         pin_memory: bool = False,
         share: bool = False,
     ) -> Batch:
-        """Arrays for `sample(batch_size, out=...)`, to be used again.
+        """Arrays for `sample(batch_size, out=...)`, for repeated use.
 
         Args:
-            batch_size: transitions.
+            batch_size: the number of transitions.
             stack_num: see `sample`.
-            torch: tensors of PyTorch on the CPU.
-            pin_memory: tensors in page-locked memory, from which a GPU copies asynchronously; without CUDA no effect.
-            share: `observations` and `next_observations` are views of one array, `frames`, because all frames but one
-                are the same: with stacks of four 35 KB a transition instead of 56 KB. For n=1 only. The views are not
-                contiguous, and a change to one changes the other.
+            torch: make tensors of PyTorch on the CPU.
+            pin_memory: make tensors in page-locked memory, from which a GPU copies asynchronously; without CUDA no
+                effect.
+            share: store the frames that `observations` and `next_observations` have in common once, in `frames`, of
+                which both are views: with stacks of four 35 KB a transition instead of 56 KB. For n=1 only. The views
+                are not contiguous, and a change to one changes the other.
 
         Raises:
             gymnasium.error.DependencyNotInstalled: PyTorch is not installed.
@@ -399,37 +396,54 @@ class ReplayMemory:
         stack_num: int | Mapping[str, int] | None = None,
         out: Batch | None = None,
     ) -> Batch:
-        """Transitions of up to n steps, drawn with replacement.
+        """Transitions of up to n steps of one episode, drawn with replacement.
 
-        They begin with any step after which n steps, or the end of its episode, are known.
+        A transition begins with any step after which n steps, or the end of its episode, are known. The target of a
+        value is `rewards + discounts * value(next_observations)`, at a truncation too.
 
         Args:
-            batch_size: how many.
+            batch_size: the number of transitions.
             n: steps of a transition; it ends earlier where its episode does.
             gamma: discount of a step, within 0..1.
             beta: draw by priority, in equal strata (Schaul et al. 2016), and with importance weights of this exponent;
                 None draws uniformly.
-            stack_num: frames in an observation, at most those of the memory; None is those, or those of `out`.
-            out: a batch to write to, of `make_batch` or of your own arrays and CPU tensors. One of shared frames needs
-                n=1.
+            stack_num: frames in an observation, at most the memory's `stack_num`, which is also the default. A batch
+                in `out` has its own number.
+            out: a batch to write to, from `make_batch` or with your own arrays and CPU tensors. A batch with shared
+                frames needs n=1.
 
         Returns:
-            `out`, or new arrays.
+            A `Batch`, `out` if it was given. Its attributes are arrays of NumPy, or CPU tensors of PyTorch.
+
+            - `observations`: uint8 (batch, stack_num, ...), or a dict of these;
+            - `actions`: (batch, *action_shape), of `action_dtype`;
+            - `rewards`: float32 (batch,), the discounted sum of the rewards of the steps;
+            - `next_observations`: as `observations`, after the last step; the real last ones at the end of an episode;
+            - `discounts`: float32 (batch,), gamma to the power of the number of steps, and 0 at a termination;
+            - `terminations`, `truncations`: bool (batch,), how the last step ended. A reset before the end of an
+              episode is a truncation;
+            - `indices`: int64 (batch,), the numbers of the steps, for `update_priorities`. No number is used twice;
+            - `weights`: float32 (batch,), importance weights, divided by their maximum; 1 in uniform sampling;
+            - `frames`: uint8 (batch, stack_num + 1, ...), or a dict of these, after `make_batch(..., share=True)`:
+              `observations` and `next_observations` are views of it. Otherwise None.
 
         Raises:
-            TypeError, ValueError: an argument does not fit, there is no step to draw yet, or all priorities are 0.
+            TypeError, ValueError: an argument does not fit, no step can be drawn yet, or all priorities are 0.
         """
-        core, size = self._core, check_size(batch_size)
-        reach = check_integer("n", n, 1, 2**40)
-        if out is not None and stack_num is not None:
-            raise ValueError("out has a number of frames; leave stack_num out")
-        if out is None:
-            made, target = self._pool.take(core, size, 0, check_stacks(self._options, stack_num))
-            batch = cast(Batch, made)
-        else:
-            batch, target = out, target_of(out, core, self._options, size, 0)
+        core, size, reach = self._core, check_size(batch_size), check_integer("n", n, 1, 2**40)
+        batch, target = self._batch(core, size, 0, stack_num, out)
         core.sample(target, reach, float(gamma), None if beta is None else float(beta), self._threads)
-        return batch
+        return cast(Batch, batch)
+
+    def _batch(
+        self, core: _emulator.ReplayMemory, size: int, length: int, stack_num: Any, out: Batch | Sequences | None
+    ) -> tuple[Batch | Sequences, _emulator.ReplayTarget]:
+        """The batch to write to, `out` or a new one, and its target; a length other than 0 is that of sequences."""
+        if out is None:
+            return self._pool.take(core, size, length, check_stacks(self._options, stack_num))
+        if stack_num is not None:
+            raise ValueError("out has a number of frames; leave stack_num out")
+        return out, target_of(out, core, self._options, size, length)
 
     def sample_sequences(
         self,
@@ -441,27 +455,32 @@ class ReplayMemory:
     ) -> Sequences:
         """Sequences of steps of one episode, whose starts are drawn uniformly with replacement.
 
-        A start is a step after which `length` steps, or an end, are known. `mask` says where the end came earlier.
+        A sequence starts with a step after which `length` steps, or an end, are known.
 
         Args:
-            batch_size: how many.
+            batch_size: the number of sequences.
             length: steps in each.
             stack_num, out: see `sample`, and `make_sequences`.
 
+        Returns:
+            A `Sequences`, `out` if it was given. Its attributes are arrays of NumPy, or CPU tensors of PyTorch.
+
+            - `observations`: uint8 (batch, length + 1, stack_num, ...), or a dict of these; observation i + 1 follows
+              step i;
+            - `actions`: (batch, length, *action_shape), of `action_dtype`;
+            - `rewards`: float32 (batch, length);
+            - `terminations`, `truncations`: bool (batch, length);
+            - `mask`: bool (batch, length), False after the end of the episode, where all else is 0;
+            - `indices`: int64 (batch,), the numbers of the first steps.
+
         Raises:
-            TypeError, ValueError: an argument does not fit, or there is no such sequence yet.
+            TypeError, ValueError: an argument does not fit, or no sequence can be drawn yet.
         """
         core, size = self._core, check_size(batch_size)
         length = check_integer("length", length, 1, _SEQUENCE_MOST)
-        if out is not None and stack_num is not None:
-            raise ValueError("out has a number of frames; leave stack_num out")
-        if out is None:
-            made, target = self._pool.take(core, size, length, check_stacks(self._options, stack_num))
-            batch = cast(Sequences, made)
-        else:
-            batch, target = out, target_of(out, core, self._options, size, length)
+        batch, target = self._batch(core, size, length, stack_num, out)
         core.sample(target, length, 1.0, None, self._threads)
-        return batch
+        return cast(Sequences, batch)
 
     def update_priorities(self, indices: Any, priorities: Any) -> None:
         """Set the priorities of sampled steps, before the exponent: commonly the magnitude of their TD errors.
@@ -469,7 +488,7 @@ class ReplayMemory:
         New steps have the greatest priority so far, 1 at first. Steps that have been overwritten are left out.
 
         Args:
-            indices: int64 (batch,), those of a `Batch`.
+            indices: int64 (batch,), as `sample` returned them.
             priorities: numbers (batch,), finite and not negative.
 
         Raises:
@@ -492,12 +511,12 @@ class ReplayMemory:
 
     @property
     def steps(self) -> int:
-        """Steps ever added, those of all environments, ignored ones included."""
+        """Steps ever added, of all environments together, ignored steps included."""
         return self._core.numbers[1]
 
     @property
     def nbytes(self) -> int:
-        """Bytes of memory, or of the file, and of the index. If frames are compressed: those in use up to now."""
+        """Bytes of memory, or of the file, and of the index; with compressed frames the bytes in use up to now."""
         return self._core.numbers[3]
 
     @property
@@ -507,27 +526,27 @@ class ReplayMemory:
 
     @property
     def capacity(self) -> int:
-        """The latest so many steps are kept."""
+        """The number of latest steps that are kept."""
         return self._options.capacity
 
     @property
     def stack_nums(self) -> dict[str, int]:
-        """The most frames in an observation, by part; the part "" if an observation is no dict."""
+        """The most frames in an observation, by part; an observation that is no dict has the part ""."""
         return dict(self._options.stack_num)
 
     @property
     def flushes(self) -> int:
-        """Times that the state was saved, also by itself."""
+        """The number of times that the state was saved, by `flush` or by the memory itself."""
         return self._core.numbers[2]
 
     def flush(self, *, sync: bool = False) -> None:
-        """Make the present state the one that `open` finds.
+        """Save the present state, which `open` then finds.
 
-        After `margin` more steps the memory flushes by itself, because it would overwrite what this state needs. What
-        was flushed survives the end of the process, however it ends. Without a file nothing happens.
+        After `margin` more steps the memory flushes by itself, because these steps overwrite the frames of the saved
+        state. A saved state survives the end of the process, however it ends. Without a file nothing happens.
 
         Args:
-            sync: wait until the disk has it, so that it also survives a loss of power.
+            sync: wait until the state is on the disk, so that it also survives a loss of power.
 
         Raises:
             OSError: the disk reports an error; only with `sync`.
@@ -541,7 +560,7 @@ class ReplayMemory:
             self._file.sync()
 
     def state(self) -> dict[str, Any]:
-        """A copy of all that the memory is, for checkpoints without a file. It is as large as the memory."""
+        """A copy of the whole memory, for checkpoints without a file. It is as large as the memory."""
         self._core.save()
         return storage.copy_of(self._options, self._block)
 

@@ -1,4 +1,4 @@
-"""Where the bytes of a `ReplayMemory` lie: in memory, or in a file that is mapped into it.
+"""The bytes of a `ReplayMemory`: in memory, or in a file that is mapped into memory.
 
 A file begins with a page of 8192 bytes: a magic number, the options as JSON, and their CRC. The block of the extension
 module follows (`atari/emulator/memory/geometry.hpp`).
@@ -29,7 +29,7 @@ _START = struct.Struct("<16sII")  # magic, length of the JSON, CRC of what follo
 
 
 def allocate(options: MemoryOptions) -> Block:
-    """A block of zeros in memory, whose pages are taken when they are first written.
+    """A block of zeros in memory. The system provides its pages when they are first written.
 
     Raises:
         MemoryError: the machine has less memory available than the block may take.
@@ -56,8 +56,8 @@ class BlockFile:
     """A file that is mapped into memory, and locked against other processes.
 
     Attributes:
-        options: of the memory in it.
-        block: its bytes after the first page.
+        options: the options of the memory in the file.
+        block: the bytes after the first page.
     """
 
     def __init__(self, file: BinaryIO, options: MemoryOptions) -> None:
@@ -72,8 +72,8 @@ class BlockFile:
         """Make a file, with all its space on the disk.
 
         Raises:
-            FileExistsError: there is one.
-            OSError: the disk has not enough space.
+            FileExistsError: the file exists.
+            OSError: the disk has too little space.
         """
         size = _PAGE + options.geometry().block_bytes
         file = open(path, "x+b", buffering=0)  # noqa: SIM115, kept open
@@ -92,9 +92,9 @@ class BlockFile:
         """Map a file that `create` made.
 
         Raises:
-            FileNotFoundError: there is none.
+            FileNotFoundError: the file does not exist.
             BlockingIOError: it is open, here or in another process.
-            ValueError: it is no such file, or damaged.
+            ValueError: the file holds no replay memory, or is damaged.
             OSError: the file has holes, and the disk has no space for them.
         """
         file = open(path, "r+b", buffering=0)  # noqa: SIM115, kept open
@@ -112,11 +112,11 @@ class BlockFile:
             raise
 
     def sync(self) -> None:
-        """Wait until the disk has what the process wrote."""
+        """Wait until all bytes are on the disk."""
         self._map.flush()
 
     def close(self) -> None:
-        """Give the file free for others. Arrays of its memory stay readable."""
+        """Unlock the file. Arrays of its memory stay readable."""
         if not self._file.closed and self._process == os.getpid():
             _unlock(self._file)
         self._file.close()
@@ -131,10 +131,10 @@ def copy_of(options: MemoryOptions, block: Block) -> dict[str, Any]:
 
 
 def options_of(values: Any) -> MemoryOptions:
-    """The options that a file or a state begins with.
+    """The options at the beginning of a file or a state.
 
     Raises:
-        ValueError: they are not those of a replay memory.
+        ValueError: an option is missing, unknown, or wrong.
     """
     try:
         return MemoryOptions.check(**values)
@@ -166,7 +166,7 @@ def _read_first_page(file: BinaryIO, path: Path) -> MemoryOptions:
 
 @contextmanager
 def naming(what: Path | str) -> Iterator[None]:
-    """Begin the message of a ValueError with what was wrong."""
+    """Begin the message of a ValueError with the name of the file or state."""
     try:
         yield
     except ValueError as error:
@@ -174,7 +174,7 @@ def naming(what: Path | str) -> Iterator[None]:
 
 
 def _reserve(file: BinaryIO, size: int, path: Path) -> None:
-    """Take the space on the disk: a write to mapped memory without space on the disk would end the process."""
+    """Reserve space on the disk: a write to mapped memory without space on the disk would end the process."""
     try:
         if hasattr(os, "posix_fallocate"):
             os.posix_fallocate(file.fileno(), 0, size)
@@ -200,7 +200,7 @@ def _lock(file: BinaryIO, path: Path) -> None:
 
 
 def _unlock(file: BinaryIO) -> None:
-    """Unlock a file that is mapped: the mapping holds the lock too."""
+    """Unlock a mapped file before it is closed, because its mapping holds the lock too."""
     with suppress(ImportError, OSError):
         import fcntl
 
@@ -212,7 +212,7 @@ def _gigabytes(size: int) -> str:
 
 
 def _available() -> int:
-    """Bytes of memory that a process can still take, as far as the system says."""
+    """Bytes of memory that the system reports as available to this process."""
     limits = [2**62]
     with suppress(OSError, ValueError, IndexError):
         lines = Path("/proc/meminfo").read_text().splitlines()

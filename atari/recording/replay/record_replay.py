@@ -152,7 +152,7 @@ class RecordVectorReplay(VectorWrapper):
         super().__init__(envs)
         self._vector = inner
         self._index = check_integer("index", index, 0, inner.num_envs - 1)
-        self._added = inner.members[self._index].added
+        self._added = inner.lanes[self._index].added
         if self._added.slots:
             raise ValueError("the environment has a Freeze or a Poke; release it, and make it after RecordReplay")
         self._seeded = not inner.started
@@ -212,8 +212,8 @@ class RecordVectorReplay(VectorWrapper):
         super().close(**kwargs)
 
     def _compare(self) -> None:
-        member, core = self._shadow.member, self._shadow.env.unwrapped.core
-        if core.frame_number != member.frame_number or core.ram().tobytes() != member.ram().tobytes():
+        lane, core = self._shadow.lane, self._shadow.env.unwrapped.core
+        if core.frame_number != lane.frame_number or core.ram().tobytes() != lane.ram().tobytes():
             self.stop()
             raise RuntimeError(
                 f"environment {self._index} differs from its recording; was its mode or state set from outside, "

@@ -14,7 +14,7 @@ from atari.cores.options import SEED_LIMIT
 from atari.env import AtariEnv
 from atari.making import make_env
 from atari.vector.env import AtariVectorEnv
-from atari.vector.members import Member
+from atari.vector.lanes import Lane
 
 FIRE, NOOP = 1, 0
 
@@ -27,31 +27,31 @@ def make_shadow(
     Raises:
         ValueError: games with different actions have wrappers.
     """
-    options, member = vector.options, vector.members[index]
+    options, lane = vector.options, vector.lanes[index]
     task = options.tasks[index]
     if task.seeding == "ale":
         emulator = task.of_emulator().replace(
             frameskip=task.frameskip, actions="full" if options.mixed else task.actions, max_num_frames_per_episode=None
         )
-        return AleShadow(vector, member, record(AtariEnv(emulator, rom=options.rom)))
+        return AleShadow(vector, lane, record(AtariEnv(emulator, rom=options.rom)))
     if options.mixed:
         raise ValueError("environments with wrappers can be recorded only if all games have the same actions")
-    return PresetShadow(vector, member, record(make_env(task, rom=options.rom)))
+    return PresetShadow(vector, lane, record(make_env(task, rom=options.rom)))
 
 
 class AleShadow:
     """Repeats an environment with ale-py's options. The frame numbers determine the number of no-ops.
 
     Args:
-        vector, member: the vector, and the repeated environment in it.
+        vector, lane: the vector, and the repeated environment in it.
         env: the recorder around the single environment.
     """
 
-    def __init__(self, vector: AtariVectorEnv, member: Member, env: Any) -> None:
-        self.env, self.member = env, member
+    def __init__(self, vector: AtariVectorEnv, lane: Lane, env: Any) -> None:
+        self.env, self.lane = env, lane
         self._core: Any = env.get_wrapper_attr("core")
-        self._actions = vector.options.actions[member.index]
-        task = vector.options.tasks[member.index]
+        self._actions = vector.options.actions[lane.index]
+        task = vector.options.tasks[lane.index]
         self._fires = task.fire != "never" and FIRE in task.begin_actions
         self._episode_frames = 0
 
@@ -63,19 +63,19 @@ class AleShadow:
         core.reset()
         if self._fires:
             core.act(FIRE)
-        while core.frame_number < self.member.frame_number:
+        while core.frame_number < self.lane.frame_number:
             core.act(NOOP)
             if core.game_over:
                 core.reset()
         self.env.recorder.flush_if_full()
-        self._episode_frames = self.member.episode_frame_number
+        self._episode_frames = self.lane.episode_frame_number
 
     def step(self, index: int, strength: float, final: int | None) -> None:
         """Repeat a step: an action's index and strength, and in SAME_STEP the frame number at the episode's end."""
-        member, core = self.member, self._core
-        target = member.frame_number if final is None else int(final)
+        lane, core = self.lane, self._core
+        target = lane.frame_number if final is None else int(final)
         went_on = self._episode_frames + target - core.frame_number
-        if final is None and member.episode_frame_number != went_on:
+        if final is None and lane.episode_frame_number != went_on:
             return self.reset(None)
         if core.frame_number < target:
             self.env.recorder.begin_step()
@@ -84,14 +84,14 @@ class AleShadow:
             self.env.recorder.end_step()
         if final is not None:
             self.reset(None)
-        self._episode_frames = member.episode_frame_number
+        self._episode_frames = lane.episode_frame_number
 
 
 class PresetShadow:
     """Repeats an environment with a preset, by the preset's wrappers. `AleShadow` documents the arguments."""
 
-    def __init__(self, vector: AtariVectorEnv, member: Member, env: Any) -> None:
-        self.env, self.member = env, member
+    def __init__(self, vector: AtariVectorEnv, lane: Lane, env: Any) -> None:
+        self.env, self.lane = env, lane
         self._autoreset = vector.options.autoreset_mode
         self._over = False
 

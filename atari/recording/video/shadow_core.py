@@ -25,10 +25,10 @@ class ShadowCore:
 
     def __init__(self, vector: AtariVectorEnv, index: int) -> None:
         self.index = index
-        self._member = vector.members[index]
+        self._lane = vector.lanes[index]
         self._options = vector._options
         self.core = NativeCore(
-            self._member.game,
+            self._lane.game,
             repeat_action_probability=self._options.task.repeat_action_probability,  # type: ignore[arg-type]
             max_num_frames_per_episode=self._options.task.max_num_frames_per_episode or 0,
             sound=True,
@@ -42,11 +42,11 @@ class ShadowCore:
 
     def synchronize(self) -> bool:
         """Copy the environment's state if it differs, and return whether the copy is from another episode."""
-        core, member = self.core, self._member
-        if core.frame_number == member.frame_number and (core.ram() == member.ram()).all():
+        core, lane = self.core, self._lane
+        if core.frame_number == lane.frame_number and (core.ram() == lane.ram()).all():
             return False
         before = core.episode_frame_number
-        member.copy_to(core)
+        lane.copy_to(core)
         self.screen = core.screen_rgb()
         return core.episode_frame_number < before
 
@@ -56,9 +56,9 @@ class ShadowCore:
         Raises:
             RuntimeError: it differs, because the environment got another action.
         """
-        core, member = self.core, self._member
+        core, lane = self.core, self._lane
         numbers = (core.frame_number, core.episode_frame_number)
-        if numbers == (member.frame_number, member.episode_frame_number) and (core.ram() != member.ram()).any():
+        if numbers == (lane.frame_number, lane.episode_frame_number) and (core.ram() != lane.ram()).any():
             raise RuntimeError(
                 f"environment {self.index} was given another action than the recorder; put RecordVideo inside the "
                 "wrappers that change actions"

@@ -113,7 +113,8 @@ class VideoWriter:
         comment: str = "",
     ) -> None:
         if isinstance(size, Game):
-            size, fps = size.screen.shape, frame_rate(size) if fps is None else fps
+            fps = frame_rate(size) if fps is None else fps
+            size = size.screen.shape
         options = VideoOptions.check(
             path, size, fps, scale=scale, pixel_aspect=pixel_aspect, sound=sound, caption_lines=caption_lines
         )

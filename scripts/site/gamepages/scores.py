@@ -4,12 +4,11 @@ from collections.abc import Iterator
 from functools import cache
 
 from atari.games.game import Game
-from atari.learning import published, published_names
-from atari.learning.evaluation.published import Published, human_scores
+from atari.learning import Published
 from gamepages.markup import folded, table, text
 from gamepages.plays import Play
 
-# Those that a page shows at once; the others are folded.
+# Agents that a page shows at once; the others are folded.
 FIRST = (
     "papers/dqn2015", "papers/rainbow", "papers/agent57", "dopamine/dqn", "dopamine/rainbow", "dopamine/iqn",
     "dreamerv3/atari57/dreamerv3", "dreamerv3/atari57/muzero", "sb3_zoo/ppo", "cleanrl/ppo_atari_envpool",
@@ -18,7 +17,7 @@ FIRST = (
 
 @cache
 def _agents() -> tuple[Published, ...]:
-    return tuple(published(name) for name in published_names())
+    return tuple(Published(name) for name in Published.names())
 
 
 def number(score: float) -> str:
@@ -29,8 +28,8 @@ def number(score: float) -> str:
 def html(game: Game, play: Play | None) -> str:
     """The scores of a page."""
     rows = []
-    if game.id in human_scores():
-        random, human = human_scores()[game.id]
+    if game.id in Published.human_scores():
+        random, human = Published.human_scores()[game.id]
         rows += [
             ("random play", number(random), "starts after no-ops, table noop57"),
             ("human", number(human), "starts after no-ops, table noop57"),

@@ -1,4 +1,4 @@
-"""`compare`: normalised scores, intervals, and what it refuses to put beside each other."""
+"""`compare`: normalised scores, intervals, and the comparisons that it refuses."""
 
 import json
 import sys
@@ -8,7 +8,8 @@ import gymnasium
 import numpy as np
 import pytest
 
-from atari.learning import GAME_SETS, PROTOCOLS, GameResult, Result, compare, human_scores, published
+from atari.learning import GAME_SETS, PROTOCOLS, Published, Result, compare
+from atari.learning.evaluation.results import GameResult
 from atari.learning.evaluation.statistics import estimate_of_episodes, estimate_of_runs, interquartile_mean, profile
 
 
@@ -23,14 +24,14 @@ def result(protocol="dopamine", frames=None, shift=0.0, games=("breakout", "pong
 def test_scores_and_summaries():
     comparison = compare(result(), "dopamine/rainbow")
     mine, rainbow = comparison.rows
-    human = human_scores()
+    human = Published.human_scores()
     breakout = (14.5 - human["breakout"][0]) / (human["breakout"][1] - human["breakout"][0])
     pong = (14.5 - human["pong"][0]) / (human["pong"][1] - human["pong"][0])
     assert mine.median.value == mine.mean.value == mine.iqm.value == pytest.approx((breakout + pong) / 2)
     assert mine.median.low < mine.median.value < mine.median.high
     assert comparison.normalised(mine)["pong"] == pytest.approx(pong)
     assert (mine.runs, rainbow.runs, rainbow.frames) == (1, 5, 199_000_000)
-    assert rainbow.scores["pong"] == tuple(published("dopamine/rainbow").final("pong"))
+    assert rainbow.scores["pong"] == tuple(Published("dopamine/rainbow").final("pong"))
     assert not comparison.mixed
     assert compare(result(), "dopamine/rainbow") == comparison
 
@@ -68,9 +69,9 @@ def test_games_of_another_mode_or_with_interventions_are_not_compared(changes, t
 def test_equal_frames():
     comparison = compare(result(frames=10_000_000), ["dopamine/rainbow", "dopamine/dqn"])
     assert [row.frames for row in comparison.rows] == [10_000_000] * 3
-    assert comparison.rows[1].scores["pong"] == tuple(published("dopamine/rainbow").at("pong", 10_000_000))
+    assert comparison.rows[1].scores["pong"] == tuple(Published("dopamine/rainbow").at("pong", 10_000_000))
     at_mean = compare(result(), "dopamine/rainbow", frames=30_000_000).rows[1]
-    assert (at_mean.runs, at_mean.iqm.low) == (None, None)  # only the mean over seeds is kept there
+    assert (at_mean.runs, at_mean.iqm.low) == (None, None)  # the source has only the mean over seeds there
 
 
 def test_between_two_points_of_a_curve_a_note_names_the_interval():
@@ -96,7 +97,7 @@ def test_another_budget_is_marked_and_not_renamed(to, frames, at):
     mine, other = comparison.rows
     assert comparison.mixed
     assert (mine.frames, other.frames) == (frames, at)
-    agent = published(to)
+    agent = Published(to)
     expected = agent.final("pong") if at == agent.final_frames else agent.at("pong", at)
     assert other.scores["pong"] == tuple(expected)
 
@@ -166,7 +167,7 @@ def test_games_that_not_all_have_are_left_out():
 
 
 def test_the_estimate_of_atari_5():
-    """By hand, from the coefficients of the paper's code; of Rainbow's final scores it is 1.19, where their median is 1.48."""
+    """The estimate, computed by hand from the coefficients of the paper's code. Rainbow has 1.19, and a median of 1.48."""
     comparison = compare(result(games=GAME_SETS["atari5"]), "dopamine/rainbow")
     weights = {
         "battle_zone": 0.3819751237831753,
@@ -202,7 +203,7 @@ def test_iqm_is_the_trimmed_mean():
 
 
 def test_intervals_cover():
-    """Of 200 samples, about 95 % of the intervals contain the mean of the distribution."""
+    """About 95 % of the intervals of 200 samples contain the mean of the distribution."""
     generator = np.random.default_rng(0)
     inside = 0
     for number in range(200):

@@ -1,4 +1,4 @@
-"""`evaluate`: which games are played, in which environments, and that the scores are those of whole games."""
+"""`evaluate`: the games that are played, their environments, and the scores of whole games."""
 
 import json
 from dataclasses import replace
@@ -61,7 +61,7 @@ def test_lives_begin_as_in_the_preset(name, game):
 
 def test_a_score_is_that_of_all_lives_and_not_clipped():
     result = evaluate("random", "qbert", "baselines", episodes=2)["qbert"]
-    assert max(result.scores) > 100  # a reward of Q*bert is 25 at least: clipped, the sum would be about 10
+    assert max(result.scores) > 100  # the least reward of Q*bert is 25: the sum of clipped rewards would be about 10
     assert min(result.frames) > 800  # a life is about 250
 
 
@@ -343,7 +343,7 @@ def test_the_game_decides_mode_difficulty_and_interventions():
     plain, changed = (evaluate(policy, game, protocol, episodes=1)["pong"] for game in ("pong", task))
     assert (plain.task["mode"], changed.task["mode"], changed.task["difficulty"]) == (0, 1, 1)
     assert [one["name"] for one in changed.task["interventions"]] == ["lazy_enemy"]
-    assert changed.observation == plain.observation  # of the protocol's preset
+    assert changed.observation == plain.observation  # both have the images of the protocol's preset
     policy.environment = {"mode": 1, "difficulty": 1, "interventions": ["lazy_enemy"]}
     assert evaluate(policy, task, protocol, episodes=1)["pong"].task["mode"] == 1
 

@@ -12,7 +12,7 @@ PROTOCOL = replace(PROTOCOLS["dqn2015"], name="short", max_frames=600, epsilon=0
 
 
 class Here:
-    """Does tasks in this process, and notes how many there were."""
+    """Does tasks in this process, and counts them."""
 
     def __init__(self):
         self.sizes = []

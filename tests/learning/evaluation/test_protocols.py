@@ -39,7 +39,7 @@ def test_numbers(name, numbers):
 
 @pytest.mark.parametrize("name", PROTOCOLS)
 def test_numbers_are_those_of_the_preset(name):
-    """But for what evaluation has of its own: episodic life, clipping, epsilon, and five minutes of dqn2015."""
+    """An evaluation differs in episodic life, clipping, epsilon, and the five minutes of dqn2015."""
     fields, mine = atari.PRESETS[name].fields, PROTOCOLS[name]
     assert fields["repeat_action_probability"] == mine.repeat_action_probability
     assert (fields.get("actions") == "full") == mine.full_action_space

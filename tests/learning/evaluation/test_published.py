@@ -1,4 +1,4 @@
-"""Published results: what is packed, where it is from, and that known figures come out of it."""
+"""Published results: the packed data, its sources, and known figures that it gives."""
 
 import json
 import zlib
@@ -7,17 +7,17 @@ import numpy as np
 import pytest
 
 import atari
-from atari.learning import human_scores, published, published_names
+from atari.learning import Published
 from atari.learning.evaluation import tables
 from atari.learning.evaluation.statistics import interquartile_mean
 from atari.learning.evaluation.tables import read_table
 
 
 def test_every_agent_can_be_read():
-    names = published_names()
+    names = Published.names()
     assert len(names) == len(set(names)) == 69
     for name in names:
-        agent = published(name)
+        agent = Published(name)
         assert agent.name == name
         assert {"repo", "licence", "copyright", "score"} <= set(agent.source), name
         assert {
@@ -46,8 +46,8 @@ def test_the_files_are_small_and_their_licences_are_there():
     assert len(data) == 13
     assert sum(len(zlib.compress(each)) for each in data) < 1_000_000  # as they are in a wheel
     licences = (folder / "LICENSES.md").read_text()
-    for name in published_names():
-        source = published(name).source
+    for name in Published.names():
+        source = Published(name).source
         assert source["repo"].split(";")[0] in licences
         assert source["licence"] in licences or name.startswith("papers/")
         assert source["copyright"].split(" ", 1)[-1] in licences or name.startswith("papers/")
@@ -70,7 +70,7 @@ def test_a_score_is_on_a_line_of_its_game(name):
 )
 def test_known_medians(name, median):
     """The medians in docs/evaluation.md, which were computed from the sources."""
-    agent, human = published(name), human_scores()
+    agent, human = Published(name), Published.human_scores()
     scores = [
         (agent.final(game).mean() - human[game][0]) / (human[game][1] - human[game][0])
         for game in agent.games
@@ -81,7 +81,7 @@ def test_known_medians(name, median):
 
 def test_known_iqm():
     """DQN of Dopamine: 0.75."""
-    agent, human = published("dopamine/dqn"), human_scores()
+    agent, human = Published("dopamine/dqn"), Published.human_scores()
     scores = [
         (agent.final(game) - human[game][0]) / (human[game][1] - human[game][0])
         for game in agent.games
@@ -91,7 +91,7 @@ def test_known_iqm():
 
 
 def test_scores_at_frames():
-    agent = published("dopamine/rainbow")
+    agent = Published("dopamine/rainbow")
     assert agent.at("pong", 10_000_000).shape == (5,)
     assert agent.at("pong", 199_000_000).shape == (5,)
     between = agent.at("pong", 30_000_001)  # in the interval that ends at 31 million
@@ -100,7 +100,7 @@ def test_scores_at_frames():
     assert agent.interval(10_000_000) == (10_000_000, 10_000_000)
     with pytest.raises(ValueError, match="until 199,000,000 frames, not at 200,000,000"):
         agent.at("pong", 200_000_000)
-    ppo = published("cleanrl/ppo")
+    ppo = Published("cleanrl/ppo")
     assert ppo.name == "cleanrl/ppo_atari_envpool_xla_jax"
     assert ppo.at("pong", 40_000_000) == ppo.final("pong")
     with pytest.raises(ValueError, match="only at 40,000,000 frames"):
@@ -114,11 +114,11 @@ def test_scores_at_frames():
 )
 def test_a_wrong_name_suggests_the_nearest(name, near):
     with pytest.raises(ValueError, match=near):
-        published(name)
+        Published(name)
 
 
 def test_nothing_is_extrapolated_before_the_first_score():
-    agent = published("dopamine/rainbow")
+    agent = Published("dopamine/rainbow")
     assert agent.budgets[:4] == (1_000_000, 2_000_000, 2_500_000, 3_000_000)
     assert agent.at("pong", 1_000_000).mean() == pytest.approx(agent.curve("pong").mean[0], abs=0.01)
     for frames in (1, 262_144, 999_999):
@@ -126,30 +126,32 @@ def test_nothing_is_extrapolated_before_the_first_score():
             ValueError, match=rf"first scores of dopamine/rainbow are at 1,000,000 frames, not at {frames:,}"
         ):
             agent.at("pong", frames)
-    coarse = published("dreamerv3/atari57/ppo")  # its curve has intervals of five million frames
+    coarse = Published("dreamerv3/atari57/ppo")  # its curve has intervals of five million frames
     assert coarse.at("pong", 2_500_000).shape == coarse.at("pong", 1_000_000).shape
     with pytest.raises(ValueError, match="are at 1,000,000, 2,500,000, 5,000,000 frames, not at 3,000,000"):
         coarse.at("pong", 3_000_000)
-    assert published("cleanrl/ppo").budgets == (40_000_000,)
+    assert Published("cleanrl/ppo").budgets == (40_000_000,)
 
 
 def test_wrong_arguments():
     with pytest.raises(TypeError, match="string"):
-        published(3)
+        Published(3)
     with pytest.raises(ValueError, match="breakout"):
-        published("dopamine/rainbow").final("breakuot")
+        Published("dopamine/rainbow").final("breakuot")
     with pytest.raises(ValueError, match="noop57"):
-        human_scores("noop")
+        Published.human_scores("noop")
     with pytest.raises(TypeError, match="string"):
-        human_scores(None)
+        Published.human_scores(None)
 
 
 def test_human_tables():
-    assert {name: len(human_scores(name)) for name in ("noop57", "nature2015", "human_starts", "dqn2013")} == {
+    assert {
+        name: len(Published.human_scores(name)) for name in ("noop57", "nature2015", "human_starts", "dqn2013")
+    } == {
         "noop57": 57,
         "nature2015": 49,
         "human_starts": 57,
         "dqn2013": 7,
     }
-    assert human_scores()["video_pinball"] == (16256.9, 17667.9)
-    assert human_scores("nature2015")["beam_rider"] != human_scores()["beam_rider"]
+    assert Published.human_scores()["video_pinball"] == (16256.9, 17667.9)
+    assert Published.human_scores("nature2015")["beam_rider"] != Published.human_scores()["beam_rider"]

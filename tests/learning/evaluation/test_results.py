@@ -4,7 +4,8 @@ import json
 
 import pytest
 
-from atari.learning import PROTOCOLS, GameResult, Result
+from atari.learning import PROTOCOLS, Result
+from atari.learning.evaluation.results import GameResult
 
 
 def result():
@@ -43,7 +44,7 @@ def test_a_file_keeps_everything(tmp_path):
 
 
 def test_files_of_release_0_2(tmp_path):
-    """Their games and protocols have no task."""
+    """Games and protocols of old files have no task."""
     content = changed(format="atari evaluation 1")
     del content["protocol"]["task"]
     for game in content["games"]:

@@ -8,7 +8,8 @@ import gymnasium
 import numpy as np
 import pytest
 
-from atari.learning import Batch, ReplayMemory
+from atari.learning import ReplayMemory
+from atari.learning.memory.batches import Batch
 
 FRAMES = np.zeros((2, 3, 4), np.uint8)
 NO = np.zeros(2, bool)

@@ -1,4 +1,4 @@
-"""Batches that `ReplayMemory` makes: whose memory they have, and which frames they share."""
+"""The arrays of batches of `ReplayMemory`: reused memory, and shared frames."""
 
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any

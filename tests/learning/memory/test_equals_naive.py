@@ -1,4 +1,4 @@
-"""`ReplayMemory` shows, bit for bit, what a memory of whole stacks shows."""
+"""`ReplayMemory` returns the same bits as a memory of whole stacks."""
 
 from pathlib import Path
 
@@ -61,7 +61,7 @@ def play(case: dict, **options: object) -> tuple[ReplayMemory, NaiveMemory, Stre
 
 
 class Reshaped:
-    """Gives frames to a naive memory without the axis of length 1."""
+    """Gives frames without the axis of length 1 to a naive memory."""
 
     def __init__(self, naive: NaiveMemory, shape: tuple[int, ...]) -> None:
         self.naive, self.shape = naive, shape

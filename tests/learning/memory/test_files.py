@@ -1,4 +1,4 @@
-"""The file of a `ReplayMemory`: what survives a kill, and what is refused."""
+"""The file of a `ReplayMemory`: saved states survive a kill, and damaged files are refused."""
 
 import os
 import signal
@@ -113,7 +113,7 @@ def test_reopened_memory_goes_on(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("compress", [False, True])
 def test_damage_is_an_error_or_harmless(tmp_path: Path, compress: bool) -> None:
-    """Each byte that was changed is noticed, or the memory is the same as before."""
+    """A changed byte anywhere in the file is noticed, or the memory is the same as before."""
     path = tmp_path / "replay"
     memory = make(path, compress)
     wanted = everything(memory, n=2)

@@ -63,7 +63,7 @@ def test_steps_within_the_reach_of_n_are_not_drawn() -> None:
     drawn = set(np.concatenate([memory.sample(32, n=3, beta=1.0).indices for _ in range(50)]))
     assert {95, 96} <= drawn
     assert not drawn & {97, 98, 99}  # 97 is the ignored step; 98 and 99 have no third step yet
-    assert 99 in memory.sample(32, beta=1.0).indices  # its priority is as it was
+    assert 99 in memory.sample(32, beta=1.0).indices  # its priority has not changed
 
 
 def test_priorities_of_overwritten_steps_have_no_effect() -> None:

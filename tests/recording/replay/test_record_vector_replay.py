@@ -28,7 +28,7 @@ def play(envs: Any, steps: int, index: int, seed: Any = 3) -> list[np.ndarray[An
         else:
             actions = generator.integers(0, envs.single_action_space.n, count)
         _, _, terminated, truncated, _ = envs.step(actions)
-        rams.append(envs.unwrapped.members[index].ram())
+        rams.append(envs.unwrapped.lanes[index].ram())
         done = terminated | truncated
         if done.any() and envs.metadata["autoreset_mode"].value == "Disabled":
             envs.reset(options={"reset_mask": done})

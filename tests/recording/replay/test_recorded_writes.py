@@ -123,7 +123,7 @@ def test_a_vector(options: dict[str, Any], tmp_path: Path) -> None:
     def steps(count: int) -> None:
         for _ in range(count):
             envs.step(generator.integers(0, 4, 3))
-            rams.append(envs.unwrapped.members[1].ram().tobytes())
+            rams.append(envs.unwrapped.lanes[1].ram().tobytes())
 
     steps(10)
     with Freeze(envs, {99: np.array([1, 2, 3])}), Freeze(envs, {99: 200}, index=0):

@@ -67,9 +67,9 @@ def test_recording_changes_nothing_and_shadows_only_jump_at_resets(
     )
     jumps: list[int] = []
     for shadow in envs._shadows:
-        copy_to = shadow._member.copy_to
+        copy_to = shadow._lane.copy_to
         monkeypatch.setattr(
-            shadow._member,
+            shadow._lane,
             "copy_to",
             lambda core, index=shadow.index, copy_to=copy_to: (jumps.append(index), copy_to(core)),
         )
@@ -77,7 +77,7 @@ def test_recording_changes_nothing_and_shadows_only_jump_at_resets(
     ends = sum(int((result[2] | result[3]).sum()) for result in plain if len(result) == 5)
     assert 3 <= len(jumps) <= 3 + ends
     for shadow in envs._shadows:
-        assert np.array_equal(shadow.core.screen_rgb(), shadow._member.screen_rgb())
+        assert np.array_equal(shadow.core.screen_rgb(), shadow._lane.screen_rgb())
     envs.close()
 
 
@@ -87,7 +87,7 @@ def test_one_environments_video_is_that_of_its_core(tmp_path: Path, preset: str 
     envs = record_video(AtariVectorEnv("seaquest", 3, **options), tmp_path, record_first_only=True, index=1)
     envs.reset(seed=5)
     core = atari.cores.NativeCore("seaquest", repeat_action_probability=0.0, sound=True)
-    envs.unwrapped.members[1].copy_to(core)
+    envs.unwrapped.lanes[1].copy_to(core)
     screens, samples = [core.screen_rgb()], [np.zeros(512, np.int16)]
     for action in [1, 3, 4, 1, 5, 2] * 3:
         envs.step(np.array([0, action, 0]))
@@ -95,7 +95,7 @@ def test_one_environments_video_is_that_of_its_core(tmp_path: Path, preset: str 
             core.act(int(core.game.minimal_actions[action]))
             screens.append(core.screen_rgb())
             samples.append(to_16_bit(core.audio()))
-    assert np.array_equal(core.ram(), envs.unwrapped.members[1].ram())
+    assert np.array_equal(core.ram(), envs.unwrapped.lanes[1].ram())
     envs.close()
     path = tmp_path / "videos" / "rl-video-episode-0.mkv"
     read = video_frames(path)
@@ -275,11 +275,11 @@ def test_it_synchronizes_with_environments_that_were_restored_or_changed(tmp_pat
     saved = vector.snapshot()
     envs.step(np.array([2, 3]))
     vector.restore(None, saved)
-    vector.members[1].set_ram(3, 7)
+    vector.lanes[1].set_ram(3, 7)
     envs.step(np.array([0, 3]))
     for shadow in envs._shadows:
-        assert np.array_equal(shadow.core.ram(), vector.members[shadow.index].ram())
-        assert np.array_equal(shadow.screen, vector.members[shadow.index].screen_rgb())
+        assert np.array_equal(shadow.core.ram(), vector.lanes[shadow.index].ram())
+        assert np.array_equal(shadow.screen, vector.lanes[shadow.index].screen_rgb())
     envs.close()
 
 

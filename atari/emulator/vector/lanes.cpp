@@ -1,4 +1,4 @@
-#include "members.hpp"
+#include "lanes.hpp"
 
 #include <algorithm>
 #include <map>
@@ -8,7 +8,7 @@
 namespace atari {
 namespace {
 
-void check(const MemberSpec& spec, int players) {
+void check(const LaneSpec& spec, int players) {
     if (!spec.game) throw std::invalid_argument("each environment needs a game");
     if (spec.game->players < players) throw std::invalid_argument("a game has rules for fewer players");
     for (int action : spec.actions)
@@ -30,15 +30,15 @@ Seed seed_of(const SeedWords& words) {
     return seed;
 }
 
-std::vector<VectorEngine::Member> make_members(const std::vector<MemberSpec>& specs, const EpisodeSettings& episode,
+std::vector<VectorEngine::Lane> make_lanes(const std::vector<LaneSpec>& specs, const EpisodeSettings& episode,
                                                const ObservationSettings& observation) {
     episode.check();
     if (observation.stack_num < 1 || observation.stack_num > 10'000)
         throw std::invalid_argument("stack_num must be within 1..10000");
-    std::vector<VectorEngine::Member> members;
+    std::vector<VectorEngine::Lane> lanes;
     std::map<int, std::shared_ptr<const Resizer>> resizers;  // by height of the screen
     std::map<const Game*, const Environment*> twins;         // the first environment of each game
-    for (const MemberSpec& spec : specs) {
+    for (const LaneSpec& spec : specs) {
         check(spec, episode.players);
         const Environment*& twin = twins[spec.game.get()];
         const Seed seed = seed_of(spec.seed);
@@ -51,11 +51,11 @@ std::vector<VectorEngine::Member> make_members(const std::vector<MemberSpec>& sp
             resizer =
                 std::make_shared<const Resizer>(environment->height(), observation.img_height, observation.img_width);
         auto stack = std::make_unique<ObservationStack>(FrameSource(*environment), observation, resizer);
-        members.push_back({std::make_unique<Episode>(std::move(environment), std::move(stack), episode,
+        lanes.push_back({std::make_unique<Episode>(std::move(environment), std::move(stack), episode,
                                                      start_actions(spec.actions, spec.action_set), seed),
                            spec.actions});
     }
-    return members;
+    return lanes;
 }
 
 }  // namespace atari

@@ -1,4 +1,4 @@
-"""`Member`: one environment of a vector."""
+"""`Lane`: one environment of a vector."""
 
 from collections.abc import Callable, Sequence
 from types import SimpleNamespace
@@ -46,7 +46,7 @@ class AddedWrites:
             engine.remove_write(index, last)  # the first that is equal
 
 
-class Member:
+class Lane:
     """The state of environment `index` of a vector: its numbers, RAM, screen, mode and difficulty.
 
     Not to be used between `send` and `recv` (RuntimeError), nor once the vector is closed (ClosedEnvironmentError).
@@ -111,7 +111,7 @@ class Member:
 
     @property
     def ale(self) -> AleInterface:
-        """The methods of ale-py's `ALEInterface` for what a member has.
+        """The methods of ale-py's `ALEInterface` for what a lane has.
 
         These are lives, frame numbers, RAM, the RGB screen, action sets, modes and difficulties. The others, such as
         `act` and `reset_game`, raise AttributeError: the vector plays the game.

@@ -1,4 +1,4 @@
-// `make_members`: makes the environments of a vector engine from their declarations in Python.
+// `make_lanes`: makes the environments of a vector engine from their declarations in Python.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ using SeedWords = std::array<uint32_t, 9>;  // the emulator's, then those of `Se
 Seed seed_of(const SeedWords& words);
 
 // The differences between the environments of a vector.
-struct MemberSpec {
+struct LaneSpec {
     std::shared_ptr<const Game> game;
     std::vector<int> actions;     // ALE's number of each action index that the user gives
     std::vector<int> action_set;  // the actions that the game uses
@@ -23,7 +23,7 @@ struct MemberSpec {
 };
 
 // Throws std::invalid_argument if a setting is out of range or a size cannot be made.
-std::vector<VectorEngine::Member> make_members(const std::vector<MemberSpec>& specs, const EpisodeSettings& episode,
+std::vector<VectorEngine::Lane> make_lanes(const std::vector<LaneSpec>& specs, const EpisodeSettings& episode,
                                                const ObservationSettings& observation);
 
 }  // namespace atari
