@@ -76,7 +76,6 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
 
     Example:
         >>> import atari
-        >>> import atari
         >>> atari.AtariVectorEnv("breakout", 8, preset="dqn2015").reset(seed=0)[0].shape
         (8, 4, 84, 84)
     """
