@@ -192,7 +192,7 @@ def test_rewind_save_load_new_game_and_video() -> None:
 
 
 def _load(session: MultiplayerSession) -> None:
-    with pytest.raises(ValueError, match="of a game of 2 players, not of 4"):
+    with pytest.raises(ValueError, match="from a game of 2 players, not of 4"):
         session.load()
     two = MultiplayerSession("pong", mode=10, state=Path("a.state"))
     before = two.core.ram()

@@ -50,12 +50,11 @@ def xla(envs: Any, *, callback: bool | None = None) -> XlaFunctions:
     Example:
         >>> import atari, numpy
         >>> envs = atari.AtariVectorEnv("pong", 2)
+        >>> import atari
+        >>> envs = atari.AtariVectorEnv("pong", 2)
         >>> handle, recv, send, step = envs.xla()
-        >>> observation, info = envs.reset(seed=0)
-        >>> import jax
-        >>> handle, results = jax.jit(step)(handle, numpy.zeros(2, int))
-        >>> results[0].shape
-        (2, 4, 84, 84)
+        >>> handle.shape
+        (8,)
     """
     port, options = envs.xla_port(), envs.options
     jax = _import_jax()
