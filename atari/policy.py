@@ -108,10 +108,10 @@ class LoadedPolicy:
         return self.checked(self.choose(observations, lanes)[0], lanes)
 
     def checked(self, actions: Array, lanes: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
-        """What `choose` has returned as actions, if it is one action of the game for each lane.
+        """The actions that `choose` has returned, checked: one action of the game for each lane.
 
         Raises:
-            ValueError: it is anything else.
+            ValueError: they are no such actions.
         """
         if actions.dtype.kind not in "iu" or actions.shape != (len(lanes),):
             got = f"{actions!r:.60}" if actions.dtype.kind == "O" else f"{actions.dtype} {actions.shape}"
