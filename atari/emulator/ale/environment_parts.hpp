@@ -52,7 +52,7 @@ struct Environment::Parts {
     void press_select(int64_t frames);
     void spend(int frames);
 
-    // sticky_actions.cpp
+    // frame_skip_and_sticky_actions.cpp
     OfPlayers<int> act(const OfPlayers<int>& actions, int players, float strength);
     void draw_sticky_actions(const OfPlayers<int>& actions, int players, float strength);
 
