@@ -59,8 +59,7 @@ class Emulator : Exclusive {
              const std::vector<double>& player_probabilities) {
         if (frame_skip < 1 || frame_skip > kMaxFrameSkip)
             throw std::invalid_argument("frame_skip must be within 1..10000");
-        const Settings settings{probability,   frame_skip,           max_frames,
-                                sound,         color_averaging,     plain,
+        const Settings settings{probability,   frame_skip,           max_frames,          sound, color_averaging, plain,
                                 one_generator, second_player_starts, player_probabilities};
         environment_ = std::make_unique<Environment>(game.value, settings, seed);
     }

@@ -31,7 +31,7 @@ Seed seed_of(const SeedWords& words) {
 }
 
 std::vector<VectorEngine::Lane> make_lanes(const std::vector<LaneSpec>& specs, const EpisodeSettings& episode,
-                                               const ObservationSettings& observation) {
+                                           const ObservationSettings& observation) {
     episode.check();
     if (observation.stack_num < 1 || observation.stack_num > 10'000)
         throw std::invalid_argument("stack_num must be within 1..10000");
@@ -52,8 +52,8 @@ std::vector<VectorEngine::Lane> make_lanes(const std::vector<LaneSpec>& specs, c
                 std::make_shared<const Resizer>(environment->height(), observation.img_height, observation.img_width);
         auto stack = std::make_unique<ObservationStack>(FrameSource(*environment), observation, resizer);
         lanes.push_back({std::make_unique<Episode>(std::move(environment), std::move(stack), episode,
-                                                     start_actions(spec.actions, spec.action_set), seed),
-                           spec.actions});
+                                                   start_actions(spec.actions, spec.action_set), seed),
+                         spec.actions});
     }
     return lanes;
 }

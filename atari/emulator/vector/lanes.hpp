@@ -24,6 +24,6 @@ struct LaneSpec {
 
 // Throws std::invalid_argument if a setting is out of range or a size cannot be made.
 std::vector<VectorEngine::Lane> make_lanes(const std::vector<LaneSpec>& specs, const EpisodeSettings& episode,
-                                               const ObservationSettings& observation);
+                                           const ObservationSettings& observation);
 
 }  // namespace atari
