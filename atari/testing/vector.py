@@ -110,7 +110,8 @@ def _check_spaces(envs: Any) -> None:
 def ended(result: tuple[Any, ...]) -> Bools:
     """The environments (n,) whose episode a step has ended; with several players, for all of them."""
     ends: Bools = result[2] | result[3]
-    return np.logical_and.reduce(ends.reshape(len(ends), -1), axis=1)
+    of_all: Bools = np.logical_and.reduce(ends.reshape(len(ends), -1), axis=1)
+    return of_all
 
 
 def _rollout(envs: Any, mode: AutoresetMode, actions: list[Any]) -> Results:
