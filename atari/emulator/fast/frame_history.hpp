@@ -62,11 +62,10 @@ class FrameHistory {
     // needs, or null.
     FrameLog& begin_frame(const Tia& start, const TiaWrite* rendered);
     FrameLog& current() { return logs_[marks_.current]; }
-    // Ends the frame, which `buffer` is now owed.
+    // Ends the running frame. Framebuffer `buffer` is owed this frame from now on.
     void end_frame(int buffer) { marks_.owed[buffer] = marks_.last = marks_.current; }
 
-    // To be passed to `give_up_frame`, which restores what this returned before `begin_frame`. Reads of latches stay
-    // noted.
+    // The marks before `begin_frame` are passed to `give_up_frame`, which restores them. Reads of latches stay noted.
     const Marks& marks() const { return marks_; }
     void give_up_frame(const Marks& before);
 

@@ -64,8 +64,8 @@ struct TiaRegister {
     uint8_t bits = 0;  // the bits of a value that the register has
     // The clocks after which a write takes effect, by the two low bits of its cycle in the line.
     std::array<uint8_t, 4> delay{};
-    // The objects that a write may make visible, or whose position or reflection it sets or reads, a bit each; and
-    // kPlacing.
+    // A set of objects, and kPlacing: the objects that a write may make visible, or whose position or reflection it
+    // sets or reads.
     uint8_t objects = 0;
     Collides collides = Collides::kAlways;
 };

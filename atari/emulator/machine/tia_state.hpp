@@ -16,7 +16,7 @@ enum MissileVariant : uint8_t { kPlain, kWide, kOff };  // the shape of missile 
 // cycle.
 struct TiaCommon {
     int32_t drawn_to;    // the framebuffer is complete up to this clock
-    int32_t pending;     // and may be rendered with the present state up to this one
+    int32_t pending;     // the present state is valid up to this clock
     uint32_t playfield;  // 20 bits: PF0 high nibble, PF1, PF2
     uint8_t vblank, ctrlpf;
     uint8_t nusiz[2], colour[4];  // colour: P0, P1, PF, BK

@@ -43,7 +43,7 @@ enum class Operand : uint8_t {
 };
 // clang-format on
 
-// Returns the kind of operand that a TIA register is to a store.
+// Returns the kind of operand of a store to a TIA register.
 constexpr Operand stored_in(uint8_t reg) {
     switch (kTiaRegisters[reg].store) {
         case TiaStore::kWsync: return Operand::Wsync;
@@ -107,7 +107,7 @@ constexpr uint32_t modify_cost(Operand operand) {
 
 enum Handler : uint16_t {
     kStep,        // falls back to the plain interpreter for one instruction
-    kLoop,        // a loop of which all rounds but the last can be skipped (loops.hpp)
+    kLoop,        // a loop whose rounds can be skipped, except the last (loops.hpp)
     kRamCode,     // an instruction in RAM, which may have changed since it was decoded
     kTranslated,  // only reached through `code`: translated code begins here (translated_code.hpp)
 #define SINGLE(operation, operand) operation##_##operand,

@@ -37,7 +37,7 @@ struct JumpLabel {
 
 // A forward jump with a distance of one byte. `bind_short` sets its target.
 struct ShortJump {
-    std::size_t end;  // of the jump instruction
+    std::size_t end;  // the end of the jump instruction
 };
 
 class Assembler {

@@ -7,7 +7,7 @@
 namespace atari {
 namespace {
 
-// --- which instructions there are ---
+// --- the instructions of an image ---
 
 struct Found {
     std::vector<bool> is_instruction, is_leader;
@@ -65,7 +65,7 @@ class Finder {
     Found found_;
 };
 
-// --- what an instruction does ---
+// --- properties of an instruction ---
 
 // clang-format off
 constexpr bool is_read_inline(Operand operand) {
