@@ -19,7 +19,7 @@ class ResetTrace {
   public:
     static constexpr int kFrames = kNoopFrames + kResetFrames, kCheckpoints = 4;
 
-    // Adds the frame that ran last. False if the program can have no trace.
+    // Adds the frame that ran last. Returns false if the program can have no trace.
     bool add(Console& console, int frame);
     void end(const Console& console);  // after the last frame
 

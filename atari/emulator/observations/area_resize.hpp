@@ -52,7 +52,7 @@ class AreaResize {
     struct Tap {  // the share of a source pixel in a result
         int source, result;
         float weight;
-        bool first, last;  // of the taps of the result
+        bool first, last;  // whether it is the result's first or last tap
     };
     // Neighbouring results that are computed at once and depend on pixels close together.
     struct Window {
@@ -71,7 +71,7 @@ class AreaResize {
     SimdLevel level_;
     std::vector<Tap> down_;  // ordered by source, and so by result
     std::vector<Sources> sources_;
-    std::vector<size_t> first_taps_;                // of each result, in down_
+    std::vector<size_t> first_taps_;                // by result, an index into down_
     std::vector<Window> windows_;                   // 21 at most
     uint32_t windows_with_[kScreenWidth / 8] = {};  // by columns 8k .. 8k+7, the windows in them, a bit each
     std::vector<Taps> across_;                      // depth_ for each window

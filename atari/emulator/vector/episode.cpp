@@ -37,7 +37,7 @@ Outcome Episode::step(const int* actions, float strength) {
     return outcome;
 }
 
-// The engine plays the idle action of players who are out.
+// The engine plays the idle action for players who are out.
 Episode::Move Episode::move_of(const int* actions, float strength) const {
     Move move{{}, strength};
     for (int player = 0; player < settings_.players; ++player) {
