@@ -36,9 +36,9 @@ void expect(bool good, const char* what) {
 // Rejects input that the binding rejects before it reaches the emulator. The run of the input ends.
 [[noreturn]] void refuse() { throw std::invalid_argument("the binding rejects this"); }
 
-// Limits that reach every state of interest, and with which most inputs take milliseconds.
+// Limits that reach every state of interest. With them most inputs take milliseconds.
 constexpr int kSteps = 64, kFrames = 6, kActs = 6, kResets = 2;
-constexpr size_t kInstructions = 80;  // of a rule program
+constexpr size_t kInstructions = 80;  // in a rule program
 
 std::shared_ptr<const FastCartridge> read_cartridge(Reader& in) {
     static const char* const kTypes[] = {"",     "2K", "4K", "F8", "F8 SWAPPED", "F6", "F4", "F8SC", "F6SC", "F4SC",

@@ -40,8 +40,8 @@ class Labels {
     // label that is not visible is 0.
     void evaluate(const uint8_t* ram, size_t rows, int32_t* values, uint8_t* visible) const;
 
-    // Returns the byte that gives a label this value in this RAM, or -1 if no byte does. Several bytes: the fewest
-    // changed bits decide, then the lowest byte.
+    // Returns the byte that gives a label this value in this RAM, or -1 if no byte does. If several bytes do, the
+    // fewest changed bits decide, then the lowest byte.
     int byte_of(size_t label, const uint8_t* ram, int32_t value) const;
     // Writes the label's value for each of the 256 bytes, and whether a write may write that byte.
     void all_values(size_t label, const uint8_t* ram, int32_t* values, bool* writable) const;

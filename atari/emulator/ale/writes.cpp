@@ -51,8 +51,8 @@ int32_t label_value(const Write& write, Host& host, uint8_t byte) {
     return value;
 }
 
-// Returns the byte that a write stores, or -1 if the label cannot have the value. Several bytes: the fewest changed
-// bits decide, then the lowest byte, as in Labels::byte_of.
+// Returns the byte that a write stores, or -1 if the label cannot have the value. If several bytes give the label the
+// value, the fewest changed bits decide, then the lowest byte, as in Labels::byte_of.
 int target_byte(const Write& write, Host& host, uint8_t now, int32_t value) {
     if (!write.of_label) return (now & ~write.mask) | (value & write.mask);
     if (label_value(write, host, now) == value) return now;

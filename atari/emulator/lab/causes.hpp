@@ -44,7 +44,8 @@ inline constexpr int kForkEffectNumbers = sizeof(ForkEffect) / sizeof(int32_t);
 
 class Causes {
   public:
-    // `values` forks of each byte and state, of at most `frames` frames, by this number of threads.
+    // Each byte of each state gets `values` forks, which last at most `frames` frames and are played by `threads`
+    // threads.
     Causes(std::shared_ptr<const Game> game, int values, int frames, int threads, uint64_t seed);
     ~Causes();
 

@@ -14,9 +14,9 @@ class PackedFrames {
   public:
     PackedFrames(const Geometry& geometry, uint8_t* bytes);
 
-    // Whether a row with a final observation in each lane fits.
+    // Returns whether a row with a final observation in each lane fits.
     bool has_space() const { return free_.size() >= chunks_of_row_; }
-    // The newest row in the chunk that becomes free next.
+    // The newest row in the chunk that becomes free next; -1 if no chunk is in use.
     int64_t next_release() const { return used_.empty() ? -1 : used_.front().newest; }
     // Frees the chunks that have no row from `oldest` on.
     void release(int64_t oldest);

@@ -28,7 +28,7 @@ struct EpisodeSettings {
     FirePress fire = FirePress::kBeforeNoops;  // in games that have FIRE
     bool fire_counts = true;                   // whether FIRE is one of the no-ops
     bool third_action = false;                 // whether the action with index 2 follows FIRE
-    Unit fire_unit = Unit::kFrame;             // the duration of each
+    Unit fire_unit = Unit::kFrame;             // the duration of FIRE, and of the third action
     bool fire_again = false;                   // whether both follow a game that ended in the no-ops, too
 
     // The effects of a lost life.
@@ -39,7 +39,7 @@ struct EpisodeSettings {
     bool seamless_lives = false;  // a lost life neither cuts a skip nor clears the stack
     bool life_loss_info = false;  // a lost life is reported, and ends nothing
 
-    // When an episode is truncated.
+    // The limits at which an episode is truncated.
     std::optional<int> max_frames = 108000;  // a game's, without the frames that begin it inside of the skip
     std::optional<int> max_episode_steps;
     std::optional<int> max_num_frames_per_episode;  // the emulator's: all frames of a game count
