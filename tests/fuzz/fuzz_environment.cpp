@@ -1,10 +1,10 @@
 // The fuzz target: runs what an input describes, and checks the properties that hold for every input.
 //
-// An input is a cartridge, the options of a console, and one of two scenarios: the bare console, whose frames take
-// little time, or a whole environment with rules, whose construction alone takes 68 frames. Both end with a sequence of
-// steps, some of which load damaged states. The emulator must not crash, hang, execute undefined behaviour, or throw
-// anything but the two documented exceptions. Every input runs on the fast core and on the reference core, whose
-// results must be equal. seeds.cpp describes inputs and writes the seeds.
+// An input is a cartridge, the options of a console, and one of two scenarios. One is the bare console, whose frames
+// take little time. The other is a whole environment with rules, whose construction alone takes 68 frames. Both end
+// with a sequence of steps. Some steps load damaged states. The emulator must not crash, hang, execute undefined
+// behaviour, or throw anything but the two documented exceptions. Every input runs on the fast core and on the
+// reference core, whose results must be equal. seeds.cpp describes inputs and writes the seeds.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>

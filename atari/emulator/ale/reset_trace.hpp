@@ -1,4 +1,4 @@
-// `ResetTrace`: the frames between a console's reset and the selection of a mode, stored once for a game and its settings.
+// `ResetTrace`: the frames between a console's reset and the selection of a mode. A game and its settings have one.
 #pragma once
 
 #include <cstdint>

@@ -38,7 +38,7 @@ class FrameHistory {
         int last = -1;                    // the log of the frame before the next one, if that frame was logged
         int owed[2] = {-1, -1};           // by framebuffer: the log to be rendered into it
         int pending = -1;                 // the log with the first write from which unwatched latches are pending
-        std::ptrdiff_t pending_from = 0;  // that write's index in the log
+        std::ptrdiff_t pending_from = 0;  // the index of that write in the log
         unsigned read = 0;                // latches that the game has ever read
         unsigned watched = 0xffff;        // latches that are kept up to date
         bool cleared = false;             // CXCLR was written in the frame that is running, or in the last one

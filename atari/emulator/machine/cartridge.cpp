@@ -45,7 +45,7 @@ constexpr std::array<TypeRow, 19> kTypes = {{
 
 const TypeRow& row(CartridgeType type) { return kTypes[static_cast<size_t>(type)]; }
 
-// Returns how often `signature` occurs. As in the reference, the last possible position is not tried. After a match,
+// Returns how often `signature` occurs. The last possible position is not tried, as in the reference. After a match,
 // the search skips one byte.
 int occurrences(const Bytes& image, std::initializer_list<uint8_t> signature) {
     int found = 0;

@@ -36,10 +36,10 @@ enum class TiaStore : uint8_t {
     kVblank,
     kWsync,
     kValue,   // only holds its value: a write of an equal value changes nothing
-    kNusiz,   // as kValue, unless a strobe hides a copy, or the Cosmic Ark effect is active
-    kCtrlpf,  // as kValue, unless a late reflect is pending
+    kNusiz,   // kValue, unless a strobe hides a copy, or the Cosmic Ark effect is active
+    kCtrlpf,  // kValue, unless a late reflect is pending
     kGrp0,
-    kGrp1,    // as kValue, unless a delayed copy changes
+    kGrp1,    // kValue, unless a delayed copy changes
     kStrobe,  // acts at every write
     kMotion,  // its value takes effect when HMOVE is written
     kHmove,

@@ -24,7 +24,7 @@ struct TiaCommon {
     Flag vdelp[2], enam[2], resmp[2];
     Flag enabl, old_enabl;
     Flag skip_first[2];  // a player's first copy is hidden until the end of the line
-    Flag pf_reflect;     // as latched, not as in CTRLPF
+    Flag pf_reflect;     // the latched bit, not that of CTRLPF
     MissileVariant m0_variant;
     Flag hmove_blank, cosmic_ark;
     uint8_t ark_counter;

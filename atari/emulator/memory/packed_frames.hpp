@@ -26,8 +26,8 @@ class PackedFrames {
     const uint8_t* find(PackedFrame frame) const;
     size_t used_bytes() const { return used_.size() * chunk_; }
 
-    // `clear` removes all frames; then `enter` adds the frames of a file one by one, and returns false for a frame that
-    // does not lie within one chunk; `finish_entering` makes the lists of chunks.
+    // `clear` removes all frames. Then `enter` adds the frames of a file one by one, and returns false for a frame that
+    // does not lie within one chunk. At the end `finish_entering` makes the lists of chunks.
     void clear();
     bool enter(PackedFrame frame, int64_t row);
     void finish_entering();

@@ -15,9 +15,9 @@ namespace atari {
 // Reduces a gray frame, rows x 160, to height x width. Each result is the mean of the area that it covers. Immutable,
 // so threads may share one.
 //
-// Serves up to kFrameRows rows, heights 1..rows and widths 11..160, except sizes that divide the frame's in both
-// directions (105 x 80 of 210 x 160): for those OpenCV rounds differently. For sizes larger than the frame, INTER_AREA
-// interpolates.
+// Serves up to kFrameRows rows, heights 1..rows and widths 11..160. Sizes that divide the frame's in both directions
+// (105 x 80 of 210 x 160) are excluded, because OpenCV rounds differently for them. For sizes larger than the frame,
+// INTER_AREA interpolates.
 class AreaResize {
   public:
     // Throws std::invalid_argument if the size is not served.

@@ -1,8 +1,8 @@
 // The extension module atari._emulator: thin bindings of `Environment`. Python validates the options
 // (atari/cores/native.py). This file also validates arguments that could cause undefined behaviour.
 //
-// No Python object is released without the GIL; no lock and no join is held or waited for with the GIL. threads.hpp has
-// the whole rule, and the classes that keep it.
+// No Python object is released without the GIL. A thread with the GIL waits for no lock and joins no thread.
+// threads.hpp has the whole rule, and the classes that keep it.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>

@@ -54,7 +54,7 @@ struct ErrorCreateArguments {
     ErrorCode code;
 };
 
-// XLA's functions. Those after the first are left out.
+// XLA's functions; only the first is declared.
 struct Api {
     size_t struct_size;
     Extension* extensions;

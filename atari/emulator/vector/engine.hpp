@@ -72,9 +72,9 @@ class VectorEngine {
         apply_restore(slot(environment));
         return *slot(environment).lane.episode;
     }
-    // Returns RAM, 128 bytes. kNow is the present RAM. kResult is that of the last result: all lanes' copies lie side
-    // by side and are faster to read. kFinal is the RAM at the episode's end, if one ended and was reset in the last
-    // step; otherwise it is kResult.
+    // Returns RAM, 128 bytes. By kNow: the present RAM. By kResult: the RAM of the last result, whose copies lie side
+    // by side and are faster to read. By kFinal: the RAM at the end of an episode, if one ended and was reset in the
+    // last step, otherwise the RAM of kResult.
     enum class RamOf { kNow, kResult, kFinal };
     const uint8_t* ram(int environment, RamOf of) {
         if (of == RamOf::kNow) return episode(environment).environment().ram();

@@ -11,7 +11,7 @@ namespace atari {
 enum class FirePress { kNever, kBeforeNoops, kAfterNoops };
 enum class Unit { kFrame, kSkip };                  // single frames inside of the frame skip, or whole skips
 enum class OnReset { kNoop, kContinue, kNewGame };  // the effect of a reset after a lost life
-enum class Seeding { kGymnasium, kAle };            // that of AtariEnv.reset, or of ale-py's vector environment
+enum class Seeding { kGymnasium, kAle };            // the seeds of AtariEnv.reset, or of ale-py's vector environment
 
 // The defaults are those of ale-py's vector environment.
 struct EpisodeSettings {
@@ -19,8 +19,8 @@ struct EpisodeSettings {
     double repeat_action_probability = 0.0;
     Seeding seeding = Seeding::kAle;
     std::pair<int, int> frameskip{4, 5};  // each step draws from first .. second-1
-    // Whether the rest of a skip is acted out after the end of an episode, as by AtariEnv without wrappers. No frame is
-    // played then, but sticky actions draw.
+    // If true, the rest of a skip is acted out after the end of an episode, as by AtariEnv without wrappers. No frame
+    // is played then, but sticky actions draw.
     bool acts_after_end = false;
 
     // How an episode begins.

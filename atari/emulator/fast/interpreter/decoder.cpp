@@ -217,7 +217,7 @@ DecodedInstruction decode(const uint8_t* bytes, int available, const Cartridge& 
     if (opcode.form == Rel) {
         const int distance = static_cast<int8_t>(bytes[1]);
         instruction.jump = static_cast<int16_t>(2 + distance);
-        // `bytes` gives only the position in a bank. Whether a branch crosses a page depends on the low eight bits.
+        // `bytes` gives only the position in a bank. Its low eight bits decide whether a branch crosses a page.
         instruction.operand = static_cast<uint16_t>(distance & 0xff);
         instruction.handler = kSingles[opcode.operation][static_cast<size_t>(Operand::Rel)];
         return instruction;

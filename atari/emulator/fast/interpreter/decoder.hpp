@@ -1,6 +1,6 @@
 // Decodes a cartridge's code once: a decoded instruction for every byte of the image at which an instruction may begin.
 //
-// A decoded instruction names its handler, which is chosen by the operation and by the kind of its operand, so that the
+// A decoded instruction names its handler. The operation and the kind of its operand select the handler, so that the
 // handler decides nothing at run time that the decoder can decide. A jump into the middle of an instruction finds a
 // decoded instruction there too, so no analysis of the program is needed. Rare instructions, and those whose effect
 // depends on the bus, get the handler `kStep`: they fall back to the plain interpreter. Decoded instructions never
@@ -146,9 +146,9 @@ bool is_branch(uint16_t handler);
 // Returns whether both bytes of a zero-page pointer are in RAM. The second byte must not be the TIA's $0100.
 constexpr bool pointer_in_ram(uint32_t zero_page) { return zero_page - 0x80 < 0x7f; }
 
-// Decodes the instruction that begins at `bytes`, `available` bytes before the end of its slice or of RAM. `bank` is the
-// image of the window that the instruction runs in. It is null if that window is not one bank, so that the operand's
-// bytes may change.
+// Decodes the instruction that begins at `bytes`, which is `available` bytes before the end of its slice or of RAM.
+// `bank` is the image of the window that the instruction runs in. It is null if that window is not one bank, so that
+// the operand's bytes may change.
 DecodedInstruction decode(const uint8_t* bytes, int available, const Cartridge& cartridge, const uint8_t* bank);
 
 // Returns a decoded instruction for each byte of the image, and one more, on which execution leaves the image.

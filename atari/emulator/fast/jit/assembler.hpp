@@ -1,5 +1,5 @@
 // An assembler of the x86-64 instructions that the JIT translator (translator.cpp) needs: instructions with two
-// operands, one of which may be in memory, and jumps, which may be emitted before their target.
+// operands, and jumps. One operand may be in memory. A jump may be emitted before its target.
 #pragma once
 
 #include <cstddef>
