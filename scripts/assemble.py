@@ -12,7 +12,7 @@ A line is `label:`, `NAME = expression`, a directive or an instruction, each wit
     sta HMP0,x            indexed;  lda (ptr),y  and  lda (ptr,x)  indirect;  asl  the accumulator
     bne Loop              relative
 
-Expressions are numbers (12, $0C, %1100), names, `+`, `-`, and `<` or `>` in front for the low or high byte. The
+Expressions are numbers (12, $0C, %1100), names, `+`, `-`, and a leading `<` or `>` for the low or high byte. The
 documented opcodes are those of `atari/emulator/machine/opcodes.def`.
 """
 
@@ -43,7 +43,7 @@ class AssemblyError(Exception):
 
 @dataclass(frozen=True)
 class Item:
-    """A piece of output: where it goes, which line it is from, and its instruction or directive."""
+    """A piece of output: its address, its line in the source, and its instruction or directive."""
 
     address: int
     number: int

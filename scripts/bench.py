@@ -3,7 +3,7 @@
 
 Suites:
     raw     one emulated frame, resets not counted: `NativeCore.act` beside ale-py's `ALEInterface.act`; then the same
-            with the screen read as RGB after every frame, into an array that is there already
+            with the screen read as RGB after every frame, into an existing array
     state   construction with loading and first reset; reset; reset with a seed; clone and restore of the state: the
             native core beside ale-py's raw interface
     env     one step of an environment with RGB observations, resets not counted: `AtariEnv` beside ale-py's `AtariEnv`
@@ -77,7 +77,7 @@ def measure(comparisons: list[Comparison], game: str, steps: int, rounds: int) -
 
 
 def ratios(results: dict[str, Times], name: str, reference: str) -> dict[str, float]:
-    """By game, how many times as fast as the reference a contestant is."""
+    """By game, a contestant's speed as a multiple of the reference's."""
     return {
         game: statistics.median(times[reference]) / statistics.median(times[name]) for game, times in results.items()
     }

@@ -140,14 +140,14 @@ def measure_ray(game: str, seconds: float) -> None:
 
 @dataclass(frozen=True)
 class Cluster:
-    """What the simulation assumes.
+    """The assumptions of the simulation.
 
     Attributes:
         step_rate: environment steps a second of a core, as rollouts.
         cores: actors of a node.
         batch: steps of a batch.
-        step_bytes: of a rollout, over the network.
-        driver_seconds: of the learner's process for a batch.
+        step_bytes: bytes of a step of a rollout, over the network.
+        driver_seconds: seconds of the learner's process for a batch.
         network: bytes a second into the learner's node.
     """
 
@@ -160,10 +160,10 @@ class Cluster:
 
 
 def simulate(nodes: int, cluster: Cluster, in_flight: int = 2, seconds: float = 4.0) -> tuple[float, str]:
-    """Delivered steps a second, and what was busy all the time.
+    """Delivered steps a second, and the part of the cluster that was busy all the time.
 
-    Actors play batches of times that vary by a fifth; the network and the learner's process serve them one by one, in
-    the order in which they were played. Batch n + in_flight of an actor begins after batch n was delivered.
+    Actors play batches whose durations vary by a fifth. The network and the learner's process serve batches one by one,
+    in the order in which they were played. Batch n + in_flight of an actor begins after batch n was delivered.
     """
     random = np.random.default_rng(0)
     actors = nodes * cluster.cores
@@ -191,7 +191,7 @@ def simulate(nodes: int, cluster: Cluster, in_flight: int = 2, seconds: float = 
 
 
 def show_simulation(cluster: Cluster) -> None:
-    """Print delivered steps for 10, 100 and 1000 nodes, by what crosses the network."""
+    """Print delivered steps for 10, 100 and 1000 nodes, by the data that cross the network."""
     print(f"\nsimulated: {cluster}")
     print(f"{'':34}" + "".join(f"{nodes:>25} nodes" for nodes in (10, 100, 1000)))
     cases = {

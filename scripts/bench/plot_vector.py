@@ -1,5 +1,5 @@
 #!/usr/bin/env python
-"""Draws how many steps a second vector environments make, over their number.
+"""Draws the steps a second of vector environments, over the number of environments.
 
     scripts/bench.py --suite sizes --json sizes.json
     scripts/bench/plot_vector.py sizes.json docs/vector-throughput.svg
@@ -41,7 +41,7 @@ def subtitle(document: dict[str, Any]) -> str:
 
 
 def draw(document: dict[str, Any], path: Path) -> None:
-    """Write the plot; the name's ending says in which format."""
+    """Write the plot; the name's ending selects the format."""
     import matplotlib
 
     matplotlib.use("Agg")

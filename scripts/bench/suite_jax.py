@@ -16,7 +16,7 @@ Run = Callable[[int], float]
 
 
 def contestants() -> Iterator[tuple[str, Callable[[str], Run]]]:
-    """By name, what prepares a game; all have 8 environments of 84x84 and one thread for each core."""
+    """By name, a function that prepares a game; all have 8 environments of 84x84 and one thread for each core."""
     yield "xla() in a scan", partial(scan, native, callback=False)
     yield "callback in a scan", partial(scan, native, callback=True)
     yield "loop", partial(loop, native)
@@ -79,7 +79,7 @@ def scan(make: Callable[[str], Any], game: str, **options: Any) -> Run:
         started = perf_counter()
         jax.block_until_ready(compiled[steps](start, actions))
         taken = perf_counter() - started
-        assert not envs.closed  # and kept: compiled functions do not keep the environments
+        assert not envs.closed  # this line keeps the environments: compiled functions do not
         return taken * steps / actions.size
 
     return run

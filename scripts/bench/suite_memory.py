@@ -26,7 +26,7 @@ MILLION, MANY = 1_000_000, 1000  # steps and environments of memories without fr
 
 @dataclass
 class Stream:
-    """What environments with stacks of four returned, row by row: (rows, lanes, ...)."""
+    """The results of environments with stacks of four, row by row: (rows, lanes, ...)."""
 
     stacks: np.ndarray
     actions: np.ndarray
@@ -130,7 +130,7 @@ def ours_without_frames(game: str) -> Run:
 
 
 def cpprb_without_frames(game: str) -> Run:
-    """The same with cpprb."""
+    """`ours_without_frames` with cpprb."""
     del game
     import cpprb
 
@@ -260,7 +260,7 @@ def dopamine_buffer(by_priority: bool) -> Callable[[str], Run]:
         buffer = replay_buffer.ReplayBuffer(collect, sampler, batch_size=BATCH, max_capacity=STEPS)
         keywords = {"priority": 1.0} if by_priority else {}
         stream = stream_of(game)
-        for lane in range(LANES):  # one environment after the other: it serves one
+        for lane in range(LANES):  # one environment after the other, because the buffer serves one
             for row in range(len(stream.actions)):
                 frame, ended = stream.stacks[row, lane, 3], bool(stream.ended[row, lane])
                 reward = float(stream.rewards[row, lane])

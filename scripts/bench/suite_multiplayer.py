@@ -22,7 +22,7 @@ Prepare = Callable[[str], Callable[[int], float]]
 
 
 def contestants() -> Iterator[tuple[str, Prepare]]:
-    """By name, what prepares a game; both have 8 games and one thread."""
+    """By name, a function that prepares a game; both have 8 games and one thread."""
     yield "native", batches_of(native)
     yield "PettingZoo", batches_of(pettingzoo)
 

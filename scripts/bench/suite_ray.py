@@ -16,7 +16,7 @@ from typing import Any
 
 Run = Callable[[int], float]
 COUNT = 8
-FILTERS = [[16, 4, 2], [32, 4, 2], [64, 4, 2], [128, 4, 2]]  # those of RLlib's examples for Atari
+FILTERS = [[16, 4, 2], [32, 4, 2], [64, 4, 2], [128, 4, 2]]  # the values of RLlib's examples for Atari
 PARTS = {
     "all": "sampling with a network",
     "environment": "of which the vector's step",
@@ -46,7 +46,7 @@ def prepare(side: str, part: str, game: str) -> Run:
 
 
 class Player:
-    """A worker, and what its last sample took."""
+    """A worker, and the CPU seconds of its last sample."""
 
     def __init__(self, actor: Any) -> None:
         self.actor = actor
@@ -126,7 +126,7 @@ class Runner:
 
 
 def configuration(side: str, game: str) -> Any:
-    """PPO's, with RLlib's small network for 64x64 pixels."""
+    """The configuration of PPO, with RLlib's small network for 64x64 pixels."""
     from ray.rllib.connectors.env_to_module.frame_stacking import FrameStackingEnvToModule
     from ray.rllib.core.rl_module.default_model_config import DefaultModelConfig
 

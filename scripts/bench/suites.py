@@ -1,4 +1,4 @@
-"""The suites of `bench.py`: the contestants of each, and how a contestant is prepared for a game and timed."""
+"""The suites of `bench.py`: the contestants of each, and the functions that prepare a game and time it."""
 
 import dataclasses
 import functools
@@ -114,7 +114,7 @@ def vector() -> Iterator[Comparison]:
 
 
 def sizes(counts: Iterable[int]) -> Iterator[Comparison]:
-    """As `vector`, over numbers of environments; for a plot."""
+    """The steps of `vector` over numbers of environments, for a plot."""
     for count in counts:
         sides = [native_envs("native", count), native_envs("native RAM", count, obs_type="ram"), *peer_envs(count)]
         yield Comparison(f"{count} x 84x84 gray", sides, min(4.0, max(0.5, count / 16)))

@@ -32,7 +32,7 @@ FOUND = "found"
 
 
 def outcome(causal_map: CausalMap, game: Game, label: RamLabel) -> str:
-    """Whether the map finds a position label again, or why not."""
+    """Whether the map finds a position label again; if not, the reason."""
     byte = causal_map.bytes[label.index]
     ours = [each for each in causal_map.suggestions if each.index == label.index and each.kind in POSITIONS]
     same = [each for each in ours if each.kind == label.kind]

@@ -24,7 +24,7 @@ MODIFIES = "ASL DEC INC LSR ROL ROR".split()
 BRANCHES = "BCC BCS BEQ BMI BNE BPL BVC BVS".split()
 IMPLIED = "CLC CLD CLI CLV DEX DEY INX INY NOP PHA PHP PLA PLP RTS SEC SED SEI TAX TAY TSX TXA TXS TYA".split()
 
-# The kinds of operand (decoder.hpp says what each is), by addressing form.
+# The kinds of operand (decoder.hpp describes each), by addressing form.
 READ_MODES = {
     "Imm": ["Imm"],
     "Zp": ["Ram", "Input", "PortZ"],
@@ -86,7 +86,7 @@ Pair = tuple[str, str]
 
 
 def uses(runs: Runs, fused: set[Pair]) -> Counter[Pair]:
-    """How often each superinstruction runs: from the start of a run, the next two are one if `fused` has them."""
+    """The uses of each superinstruction: from a run's start, the next two instructions are one if `fused` has them."""
     found = Counter[Pair]()
     for count, names in runs:
         at = 0

@@ -1,7 +1,7 @@
 #!/usr/bin/env python
 """Plays Bowling for its page: tries each way to throw with snapshots, and takes the best one.
 
-A throw is where the bowler stands, and when and to which side the ball curves.
+A throw is the bowler's place, the time before the ball curves, and the side to which it curves.
 """
 
 import argparse
@@ -23,7 +23,7 @@ LONGEST = 180
 
 
 def throw(core: NativeCore, ram: Ram, side: int, steps: int, wait: int, curve: int) -> tuple[list[int], float]:
-    """Stand, throw and curve; the actions until the ball is back, and how good the throw is."""
+    """Stand, throw and curve. Return the actions until the ball is back, and the throw's quality."""
     actions = [side] * steps + [NOOP] + [FIRE] * 8 + [NOOP] * wait + [curve] * 40
     actions += [NOOP] * (LONGEST - len(actions))
     played, reward, fallen = [], 0.0, 0

@@ -32,14 +32,14 @@ def board(core: NativeCore) -> npt.NDArray[np.bool_]:
 
 
 def quality(cells: npt.NDArray[np.bool_]) -> float:
-    """The greater, the better: heights, holes and steps between columns."""
+    """The quality of a board, from its heights, holes and steps between columns."""
     heights = np.where(cells.any(0), ROWS - cells[::-1].argmax(0), 0)
     holes = heights.sum() - cells.sum()
     return float(-0.5 * heights.sum() - 4.0 * holes - 0.7 * abs(np.diff(heights)).sum() - 0.02 * (heights**2).sum())
 
 
 def drop(core: NativeCore, actions: list[int]) -> tuple[list[int], float]:
-    """Play the actions and then let the piece fall; all the actions, and the rewards."""
+    """Play the actions and then let the piece fall. Return all actions, and the sum of the rewards."""
     played, rewards = [], 0.0
     for action in actions:
         rewards += core.act(action)

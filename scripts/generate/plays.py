@@ -73,7 +73,7 @@ def random_score(game: str, frames: int, **options: Any) -> float:
 
 
 def make(game: str, *, seconds: float, effort: Effort, method: str, seed: int, **options: Any) -> dict[str, Any]:
-    """Make a play of a game, keep it if it is better than the one there is, and return its facts."""
+    """Make a play of a game, keep it if it is better than the present one, and return its facts."""
     actions = play(game, seconds=seconds, effort=effort, method=method, seed=seed, **options)
     first = "went back to the places it had reached and explored from them, then " if method == "explore" else ""
     how = (
@@ -84,7 +84,7 @@ def make(game: str, *, seconds: float, effort: Effort, method: str, seed: int, *
 
 
 def keep(game: str, actions: Sequence[int], *, policy: str, how: str, **options: Any) -> dict[str, Any]:
-    """Record the actions, and replace the game's file if the score is higher; the facts of the new play."""
+    """Record the actions, replace the game's file if the score is higher, and return the facts of the new play."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"{game}.a26"
         score = int(record(game, actions, path, **options))
@@ -108,7 +108,7 @@ def keep(game: str, actions: Sequence[int], *, policy: str, how: str, **options:
 
 
 def check(game: str, facts: dict[str, Any]) -> bool:
-    """Whether the file is as the index says, and plays as it did."""
+    """Whether the file agrees with the index, and plays with the recorded result."""
     replay = Replay.load(FOLDER / f"{game}.a26")
     score = sum(episode.score for episode in replay.episodes)
     same = (score, replay.frames_total) == (facts["score"], facts["frames"]) and bool(replay.verify())

@@ -19,7 +19,7 @@ OUTPUT = Path(__file__).parents[2] / "atari" / "learning" / "evaluation" / "data
 
 
 def facts(sticky: float, noops: int, actions: str, max_frames: int | None, phase: str) -> dict[str, Any]:
-    """The facts that must be equal to compare scores; None is not stated. All sources play four frames an action."""
+    """The facts that must be equal to compare scores; None means not stated. All sources play four frames an action."""
     return {
         "repeat_action_probability": sticky,
         "noop_max": noops,
@@ -57,7 +57,7 @@ ALIASES = {
     "dreamerv3/ppo": "dreamerv3/atari57/ppo",
     "dreamerv3/muzero": "dreamerv3/atari57/muzero",
 }
-"""Short names of agents; `cleanrl/ppo` is the one with all 57 games."""
+"""Short names of agents; `cleanrl/ppo` has all 57 games."""
 
 PFRL_FRAMES = {"a3c": 320_000_000}
 SEEDS = {"cleanba": 3, "cleanrl": 3, "sb3_zoo": 1, "iqn": 3, "a3c": 3}
@@ -181,7 +181,7 @@ def papers(benchmarks: dict[str, Any]) -> dict[str, Any]:
 
 
 def papers_source(benchmarks: dict[str, Any]) -> dict[str, Any]:
-    """Where the columns of papers were read."""
+    """The sources of the columns of papers."""
     return {
         "repo": "seungjaeryanlee/rldb; arXiv 2003.13350",
         "commit": benchmarks["sources"]["rldb"]["commit"],
@@ -202,7 +202,7 @@ def provenance(entry: dict[str, Any]) -> dict[str, Any]:
 
 
 def human(file: Path) -> dict[str, Any]:
-    """The tables of human and random scores, by table and game, and where copies of them differ."""
+    """The tables of human and random scores, by table and game, and the differences between copies of them."""
     content = read(file)
     tables: dict[str, Any] = {name: {**table, "games": {}} for name, table in content["tables"].items()}
     for game, entries in content["games"].items():

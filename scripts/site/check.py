@@ -1,4 +1,4 @@
-"""What is wrong in a built site: requests to other hosts, and links to places that are not there."""
+"""Faults of a built site: requests to other hosts, and links to places that are not there."""
 
 import re
 from collections.abc import Iterator

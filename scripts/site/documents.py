@@ -8,7 +8,7 @@ from page import Page
 
 ROOT = Path(__file__).parents[2]
 
-# Where a document outside of docs/ is on the site.
+# The place on the site of each document outside of docs/.
 OUTSIDE = {
     "CHANGELOG.md": "changelog.md",
     "CONTRIBUTING.md": "contributing.md",

@@ -15,7 +15,7 @@ GAMES = (
     "breakout", "ms_pacman", "space_invaders", "pong", "seaquest", "qbert",
     "enduro", "montezuma_revenge", "asterix", "pitfall", "freeway", "riverraid",
 )  # fmt: skip
-FRAMES = 300  # of the video, every second frame of the console
+FRAMES = 300  # frames of the video: every second frame of the console
 
 
 def pages() -> Iterator[Page]:

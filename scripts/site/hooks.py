@@ -1,4 +1,4 @@
-"""What MkDocs calls while it builds the site: the pages that are made from data, and links between documents."""
+"""The functions that MkDocs calls while it builds the site: the pages made from data, and links between documents."""
 
 import re
 import warnings
@@ -30,7 +30,7 @@ SOURCES: tuple[Callable[[], Iterator[Page]], ...] = (
     notebooks.pages,
 )
 
-# What stands for <!-- site: NAME --> in a document.
+# The replacements of <!-- site: NAME --> in a document.
 INSERTS: dict[str, Callable[[], str]] = {
     "hero": hero.html,
     "ids.table": families.table,

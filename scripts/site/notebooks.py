@@ -81,7 +81,7 @@ class _Notebook:
             yield self._output(output)
 
     def _output(self, output: Any) -> str:
-        """HTML if there is any, else a picture, else text; nothing of what goes to standard error."""
+        """HTML if there is any, else a picture, else text. Standard error is left out."""
         if output.output_type == "stream":
             return _text(output.text) if output.name == "stdout" else ""
         data = output.data

@@ -9,9 +9,9 @@ class Page:
     """A file of the site that is in no folder of the repository.
 
     Attributes:
-        path: where it would be in docs/, for example "games/pong.md" or "games/pong.png". Markdown becomes a page.
+        path: its place if it were in docs/, for example "games/pong.md" or "games/pong.png". Markdown becomes a page.
         content: text, the bytes of a picture or video, or the path of a file that has them.
-        title: of the page in the navigation; "" leaves it out there.
+        title: the title of the page in the navigation; "" leaves it out there.
     """
 
     path: str

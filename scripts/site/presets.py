@@ -1,4 +1,4 @@
-"""The comparison of the presets: a table from the package's own data, and pictures of what an agent sees in each."""
+"""The comparison of the presets: a table from the package's own data, and pictures of the observations in each."""
 
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any

@@ -7,10 +7,10 @@ from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
-# A folder of the repository each.
+# Each of these is a folder of the repository.
 PACKAGES = ("atari", "atari.wrappers", "atari.roms")
 
-# A page of the reference each, with names that are public beside those of `__all__`.
+# Each of these has a page of the reference, and the names that are public beside those of `__all__`.
 MODULES: dict[str, tuple[str, ...]] = {
     "atari": (),
     "atari.games": (
@@ -40,12 +40,12 @@ MODULES: dict[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True)
 class Definition:
-    """Where a public name is defined.
+    """The definition of a public name.
 
     Attributes:
-        name: in the module of the reference, for example "Ram" of `atari.lab`.
-        path: of the definition, for example "atari.lab.ram.Ram".
-        docstring: of the class or function, or the string after a constant; "" if there is none.
+        name: the name in the module of the reference, for example "Ram" of `atari.lab`.
+        path: the path of the definition, for example "atari.lab.ram.Ram".
+        docstring: the docstring of the class or function, or the string after a constant; "" if there is none.
         kind: "class", "function" or "constant".
         page: the module on whose page it is.
     """

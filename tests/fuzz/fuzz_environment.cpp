@@ -1,10 +1,10 @@
 // The fuzz target: runs what an input describes, and checks the properties that hold for every input.
 //
-// An input is a cartridge, the options of a console, and one of two scenarios: the bare console, whose frames take
-// little time, or a whole environment with rules, whose construction alone takes 68 frames. Both end with a sequence of
-// steps, some of which load damaged states. The emulator must not crash, hang, execute undefined behaviour, or throw
-// anything but the two documented exceptions. Every input runs on the fast core and on the reference core, whose
-// results must be equal. seeds.cpp describes inputs and writes the seeds.
+// An input is a cartridge, the options of a console, and one of two scenarios. One is the bare console, whose frames
+// take little time. The other is a whole environment with rules, whose construction alone takes 68 frames. Both end
+// with a sequence of steps. Some steps load damaged states. The emulator must not crash, hang, execute undefined
+// behaviour, or throw anything but the two documented exceptions. Every input runs on the fast core and on the
+// reference core, whose results must be equal. seeds.cpp describes inputs and writes the seeds.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -36,9 +36,9 @@ void expect(bool good, const char* what) {
 // Rejects input that the binding rejects before it reaches the emulator. The run of the input ends.
 [[noreturn]] void refuse() { throw std::invalid_argument("the binding rejects this"); }
 
-// Limits that reach every state of interest, and with which most inputs take milliseconds.
+// Limits that reach every state of interest. With them most inputs take milliseconds.
 constexpr int kSteps = 64, kFrames = 6, kActs = 6, kResets = 2;
-constexpr size_t kInstructions = 80;  // of a rule program
+constexpr size_t kInstructions = 80;  // in a rule program
 
 std::shared_ptr<const FastCartridge> read_cartridge(Reader& in) {
     static const char* const kTypes[] = {"",     "2K", "4K", "F8", "F8 SWAPPED", "F6", "F4", "F8SC", "F6SC", "F4SC",

@@ -2,7 +2,7 @@
 // with sanitizers can build it, and every run is the same.
 //
 // usage: fuzz_replay                        the seeds
-//        fuzz_replay --seconds N            the seeds, and mutations of them for that long
+//        fuzz_replay --seconds N            the seeds, and mutations of them for N seconds
 //        fuzz_replay FILE ...               these inputs
 //        fuzz_replay --write-seeds FOLDER   a file for each seed
 #include <algorithm>

@@ -209,7 +209,7 @@ Bytes damaged_console(std::initializer_list<Patch> patches, Steps... steps) {
     return to.bytes();
 }
 
-// Inputs for errors that fuzzing, or reading the code with fuzzing in mind, has found. Each failed once.
+// Inputs for errors that fuzzing, or a review of the code, has found. Each failed once.
 void add_found(const std::function<void(const std::string&, const Bytes&)>& add) {
     constexpr size_t kCycles = offsetof(Machine, cycles), kWords = offsetof(Machine, random_words);
     constexpr size_t kStart = offsetof(Machine, tia.draw_start), kDrawn = offsetof(Machine, tia.drawn_to);
@@ -226,7 +226,7 @@ void add_found(const std::function<void(const std::string&, const Bytes&)>& add)
     Writer below = console(2, k4K, {0x02});
     damage(step(below, Step::kFrame), Step::kDamage, {{kCycles, -(1 << 28)}, {offsetof(Machine, tia.partial), 1}});
     add("found-line-far-below", step(below, Step::kFrame).bytes());
-    // A bank that the image contains only the beginning of, with an operand after the end.
+    // A bank whose end the image lacks, with an operand after the end of the image.
     add("found-bank-cut-off", console(0, kDpcSize, {0xad, 0xf0, 0xff}).bytes());
     add("found-framebuffer-beyond-numbers", console(2, k4K, kShort, 2, kMost).bytes());
 

@@ -1,7 +1,7 @@
 // A hundred environments on eight threads must give the same bytes as one after the other. With ThreadSanitizer, this
 // also checks that games, cartridges, palettes and tables made on first use are shared without races.
 //
-// usage: emulator_threads FOLDER    a folder of ROM images (*.bin), of which ten are used
+// usage: emulator_threads FOLDER    a folder of ROM images (*.bin); ten of them are used
 #include <atomic>
 #include <cstdio>
 #include <optional>

@@ -2,7 +2,7 @@
 // environments or for those that are ready first, and when environments continue from others. With ThreadSanitizer,
 // this also checks that batches and states pass between threads without races.
 //
-// usage: vector_threads FOLDER    a folder of ROM images (*.bin), of which ten are taken
+// usage: vector_threads FOLDER    a folder of ROM images (*.bin); ten of them are used
 #include <cstdio>
 #include <cstring>
 #include <exception>

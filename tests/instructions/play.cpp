@@ -1,5 +1,5 @@
-// Plays a game for a number of frames and does nothing else, so that an instruction count of this process is that of
-// the emulator. The same game, frames and build always take the same number of instructions.
+// Plays a game for a number of frames and does nothing else, so that the instruction count of this process is the
+// emulator's. The same game, frames and build always take the same number of instructions.
 //
 // The program is a client that only plays: it includes one header of the emulator, which shows nothing of the machine.
 //

@@ -1,9 +1,9 @@
 // Counts which handlers of the fast interpreter run one after the other, over all ROMs of a folder, for
-// scripts/generate/make-handlers.py. Every ROM counts once, and ten times more for each time it is named, for games that run
-// slowly. The present superinstructions were chosen with solaris, twice, beam_rider, carnival, centipede, darkchambers,
-// frostbite, galaxian, gopher, pitfall2, private_eye and seaquest.
-// Prints "count first second ...", with counts per million instructions. It leaves out instructions that the plain
-// interpreter runs, and those after a short loop.
+// scripts/generate/make-handlers.py. Every ROM counts once. Games that run slowly may be named: each naming counts a
+// ROM ten times more. The present superinstructions were chosen with solaris, twice, beam_rider, carnival, centipede,
+// darkchambers, frostbite, galaxian, gopher, pitfall2, private_eye and seaquest. Prints "count first second ...", with
+// counts per million instructions. It leaves out instructions that the plain interpreter runs, and those after a short
+// loop.
 //
 // usage: runs FOLDER [GAME...] > counts
 #include <algorithm>

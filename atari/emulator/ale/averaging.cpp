@@ -33,13 +33,13 @@ using Table = uint8_t[128][128];
 // Returns the blend table of a palette. The first call makes it, and nothing destroys it: threads may average frames
 // while the process exits. There is no lock, which another thread could hold when the process is forked.
 const Table& table(const Palette& palette) {
-    static std::atomic<const Table*> tables[3];  // of NTSC, PAL and SECAM
+    static std::atomic<const Table*> tables[3];  // for NTSC, PAL and SECAM
     std::atomic<const Table*>& made = tables[&palette == &PAL ? 1 : &palette == &SECAM ? 2 : 0];
     if (const Table* const table = made.load(std::memory_order_acquire)) return *table;
     std::unique_ptr<Table[]> table(new Table[1]);
     for (int a = 0; a < 128; ++a)
         for (int b = 0; b < 128; ++b) table[0][a][b] = mixed(palette.rgb[2 * a], palette.rgb[2 * b], palette);
-    const Table* first = nullptr;  // of another thread that made it meanwhile
+    const Table* first = nullptr;  // made by another thread meanwhile
     return made.compare_exchange_strong(first, &table[0]) ? *table.release() : *first;
 }
 

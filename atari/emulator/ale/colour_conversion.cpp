@@ -10,8 +10,8 @@ namespace atari {
 namespace {
 
 #if ATARI_X86_SIMD
-// The source of each of the 192 RGB bytes of 64 pixels. An index below 64 is one into red, an index from 64 on is one
-// into green. `is_blue` marks the bytes that come from blue.
+// The source of each of the 192 RGB bytes of 64 pixels. Indices below 64 are into red, indices from 64 on are into
+// green. `is_blue` marks the bytes that come from blue.
 constexpr auto kInterleaved = [] {
     struct {
         uint8_t red_green[3][64] = {}, blue[3][64] = {};
@@ -62,7 +62,7 @@ TARGET_AVX2 inline __m256i load(const uint8_t* from) {
     return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
 }
 
-// `changes` and `copy` of 32 bytes at a time.
+// `changes` and `copy`, 32 bytes at a time.
 TARGET_AVX2 inline uint32_t changes_avx2(const uint8_t* row) {
     uint32_t same = 0;
     for (int k = 0; k < kScreenWidth / 8; k += 4, row += 32) {

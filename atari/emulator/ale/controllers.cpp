@@ -6,7 +6,7 @@
 namespace atari {
 namespace {
 
-constexpr double kPaddleStep = 23000.0;  // ohms, in a frame
+constexpr double kPaddleStep = 23000.0;  // ohms a frame
 enum Stick : uint8_t { kUp = 1, kDown = 2, kLeft = 4, kRight = 8 };
 
 // The actions in ALE's order: nothing, FIRE, eight directions, and the same directions with FIRE.

@@ -9,9 +9,9 @@
 
 namespace atari {
 
-inline constexpr int kActions = 18;                 // of a player: ALE numbers 0..17
+inline constexpr int kActions = 18;                 // a player's actions: ALE numbers 0..17
 inline constexpr int kReset = 40;                   // ALE's action that holds the console's switch RESET
-inline constexpr int32_t kMaxResistance = 1 << 24;  // of a paddle, in ohms
+inline constexpr int32_t kMaxResistance = 1 << 24;  // a paddle's, in ohms
 
 // Sets the inputs of a console, before it plays a frame, by the actions of the players.
 struct Controllers {
@@ -25,7 +25,7 @@ struct Controllers {
     // Holds the action of a player, and moves a paddle by `strength` times the distance of a frame. There are two
     // joysticks.
     void hold(int player, int action, float strength) const;
-    void connect_paddles() const;  // after all have moved
+    void connect_paddles() const;  // after all paddles have moved
 
   private:
     void move_paddle(int player, int action, float strength) const;

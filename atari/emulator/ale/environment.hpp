@@ -1,5 +1,6 @@
 // `Environment`: one emulated game under ALE's rules. A program that plays games needs this header alone: it includes
-// no other file of the emulator. The other folders of the emulator read what is inside by `environment_parts.hpp`.
+// no other file of the emulator. The emulator's other folders reach the parts of an environment through
+// `environment_parts.hpp`.
 #pragma once
 
 #include <array>
@@ -12,7 +13,7 @@
 namespace atari {
 
 inline constexpr int kMaxPlayers = 4;
-inline constexpr int kMaxFrameSkip = 10'000;  // of the settings below and of a vector's: a call ends in seconds
+inline constexpr int kMaxFrameSkip = 10'000;  // also in a vector: a call must end within seconds
 
 template <typename T>
 using OfPlayers = std::array<T, kMaxPlayers>;  // zero for players that do not play
@@ -30,7 +31,7 @@ struct GameRules {
     // between frames.
     int variables = 3;
     std::vector<int32_t> initial;  // start values of variables 0 .. initial.size()-1
-    std::vector<uint8_t> kept;     // 1 for each of those that a reset does not change
+    std::vector<uint8_t> kept;     // 1 for each of these that a reset keeps
     int players = 1;               // players with a reward and lives
     OfPlayers<int> rewards{0}, lives{2};
     int terminal = 1;
@@ -67,7 +68,7 @@ struct Settings {
     // Multi-Agent-ALE's reset centres four paddles, and player 2 makes the starting actions, too.
     bool second_player_starts = false;
 
-    // The probability of sticky actions of each player, where they differ.
+    // Each player's probability of sticky actions, if they differ.
     std::vector<double> player_probabilities{};
 
     double probability(int player) const {
@@ -89,8 +90,8 @@ class Environment {
 
     void seed(uint32_t seed);  // acts as a fresh load with this seed; mode and difficulty stay
     void reset();              // throws std::runtime_error if the mode cannot be selected
-    // Plays `frame_skip` frames with the action of each of the first `players` players, an ALE number 0..17, and returns
-    // the reward of each. If there is one player, `strength` is a factor for the distance that the paddle moves.
+    // Plays `frame_skip` frames with the actions of the first `players` players, ALE numbers 0..17. Returns each
+    // player's reward. If there is one player, `strength` is a factor for the distance that the paddle moves.
     OfPlayers<int> act(const OfPlayers<int>& actions, int players = 1, float strength = 1.0f);
 
     int mode() const;
@@ -108,7 +109,7 @@ class Environment {
     void screen(uint8_t* out);       // palette indices, height() x kWidth
     void screen_rgb(uint8_t* out);   // height() x kWidth x 3
     void screen_gray(uint8_t* out);  // height() x kWidth
-    void redraw(uint8_t* out);       // as screen_rgb, of the present RAM: by a frame that leaves no trace
+    void redraw(uint8_t* out);       // the present RAM as RGB, from a frame that leaves no trace
     const uint8_t* audio() const;    // 512 samples of the last act at 31400 Hz, unsigned around 128
     const uint8_t* ram() const;      // 128 bytes
     void set_ram(int index, int value);

@@ -1,4 +1,4 @@
-// `Environment::Parts`: what is inside of an environment, for the implementation and for the folders above `ale`.
+// `Environment::Parts`: the parts of an environment, for the implementation and for the folders above `ale`.
 #pragma once
 
 #include <cstdint>
@@ -20,11 +20,11 @@ struct Environment::Parts {
     Settings settings;
     std::unique_ptr<Console> console;  // a FastConsole, unless `settings.plain`
     EnvironmentState state{};
-    int mode = game->default_mode, difficulty = 0;        // of the next reset
+    int mode = game->default_mode, difficulty = 0;        // used by the next reset
     std::shared_ptr<const EnvironmentSnapshot> loaded{};  // the state after a load; null if it depends on the seed
     std::shared_ptr<const ResetTrace> reset_trace{};      // may be null
     // The writes that every further frame applies. They are options of an environment: a snapshot has their state, but
-    // not which there are.
+    // not the writes.
     Writes writes{};
     Writes* active_writes = nullptr;  // `writes` while there are any and an episode is played
     int select_budget = 0;            // frames left for the selection of a mode
@@ -39,7 +39,7 @@ struct Environment::Parts {
     // The last frame as palette indices; with colour averaging, mixed with the frame before.
     const uint8_t* framebuffer();
 
-    // resets.cpp: loads, and the begin of episodes
+    // resets.cpp: loads, and the starts of episodes
     void load(uint32_t seed);
     void begin_episode();  // a reset without the writes
     void boot(uint32_t seed);
@@ -73,7 +73,7 @@ struct Environment::Parts {
     Controllers controllers() { return {*game, state, console->inputs()}; }
     void leave_ram_on_bus() { console->read_ram(0xff); }  // the last byte of a read of all of RAM
 
-    // With `now`, the write is also applied at once. False if there are kMaxWrites already.
+    // With `now`, the write is also applied at once. Returns false if there are kMaxWrites already.
     bool add_write(std::shared_ptr<const Write> write, bool now);
     int remove_write(const Write* write);  // returns the slot that it had, or -1
     void set_writes(Writes::Slots slots);

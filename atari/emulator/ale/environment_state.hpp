@@ -35,7 +35,7 @@ struct EnvironmentSnapshot {
     bool plain = false;  // whether the reference core made it
     std::unique_ptr<const ConsoleSnapshot> console;
 
-    std::vector<uint8_t> bytes(const Game& game) const;  // as Environment::save writes them
+    std::vector<uint8_t> bytes(const Game& game) const;  // the bytes that Environment::save writes
 };
 
 }  // namespace atari

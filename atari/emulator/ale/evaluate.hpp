@@ -8,8 +8,8 @@
 
 namespace atari {
 
-// `host` has the variables, and the functions that the operations need: byte, xbyte, random, and for programs that may act
-// spend, press_select, soft_reset and act.
+// `host` has the variables, and the functions that the operations need: byte, xbyte and random. Programs that may act
+// also need spend, press_select, soft_reset and act.
 template <typename Host>
 void evaluate(const Program& program, Host&& host) {
     int64_t stack[kMaxStack];

@@ -38,8 +38,8 @@ void Environment::Parts::play_frame() {
     evaluate_step();
 }
 
-// The rules read RAM after the writes. If some writes are not to be rewarded, the rules also read it before these, which
-// gives the reward; all else is as the rules find it after all writes.
+// The rules are evaluated after the writes. If some writes are not paid, the rules are also evaluated before those
+// writes, and this gives the reward. All other results are those after all writes.
 void Environment::Parts::play_frame_with_writes() {
     const int32_t frame = next_frame();
     writes.begin_frame(*console, state.writes);
@@ -56,7 +56,7 @@ void Environment::Parts::play_frame_with_writes() {
     for (size_t player = 0; player < kMaxPlayers; ++player) state.variables[game->rewards[player]] = rewards[player];
 }
 
-// Applies the writes of a reset; rewards of a reset are discarded, also theirs.
+// Applies the writes of a reset. All rewards of a reset are discarded, also those of the writes.
 void Environment::Parts::begin_writes() {
     state.first_frame = state.episode_frame;
     active_writes = writes.empty() ? nullptr : &writes;
@@ -84,7 +84,7 @@ void Environment::Parts::set_writes(Writes::Slots slots) {
     active_writes = writes.empty() ? nullptr : &writes;
 }
 
-// Evaluates the rules on what was written, so that the next frame does not reward it.
+// Evaluates the rules after the writes, so that the next frame does not reward them.
 void Environment::Parts::discard_reward() {
     evaluate_step();
     clear_rewards();
@@ -95,7 +95,7 @@ void Environment::Parts::clear_rewards() {
     for (int variable : game->rewards) state.variables[variable] = 0;
 }
 
-// The number of the next frame of the episode; the first has 1. Unsigned, so that it wraps.
+// Returns the number of the next frame of the episode, counted from 1. The sum is unsigned, so that it wraps.
 int32_t Environment::Parts::next_frame() const {
     return static_cast<int32_t>(static_cast<uint32_t>(state.episode_frame) + 1 -
                                 static_cast<uint32_t>(state.first_frame));

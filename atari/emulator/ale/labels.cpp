@@ -30,7 +30,7 @@ int32_t run(const Program& program, const uint8_t* ram, uint8_t byte) {
     return host.variables[Label::kResult];
 }
 
-// The program's result for each byte; empty if it reads more than the byte.
+// Returns the program's result for each byte; empty if it reads more than the byte.
 std::vector<int32_t> table_of(const Program& program) {
     std::vector<int32_t> table;
     for (int byte = 0; byte < 256 && !program.reads_ram(); ++byte)

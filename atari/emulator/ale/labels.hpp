@@ -15,7 +15,7 @@ inline constexpr int kRamSize = 128;
 struct Label {
     static constexpr int kVariables = 2, kByte = 0, kResult = 1;
 
-    int index = 0;         // of the byte, 0..127
+    int index = 0;         // the byte's, 0..127
     int mask = 0xff;       // the bits of the byte that belong to the label; a write keeps the others
     bool decimal = false;  // binary-coded decimal: a write has no digit above 9
     Program value, visible;
@@ -33,17 +33,17 @@ class Labels {
     size_t size() const { return labels_.size(); }
     const Label& operator[](size_t label) const { return labels_[label]; }
 
-    // The value of a label in these 128 bytes of RAM.
+    // Returns the value of a label in these 128 bytes of RAM.
     int32_t value(size_t label, const uint8_t* ram) const;
     bool visible(size_t label, const uint8_t* ram) const;
-    // The values of all labels in `rows` copies of RAM; label l of row i goes to l * rows + i. The value of a label that is
-    // not visible is 0.
+    // Writes the values of all labels in `rows` copies of RAM. Label l of row i goes to l * rows + i. The value of a
+    // label that is not visible is 0.
     void evaluate(const uint8_t* ram, size_t rows, int32_t* values, uint8_t* visible) const;
 
-    // The byte that gives a label this value in this RAM, or -1 if there is none. Of several, the one that changes the
-    // fewest bits, then the lowest.
+    // Returns the byte that gives a label this value in this RAM, or -1 if no byte does. If several bytes do, the
+    // fewest changed bits decide, then the lowest byte.
     int byte_of(size_t label, const uint8_t* ram, int32_t value) const;
-    // The value for each of the 256 bytes, and whether a write may write the byte.
+    // Writes the label's value for each of the 256 bytes, and whether a write may write that byte.
     void all_values(size_t label, const uint8_t* ram, int32_t* values, bool* writable) const;
 
   private:

@@ -8,8 +8,8 @@
 namespace atari {
 namespace {
 
-// Returns the part of the state that the frames of a reset trace depend on: without the number of random words drawn,
-// the sound generator, which of the two framebuffers is the current one, and the data bus (`ResetTrace::add`).
+// Returns the part of the state that the frames of a reset trace depend on. It leaves out the number of random words
+// drawn, the sound generator, the number of the current framebuffer, and the data bus (`ResetTrace::add`).
 Machine essence(Machine machine) {
     machine.random_words = 0;
     machine.bus = 0;

@@ -1,4 +1,4 @@
-// `ResetTrace`: the frames between a console's reset and the selection of a mode, stored once for a game and its settings.
+// `ResetTrace`: the frames between a console's reset and the selection of a mode. A game and its settings have one.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ class ResetTrace {
   public:
     static constexpr int kFrames = kNoopFrames + kResetFrames, kCheckpoints = 4;
 
-    // Adds the frame that ran last. False if the program can have no trace.
+    // Adds the frame that ran last. Returns false if the program can have no trace.
     bool add(Console& console, int frame);
     void end(const Console& console);  // after the last frame
 

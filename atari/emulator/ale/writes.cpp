@@ -10,8 +10,8 @@
 namespace atari {
 namespace {
 
-// The data that the program of a write reads. If `own` is an index, the byte of that index is `variables[kLabelByte]`. A program
-// that may not act does not call the last functions.
+// The data that the program of a write reads. If `own` is an index, the byte of that index is `variables[kLabelByte]`.
+// A program that may not act does not call the last functions.
 struct Host {
     const uint8_t* ram;
     const uint8_t* cartridge_ram;  // may be null
@@ -41,7 +41,7 @@ struct Host {
     }
 };
 
-// The value of the write's label if its byte were `byte`.
+// Returns the value of the write's label if its byte were `byte`.
 int32_t label_value(const Write& write, Host& host, uint8_t byte) {
     if (!write.label_values.empty()) return write.label_values[byte];
     host.own = write.index;
@@ -51,8 +51,8 @@ int32_t label_value(const Write& write, Host& host, uint8_t byte) {
     return value;
 }
 
-// The byte that a write results in, or -1 if the label cannot have the value. Of several bytes it is the one that changes
-// the fewest bits, then the lowest, as in Labels::byte_of.
+// Returns the byte that a write stores, or -1 if the label cannot have the value. If several bytes give the label the
+// value, the fewest changed bits decide, then the lowest byte, as in Labels::byte_of.
 int target_byte(const Write& write, Host& host, uint8_t now, int32_t value) {
     if (!write.of_label) return (now & ~write.mask) | (value & write.mask);
     if (label_value(write, host, now) == value) return now;
@@ -76,7 +76,7 @@ bool due(const Write& write, int32_t frame) {
 void Write::prepare() {
     if (index < 0 || index > 127 || mask == 0) throw std::invalid_argument("a write needs a byte 0..127 and a mask");
     std::sort(frames.begin(), frames.end());
-    // Without RAM in it, the label's program cannot read the console: it runs once for each byte.
+    // A label's program that reads no RAM does not depend on the console: it runs once for each byte.
     if (!of_label || label.reads_ram()) return;
     const uint8_t ram[128]{};
     WriteState state{};

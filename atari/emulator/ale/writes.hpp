@@ -1,5 +1,5 @@
-// Writes to RAM: rules by which an environment changes bytes of RAM after each emulated frame. Interventions, frozen bytes
-// and pokes are writes.
+// Writes to RAM: rules by which an environment changes bytes of RAM after each emulated frame. Interventions, frozen
+// bytes and pokes are writes.
 #pragma once
 
 #include <cstdint>
@@ -19,23 +19,23 @@ inline constexpr const char* kTooManyWrites = "an environment has at most 64 wri
 // The variables of the programs of a write.
 enum WriteVariable { kResult, kOld, kFrame, kLabelByte, kWriteVariables };
 
-// One write: which bits of a byte become which value, and when. Its programs store their result in `kResult`. Immutable
-// and shared.
+// One write: the bits of a byte, their new value, and the frames. Its programs store their result in `kResult`.
+// Immutable and shared.
 struct Write {
-    std::string definition;  // what it was made of, for replays; opaque here
-    int index = 0;           // of the byte, 0..127
+    std::string definition;  // its source, for replays; opaque here
+    int index = 0;           // the byte's, 0..127
     uint8_t mask = 0xff;
     bool every_frame = false, at_reset = false;
-    std::vector<int32_t> frames;  // of the episode, at whose end it is applied; the first has the number 1
+    std::vector<int32_t> frames;  // frames of the episode at whose end it is applied, from 1 on
     bool once = false;            // applied once, not in each episode
-    bool paid = true;             // whether the rules reward what it changes
+    bool paid = true;             // whether the rules reward its changes
     bool remembers = false;       // whether a program uses `kOld`
     bool conditional = false;
     Program condition, value;
     // If `of_label`, `value` is the value of a label, which the program `label` computes from the byte `kLabelByte`.
     bool of_label = false;
     Program label;
-    std::vector<int32_t> label_values;  // of each byte; empty if the label's value depends on other bytes too
+    std::vector<int32_t> label_values;  // by byte; empty if the label's value depends on other bytes too
 
     // Fills `label_values`. Throws std::invalid_argument if a number is out of range.
     void prepare();
@@ -55,15 +55,15 @@ class Writes {
   public:
     using Slots = std::vector<std::shared_ptr<const Write>>;
 
-    int add(std::shared_ptr<const Write> write, WriteState& state);  // the slot, or -1 if there is none
-    int remove(const Write* write);                                  // the slot that it had, or -1
+    int add(std::shared_ptr<const Write> write, WriteState& state);  // returns the slot, or -1 if none is free
+    int remove(const Write* write);                                  // returns the slot that it had, or -1
     void set(Slots slots) { slots_ = std::move(slots); }             // at most kMaxWrites; the last is not null
     const Slots& slots() const { return slots_; }
     bool empty() const { return slots_.empty(); }
 
     // Stores the values before a frame, which programs read as `kOld`.
     void begin_frame(const Console& console, WriteState& state);
-    // Applies the writes of a frame that are paid, or those that are not; whether a byte has changed.
+    // Applies the writes of a frame whose `paid` is this value. Returns whether a byte has changed.
     bool apply(Console& console, WriteState& state, int32_t frame, bool paid);
     bool apply_at_reset(Console& console, WriteState& state);
     bool apply_now(int slot, Console& console, WriteState& state, int32_t frame);

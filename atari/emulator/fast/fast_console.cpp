@@ -80,9 +80,9 @@ void FastConsole::emulate_frame(bool whole) {
     catch_up();
 }
 
-// Returns false and changes nothing if this frame cannot be deferred. That is so if the frame could reach the
-// instruction limit, as instructions are not counted here, or if an illegal opcode stops the processor before a write
-// ends the frame, or if the frame ends in the line of an HMOVE blank.
+// Returns false and changes nothing if this frame cannot be deferred. There are three cases. The frame could reach the
+// instruction limit: instructions are not counted here. An illegal opcode stops the processor before a write ends the
+// frame. The frame ends in the line of an HMOVE blank.
 bool FastConsole::run_deferred() {
     machine_before_ = m_;
     cart_ram_before_ = slot_.ram;
@@ -118,15 +118,15 @@ void FastConsole::begin_log() {
     shadow_.fill(t);
 }
 
-// Returns the clock up to which an access of the TIA at `clock` renders, which may be the frame's end. The last write may
-// show a little later.
+// Returns the clock up to which an access of the TIA at `clock` renders. The access may be the frame's end. The last
+// write may show a little later.
 int32_t FastConsole::rendered_by(int32_t clock) {
     const bool empty = log_end_ == history_.current().writes;
     return empty ? clock : std::max(clock, shown_at(log_end_[-1], first_cycle_));
 }
 
-// Returns whether the frame ends in a line that an HMOVE blanks, before the pixels that could stay black. How far the
-// black reaches there depends on the first access of the TIA after the HMOVE, which may be one that is not logged.
+// Returns whether the frame ends in a line that an HMOVE blanks, before the pixels that could stay black. The end of
+// the black there depends on the first access of the TIA after the HMOVE, and the log may lack that access.
 bool FastConsole::ends_in_blanked_line() {
     const Tia& t = m_.tia;
     const int32_t end = rendered_by(end_clock_);
@@ -258,7 +258,7 @@ void FastConsole::break_off_history() {
 
 // --- TIA writes ---
 
-// A TIA write that no handler of the fast interpreter logs. Every write that could delay a later one is logged.
+// Makes a TIA write that no handler of the fast interpreter logs. Every write that could delay a later one is logged.
 void FastConsole::log_write(uint8_t reg, uint8_t value) {
     if (m_.cycles >= deadline_) end_frame();
     TiaShadow& shadow = shadow_;

@@ -38,7 +38,7 @@ class FrameHistory {
         int last = -1;                    // the log of the frame before the next one, if that frame was logged
         int owed[2] = {-1, -1};           // by framebuffer: the log to be rendered into it
         int pending = -1;                 // the log with the first write from which unwatched latches are pending
-        std::ptrdiff_t pending_from = 0;  // that write's index in the log
+        std::ptrdiff_t pending_from = 0;  // the index of that write in the log
         unsigned read = 0;                // latches that the game has ever read
         unsigned watched = 0xffff;        // latches that are kept up to date
         bool cleared = false;             // CXCLR was written in the frame that is running, or in the last one
@@ -62,11 +62,10 @@ class FrameHistory {
     // needs, or null.
     FrameLog& begin_frame(const Tia& start, const TiaWrite* rendered);
     FrameLog& current() { return logs_[marks_.current]; }
-    // Ends the frame, which `buffer` is now owed.
+    // Ends the running frame. Framebuffer `buffer` is owed this frame from now on.
     void end_frame(int buffer) { marks_.owed[buffer] = marks_.last = marks_.current; }
 
-    // To be passed to `give_up_frame`, which restores what this returned before `begin_frame`. Reads of latches stay
-    // noted.
+    // The marks before `begin_frame` are passed to `give_up_frame`, which restores them. Reads of latches stay noted.
     const Marks& marks() const { return marks_; }
     void give_up_frame(const Marks& before);
 

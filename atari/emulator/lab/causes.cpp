@@ -12,7 +12,7 @@
 namespace atari {
 namespace {
 
-// SplitMix64: a random word of any number.
+// SplitMix64: returns a random word for any number.
 uint64_t random_word(uint64_t number) {
     number += 0x9e3779b97f4a7c15ull;
     number = (number ^ number >> 30) * 0xbf58476d1ce4e5b9ull;
@@ -20,8 +20,8 @@ uint64_t random_word(uint64_t number) {
     return number ^ number >> 31;
 }
 
-// Returns the value to which fork number `fork` changes a byte, never its present value: one more or less, one bit
-// flipped, then any values.
+// Returns the value to which fork number `fork` changes a byte, never its present value. Fork 0 adds or subtracts one,
+// fork 1 flips one bit, and all other forks take any other value.
 uint8_t changed(uint8_t value, int fork, uint64_t random) {
     if (fork == 0) return static_cast<uint8_t>(random & 1 ? value + 1 : value - 1);
     if (fork == 1) return static_cast<uint8_t>(value ^ 1u << (random & 7));

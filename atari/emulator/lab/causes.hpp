@@ -33,8 +33,9 @@ struct ForkEffect {
     int32_t old_then, new_then;                // the byte in twin and fork after frame `frame`
     int32_t frame;                             // 1 ..: pixels differed first in this frame; 0: never
     int32_t left, top, right, bottom, pixels;  // the box of these pixels, inclusive, and their number
-    // The shift along x, or along y, that maps the twin's pixels to the fork's, or 0; the percentage of pixels that it
-    // explains; and the percentage of pixels whose colour has no counterpart, which is small if something moves.
+    // `dx`, `dy`: the shift that maps the twin's pixels to the fork's, or 0. `..._score`: the percentage of pixels that
+    // it explains. `unbalanced`: the percentage of pixels whose colour has no counterpart, which is small if something
+    // moves.
     int32_t dx, dx_score, dy, dy_score, unbalanced;
     int32_t reward, lives;              // in the first frame
     int32_t reward_later, lives_later;  // over all frames; after the last one
@@ -44,7 +45,8 @@ inline constexpr int kForkEffectNumbers = sizeof(ForkEffect) / sizeof(int32_t);
 
 class Causes {
   public:
-    // `values` forks of each byte and state, of at most `frames` frames, by this number of threads.
+    // Each byte of each state gets `values` forks, which last at most `frames` frames and are played by `threads`
+    // threads.
     Causes(std::shared_ptr<const Game> game, int values, int frames, int threads, uint64_t seed);
     ~Causes();
 

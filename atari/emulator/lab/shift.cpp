@@ -9,9 +9,9 @@ namespace {
 
 constexpr int kMostPlaces = 2400;  // larger differences are not one thing that moves
 
-// Returns how many of the pixels that `distance` should explain it does not, or more than `limit`. The background next
-// to a thing counts too, so that a thing's old place is not mistaken for background that has moved. Rows and columns
-// wrap, so that every pixel counts twice at every distance.
+// Returns the number of pixels that `distance` should explain but does not, or a number above `limit`. The background
+// next to a thing counts too, so that a thing's old place is not mistaken for background that has moved. Rows and
+// columns wrap, so that every pixel counts twice at every distance.
 int misses(const ScreenDifference& difference, const uint8_t* old_screen, const uint8_t* new_screen, bool along_x,
            int distance, int limit, int height) {
     int count = 0;
@@ -35,7 +35,7 @@ Shift find_shift(const ScreenDifference& difference, const uint8_t* old_screen, 
     const int size = static_cast<int>(difference.places.size());
     if (size == 0 || size > kMostPlaces) return {};
     const int span = along_x ? difference.right - difference.left : difference.bottom - difference.top;
-    int best = 2 * size / 5;  // of 2 * size
+    int best = 2 * size / 5;  // misses, in 2 * size pixels
     Shift found;
     for (int distance = 1; distance <= span; ++distance)
         for (const int signed_distance : {distance, -distance}) {

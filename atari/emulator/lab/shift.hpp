@@ -1,4 +1,4 @@
-// Along which axis, and how far, something moved between two screens.
+// The axis and the distance of a movement between two screens.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ struct Shift {
 };
 
 // Returns the shift along x or y that best maps the old screen to the new one, if it explains at least 80 % of the
-// differing pixels; among equals the shortest.
+// differing pixels. Among equally good shifts it is the shortest.
 Shift find_shift(const ScreenDifference& difference, const uint8_t* old_screen, const uint8_t* new_screen, bool along_x,
                  int height);
 

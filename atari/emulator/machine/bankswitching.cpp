@@ -182,7 +182,7 @@ void CartridgeSlot::watch(uint16_t address, uint8_t value) {
     }
 }
 
-// Accesses of the DPC's two banks and of its registers.
+// Advances the DPC's generator, and switches between its two banks.
 void CartridgeSlot::access_dpc(uint16_t offset) {
     clock_dpc_random(cart);
     if (offset != 0xff8 && offset != 0xff9) return;

@@ -1,7 +1,7 @@
 // The cartridge slot: bank switching and cartridge RAM. It needs no chip of the console.
 //
-// The window of 4 KiB is mapped in segments of 1 KiB. Most of it is plain ROM, of which `image_at` returns
-// bytes. `read` and `write` serve all other addresses. A few cartridges also watch accesses of the TIA.
+// The window of 4 KiB is mapped in segments of 1 KiB. Most of it is plain ROM, whose bytes `image_at` returns. `read`
+// and `write` serve all other addresses. A few cartridges also watch accesses of the TIA.
 #pragma once
 
 #include <cstdint>
@@ -31,8 +31,8 @@ struct CartridgeSlot {
     // Returns whether the write reaches the TIA, too.
     bool write(uint16_t address, uint8_t value);
 
-    // If `watches_tia`: `answers` is called for a read of TIA space and returns whether the cartridge drives it;
-    // `watch` is called for a write.
+    // If `watches_tia` is set, `answers` is called for each read of TIA space, and returns whether the cartridge drives
+    // it. `watch` is called for each write.
     bool answers(uint16_t address);
     void watch(uint16_t address, uint8_t value);
 
@@ -44,9 +44,9 @@ struct CartridgeSlot {
     void map_segments();
 
     const uint8_t* image;
-    Window plain;               // of the cartridge
+    Window plain;               // the cartridge's plain window
     uint32_t segment[16] = {};  // offsets in the image of the segments, by bits 10 to 13 of the address
-    bool watches_tia;           // of the cartridge
+    bool watches_tia;           // `Cartridge::watches_tia`
     std::vector<uint8_t> ram;
     CartridgeState& cart;
     Listener& listener;

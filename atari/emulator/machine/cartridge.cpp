@@ -45,8 +45,8 @@ constexpr std::array<TypeRow, 19> kTypes = {{
 
 const TypeRow& row(CartridgeType type) { return kTypes[static_cast<size_t>(type)]; }
 
-// Returns how often `signature` occurs. As in the reference, the last possible position is not tried, and after a match
-// the search continues one byte later than directly after it.
+// Returns how often `signature` occurs. The last possible position is not tried, as in the reference. After a match,
+// the search skips one byte.
 int occurrences(const Bytes& image, std::initializer_list<uint8_t> signature) {
     int found = 0;
     for (size_t at = 0; at + signature.size() < image.size(); ++at) {

@@ -30,7 +30,7 @@ class Cartridge {
     std::string type_name() const;
     bool watches_tia() const;     // accesses of the TIA switch banks
     size_t ram_size() const;      // bytes of RAM on the cartridge
-    size_t random_bytes() const;  // bytes of it filled from the machine's generator at each reset
+    size_t random_bytes() const;  // bytes of this RAM that a reset fills from the machine's generator
     const uint8_t* image() const { return image_.data(); }
     size_t size() const { return image_.size(); }
     // The part of the window that maps ROM in every bank, without RAM, registers or addresses that switch banks.

@@ -1,4 +1,5 @@
-// The reference core: a `Machine`, the chips that work on it, and the bus between them. `FastConsole` is tested against it.
+// The reference core: a `Machine`, the chips that work on it, and the bus between them. Tests compare `FastConsole`
+// with it.
 //
 // Each chip is a file of its own that includes no other chip:
 //   Cpu (cpu.hpp)                     the processor; it reaches the others through the bus alone
@@ -39,7 +40,7 @@ class Console : protected CartridgeSlot::Listener {
 
     // Resets all chips; RAM keeps its contents.
     virtual void reset();
-    // Replaces what a reset has drawn for the timer, for a generator of the caller's.
+    // Replaces the timer value that a reset has drawn. `word` is from a generator of the caller.
     void set_timer(uint32_t word) { m_.riot.draw_timer(word); }
 
     // Emulates until the frame ends, for at most 25000 instructions.

@@ -10,7 +10,7 @@
 
 namespace atari {
 
-inline constexpr int kInstructionLimit = 25000;  // of a frame
+inline constexpr int kInstructionLimit = 25000;  // instructions in a frame, at most
 
 struct Cpu {
     uint16_t pc;

@@ -1,5 +1,5 @@
-// The 6507's instructions, on any bus: the definitions of `Cpu::run_instruction` and `Cpu::run_frame` (cpu.hpp). The fast
-// interpreter and the translated code are tested against them.
+// The 6507's instructions, on any bus: the definitions of `Cpu::run_instruction` and `Cpu::run_frame` (cpu.hpp). Tests
+// compare the fast interpreter and the translated code with them.
 //
 // Opcodes are rows of opcodes.def. No interrupts exist; there are no dummy accesses except those in this file.
 #pragma once

@@ -5,7 +5,7 @@
 namespace atari {
 namespace {
 
-// The next random number, by the present one.
+// By present random number, the next one.
 constexpr auto kRandom = [] {
     std::array<uint8_t, 256> table{};
     for (unsigned random = 0; random < 256; ++random) {
@@ -15,7 +15,7 @@ constexpr auto kRandom = [] {
     return table;
 }();
 
-// Advances the counters of the three voices by the pulses since the last access, of an oscillator of 15750 Hz.
+// Advances the three voices' counters by the pulses of a 15750 Hz oscillator since the last access.
 void update_music(CartridgeState& cart, uint32_t cycles) {
     const auto elapsed = static_cast<int32_t>(cycles - static_cast<uint32_t>(cart.stamp));
     cart.stamp = static_cast<int32_t>(cycles);

@@ -46,8 +46,8 @@ class Framebuffers {
         held_ = {};
     }
 
-    // Replaces the last of the first `bytes` bytes of a framebuffer. A framebuffer that has no memory and would stay
-    // blank gets none.
+    // Writes `last` so that it ends `bytes` bytes after the start of a framebuffer. A framebuffer that has no memory
+    // and would stay blank gets none.
     void restore(int buffer, const std::vector<uint8_t>& last, std::size_t bytes) {
         auto& pixels = pixels_[static_cast<std::size_t>(buffer)];
         const bool blank =

@@ -11,7 +11,7 @@ struct Inputs {
     uint8_t switches;  // SWCHB
     uint8_t stick[2];  // bits 0-3: up, down, left, right pressed; player A, player B
     Flag fire[2];
-    int32_t resistance[4];  // of the paddles
+    int32_t resistance[4];  // by paddle, in ohms
     Flag paddle_fire[4];
 };
 

@@ -56,8 +56,8 @@ struct MersenneTwister {
     }
 };
 
-// The machine's generator (RAM at power-on, timer at reset) starts from a seed, in ale-py always the same, so its state
-// is the number of words drawn. The twister itself is a cache, as it can be advanced to any position again.
+// The machine's generator (RAM at power-on, timer at reset) starts from a seed, which is constant in ale-py. So its
+// state is the number of words drawn. The twister itself is a cache, as it can be advanced to any position again.
 class MachineRandom {
   public:
     static constexpr uint32_t kSeed = 4753849;

@@ -14,7 +14,7 @@ namespace atari {
 
 struct Riot {
     uint8_t ram[128];  // the bus accesses it directly
-    uint8_t timer;     // as written
+    uint8_t timer;     // the written value
     uint8_t shift;     // 0, 3, 6 or 10
     uint8_t ddr_a;
     Flag read_after_expiry;

@@ -1,6 +1,6 @@
 // The two sound channels: dividers and shift registers, one step a sample.
 //
-// As in ALE, samples are generated once for each act, from the last values of the registers. The times of writes inside
+// Samples are generated once for each act, from the last values of the registers, as in ALE. The times of writes inside
 // a frame have no effect. The generator is never reset.
 #include "sound.hpp"
 

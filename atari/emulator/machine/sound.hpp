@@ -7,7 +7,7 @@
 
 namespace atari {
 
-inline constexpr int kAudioSamples = 512;  // of one act, at 31400 Hz
+inline constexpr int kAudioSamples = 512;  // samples of one act, at 31400 Hz
 
 struct Sound {
     uint8_t audc[2], audf[2], audv[2];

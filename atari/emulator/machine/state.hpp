@@ -1,8 +1,8 @@
 // The state of the machine's chips as one trivially copyable struct without pointers.
 //
-// A snapshot of a `Console` has three more things: the RAM of cartridges that have some, the two framebuffers, and, of
-// a `FastConsole`, its `FrameHistory`: deferred frames and deferred collisions. The ROM image is constant, and object
-// masks are derived, so neither is part of the state.
+// A snapshot of a `Console` also has the RAM of the cartridge, if any, and the two framebuffers. A snapshot of a
+// `FastConsole` also has its `FrameHistory`: deferred frames and deferred collisions. The ROM image is constant, and
+// object masks are derived, so neither is part of the state.
 #pragma once
 
 #include <cstdint>

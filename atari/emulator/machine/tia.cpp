@@ -13,8 +13,8 @@
 namespace atari {
 // A write only stores the clock up to which the old state is valid (`pending`). Rendering happens before visible state
 // changes, when a collision register is read, and at the end of the frame. The result does not depend on how rendering
-// is split into steps, as long as the state is constant between them. An HMOVE blank is the exception, if the frame ends
-// in its line (render_to): until the blank is rendered, every access of the TIA renders, as in ALE.
+// is split into steps, as long as the state is constant between them. The exception is an HMOVE blank in whose line the
+// frame ends (render_to). Until this blank is rendered, every access of the TIA renders, as in ALE.
 bool ReferenceTia::write(uint8_t reg, uint8_t value, uint32_t cycles) {
     const int hpos = t_.line_clock(cycles);
     t_.pending = std::max(t_.pending, clock_at(cycles, kTiaRegisters[reg].delay[hpos / 3 & 3]));

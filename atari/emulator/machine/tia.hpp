@@ -26,7 +26,7 @@ class ReferenceTia {
     uint8_t read(int reg, uint32_t cycles, uint8_t bus, const Inputs& inputs) const;
 
     void reset();
-    // Begins a frame in a line of which `begun` clocks have passed, with the present cycle as number 0.
+    // Begins a frame `begun` clocks after the start of a line. The present cycle gets number 0.
     void start_frame(int32_t begun);
     // Makes cycle number `cycles` number 0.
     void rebase(uint32_t cycles);

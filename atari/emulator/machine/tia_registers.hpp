@@ -36,10 +36,10 @@ enum class TiaStore : uint8_t {
     kVblank,
     kWsync,
     kValue,   // only holds its value: a write of an equal value changes nothing
-    kNusiz,   // as kValue, unless a strobe hides a copy, or the Cosmic Ark effect is active
-    kCtrlpf,  // as kValue, unless a late reflect is pending
+    kNusiz,   // kValue, unless a strobe hides a copy, or the Cosmic Ark effect is active
+    kCtrlpf,  // kValue, unless a late reflect is pending
     kGrp0,
-    kGrp1,    // as kValue, unless a delayed copy changes
+    kGrp1,    // kValue, unless a delayed copy changes
     kStrobe,  // acts at every write
     kMotion,  // its value takes effect when HMOVE is written
     kHmove,
@@ -64,8 +64,8 @@ struct TiaRegister {
     uint8_t bits = 0;  // the bits of a value that the register has
     // The clocks after which a write takes effect, by the two low bits of its cycle in the line.
     std::array<uint8_t, 4> delay{};
-    // The objects that a write may make visible, or whose position or reflection it sets or reads, a bit each; and
-    // kPlacing.
+    // A set of objects, and kPlacing: the objects that a write may make visible, or whose position or reflection it
+    // sets or reads.
     uint8_t objects = 0;
     Collides collides = Collides::kAlways;
 };

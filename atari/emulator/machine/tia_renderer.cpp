@@ -125,7 +125,7 @@ void TiaRenderer::render_span(int x, int count) {
         for (const Pair& pair : kPairs)
             if (meets(lit[pair.a], lit[pair.b])) t_.collisions |= pair.latch;
 
-    // Which pixels take the colour of player 0, of player 1, of the playfield; the rest is background.
+    // The pixels that take the colours of player 0, of player 1 and of the playfield. The rest is background.
     static constexpr Mask kLeft = Mask::range(0, 80);
     const bool score = t_.ctrlpf & 2, playfield_first = t_.ctrlpf & 4;
     const Mask side0 = lit[kP0] | lit[kM0], side1 = lit[kP1] | lit[kM1];

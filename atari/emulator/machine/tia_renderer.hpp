@@ -46,8 +46,8 @@ class TiaRenderer {
     Tia& t_;
     const ConsoleConfig& config_;
     Framebuffers& framebuffers_;
-    Mask masks_[6];                 // of the objects, computed when needed
-    unsigned stale_ = kAllObjects;  // which of them are out of date
+    Mask masks_[6];                 // by object, computed when needed
+    unsigned stale_ = kAllObjects;  // objects whose masks are out of date
 };
 
 }  // namespace atari

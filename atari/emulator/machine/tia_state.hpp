@@ -16,7 +16,7 @@ enum MissileVariant : uint8_t { kPlain, kWide, kOff };  // the shape of missile 
 // cycle.
 struct TiaCommon {
     int32_t drawn_to;    // the framebuffer is complete up to this clock
-    int32_t pending;     // and may be rendered with the present state up to this one
+    int32_t pending;     // the present state is valid up to this clock
     uint32_t playfield;  // 20 bits: PF0 high nibble, PF1, PF2
     uint8_t vblank, ctrlpf;
     uint8_t nusiz[2], colour[4];  // colour: P0, P1, PF, BK
@@ -24,7 +24,7 @@ struct TiaCommon {
     Flag vdelp[2], enam[2], resmp[2];
     Flag enabl, old_enabl;
     Flag skip_first[2];  // a player's first copy is hidden until the end of the line
-    Flag pf_reflect;     // as latched, not as in CTRLPF
+    Flag pf_reflect;     // the latched bit, not that of CTRLPF
     MissileVariant m0_variant;
     Flag hmove_blank, cosmic_ark;
     uint8_t ark_counter;

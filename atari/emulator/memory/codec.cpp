@@ -75,7 +75,7 @@ size_t encode_from(const uint8_t* predicted, const uint8_t* frame, size_t bytes,
     return size;
 }
 
-// Copies `count` bytes from `pitch` bytes before `to`. Where source and target overlap, new bytes are copied again.
+// Copies `count` bytes from `pitch` bytes before `to`. If source and target overlap, new bytes are copied again.
 void copy_from_above(uint8_t* to, size_t count, size_t pitch) {
     for (size_t done = 0; done < count;) {
         const size_t part = std::min(count - done, pitch);

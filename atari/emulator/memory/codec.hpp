@@ -24,7 +24,7 @@ size_t encode(const uint8_t* frame, const uint8_t* before, size_t bytes, size_t 
 // any values. Reads and writes within these arrays for every code.
 bool decode(const uint8_t* code, size_t size, uint8_t* frame, size_t bytes, size_t pitch);
 
-// Whether a code needs no frame before it.
+// Returns whether a code needs no frame before it.
 inline bool stands_alone(uint8_t first_byte) { return first_byte != 0; }
 
 }  // namespace atari::memory

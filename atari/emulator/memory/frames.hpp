@@ -17,9 +17,9 @@ class Frames {
 
     // The frames of a row, lane by lane. If compressed, only the last stored row and the two rows after it have any.
     uint8_t* row(size_t part, int64_t row) const;
-    // The offset of the same frames in the block.
+    // The offset of a row's frames in the block.
     size_t row_offset(size_t part, int64_t row) const { return static_cast<size_t>(this->row(part, row) - block_); }
-    // The number of rows that have a place, and the place of a row, which is the same in all parts.
+    // The number of rows that have a place; and the place of a row, which is the same in all parts.
     int64_t places() const { return packed_ ? 3 : slots_; }
     int64_t place(int64_t row) const { return row % places(); }
     // Stores a row, whose frames are complete, and compresses it if the memory is compressed.

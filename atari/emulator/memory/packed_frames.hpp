@@ -14,9 +14,9 @@ class PackedFrames {
   public:
     PackedFrames(const Geometry& geometry, uint8_t* bytes);
 
-    // Whether a row with a final observation in each lane fits.
+    // Returns whether a row with a final observation in each lane fits.
     bool has_space() const { return free_.size() >= chunks_of_row_; }
-    // The newest row in the chunk that becomes free next.
+    // The newest row in the chunk that becomes free next; -1 if no chunk is in use.
     int64_t next_release() const { return used_.empty() ? -1 : used_.front().newest; }
     // Frees the chunks that have no row from `oldest` on.
     void release(int64_t oldest);
@@ -26,8 +26,8 @@ class PackedFrames {
     const uint8_t* find(PackedFrame frame) const;
     size_t used_bytes() const { return used_.size() * chunk_; }
 
-    // `clear` removes all frames; then `enter` adds the frames of a file one by one, and returns false for a frame that
-    // does not lie within one chunk; `finish_entering` makes the lists of chunks.
+    // `clear` removes all frames. Then `enter` adds the frames of a file one by one, and returns false for a frame that
+    // does not lie within one chunk. At the end `finish_entering` makes the lists of chunks.
     void clear();
     bool enter(PackedFrame frame, int64_t row);
     void finish_entering();

@@ -87,7 +87,8 @@ class ReplayMemory {
 
     // Saves the present state, which `load` then reads.
     void save();
-    // Reads the last saved state. Throws std::invalid_argument with the damaged place. `verify` reads all frames.
+    // Reads the last saved state. Throws std::invalid_argument, which names the damaged place. `verify` reads all
+    // frames.
     void load(bool verify);
     int64_t saves() const { return static_cast<int64_t>(saves_); }
     size_t used_bytes() const;

@@ -83,7 +83,7 @@ class ReplayMemory::Writer {
     Frames::Reader reader_;
 };
 
-// Whether the episode of a complete step goes on with the next row.
+// Returns whether the episode of a complete step continues in the next row.
 bool ReplayMemory::continues(int64_t row, int64_t lane) const {
     if (flags(row, lane) & (kTerminated | kTruncated)) return false;
     const uint8_t next = flags(row + 1, lane);
@@ -137,7 +137,7 @@ ReplayMemory::Span ReplayMemory::span(int64_t reach) const {
 
 int64_t ReplayMemory::count(int64_t reach) const { return reach <= 1 ? valid_.total() : span(reach).count(); }
 
-// The number of a step from its cell.
+// Returns the index of a step from its cell.
 int64_t ReplayMemory::index(int64_t cell) const {
     const int64_t newest = state_.head - 1, slot = cell / geometry_.lanes;
     const int64_t row = newest - (newest % slots_ - slot + slots_) % slots_;

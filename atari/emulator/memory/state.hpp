@@ -51,7 +51,7 @@ struct Generator {
 };
 
 struct State {
-    int64_t head;         // the pending row, which has frames and no actions yet. Rows count from 0 for ever
+    int64_t head;         // the pending row, which has frames and no actions yet; rows count from 0 and never restart
     int64_t tail;         // the oldest row that can be sampled; equal to `head` if no row can be sampled
     int64_t finals;       // final observations ever stored
     int64_t first_final;  // the oldest final observation of a step from `tail` on

@@ -59,7 +59,7 @@ class SumTree {
     }
 
     // Returns the leaves at these masses of the total, none with priority 0 unless the total is 0. All masses are
-    // followed level by level, so that the nodes of one are loaded while the others are compared.
+    // followed level by level: the nodes of one mass are loaded while other masses are compared.
     std::vector<int64_t> find(std::vector<double> masses) const {
         std::vector<int64_t> found(masses.size());
         for (size_t level = levels_.size() - 1; level-- > 0;)

@@ -157,7 +157,7 @@ INLINED uint32_t AreaResize::changed_windows(uint32_t changes) const {
 }
 
 // The results of a source row are computed once, where the row changes. They are then added to the sums of the one or
-// two result rows that the source row has a share in.
+// two result rows to which the source row contributes.
 template <auto across, int lanes>
 INLINED void AreaResize::run(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first, int last) const {
     float line[kMostResults], sum[kMostResults];

@@ -15,9 +15,9 @@ namespace atari {
 // Reduces a gray frame, rows x 160, to height x width. Each result is the mean of the area that it covers. Immutable,
 // so threads may share one.
 //
-// Serves up to kFrameRows rows, heights 1..rows and widths 11..160, except sizes that divide the frame's in both
-// directions (105 x 80 of 210 x 160): for those OpenCV rounds differently. For sizes larger than the frame, INTER_AREA
-// interpolates.
+// Serves up to kFrameRows rows, heights 1..rows and widths 11..160. Sizes that divide the frame's in both directions
+// (105 x 80 of 210 x 160) are excluded, because OpenCV rounds differently for them. For sizes larger than the frame,
+// INTER_AREA interpolates.
 class AreaResize {
   public:
     // Throws std::invalid_argument if the size is not served.
@@ -52,7 +52,7 @@ class AreaResize {
     struct Tap {  // the share of a source pixel in a result
         int source, result;
         float weight;
-        bool first, last;  // of the taps of the result
+        bool first, last;  // whether it is the result's first or last tap
     };
     // Neighbouring results that are computed at once and depend on pixels close together.
     struct Window {
@@ -71,7 +71,7 @@ class AreaResize {
     SimdLevel level_;
     std::vector<Tap> down_;  // ordered by source, and so by result
     std::vector<Sources> sources_;
-    std::vector<size_t> first_taps_;                // of each result, in down_
+    std::vector<size_t> first_taps_;                // by result, an index into down_
     std::vector<Window> windows_;                   // 21 at most
     uint32_t windows_with_[kScreenWidth / 8] = {};  // by columns 8k .. 8k+7, the windows in them, a bit each
     std::vector<Taps> across_;                      // depth_ for each window

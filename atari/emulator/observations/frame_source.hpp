@@ -8,22 +8,23 @@
 
 namespace atari {
 
-// A frame of palette indices. `looks` has the looks of its rows (LineCache::looks), or null. `framebuffer` is the number of
-// the console's framebuffer that holds it, or -1.
+// A frame of palette indices. `looks` has the looks of its rows (LineCache::looks), or is null. `framebuffer` is the
+// number of the console's framebuffer that holds it, or -1.
 struct Frame {
     const uint8_t* pixels;
     const uint32_t* looks = nullptr;
     int framebuffer = -1;
 };
 
-// The memory that it reads must exist while frames are read. Owns a copy of the noted frame where the next frame overwrites it.
+// The memory that it reads must exist while frames are read. It owns a copy of the noted frame if the next frame
+// overwrites that frame.
 class FrameSource {
   public:
     // Reads an environment without averaged colours, for which no other source holds frames.
     explicit FrameSource(Environment& environment)
         : rows_(environment.height()), palette_(environment.parts().game->palette), environment_(&environment),
           holds_(true) {}
-    // Reads what `read` gives: frames of rows x 160.
+    // Reads frames of rows x 160 that `read` gets.
     FrameSource(int rows, const Palette& palette) : rows_(rows), palette_(&palette) {}
 
     // Reads the environment, or the frame, from here on. Frames of an environment are rendered when they are read.
@@ -45,7 +46,7 @@ class FrameSource {
         return {pixels, console().looks(), console().machine().tia.current};
     }
 
-    // The present RAM: that of the environment, or what the caller gave in place of a frame.
+    // The present RAM: the environment's, or the bytes that the caller passed in place of a frame.
     const uint8_t* ram() const { return environment_ ? environment_->ram() : pixels_; }
 
     // Notes the present frame; `noted` returns it after the next frame. A console renders the next frame into its other
@@ -63,7 +64,8 @@ class FrameSource {
         return {pixels, console().previous_looks(), console().machine().tia.current ^ 1};
     }
 
-    // Keeps the console's framebuffers, of which one has this frame, until `let_go`. False if this source cannot.
+    // Keeps the console's framebuffers, one of which has this frame, until `let_go`. Returns false if this source
+    // cannot.
     bool hold(Frame frame) {
         if (!holds_ || frame.framebuffer < 0) return false;
         console().framebuffers().hold();

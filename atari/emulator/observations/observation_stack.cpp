@@ -12,8 +12,8 @@
 namespace atari {
 namespace {
 
-// A pooled plane, as working memory on the stack. The C library aborts a process in which it finds no memory for a new
-// thread's `thread_local` variables; a thread's stack is there from its start.
+// A pooled plane, as working memory on the stack: a thread has its stack from its start. If the C library has no memory
+// for a new thread's `thread_local` variables, it aborts the process.
 struct PooledPlane {
     uint8_t pixels[kFrameBytes];
     uint32_t changes[kFrameRows];
@@ -258,7 +258,8 @@ uint8_t* ObservationStack::next_slot() {
     return newest_slot();
 }
 
-// Resizes a pooled plane into its place in `slot`. `changes` has an entry for each row; null if the changes are unknown.
+// Resizes a pooled plane into its place in `slot`. `changes` has an entry for each row, or is null if the changes are
+// unknown.
 void ObservationStack::resize_plane(int plane, const uint8_t* pooled, const uint32_t* changes, uint8_t* slot) const {
     if (planes_ == 1) return (*resizer_)(pooled, changes, slot);
     std::vector<uint8_t> resized(frame_size_ / 3);

@@ -14,11 +14,11 @@
 
 namespace atari {
 
-// kGrayOfRgb pools the colours of two frames and converts the result to gray, by a table of pairs of colours. kRam is
-// not of pixels: a stack holds RAM as it is at the beginning of an episode and after each skip.
+// kGrayOfRgb pools the colours of two frames and converts the result to gray, by a table of pairs of colours. kRam has
+// no pixels: a stack holds the RAM at the beginning of an episode and after each skip.
 enum class PixelFormat { kNone, kGray, kRgb, kGrayOfRgb, kRam };
 enum class EndFrames { kLast, kGymnasium, kBaselines, kEnvpool };
-enum class Padding { kZero, kReset };  // what a new stack is filled with: zeros, or the first frame of the episode
+enum class Padding { kZero, kReset };  // fills a new stack: zeros, or the first frame of the episode
 
 struct ObservationSettings {
     PixelFormat pixels = PixelFormat::kGray;
@@ -77,7 +77,7 @@ class ObservationStack {
     void resize_plane(int plane, const uint8_t* pooled, const uint32_t* changes, uint8_t* slot) const;
     uint8_t* next_slot();
     uint8_t* newest_slot() { return ring_.data() + frame_size_ * static_cast<size_t>(newest_); }
-    // Whether frames are RGB of the screen's size. They are then pooled in the ring, all colours at once.
+    // Returns whether frames are RGB of the screen's size. They are then pooled in the ring, all colours at once.
     bool is_screen_rgb() const {
         return planes_ == 3 && settings_.img_height == source_.rows() && settings_.img_width == kScreenWidth;
     }
@@ -90,15 +90,15 @@ class ObservationStack {
     const uint8_t* tables_[3];      // by plane, of 256 values; for kGrayOfRgb `gray_of_pairs`
     std::vector<uint8_t> colours_;  // for kRgb: the memory of `tables_`
     // With EndFrames::kGymnasium, an episode may end with the last frame pooled once more. The source holds the two
-    // framebuffers, with the numbers `last_`, that the last frame was pooled from. Where it cannot, `pooled_` holds the
-    // planes of that frame before it was resized. At most one of the two is in use.
+    // framebuffers, with the numbers `last_`, that the last frame was pooled from. If the source cannot, `pooled_`
+    // holds the planes of that frame before it was resized. At most one of the two is in use.
     const bool pools_last_again_;
     int last_[2] = {-1, -1};
     std::vector<uint8_t> pooled_;
     std::vector<uint8_t> late_;       // for kBaselines: the last frame of the last whole skip
     bool early_noted_ = false;        // whether the source has noted the last frame but one of the present skip
     std::vector<uint32_t> looks_[2];  // by row, looks of the two frames of the newest resized frame; 0 is unknown
-    std::vector<uint8_t> ring_;       // of `stack` resized frames
+    std::vector<uint8_t> ring_;       // the last `stack` resized frames
     size_t frame_size_;               // bytes of a resized frame
     int newest_ = 0;                  // slot of the newest resized frame
 };

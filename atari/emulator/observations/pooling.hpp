@@ -18,7 +18,7 @@ namespace atari {
 void pool_gray(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
                uint32_t* changes, SimdLevel level = best_simd_level());
 
-// As `pool_gray`, with a table of 65,536 gray values, by early * 256 + late.
+// `pool_gray` with a table of 65,536 gray values, by early * 256 + late.
 void pool_pairs(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
                 uint32_t* changes, SimdLevel level = best_simd_level());
 

@@ -1,8 +1,8 @@
 // The extension module atari._emulator: thin bindings of `Environment`. Python validates the options
 // (atari/cores/native.py). This file also validates arguments that could cause undefined behaviour.
 //
-// No Python object is released without the GIL; no lock and no join is held or waited for with the GIL. threads.hpp has
-// the whole rule, and what keeps it.
+// No Python object is released without the GIL. A thread with the GIL waits for no lock and joins no thread.
+// threads.hpp has the whole rule, and the classes that keep it.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
@@ -108,7 +108,8 @@ void register_xla(nb::module_& m);           // binding_xla.cpp
 
 NB_MODULE(_emulator, m) {
     using namespace atari;
-    // Types can be registered once in a process. An import after a deletion from `sys.modules` shares the first module's.
+    // Types can be registered once in a process. An import after a deletion from `sys.modules` shares the first
+    // module's types.
     static nb::object* const first = new nb::object(m);
     if (!first->is(m)) {
         nb::borrow<nb::dict>(m.attr("__dict__")).update(nb::borrow<nb::dict>(first->attr("__dict__")));

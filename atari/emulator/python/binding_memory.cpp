@@ -31,7 +31,7 @@ using memory::Geometry;
 // Arrays that are read or written without the GIL, held until the call has ended.
 class Arrays {
   public:
-    // Returns the memory of an array that must have so many values.
+    // Returns the memory of an array that must have `size` values.
     template <typename T>
     T* writable(nb::handle array, size_t size, const char* name) {
         Values<T> values;
@@ -66,7 +66,7 @@ void check_process(uint32_t made_in) {
             "process that uses it");
 }
 
-// The memory as Python threads share it. The block is an object that Python releases.
+// The memory that Python threads share. The block is an object that Python releases.
 class BoundMemory : Exclusive {
   public:
     BoundMemory(const Geometry& geometry, nb::object block) : block_(std::move(block)) {
@@ -109,7 +109,7 @@ std::vector<const uint8_t*> parts_of(Arrays& arrays, const Geometry& geometry, c
     return result;
 }
 
-// The arrays of one batch, checked once. They must not be changed in shape while this exists.
+// The arrays of one batch, checked once. Their shapes must not change while this exists.
 struct BoundTarget {
     Arrays arrays;
     memory::Target target{};
@@ -157,7 +157,7 @@ struct BoundTarget {
         }
     }
 
-    // Whether a batch of a memory of this geometry has these sizes.
+    // Returns whether a batch of a memory of this geometry has these sizes.
     bool fits(const Geometry& geometry) const {
         bool same = geometry.action_bytes == action_bytes && geometry.parts.size() == frame_bytes.size();
         for (size_t part = 0; same && part < frame_bytes.size(); ++part)
@@ -209,8 +209,8 @@ void add(BoundMemory& bound, nb::object actions, nb::object rewards, nb::object 
     else bound.use_briefly(work);
 }
 
-// As `add`, for the arrays that environments usually return; other arrays, and ends in SAME_STEP, change nothing and
-// return false. A fifth of the time of a step's checks in Python.
+// Does the same as `add` for the arrays that environments usually return, and checks them faster than Python. For other
+// arrays, and for ends in SAME_STEP, changes nothing and returns false.
 bool try_add(BoundMemory& bound, nb::handle actions, nb::handle rewards, nb::handle terminated, nb::handle truncated) {
     const Geometry& geometry = bound.geometry();
     const auto lanes = static_cast<size_t>(geometry.lanes);

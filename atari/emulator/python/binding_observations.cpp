@@ -153,7 +153,7 @@ class BoundStack : Exclusive {
     }
 
     const std::string format_;
-    uint64_t emulator_ = 0;  // the number of the one that was read last
+    uint64_t emulator_ = 0;  // the number of the emulator that was read last
     std::vector<uint8_t> averaged_;
     std::unique_ptr<ObservationStack> stack_;
 };

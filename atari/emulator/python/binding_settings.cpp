@@ -1,4 +1,4 @@
-// The settings of the vector engine, bound as structs and enums: atari/vector/settings.py makes them of a `Protocol`.
+// The settings of the vector engine, bound as structs and enums: atari/vector/options.py makes them from a task.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>

@@ -51,7 +51,7 @@ void make_batch(BoundBatch* self, BoundEngine& engine, nb::object pixels, nb::ob
     new (self) BoundBatch(std::move(bound));
 }
 
-// A batch with other arrays of observations; it shares the other arrays.
+// Returns a batch with these arrays of observations. It shares all other arrays with `batch`.
 BoundBatch aimed_at(const BoundBatch& batch, nb::object pixels, nb::object ram) {
     BoundBatch bound{batch.batch, batch.shape, {}, batch.memory};
     set_observations(bound, pixels, ram);
@@ -66,7 +66,7 @@ nb::object array_of(T* values, const std::vector<size_t>& shape, const std::shar
         nb::ndarray<nb::numpy, T, nb::c_contig, nb::device::cpu>(values, shape.size(), shape.data(), owner));
 }
 
-// The arrays of the batch's own, by their names.
+// Returns the batch's own arrays by name.
 nb::dict arrays_of(const BoundBatch& bound) {
     nb::dict arrays;
     Batch::for_each(bound.shape, [&](const char* name, auto member, size_t width) {
@@ -83,9 +83,9 @@ struct LentArray {
     nb::object fixed;  // see `prevent_resize`
 };
 
-// A share in the memory of an array. It exports that memory by the buffer protocol, so a NumPy array made of it owns
-// the share, and so do the array's views and tensors. Making an array this way takes about half the time of nb::ndarray
-// with a capsule as its owner, which matters in steps of one environment.
+// A share in the memory of an array. It exports that memory by the buffer protocol, so a NumPy array made from it owns
+// the share, and so do the array's views and tensors. This is faster than nb::ndarray with a capsule as its owner,
+// which matters in steps of one environment.
 struct Loan {
     std::shared_ptr<LentArray> array;
 };

@@ -1,4 +1,5 @@
-// `_emulator.Write`, a write to RAM: atari/cores/writes.py makes it of the rules that atari/games/interventions compiles.
+// `_emulator.Write`, a write to RAM: atari/cores/writes.py makes it from the rules that atari/games/interventions
+// compiles.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>

@@ -46,7 +46,7 @@ struct Port {
     Lock lock;
     BoundEngine* engine;  // null after the port has been closed
     const BatchShape shape;
-    Batch own;  // where results wait between send and recv, and those that compiled functions do not get
+    Batch own;  // holds results between send and recv, and arrays that compiled functions do not get
     BatchMemory memory;
 
     // Calls `part(name, member, type, values in a row)` for each array that compiled functions get: all but doubles,
@@ -144,7 +144,7 @@ Batch results_of(Port& port, const xla::Operands& results) {
         batch.*member = static_cast<T*>(buffer.data);
     });
     if (at != results.size) refuse("there are more results than this environment has");
-    // As if each row had an older final observation, so that rows without one are zeroed.
+    // Marks each row as one with an older final observation, so that rows without a new one are zeroed.
     if (port.shape.has_final) std::memset(batch.ended, 1, port.shape.rows);
     return batch;
 }

@@ -52,7 +52,7 @@ inline double strength_factor(nb::handle strength) {
 // The core of a game. Every method that emulates or copies framebuffers releases the GIL. Threads may share a core.
 class Emulator : Exclusive {
   public:
-    const uint64_t number = ++made_;  // that no other of the process has
+    const uint64_t number = ++made_;  // unique in the process
 
     Emulator(const Shared<Game>& game, double probability, int frame_skip, int max_frames, bool sound,
              bool color_averaging, uint32_t seed, bool plain, bool one_generator, bool second_player_starts,
@@ -167,7 +167,7 @@ class Emulator : Exclusive {
         return locked([&](Environment& e) { return e.act({number}, 1, static_cast<float>(factor))[0]; });
     }
 
-    // Plays up to `frames` frames. Returns the sum of the rewards, and how many were played.
+    // Plays up to `frames` frames. Returns the sum of the rewards, and the number of frames played.
     std::pair<int, int> act_until(nb::handle action, int frames, nb::handle strength) {
         const int number = action_number(action);
         const auto factor = static_cast<float>(strength_factor(strength));

@@ -1,4 +1,4 @@
-// `BoundEngine`: the vector engine as threads share it, those of Python and those of compiled functions (binding_xla.cpp).
+// `BoundEngine`: the vector engine, shared by the threads of Python and of compiled functions (binding_xla.cpp).
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -63,7 +63,7 @@ struct BoundSnapshot {
     }
 };
 
-// The engine as Python threads share it. The GIL is released while environments are played or waited for.
+// The engine that Python threads share. The GIL is released while environments are played or waited for.
 class BoundEngine : Exclusive {
   public:
     explicit BoundEngine(std::unique_ptr<VectorEngine> engine) : engine_(std::move(engine)) {}
@@ -130,11 +130,11 @@ class BoundEngine : Exclusive {
         });
     }
 
-    // Whether a batch has been sent and not received.
+    // Returns whether a batch has been sent and not received.
     bool sent() const { return sent_; }
 
-    // The calls of compiled functions (binding_xla.cpp): of threads without the GIL, which never wait for it. All else
-    // waits until such a call has ended.
+    // The calls of compiled functions (binding_xla.cpp). Their threads do not have the GIL and never wait for it. All
+    // other calls wait until such a call has ended.
     //
     // Plays a step of the environments of the last batch.
     void step_natively(const std::vector<int64_t>& actions, const Batch& batch) {
@@ -157,7 +157,7 @@ class BoundEngine : Exclusive {
         });
     }
 
-    // Waits for what a compiled function, or Python, has begun.
+    // Waits for the step that a compiled function, or Python, has begun.
     void receive_natively(const Batch& out) {
         natively([&] {
             check_process(process_);
@@ -240,7 +240,7 @@ class BoundEngine : Exclusive {
         });
     }
 
-    // As `get`, without the GIL.
+    // Does the same as `get`, without the GIL.
     template <typename Get>
     auto get_slowly(int environment, Get&& get) {
         return locked([&] {
@@ -281,7 +281,7 @@ class BoundEngine : Exclusive {
     BatchShape shape(bool pixels, bool ram) const { return engine_->shape(pixels, ram); }
 
   private:
-    // The batch of an object, which threads write to; null for None, where results wait for `receive`.
+    // Returns the batch of an object, which threads write to. For None returns null: results then wait for `receive`.
     const Batch* checked(nb::handle batch) const {
         if (batch.is_none() && engine_->batch_size() < engine_->size()) return nullptr;
         if (batch.is_none())
@@ -316,7 +316,7 @@ class BoundEngine : Exclusive {
         order_ = queued() ? std::vector<int>() : std::move(some);
     }
 
-    // Waits for the results. `batch` is not written after it has thrown either.
+    // Waits for the results. After this has returned or thrown, no thread writes to `batch`.
     void finish(const Batch& batch) {
         sent_ = ready_ = false;
         try {
@@ -356,7 +356,8 @@ class BoundEngine : Exclusive {
         });
     }
 
-    // The environments of a step: some of all, or those of the last batch in any order if a batch has fewer than all.
+    // Returns the environments of a step: any environments; but if a batch has fewer than all, those of the last batch
+    // in any order.
     std::vector<int> chosen(const std::vector<int64_t>& numbers) const {
         std::vector<bool> available(static_cast<size_t>(engine_->size()));
         for (int environment : engine_->recent()) available[static_cast<size_t>(environment)] = true;
@@ -398,8 +399,8 @@ class BoundEngine : Exclusive {
         }
     }
 
-    // Throws between `start` and `receive`. In batches of fewer than all, waits for the environments that are not in the last
-    // batch, so it is called without the GIL.
+    // Throws between `start` and `receive`. If a batch has fewer than all environments, waits for those that are not in
+    // the last batch. It is therefore called without the GIL.
     void check_idle(const std::vector<int>& environments) {
         check_received(environments);
         if (engine_->pending()) engine_->settle();
@@ -415,7 +416,7 @@ class BoundEngine : Exclusive {
 
     const uint32_t process_ = process_generation;
     nb::object current_;              // owns `target_`
-    const Batch* target_ = nullptr;   // what the threads write to: must outlive `engine_`
+    const Batch* target_ = nullptr;   // the threads write to it: it must outlive `engine_`
     std::atomic<bool> sent_ = false;  // whether a batch has been sent and not received
     bool ready_ = false;              // whether a batch has been received, and nothing has been sent since
     bool failed_ = false;             // whether a compiled function has failed since the last reset

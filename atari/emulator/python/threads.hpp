@@ -1,10 +1,10 @@
-// What the binding shares between threads, and the locks for it. The rule of the GIL, which every binding keeps:
+// The objects that the binding shares between threads, and their locks. Every binding keeps the rule of the GIL:
 //
-// 1. No Python object is released without the GIL. So what threads own contains none: C++ objects that Python shares
-//    with them are bound as `Shared`, and arrays are held by objects that only Python releases.
+// 1. No Python object is released without the GIL. So an object that threads own contains none: C++ objects that Python
+//    shares with them are bound as `Shared`, and arrays are held by objects that only Python releases.
 // 2. A thread with the GIL waits for no lock and joins no thread. It may try a lock.
 // 3. A thread with a lock does not wait for the GIL. `VectorLock`, a lock of Python code, is the exception.
-// 4. What is read without the GIL is a copy, or immutable and owned: Python may change its objects meanwhile.
+// 4. Data read without the GIL are a copy, or immutable and owned: Python may change its objects meanwhile.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -59,8 +59,8 @@ inline void count_forks() {
 #endif
 }
 
-// A mutex that fails in a forked child process where std::mutex would hang: if a thread that the child does not have
-// held it at the fork. What it protects is then in the middle of a change, for good.
+// A mutex that throws in a forked child process where std::mutex would hang. If a thread that the child lacks held it
+// at the fork, the protected data stay in the middle of a change.
 class Lock {
   public:
     bool try_lock() {
@@ -97,14 +97,15 @@ class Exclusive {
         return work();
     }
 
-    // As `locked`, for threads that do not have the GIL.
+    // Does the same as `locked`, for threads that do not have the GIL.
     template <typename Work>
     auto natively(Work&& work) {
         const std::lock_guard lock(lock_);
         return work();
     }
 
-    // As `locked`, but keeps the GIL if no thread has the lock, for work that takes less time than releasing the GIL.
+    // Does the same as `locked`, but keeps the GIL if no thread has the lock: for work that takes less time than
+    // releasing the GIL.
     template <typename Work>
     auto briefly(Work&& work) {
         if (const std::unique_lock lock(lock_, std::try_to_lock); lock) return work();
@@ -115,8 +116,8 @@ class Exclusive {
     Lock lock_;
 };
 
-// While it exists, NumPy does not resize the array: not even `resize(refcheck=False)`, which may free the memory that a
-// thread is writing to, resizes an array that has a weak reference. Null for objects without weak references.
+// Returns a weak reference to an array. While it exists, NumPy does not resize the array. Even `resize(refcheck=False)`
+// fails, which otherwise may free memory that a thread is writing to. Null for objects without weak references.
 inline nanobind::object prevent_resize(nanobind::handle array) {
     PyObject* const reference = PyWeakref_NewRef(array.ptr(), nullptr);
     if (!reference) PyErr_Clear();

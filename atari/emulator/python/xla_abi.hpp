@@ -1,6 +1,6 @@
-// What XLA and the functions that it calls give each other: as much of its foreign function interface ("typed FFI",
-// version 0) as binding_xla.cpp uses. It is a C ABI: structs that begin with their size, to which newer versions only add
-// at the end. So this needs no header of XLA's, and one wheel serves all versions of JAX that have it.
+// The structs that XLA and the functions that it calls exchange: the part of its foreign function interface ("typed
+// FFI", version 0) that binding_xla.cpp uses. It is a C ABI: structs begin with their size, and newer versions only add
+// members at the end. So no header of XLA is needed, and one wheel serves all versions of JAX that have this interface.
 #pragma once
 
 #include <cstddef>
@@ -50,11 +50,11 @@ struct ApiVersion {
 struct ErrorCreateArguments {
     size_t struct_size;
     Extension* extensions;
-    const char* message;  // which XLA copies
+    const char* message;  // XLA copies it
     ErrorCode code;
 };
 
-// XLA's functions, of which those after the first are left out.
+// XLA's functions; only the first is declared.
 struct Api {
     size_t struct_size;
     Extension* extensions;
@@ -101,8 +101,8 @@ struct CallFrame {
     void* future;
 };
 
-// Of a function, for its registration: an extension of a call frame, to be filled in. Newer versions have
-// more members, which are zero.
+// The properties of a function, for its registration. An extension of a call frame points to this struct, and the
+// function fills it in. Newer versions have more members, which are zero.
 struct Metadata {
     size_t struct_size;
     ApiVersion version;

@@ -1,5 +1,5 @@
-// `Batch`: the arrays that the results of a batch are written to. batch.def has their names, by which Python and functions
-// compiled by JAX get them.
+// `Batch`: the arrays that the results of a batch are written to. Python, and functions compiled by JAX, get them by
+// their names in batch.def.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ struct BatchShape {
     size_t pixels, ram;  // bytes in an observation; 0 if it has no such part
     bool has_final;      // whether rows have final observations
 
-    // Whether an engine with batches of shape `other` writes within these arrays.
+    // Returns whether an engine with batches of shape `other` writes within these arrays.
     bool fits(const BatchShape& other) const {
         return rows == other.rows && players == other.players && has_final == other.has_final &&
                (pixels == 0 || pixels == other.pixels);

@@ -14,7 +14,7 @@
 namespace atari {
 namespace {
 
-// Begins to load what an observation will be written to, which may be far from the cache if it is the user's.
+// Begins to load the memory of an observation into the cache. The user's memory may be outside of it.
 void prefetch([[maybe_unused]] const uint8_t* to, [[maybe_unused]] size_t size) {
 #if defined(__GNUC__)
     constexpr size_t kMost = size_t{1} << 15, kLine = 64;
@@ -109,7 +109,7 @@ void VectorEngine::apply_restore(Slot& slot) {
     if (!slot.pending_restore) return;
     slot.lane.episode->restore(slot.pending_restore->episode);
     slot.outcome = slot.pending_restore->outcome;
-    slot.outcome.reward = {};  // of the step before the snapshot
+    slot.outcome.reward = {};  // the reward of the step before the snapshot
     slot.has_final = false;
     slot.pending_restore = nullptr;
 }

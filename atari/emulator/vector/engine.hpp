@@ -44,22 +44,22 @@ class VectorEngine {
     }
     // The number of environments whose results have not been received.
     int pending() const { return pool_->pending(); }
-    // The environments of the last batch, by row. Before the first one, those with the lowest numbers.
+    // The environments of the last batch, by row. Before the first batch, the environments with the lowest numbers.
     const std::vector<int>& recent() const { return recent_; }
-    // Waits until no environment is being played. Results that have not been received stay to be received.
+    // Waits until no environment is being played. Results that have not been received can still be received.
     void settle() { pool_->settle(); }
     int actions_of(int environment) const { return static_cast<int>(slot(environment).lane.actions.size()); }
 
     // `reset` and `step` start work on environments; `receive` waits for the results. If a batch has all environments,
-    // the results of environment i go to row i, and `batch` must live until `receive`. Otherwise `batch` may be null.
+    // the results of lane i go to row i, and `batch` must live until `receive`. Otherwise `batch` may be null.
     //
     // Resets the chosen environments, with `seeds[i]` if it is not null. The others repeat their last observation.
     // With `new_games`, a reset after a lost life begins a new game too.
     void reset(const std::vector<bool>& chosen, const std::vector<const Seed*>& seeds, const Batch* batch,
                bool new_games = false);
-    // Action i * players() + p is for player p of environment `environments[i]`; it is an index. Strength i is a factor
-    // for paddles. If a batch has all environments, those without an action repeat their last observation. Otherwise
-    // the environments are those of `recent()`, in any order.
+    // Action i * players() + p is for player p of lane `environments[i]`; it is an index. Strength i is a factor for
+    // paddles. If a batch has all environments, those without an action repeat their last observation. Otherwise the
+    // environments are those of `recent()`, in any order.
     void step(const std::vector<int>& environments, const int64_t* actions, const float* strengths, const Batch* batch);
     // Waits for a batch; returns whether an episode or a game ended in it. Rethrows the deferred error of an
     // environment; all environments must then be reset.
@@ -71,8 +71,9 @@ class VectorEngine {
         apply_restore(slot(environment));
         return *slot(environment).lane.episode;
     }
-    // The RAM, 128 bytes: the present one; or that of the last result, a copy beside those of the other environments, which
-    // is faster to read. With kFinal, that at the end of the episode if one ended in the last step and was reset in it.
+    // Returns RAM, 128 bytes. By kNow: the present RAM. By kResult: the RAM of the last result, whose copies lie side
+    // by side and are faster to read. By kFinal: the RAM at the end of an episode, if one ended and was reset in the
+    // last step, otherwise the RAM of kResult.
     enum class RamOf { kNow, kResult, kFinal };
     const uint8_t* ram(int environment, RamOf of) {
         if (of == RamOf::kNow) return episode(environment).environment().ram();
@@ -80,7 +81,7 @@ class VectorEngine {
         return result_rams_.data() + 128 * static_cast<size_t>(environment);
     }
     const Game& game(int environment) const { return *slot(environment).lane.episode->environment().parts().game; }
-    int players() const { return players_; }  // of each environment
+    int players() const { return players_; }  // in each environment
     // The state of a lane as bytes. `load` returns false and changes nothing if no such lane can have saved the
     // bytes.
     size_t state_size(int environment) const { return 1 + slot(environment).lane.episode->state_size(); }
@@ -101,7 +102,7 @@ class VectorEngine {
     Snapshot parse(int environment, const uint8_t* in);
     bool fits(int environment, const LaneSnapshot& snapshot) const;
     // The state is copied when the environment is next played or read, so mostly by the threads. It is never copied if
-    // another restore comes first. A result that has not been received then becomes that of the restored state.
+    // another restore comes first. The restored state's result replaces a result that has not been received.
     void restore(int environment, Snapshot snapshot) { slot(environment).pending_restore = std::move(snapshot); }
 
   private:
@@ -112,13 +113,13 @@ class VectorEngine {
         Lane lane;
         Snapshot pending_restore;
         Task task = Task::kObserve;
-        bool new_game = false;  // of a reset
+        bool new_game = false;  // whether a reset begins a new game
         const Seed* seed = nullptr;
         Seed seed_value{};
         int actions[kMaxPlayers]{};
         float strength = 1.0f;
-        Outcome outcome;                      // of the last step
-        std::optional<EndedGame> ended_game;  // in the last task
+        Outcome outcome;                      // the last step's
+        std::optional<EndedGame> ended_game;  // ended in the last task
         bool has_final = false;
         std::vector<uint8_t> final_pixels;  // used while the row of the batch is not known
         uint8_t final_ram[128];
@@ -144,7 +145,7 @@ class VectorEngine {
     std::vector<Slot> slots_;
     std::vector<int> recent_;
     std::vector<uint8_t> result_rams_;  // 128 bytes for each environment
-    const Batch* batch_ = nullptr;      // of all environments: the threads write to it
+    const Batch* batch_ = nullptr;      // a batch of all environments, which the threads write to
     std::unique_ptr<ThreadPool> pool_;
     long process_;  // the process that made the threads
 };

@@ -24,7 +24,7 @@ Outcome Episode::step(const int* actions, float strength) {
     const auto& most_steps = settings_.max_episode_steps;
     const bool no_more_steps = most_steps && state_.steps >= static_cast<uint32_t>(*most_steps);
     if ((ends.truncated || no_more_steps) && !ended_game_) end_game();  // by a limit that the emulator does not have
-    // As in ale-py's vector environment, a reported loss of a life hides that the same step was truncated.
+    // A reported loss of a life hides that the same step was truncated, as in ale-py's vector environment.
     const bool reports_loss = settings_.life_loss_info && !ends.terminated && has_lost_life(lives_before);
     Outcome outcome;
     outcome.terminated = ends.terminated || reports_loss;
@@ -37,7 +37,7 @@ Outcome Episode::step(const int* actions, float strength) {
     return outcome;
 }
 
-// The engine plays the idle action of players who are out.
+// The engine plays the idle action for players who are out.
 Episode::Move Episode::move_of(const int* actions, float strength) const {
     Move move{{}, strength};
     for (int player = 0; player < settings_.players; ++player) {

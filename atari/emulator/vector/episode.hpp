@@ -1,5 +1,5 @@
-// `Episode`: plays the episodes of one environment of the vector engine. It has the layers of `atari.wrappers`, which
-// are nested as its settings say.
+// `Episode`: plays the episodes of one environment of the vector engine. It nests the layers of `atari.wrappers` as its
+// settings specify.
 #pragma once
 
 #include <array>
@@ -61,10 +61,10 @@ class Episode {
     void reset(const Seed* seed, bool new_game);
     // Plays an action of each player, an ALE number, until the skip or the episode ends.
     Outcome step(const int* actions, float strength);
-    // The last game that ended since the last call, in a step or in a reset.
+    // Returns the last game that ended since the last call, in a step or in a reset.
     std::optional<EndedGame> take_ended_game() { return std::exchange(ended_game_, std::nullopt); }
     int players() const { return settings_.players; }
-    // The steps of the present game, lost lives do not matter.
+    // Returns the steps of the present game, which lost lives do not end.
     int game_steps() const { return static_cast<int>(state_.game_steps); }
 
     Environment& environment() { return *environment_; }
@@ -92,7 +92,7 @@ class Episode {
         bool any() const { return terminated || truncated; }
     };
 
-    // episode_layers.cpp. A layer resets and steps the one inside of it, which has the level below.
+    // episode_layers.cpp. A layer resets and steps the next inner layer, whose level is lower by one.
     static std::vector<Layer> layers_of(const EpisodeSettings& settings);
     void reset_layer(size_t level, const Request& request);
     Ends step_layer(size_t level, const Move& move);
@@ -112,7 +112,7 @@ class Episode {
     Move move_of(const int* actions, float strength) const;
     void pay(Outcome& outcome, const OfPlayers<int64_t>& score_before, uint8_t were_out) const;
     void end_game();
-    // The state without the emulator's.
+    // Returns the size of the state without the emulator's.
     size_t rest_size() const;
     void save_rest(uint8_t* out) const;
     void load_rest(const uint8_t* in);
@@ -123,12 +123,12 @@ class Episode {
     std::unique_ptr<Environment> environment_;
     std::unique_ptr<ObservationStack> observation_;  // reads `environment_`
     EpisodeRandom random_;
-    OfPlayers<int64_t> score_{};  // of the present game, since the emulator's reset
+    OfPlayers<int64_t> score_{};  // the present game's, since the emulator's reset
     // Counters are unsigned, so that they wrap instead of overflowing.
     struct {
-        uint32_t game_steps;     // of the present game
-        uint32_t frames_played;  // of the present game, without those that began it
-        uint32_t steps;          // of the episode
+        uint32_t game_steps;     // the present game's
+        uint32_t frames_played;  // the present game's, without those that began it
+        uint32_t steps;          // the episode's
         int32_t first_frame;     // the emulator's episode frame number after its reset
         int32_t frame_number;    // the emulator's, after the last skip
         int32_t lives;           // when kLives compared them last

@@ -15,11 +15,11 @@
 namespace atari {
 
 struct Seed {
-    uint32_t emulator;  // of the emulator's generator: sticky actions
-    uint32_t own[8];    // of the episode's generator: the state of NumPy's PCG64; for ALE one word, a seed
+    uint32_t emulator;  // for the emulator's generator: sticky actions
+    uint32_t own[8];    // for the episode's generator: the state of NumPy's PCG64; for ALE one word, a seed
 };
 
-// Draws as NumPy's generator does, or as ale-py's vector environment does.
+// Draws the numbers that NumPy's generator draws, or those of ale-py's vector environment.
 class EpisodeRandom {
   public:
     EpisodeRandom(Seeding seeding, const Seed& seed) {
@@ -32,9 +32,9 @@ class EpisodeRandom {
         else std::get<Pcg64>(generator_).set(seed.own);
     }
 
-    // From first .. second. ALE draws a word also if only one number is possible.
+    // Draws from first .. second. ALE draws a word even if only one number is possible.
     int noops(std::pair<int, int> range) { return draw(range.first, range.second); }
-    // From first .. second-1; draws nothing if only one number is possible.
+    // Draws from first .. second-1. If only one number is possible, no word is drawn.
     int frames(std::pair<int, int> range) {
         const auto [low, high] = range;
         return high == low + 1 ? low : draw(low, high - 1);
@@ -62,7 +62,8 @@ class EpisodeRandom {
         return std::get<Pcg64>(generator_).integers(low, high + 1);
     }
 
-    // A damaged state neither indexes other memory nor gives the same word for ever, which would be drawn again for ever.
+    // Repairs a damaged state. An index stays within its array. A generator that repeats one word for ever could make
+    // `below` loop for ever.
     static void make_usable(Pcg64& generator) { generator.increment_low |= 1; }
     static void make_usable(MersenneTwister& generator) {
         generator.position = std::min(generator.position, 624u);

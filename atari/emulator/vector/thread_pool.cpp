@@ -49,9 +49,10 @@ void bind_to_core([[maybe_unused]] std::thread& thread, [[maybe_unused]] int cor
 }
 
 // glibc allocates a thread's memory for exceptions when the thread first throws, and ends the process if it finds none.
-// So a thread allocates it when it begins, in the place of blocks that it has just freed: of each size that it could
-// have, and so many that other threads do not take all of them. Returns false if there is no memory for the blocks. (A call of
-// std::uncaught_exceptions does not do it: it is declared pure, so that compilers drop it.)
+// A thread therefore allocates it when it begins, in the place of blocks that it has just freed. The blocks have every
+// size that it could need, and are enough that other threads do not take all. Returns false if there is no memory for
+// the blocks. (std::uncaught_exceptions would not allocate it: the function is declared pure, so compilers drop its
+// call.)
 bool prepare_to_throw() {
     constexpr size_t kSizes = 8, kBlocks = 32 * kSizes;
     void* blocks[kBlocks];
@@ -128,7 +129,8 @@ void ThreadPool::submit_all() {
 void ThreadPool::submit(const int* items, int count) {
     Range& range = *ranges_[0];
     uint64_t number = range.submitted;
-    // The slot is free: were its last number unclaimed, all later numbers would be too, which are more than the items.
+    // The slot is free. If its last number were unclaimed, all later numbers would be too, and there are fewer items
+    // than that.
     for (int i = 0; i < count; ++i) range.items[number++ % range.items.size()] = items[i];
     range.submitted = number;
     pending_ += count;

@@ -27,9 +27,9 @@ class ThreadPool {
     ThreadPool(const ThreadPool&) = delete;
     ThreadPool& operator=(const ThreadPool&) = delete;
 
-    // Starts work on all items; without `queued` only, and only when no item is pending.
+    // Starts work on all items. No item may be pending, and `queued` must be false.
     void submit_all();
-    // Starts work on some items, of which none may be pending; with `queued` only.
+    // Starts work on some items. None of them may be pending, and `queued` must be true.
     void submit(const int* items, int count);
     // Waits until `count` more items are done. If an item has thrown, waits for all submitted items and rethrows that
     // deferred error.
@@ -38,7 +38,7 @@ class ThreadPool {
     void settle() { await(awaited_ + static_cast<uint32_t>(pending_)); }
     // With `queued`: returns the items that were waited for, in the order in which they were done.
     std::vector<int> take(int count);
-    // Submitted items that have not been waited for.
+    // Returns the number of submitted items that have not been waited for.
     int pending() const { return pending_; }
 
   private:
@@ -66,9 +66,9 @@ class ThreadPool {
     std::atomic<uint32_t> submissions_{0};  // counts, and wakes the threads
     std::atomic<uint32_t> done_{0};         // counts, and wakes the thread that waits
     std::atomic<bool> stop_{false};
-    uint32_t awaited_ = 0;  // of `done_`
+    uint32_t awaited_ = 0;  // the value of `done_` to wait for
     int pending_ = 0;
-    std::mutex mutex_;           // of the members below
+    std::mutex mutex_;           // protects the members below
     std::vector<int> finished_;  // has room for all items, so that adding one cannot fail
     std::exception_ptr deferred_error_;
 };

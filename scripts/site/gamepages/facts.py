@@ -1,4 +1,4 @@
-"""What pages say of a game that no data file has: lives in play, names of keys, IDs."""
+"""Facts for the pages that no data file has: lives in play, names of keys, IDs."""
 
 from functools import cache
 from types import MappingProxyType

@@ -19,15 +19,15 @@ from gamepages.contents import MODES, SCREEN, VIDEO, VIEWS, modes
 from gamepages.plays import Play, play_of
 from gamepages.screens import busiest, sheet
 
-SECONDS = 18  # of a video
+SECONDS = 18  # seconds of a video
 
 _HOLD = 4  # frames that a random action is held
-_MODE_FRAMES = 240  # of random play, from which a mode's picture is chosen
-_VIEW_STEPS = 60  # of four frames, before the observation that is shown
+_MODE_FRAMES = 240  # frames of random play, from which a mode's picture is chosen
+_VIEW_STEPS = 60  # steps of four frames, before the observation that is shown
 
 
 def render(game: Game, folder: Path) -> None:
-    """Write the media of a game: a video of its play with sound, a screen, its modes, what the presets show of it."""
+    """Write the media of a game: a video of its play with sound, a screen, its modes, and the presets' observations."""
     play = play_of(game.id)
     if play is not None:
         replay = Replay.load(play.path)
@@ -92,7 +92,7 @@ def _mode_screen(game: Game, mode: int) -> Image:
 
 
 def _write_random(game: Game, path: Path) -> list[Image]:
-    """Write a video of random play; its screens."""
+    """Write a video of random play, and return its screens."""
     core, play = _advance(game, None, sound=True)
     screens: list[Image] = []
     with VideoWriter(path, game, sound=True) as video:

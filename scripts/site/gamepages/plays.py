@@ -1,4 +1,4 @@
-"""The plays of docs/games/replays: the replay of a game, and what index.toml says of it."""
+"""The plays of docs/games/replays: the replay of a game, and its facts in index.toml."""
 
 import sys
 from dataclasses import dataclass

@@ -25,7 +25,7 @@ _SOURCES = ("gamepages/media.py", "gamepages/screens.py", "pictures.py")
 
 
 def folder_of(game: Game) -> Path:
-    """Where the media of a game are; the name has a hash of all they are made from."""
+    """The folder of a game's media. Its name has a hash of everything that they are made from."""
     play = play_of(game.id)
     digest = hashlib.sha256(repr(game).encode() + repr((game.rom, game.rules, game.multiplayer)).encode())
     for path in (*(ROOT / "scripts" / "site" / name for name in _SOURCES), *([play.path] if play else [])):
@@ -34,7 +34,7 @@ def folder_of(game: Game) -> Path:
 
 
 def render(name: str) -> str:
-    """Render a game into a new folder, which gets its name when it is complete; a line about it."""
+    """Render a game into a new folder, which gets its name when it is complete. Return a line about it."""
     import cv2  # here: a process that renders nothing needs no OpenCV
 
     from gamepages import media

@@ -1,4 +1,4 @@
-"""Which frame of a game to show, and sheets of many frames in one picture."""
+"""The choice of the frame to show of a game, and sheets of many frames in one picture."""
 
 from collections.abc import Iterable, Sequence
 
@@ -19,7 +19,7 @@ def busiest(screens: Iterable[Image]) -> Image:
 
 
 def shape(cells: int) -> tuple[int, int]:
-    """(columns, rows) of a sheet of so many cells."""
+    """(columns, rows) of a sheet of n cells."""
     columns = min(cells, 8)
     return columns, -(-cells // columns)
 

@@ -129,7 +129,7 @@ def _rules(game: Game) -> str:
 
 
 def _expressions(game: Game) -> str:
-    """What the emulator computes after each frame."""
+    """The expressions that the emulator computes after each frame."""
     rules = game.rules or (game.multiplayer.rules if game.multiplayer else None)
     rows = ((code(name), code(expression)) for name, expression in rules.step) if rules else ()
     return folded("The rules, evaluated on RAM after each frame", table(("", "value"), rows))

@@ -163,10 +163,10 @@ Operand operand_of(Opcode opcode, uint16_t& operand, const Cartridge& cartridge,
     }
 }
 
-// Returns how many bytes before its end an instruction is not decoded in a slice or in RAM. The byte after that end may
-// belong to TIA space, where programs read what is on the bus, and collisions up to the clock at which the last write
-// shows. Handlers do not log a write that changes nothing. No write shows later than eight clocks after it, in which a
-// program that has stored runs one instruction of two cycles, of two bytes at most.
+// Returns the number of bytes at the end of a slice or of RAM in which this operation is not decoded. The byte after
+// that end may belong to TIA space. A program there reads the data bus, and collisions up to the clock at which the
+// last write shows. Handlers do not log a write that changes nothing. A write shows at most eight clocks later. In that
+// time a program runs at most one instruction after a store, of two cycles and at most two bytes.
 int undecoded_after(Operation operation) { return is_store(operation) || operation == PHA || operation == PHP ? 3 : 1; }
 
 bool is_expiry(uint16_t address) { return (address & 0x1285) == 0x285; }
@@ -217,7 +217,7 @@ DecodedInstruction decode(const uint8_t* bytes, int available, const Cartridge& 
     if (opcode.form == Rel) {
         const int distance = static_cast<int8_t>(bytes[1]);
         instruction.jump = static_cast<int16_t>(2 + distance);
-        // `bytes` gives only the position in a bank. Whether a branch crosses a page depends on the low eight bits.
+        // `bytes` gives only the position in a bank. Its low eight bits decide whether a branch crosses a page.
         instruction.operand = static_cast<uint16_t>(distance & 0xff);
         instruction.handler = kSingles[opcode.operation][static_cast<size_t>(Operand::Rel)];
         return instruction;

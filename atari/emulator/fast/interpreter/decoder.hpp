@@ -1,6 +1,6 @@
 // Decodes a cartridge's code once: a decoded instruction for every byte of the image at which an instruction may begin.
 //
-// A decoded instruction names its handler, which is chosen by the operation and by the kind of its operand, so that the
+// A decoded instruction names its handler. The operation and the kind of its operand select the handler, so that the
 // handler decides nothing at run time that the decoder can decide. A jump into the middle of an instruction finds a
 // decoded instruction there too, so no analysis of the program is needed. Rare instructions, and those whose effect
 // depends on the bus, get the handler `kStep`: they fall back to the plain interpreter. Decoded instructions never
@@ -43,7 +43,7 @@ enum class Operand : uint8_t {
 };
 // clang-format on
 
-// Returns the kind of operand that a TIA register is to a store.
+// Returns the kind of operand of a store to a TIA register.
 constexpr Operand stored_in(uint8_t reg) {
     switch (kTiaRegisters[reg].store) {
         case TiaStore::kWsync: return Operand::Wsync;
@@ -107,7 +107,7 @@ constexpr uint32_t modify_cost(Operand operand) {
 
 enum Handler : uint16_t {
     kStep,        // falls back to the plain interpreter for one instruction
-    kLoop,        // a loop of which all rounds but the last can be skipped (loops.hpp)
+    kLoop,        // a loop whose rounds can be skipped, except the last (loops.hpp)
     kRamCode,     // an instruction in RAM, which may have changed since it was decoded
     kTranslated,  // only reached through `code`: translated code begins here (translated_code.hpp)
 #define SINGLE(operation, operand) operation##_##operand,
@@ -146,9 +146,9 @@ bool is_branch(uint16_t handler);
 // Returns whether both bytes of a zero-page pointer are in RAM. The second byte must not be the TIA's $0100.
 constexpr bool pointer_in_ram(uint32_t zero_page) { return zero_page - 0x80 < 0x7f; }
 
-// Decodes the instruction that begins at `bytes`, `available` bytes before the end of its slice or of RAM. `bank` is the
-// image of the window that the instruction runs in. It is null if that window is not one bank, so that the operand's
-// bytes may change.
+// Decodes the instruction that begins at `bytes`, which is `available` bytes before the end of its slice or of RAM.
+// `bank` is the image of the window that the instruction runs in. It is null if that window is not one bank, so that
+// the operand's bytes may change.
 DecodedInstruction decode(const uint8_t* bytes, int available, const Cartridge& cartridge, const uint8_t* bank);
 
 // Returns a decoded instruction for each byte of the image, and one more, on which execution leaves the image.

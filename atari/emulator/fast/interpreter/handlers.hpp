@@ -1,7 +1,7 @@
 // The bodies of the handlers of the fast interpreter (interpreter.cpp), one for each operation and kind of operand.
 //
 // A handler either completes its instruction, or returns `kInterpret` before it has changed anything, so that the plain
-// interpreter runs the instruction. A handler must have exactly the effect of the plain interpreter. This is tested
+// interpreter runs the instruction. A handler must have exactly the effect of the plain interpreter. Tests compare both
 // frame by frame on all games, random ROMs and random programs (tests/emulator/test_fast_equals_plain.py).
 #pragma once
 
@@ -45,8 +45,8 @@ struct Interpreter {
 
     static const void* label(uint16_t handler);
 
-    // The functions that translated code calls (translator.hpp): a handler, or that of a superinstruction's first
-    // instruction, and the skipping of the rounds of the loop that begins at `r.at`.
+    // The functions that translated code calls (translator.hpp). `step_of` returns a handler; for a superinstruction,
+    // the handler of its first instruction. `skip_loop` skips rounds of the loop that begins at `r.at`.
     using Step = Exit (*)(Registers&, FastConsole&) noexcept;
     static Step step_of(uint16_t handler);
     static Exit skip_loop(Registers& r, FastConsole& c) noexcept;
@@ -55,7 +55,7 @@ struct Interpreter {
     using R = Registers;
     static const Step kSteps[];
 
-    // --- where the program counter is, and how it moves ---
+    // --- the program counter and jumps ---
 
     static uint16_t pc_of(const FastConsole& c, const DecodedInstruction* at) {
         return static_cast<uint16_t>(c.origin_ + (at - c.base_instruction_));

@@ -1,5 +1,5 @@
 // An assembler of the x86-64 instructions that the JIT translator (translator.cpp) needs: instructions with two
-// operands, one of which may be in memory, and jumps, which may be emitted before their target.
+// operands, and jumps. One operand may be in memory. A jump may be emitted before its target.
 #pragma once
 
 #include <cstddef>
@@ -37,7 +37,7 @@ struct JumpLabel {
 
 // A forward jump with a distance of one byte. `bind_short` sets its target.
 struct ShortJump {
-    std::size_t end;  // of the jump instruction
+    std::size_t end;  // the end of the jump instruction
 };
 
 class Assembler {

@@ -7,7 +7,7 @@
 namespace atari {
 namespace {
 
-// --- which instructions there are ---
+// --- the instructions of an image ---
 
 struct Found {
     std::vector<bool> is_instruction, is_leader;
@@ -21,8 +21,9 @@ class Finder {
         : image_(image), decoded_(decoded), size_(decoded.size() - 1), covered_(size_ + 3),
           found_{std::vector<bool>(size_ + 1), std::vector<bool>(size_ + 1)} {}
 
-    // Finds first the code that is reached from the start of a bank, then everything else that can be decoded: code
-    // that is reached through tables, and data, which never runs. Handlers run the instructions that are not found.
+    // Finds first the code that is reached from the start of a bank, then everything else that can be decoded. The rest
+    // is code that is reached through tables, and data, which never runs. Handlers run the instructions that are not
+    // found.
     Found find() {
         const std::size_t bank_size = std::min<std::size_t>(size_, 4096);
         for (std::size_t bank = 0; bank + bank_size <= size_; bank += bank_size) {
@@ -65,7 +66,7 @@ class Finder {
     Found found_;
 };
 
-// --- what an instruction does ---
+// --- properties of an instruction ---
 
 // clang-format off
 constexpr bool is_read_inline(Operand operand) {

@@ -17,8 +17,8 @@
 
 namespace atari {
 
-// An instruction's operation and operand, by its handler. For a superinstruction or a loop, those of its first
-// instruction.
+// An instruction's operation and operand, by its handler. For a superinstruction or a loop, its first instruction
+// counts.
 struct Kind {
     Operation operation;
     Operand operand;
@@ -31,7 +31,7 @@ inline constexpr auto kKinds = [] {
     return table;
 }();
 
-// Returns the handler of a decoded instruction; for a loop, that of its first instruction.
+// Returns the handler of a decoded instruction; for a loop, the handler of its first instruction.
 inline uint16_t handler_of(const DecodedInstruction& instruction) {
     return instruction.handler == kLoop ? static_cast<uint16_t>(instruction.jump) : instruction.handler;
 }
@@ -59,7 +59,7 @@ struct BlockInstruction {
     Operation operation;
     Operand operand;
     uint16_t given;   // the operand's value, as in the decoded instruction
-    bool loops;       // begins a loop of which all rounds but the last are skipped
+    bool loops;       // begins a loop whose rounds are skipped, except the last
     bool is_inlined;  // translated code runs it; otherwise it calls the handler
 
     EntryState entry;

@@ -71,7 +71,7 @@ class Translator {
     int32_t table_size() const { return static_cast<int32_t>((sizeof(int32_t) * (size_ + 1) + 15) / 16 * 16); }
 
     // translator_instructions.cpp: one instruction
-    struct Source {  // where a byte comes from
+    struct Source {  // the origin of a byte
         std::optional<uint8_t> constant;
         std::optional<Mem> memory;
         Reg reg;  // if it is not in memory

@@ -229,7 +229,7 @@ INLINE void Collider::apply_one(const TiaWrite& write) {
             find_open_pairs();
             reconsider();
             break;
-        case SAME_TIME:  // of the writes of one instruction in the same cycle, the one with the longest delay counts
+        case SAME_TIME:  // one instruction's write in the same cycle as the one before: the longest delay counts
             t.pending = std::max(t.pending, shown_at((&write)[-1], first_cycle_));
             break;
         default: break;
@@ -446,7 +446,7 @@ void Collider::go_to(int32_t target) {
         part(end, end);
         end_line();
         int32_t lines = 1;
-        // Of several equal whole lines only the last is run.
+        // If several whole lines are equal, only the last is run.
         const int32_t left = target - end - kClocksPerLine;
         if (left > kClocksPerLine && !t.cosmic_ark) lines = 1 + (left - 1) / kClocksPerLine;
         end += kClocksPerLine * lines;

@@ -1,8 +1,8 @@
 // Deferred collisions: `Collider` advances the TIA through a frame's write log and finds collisions, without pixels.
 //
 // Most TIA writes cannot affect collisions. Their objects are far from all others, or the latches are not watched or
-// already set. Of such writes only the latest of each register is noted, and it is applied when its object could
-// collide. The registers that act are chosen again when an object moves, grows or appears.
+// already set. Only the latest such write of each register is noted. It is applied when its object could collide. The
+// registers that act are chosen again when an object moves, grows or appears.
 //
 // tests/emulator/test_fast_equals_plain.py compares this with the reference TIA (tia.cpp, tia_renderer.cpp).
 #pragma once

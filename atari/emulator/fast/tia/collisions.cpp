@@ -125,8 +125,8 @@ void Collider::find_possible() {
 }
 
 // Chooses the registers whose TIA writes could affect collisions from here on. These are the registers of objects that
-// may collide at their positions, and those that could make an object appear. Of two enabled objects that are apart,
-// neither acts.
+// may collide at their positions, and those that could make an object appear. Two enabled objects that are apart do not
+// act.
 void Collider::choose_acting() {
     const Tia& t = t_;
     if (!known_) find_possible();

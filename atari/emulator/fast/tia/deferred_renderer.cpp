@@ -59,7 +59,7 @@ const TiaWrite* DeferredRenderer::draw_line(const TiaWrite* first, const TiaWrit
 
 void DeferredRenderer::begin_line() {
     involved_ = enabled_;
-    if (t_.enabl || t_.old_enabl) involved_ |= bit_of(kBL);  // VDELBL selects the one that shows
+    if (t_.enabl || t_.old_enabl) involved_ |= bit_of(kBL);  // VDELBL selects between them
 }
 
 void DeferredRenderer::repeat_row() {

@@ -41,7 +41,7 @@ class LineCache {
     struct Drawing {
         Tia tia;
         DeferredRenderer beam;
-        uint8_t* const pixels;  // of the framebuffer to render into
+        uint8_t* const pixels;  // the framebuffer to render into
         const uint8_t* const other_pixels;
         const int buffer;
         const TiaWrite *const log, *const end;

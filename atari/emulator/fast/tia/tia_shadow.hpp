@@ -14,8 +14,9 @@ namespace atari {
 // The last value written to each TIA register, in a frame whose TIA writes go to a log. The TIA's own state is older
 // until the log is applied to it.
 // Each `write_...` stores a value and returns whether the write can change anything, so that the log needs it. A write
-// that is left out would not delay the next one: writes are at least nine clocks apart, and no delay is longer. So are
-// reads, except of instructions in TIA space; there the program has stored by `log_write` (decoder.cpp).
+// that is left out would not delay the next one: writes are at least nine clocks apart, and no delay is longer. Reads
+// keep the same distance, except those of instructions in TIA space. A program there has stored by `log_write`
+// (decoder.cpp).
 struct TiaShadow {
     uint8_t reg[64];  // RESP0, RESP1: strobed since the last NUSIZ, which ends the strobe's hiding
     uint8_t old_grp0, old_grp1, old_enabl;  // values of GRP0, GRP1 and ENABL in the delayed copies
