@@ -66,9 +66,7 @@ class Family:
             "max_num_frames_per_episode": MAX_FRAMES,
         }
         if self.obs_type == "rgb":
-            del options[
-                "obs_type"
-            ]  # the default; ale-py's specs omit it
+            del options["obs_type"]  # the default; ale-py's specs omit it
         return options
 
 

@@ -89,7 +89,7 @@ def facts(title: str, rows: Sequence[tuple[str, Any]], note: str = "") -> str:
 
 
 def pooled(images: Iterable[ByteArray], size: int) -> Iterator[ByteArray]:
-    """The brightest value of each pixel in `size` images at a time: games draw some objects only in every second frame."""
+    """The brightest value of each pixel in `size` images at a time: games draw some objects every second frame."""
     rest = iter(images)
     while group := list(islice(rest, size)):
         yield np.maximum.reduce(group)
